@@ -1,0 +1,42 @@
+# Two commands do all the set-up on a fresh machine: `make run` and `make test`.
+PYTHON ?= python3
+PORT ?= 5006
+BIN := .venv/bin
+
+.PHONY: run test test-slow bench lint browser clean
+.DEFAULT_GOAL := run
+
+.venv/.runtime: pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	touch $@
+
+.venv/.test: .venv/.runtime
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test]'
+	touch $@
+
+run: .venv/.runtime
+	$(BIN)/navbudget serve --port $(PORT)
+
+# Debian's chromium drives the browser tests; a missing browser is a failure, so it is installed here.
+browser:
+	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || { \
+	  sudo=$$(test "$$(id -u)" = 0 || echo sudo); \
+	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends chromium; }
+
+lint: .venv/.test
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+test: .venv/.test browser lint
+	$(BIN)/python -m pytest -n 2 --dist loadfile -p no:benchmark
+
+test-slow: .venv/.test
+	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark
+
+bench: .venv/.test browser
+	$(BIN)/python -m pytest benchmarks --benchmark-columns=median,iqr,ops,rounds
+
+clean:
+	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

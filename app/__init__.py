@@ -1,0 +1,1 @@
+"""The faces of NavBudget: command line, dashboard and reports. Holds no formula."""

@@ -1,0 +1,1 @@
+"""Navigation error budgets: the physics, without any screen."""
