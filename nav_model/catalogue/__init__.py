@@ -1,0 +1,150 @@
+"""The catalogue of inertial units and radars: values with their source and how far it can be trusted."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any, Literal
+
+from nav_model.inputs import BaseQuantity, DesignError
+from nav_model.parts import INPUTS
+from nav_model.units import parse_quantity
+
+Kind = Literal["imu", "radar"]
+STATUSES = ("confirmed", "secondary", "assumed", "unconfirmed")
+"""How a value came here, from best to worst; anything but the first is marked wherever it is shown."""
+
+
+@dataclass(frozen=True)
+class SourcedValue:
+    """One value of the catalogue.
+
+    Attributes
+    ----------
+    text : str
+        As printed in the source, with its unit.
+    value : float
+        SI.
+    unit : str
+        Unit to show it in (``"wavelength:cm"`` when given as the reciprocal input).
+    status : str
+        One of `STATUSES`.
+    source : str
+        Where it was read.
+    kind : str
+        For biases: in-run, repeatability, rms.
+    """
+
+    text: str
+    value: float
+    unit: str
+    status: str
+    source: str
+    kind: str = ""
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the value was read in the source named."""
+        return self.status == "confirmed"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One unit of the catalogue.
+
+    `values` fill the inputs of the same section of a design; `extra` is shown beside them and fills nothing
+    (data-sheet biases of an inertial unit; speed and altitude of a radar's platform).
+    """
+
+    kind: Kind
+    name: str
+    grade: str
+    note: str
+    values: Mapping[str, SourcedValue]
+    extra: Mapping[str, SourcedValue]
+
+
+_EXTRA: dict[str, dict[str, str]] = {
+    "imu": {"gyro_bias": "angular rate", "accelerometer_bias": "acceleration"},
+    "radar": {"speed": "speed", "altitude": "length"},
+}
+
+
+@cache
+def catalogue(kind: Kind) -> Mapping[str, Entry]:
+    """Name -> entry of the catalogue shipped with the product, in the order of its file."""
+    text = files("nav_model.catalogue").joinpath(f"{kind}.toml").read_text(encoding="utf-8")
+    return read_catalogue(text, kind)
+
+
+def read_catalogue(text: str, kind: Kind) -> Mapping[str, Entry]:
+    """Entries of a catalogue file's text, so that a user's own sensors come in the same format.
+
+    Raises
+    ------
+    DesignError
+        Naming the entry and the key that is wrong.
+    """
+    try:
+        tables = tomllib.loads(text).get(kind, [])
+    except tomllib.TOMLDecodeError as error:
+        raise DesignError(f"{kind} catalogue", f"not TOML: {error}") from error
+    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
+        raise DesignError(f"{kind} catalogue", f"entries must be [[{kind}]] tables")
+    entries = (_entry(kind, table) for table in tables)
+    return {entry.name: entry for entry in entries}
+
+
+def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
+    name = table.get("name")
+    if not isinstance(name, str) or not name:
+        raise DesignError(f"{kind} catalogue", "an entry has no name")
+    values: dict[str, SourcedValue] = {}
+    extra: dict[str, SourcedValue] = {}
+    for key, item in table.items():
+        if key in {"name", "grade", "note"}:
+            continue
+        where = f"{kind}.{name}.{key}"
+        if not isinstance(item, dict) or not isinstance(item.get("value"), str):
+            raise DesignError(where, 'must be a table such as { value = "1 m", status = ..., source = ... }')
+        if item.get("status") not in STATUSES:
+            raise DesignError(where, f"status {item.get('status')!r} is not one of {', '.join(STATUSES)}")
+        if not isinstance(item.get("source"), str) or not item["source"]:
+            raise DesignError(where, "has no source")
+        if key in _EXTRA[kind]:
+            parsed, target = parse_quantity(item["value"], _EXTRA[kind][key]), extra
+        else:
+            name_of_input, declaration = _input(kind, key, where)
+            parsed, target = declaration.read(item["value"], key), values
+            key = name_of_input
+        target[key] = SourcedValue(
+            item["value"], parsed.value, parsed.unit, item["status"], item["source"], item.get("kind", "")
+        )
+    return Entry(kind, name, str(table.get("grade", "")), str(table.get("note", "")), values, extra)
+
+
+def _input(kind: Kind, key: str, where: str) -> tuple[str, BaseQuantity[Any]]:
+    for name, declaration in INPUTS[kind].items():
+        if isinstance(declaration, BaseQuantity) and (
+            name == key or (declaration.alternative and declaration.alternative.key == key)
+        ):
+            return name, declaration
+    raise DesignError(where, "unknown key")
+
+
+def find(kind: Kind, name: str) -> Entry:
+    """The entry called `name` (letter case and outer spaces do not matter).
+
+    Raises
+    ------
+    DesignError
+        Listing the names there are.
+    """
+    entries = catalogue(kind)
+    for entry in entries.values():
+        if entry.name.casefold() == name.strip().casefold():
+            return entry
+    raise DesignError(f"{kind}.preset", f"{name!r} is not in the catalogue; it has {', '.join(entries)}")

@@ -1,0 +1,132 @@
+"""The INS/GNSS filter in steady state on a straight path at constant velocity, in closed form.
+
+Symbols of theory.md: ``sigma_a`` velocity random walk [m/s/√s], ``sigma_w`` angle random walk [rad/√s],
+``s`` density of the fixes [m·√s], ``g`` gravity [m/s²]. Every function broadcasts over arrays.
+Source: Makarem and Cheraghi Mahmudabadi, Journal of Radar 7(2), 2019, equations 14 to 19.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+class Horizontal(NamedTuple):
+    """Covariance of one horizontal channel: position, velocity, tilt.
+
+    ``p11`` [m²], ``p12`` [m²/s], ``p13`` [m·rad], ``p22`` [m²/s²], ``p23`` [m/s·rad], ``p33`` [rad²]. The
+    signs are those of a channel in which positive tilt accelerates forward (y with roll); the x channel
+    has p13 and p23 negative.
+    """
+
+    p11: Array
+    p12: Array
+    p13: Array
+    p22: Array
+    p23: Array
+    p33: Array
+
+    def matrix(self) -> Array:
+        """As an array of shape (..., 3, 3)."""
+        rows = (
+            (self.p11, self.p12, self.p13),
+            (self.p12, self.p22, self.p23),
+            (self.p13, self.p23, self.p33),
+        )
+        return np.stack([np.stack(np.broadcast_arrays(*row), axis=-1) for row in rows], axis=-2)
+
+    @classmethod
+    def of(cls, matrix: Array) -> Horizontal:
+        """From an array of shape (..., 3, 3), of which the upper triangle is read."""
+        return cls(*(matrix[..., i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))))
+
+
+class Vertical(NamedTuple):
+    """Covariance of the vertical channel: ``v11`` [m²], ``v12`` [m²/s], ``v22`` [m²/s²]."""
+
+    v11: Array
+    v12: Array
+    v22: Array
+
+
+def fix_density(sigma_gnss: ArrayLike, interval: ArrayLike) -> Array:
+    """Density of white noise equivalent to a fix of `sigma_gnss` [m] every `interval` [s], in m·√s. [T-2]"""
+    density: Array = np.asarray(sigma_gnss, float) * np.sqrt(np.asarray(interval, float))
+    return density
+
+
+def gyro_dominance(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike) -> Array:
+    """Regime number kappa: large when the gyro rules the horizontal channel, small when it does not. [T-6]"""
+    sigma_a, sigma_w, s, g = (np.asarray(x, float) for x in (sigma_a, sigma_w, s, g))
+    kappa: Array = 2 * np.sqrt(2) * g * sigma_w * np.sqrt(s) / sigma_a**1.5
+    return kappa
+
+
+def position_ratio(kappa: ArrayLike) -> Array:
+    """The root u >= 1 of u⁴ = 1 + kappa·u: horizontal over vertical position variance. [T-6]
+
+    Newton's method from a start good to 3 %: five steps reach the last bit for every kappa >= 0.
+    """
+    kappa = np.asarray(kappa, float)
+    u: Array = np.sqrt(np.sqrt(1 + np.cbrt(kappa) ** 4))
+    for _ in range(5):
+        cube = u * u * u
+        u = (3 * cube * u + 1) / (4 * cube - kappa)
+    return u
+
+
+def vertical(sigma_a: ArrayLike, s: ArrayLike) -> Vertical:
+    """Steady-state covariance of the vertical channel. [T-4]"""
+    sigma_a, s = np.asarray(sigma_a, float), np.asarray(s, float)
+    v11 = np.sqrt(2 * sigma_a * s) * s
+    return Vertical(v11, sigma_a * s, v11 * sigma_a / s)
+
+
+def horizontal(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike) -> Horizontal:
+    """Steady-state covariance of a horizontal channel. [T-3]
+
+    Parameters
+    ----------
+    sigma_a, sigma_w, s, g : array_like
+        Positive; see the module. They broadcast together.
+    """
+    sigma_a, sigma_w, s, g = (np.asarray(x, float) for x in (sigma_a, sigma_w, s, g))
+    return horizontal_from_position(
+        position_ratio(gyro_dominance(sigma_a, sigma_w, s, g)) * vertical(sigma_a, s).v11, sigma_w, s, g
+    )
+
+
+def horizontal_from_position(p11: Array, sigma_w: Array, s: Array, g: Array) -> Horizontal:
+    """The other elements of [T-3], given the variance of position."""
+    ratio = p11 / s  # [m/√s]; powers of s itself would leave the range of floats sooner
+    return Horizontal(
+        p11=p11,
+        p12=ratio * ratio / 2,
+        p13=sigma_w * s,
+        p22=ratio**3 / (2 * s) - g * sigma_w * s,
+        p23=ratio * sigma_w,
+        p33=ratio * ratio * sigma_w / (2 * g * s),
+    )
+
+
+def gyro_dominated(sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike) -> tuple[Array, Array, Array]:
+    """Asymptotes of p11, p22, p33 for kappa >> 1; relative error of p11 about kappa^(-4/3)/3. [T-7]"""
+    sigma_w, s, g = (np.asarray(x, float) for x in (sigma_w, s, g))
+    p11 = 2 * np.cbrt(s**5 * g * sigma_w)
+    return p11, 3 * g * sigma_w * s, 2 * np.cbrt(s * sigma_w**5 / g)
+
+
+def yaw_variance(sigma_w: ArrayLike, time: ArrayLike) -> Array:
+    """Growth of the yaw variance [rad²] over `time` [s]: unobservable on this path. [T-5]"""
+    variance: Array = np.asarray(sigma_w, float) ** 2 * np.asarray(time, float)
+    return variance
+
+
+def lambda_dt(p11: ArrayLike, s: ArrayLike, interval: ArrayLike) -> Array:
+    """Filter bandwidth times fix interval; above 0.5 the sawtooth of a discrete filter is wide. [T-8]"""
+    product: Array = np.asarray(p11, float) * np.asarray(interval, float) / np.asarray(s, float) ** 2
+    return product

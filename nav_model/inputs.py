@@ -1,0 +1,277 @@
+"""Parameter types of a design: what a person can set, with unit, bounds, help and a name for links.
+
+One declaration serves the file reader, the link, the command line and the widgets. Values are SI.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeVar, cast
+
+import param
+
+from nav_model.units import (
+    DIMENSIONS,
+    Parsed,
+    QuantityError,
+    format_quantity,
+    join_quantity,
+    parse_exact,
+    shortest_decimal,
+)
+
+_T = TypeVar("_T")
+
+
+class DesignError(ValueError):
+    """Bad input, with the key it stands under.
+
+    Attributes
+    ----------
+    key : str
+        Dotted key such as ``"imu.angle_random_walk"``, or the file's name when no key is to blame.
+    reason : str
+        What was given and what is allowed.
+    """
+
+    def __init__(self, key: str, reason: str) -> None:
+        super().__init__(f"{key}: {reason}")
+        self.key = key
+        self.reason = reason
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """A second key for the same input, its reciprocal up to a constant.
+
+    A GNSS interval may be given as a rate, a frequency as a wavelength: ``value = constant / alternative``.
+    """
+
+    key: str
+    dimension: str
+    unit: str
+    constant: float
+
+
+class BaseQuantity(param.Number[_T]):
+    """A number with a dimension; see `Quantity`."""
+
+    __slots__ = ["alternative", "datasheet", "dimension", "short", "typical", "unit"]
+
+    dimension: str
+    unit: str
+    short: str
+    datasheet: str
+    typical: str
+    alternative: Alternative | None
+
+    def __init__(
+        self,
+        default: float | None = None,
+        *,
+        dimension: str,
+        unit: str,
+        short: str,
+        bounds: tuple[float, float],
+        inclusive_bounds: tuple[bool, bool] = (True, True),
+        softbounds: tuple[float, float] | None = None,
+        datasheet: str = "",
+        typical: str = "",
+        alternative: Alternative | None = None,
+        **params: Any,
+    ) -> None:
+        self.dimension = dimension
+        self.unit = unit
+        self.short = short
+        self.datasheet = datasheet
+        self.typical = typical
+        self.alternative = alternative
+        super().__init__(  # type: ignore[misc]  # param's overloads name the two concrete cases only
+            default=default,
+            bounds=bounds,
+            inclusive_bounds=inclusive_bounds,
+            softbounds=softbounds or bounds,
+            constant=True,
+            **params,
+        )
+
+    @property
+    def key(self) -> str:
+        """Dotted key, as in a design file."""
+        section = getattr(self.owner, "section", "")
+        return f"{section}.{self.name}" if section else str(self.name)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest allowed value, SI."""
+        low, high = cast("tuple[float, float]", self.bounds)
+        return float(low), float(high)
+
+    def _validate(self, val: Any) -> None:
+        if val is None and self.allow_None:
+            return
+        if isinstance(val, bool) or not isinstance(val, int | float):
+            raise DesignError(self.key, f"{val!r} is not a number")
+        low, high = self.limits
+        include_low, include_high = self.inclusive_bounds
+        inside = (val >= low if include_low else val > low) and (val <= high if include_high else val < high)
+        if not inside:  # NaN lands here too
+            raise DesignError(self.key, f"{self.show(float(val))} is not allowed; {self.allowed()}")
+
+    def show(self, value: float) -> str:
+        """Value in SI as text in this input's usual unit, to six digits."""
+        if not math.isfinite(value):
+            return f"{value}"
+        if not self.dimension:
+            return f"{value:g}"
+        return format_quantity(value, self.unit, self.dimension, digits=6)
+
+    def allowed(self) -> str:
+        """The bounds in words, in this input's usual unit."""
+        low, high = self.limits
+        include_low, include_high = self.inclusive_bounds
+        below = "at least" if include_low else "more than"
+        above = "at most" if include_high else "less than"
+        return f"it must be {below} {self.show(low)} and {above} {self.show(high)}"
+
+    def read(self, text: Any, key: str | None = None) -> Parsed:
+        """A value written in a file, a link or a box -> SI and the unit to show it in.
+
+        `key` is the name the value was given under, which may be the alternative's.
+
+        Raises
+        ------
+        DesignError
+            Naming the key, what was given and what is allowed.
+        """
+        where = self.key
+        alternative = self.alternative
+        reciprocal = alternative is not None and key == alternative.key
+        if reciprocal:
+            where = f"{where.rpartition('.')[0]}.{key}"
+        if not self.dimension:
+            return Parsed(self._plain(text, where), "")
+        dimension = alternative.dimension if reciprocal and alternative else self.dimension
+        if not isinstance(text, str):
+            examples = ", ".join(f'"{example}"' for example in DIMENSIONS[dimension].examples)
+            raise DesignError(where, f"{text!r} is not a quantity in quotes; write for example {examples}")
+        try:
+            exact, unit = parse_exact(text, dimension)
+            if reciprocal and alternative:
+                exact = Fraction(alternative.constant) / exact
+                unit = f"{alternative.key}:{unit}"
+            parsed = Parsed(float(exact), unit)
+            self._validate(parsed.value)
+        except QuantityError as error:
+            raise DesignError(where, str(error)) from error
+        except (DesignError, OverflowError, ZeroDivisionError) as error:
+            raise DesignError(where, f"{text.strip()!r} is not allowed; {self.allowed()}") from error
+        return parsed
+
+    def _plain(self, text: Any, where: str) -> float:
+        if isinstance(text, str):
+            try:
+                number = float(text)
+            except ValueError as error:
+                raise DesignError(where, f"{text!r} is not a number; {self.allowed()}") from error
+        elif isinstance(text, bool) or not isinstance(text, int | float):
+            raise DesignError(where, f"{text!r} is not a number; {self.allowed()}")
+        else:
+            number = float(text) if abs(text) < 1e300 else math.inf
+        self._validate(number)
+        return number
+
+    def write(self, value: float, written: str) -> tuple[str, str | float]:
+        """Key and value for a file or link, reading back to exactly the same float.
+
+        `written` is the unit remembered from reading (``"wavelength:cm"`` for an alternative).
+        """
+        if not self.dimension:
+            return str(self.name), value
+        if self.alternative and ":" in written:
+            return self.alternative.key, self._write_alternative(value, written.partition(":")[2])
+        return str(self.name), format_quantity(value, written or self.unit, self.dimension)
+
+    def _write_alternative(self, value: float, unit: str) -> str:
+        assert self.alternative is not None
+        constant = Fraction(self.alternative.constant)
+        factor = DIMENSIONS[self.alternative.dimension].units[unit]
+
+        def reads_back(decimal: Fraction) -> bool:
+            return decimal > 0 and float(constant / (decimal * factor)) == value
+
+        return join_quantity(shortest_decimal(constant / Fraction(value) / factor, reads_back), unit)
+
+
+class Quantity(BaseQuantity[float]):
+    """A required input with a dimension.
+
+    Parameters
+    ----------
+    default, bounds, softbounds : float
+        SI. `softbounds` is the range a slider spans.
+    dimension : str
+        Key of `nav_model.units.DIMENSIONS`; empty for a plain number.
+    unit : str
+        Usual display unit.
+    short : str
+        Name in links.
+    datasheet, typical : str
+        Where to find the value on a data sheet; usual values by grade.
+    alternative : Alternative, optional
+        A second key for the same input.
+    """
+
+
+class OptionalQuantity(BaseQuantity[float | None]):
+    """An input that may be left out (``None``); otherwise as `Quantity`."""
+
+    def __init__(self, **params: Any) -> None:
+        super().__init__(allow_None=True, **params)
+
+
+class Choice(param.Selector[Any]):
+    """One of a few named options."""
+
+    __slots__ = ["short"]
+
+    short: str
+
+    def __init__(self, default: Any, *, options: list[Any], short: str, **params: Any) -> None:
+        self.short = short
+        super().__init__(default=default, objects=options, constant=True, **params)
+
+    @property
+    def key(self) -> str:
+        """Dotted key, as in a design file."""
+        return f"{getattr(self.owner, 'section', '')}.{self.name}"
+
+    def _validate(self, val: Any) -> None:
+        if not any(val == option and type(val) is type(option) for option in self.objects):
+            raise DesignError(self.key, f"{val!r} is not one of {', '.join(map(_spelled, self.objects))}")
+
+    def read(self, text: Any) -> Any:
+        """The option `text` names.
+
+        Raises
+        ------
+        DesignError
+            Listing the options.
+        """
+        options = list(self.objects)
+        for option in options:
+            if text == option and type(text) is type(option):
+                return option
+            if (
+                isinstance(text, str)
+                and not isinstance(option, str)
+                and text.strip().lower() == _spelled(option)
+            ):
+                return option
+        raise DesignError(self.key, f"{text!r} is not one of {', '.join(map(_spelled, options))}")
+
+
+def _spelled(option: Any) -> str:
+    return str(option).lower() if isinstance(option, bool) else str(option)

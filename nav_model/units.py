@@ -1,0 +1,356 @@
+"""Quantity strings as printed on data sheets, both ways: ``"0.5 °/√h"`` <-> SI.
+
+Inside the model everything is SI; a unit exists only here, at the edge. A quantity is a decimal number
+followed by a unit of the dimension its key asks for. Every unit has one canonical spelling, used for
+printing, and is read in the usual ASCII spellings too (``deg/sqrt(h)``, ``ug/sqrt(Hz)``, ``m/s^2``).
+
+Conversions are exact rational arithmetic rounded once, so that printing and reading again gives the same
+float, whatever the unit. Factors follow theory.md section 1: standard gravity 9.80665 m/s² converts units;
+the local gravity of a design is a separate quantity.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Context, Decimal
+from fractions import Fraction
+from typing import NamedTuple
+
+_PI = Fraction(math.pi)
+_DEGREE = _PI / 180
+_G = Fraction("9.80665")
+_FOOT = Fraction("0.3048")
+
+
+class QuantityError(ValueError):
+    """A text that is not a quantity of the dimension asked for."""
+
+
+class Parsed(NamedTuple):
+    """A value in SI and the canonical symbol of the unit it was written in."""
+
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A kind of quantity.
+
+    Attributes
+    ----------
+    name : str
+        As used in messages.
+    units : dict
+        Canonical symbol -> exact factor to SI. The first is the default for display.
+    examples : tuple of str
+        Quantity strings offered to a user whose text was refused.
+    """
+
+    name: str
+    units: dict[str, Fraction]
+    examples: tuple[str, ...]
+
+    @property
+    def default_unit(self) -> str:
+        """The unit a value is shown in unless its owner says otherwise."""
+        return next(iter(self.units))
+
+
+_MICRO = Fraction(1, 10**6)
+_MILLI = Fraction(1, 1000)
+
+DIMENSIONS: dict[str, Dimension] = {
+    dimension.name: dimension
+    for dimension in (
+        Dimension(
+            "velocity random walk",
+            {
+                "m/s/√h": Fraction(1, 60),
+                "µg/√Hz": _G * _MICRO,
+                "mg/√Hz": _G * _MILLI,
+                "m/s²/√Hz": Fraction(1),
+                "m/s/√s": Fraction(1),
+                "ft/s/√h": _FOOT / 60,
+            },
+            ("0.05 m/s/√h", "80 µg/√Hz", "0.0008 m/s²/√Hz"),
+        ),
+        Dimension(
+            "angle random walk",
+            {
+                "°/√h": _DEGREE / 60,
+                "°/s/√Hz": _DEGREE,
+                "°/h/√Hz": _DEGREE / 3600,
+                "°/√s": _DEGREE,
+                "mrad/√h": _MILLI / 60,
+                "rad/√s": Fraction(1),
+                "rad/s/√Hz": Fraction(1),
+            },
+            ("0.5 °/√h", "0.008 °/s/√Hz", "30 °/h/√Hz"),
+        ),
+        Dimension(
+            "acceleration",
+            {"m/s²": Fraction(1), "mg": _G * _MILLI, "µg": _G * _MICRO, "g": _G, "mm/s²": _MILLI},
+            ("0.1 mg", "50 µg", "0.001 m/s²"),
+        ),
+        Dimension(
+            "angular rate",
+            {"°/h": _DEGREE / 3600, "°/s": _DEGREE, "rad/s": Fraction(1), "mrad/s": _MILLI},
+            ("1 °/h", "0.01 °/s", "5e-6 rad/s"),
+        ),
+        Dimension(
+            "length",
+            {
+                "m": Fraction(1),
+                "km": Fraction(1000),
+                "cm": Fraction(1, 100),
+                "mm": _MILLI,
+                "ft": _FOOT,
+                "NM": Fraction(1852),
+            },
+            ("1 m", "2 cm", "7 km"),
+        ),
+        Dimension(
+            "time",
+            {"s": Fraction(1), "ms": _MILLI, "min": Fraction(60), "h": Fraction(3600)},
+            ("1 s", "200 ms", "2 min"),
+        ),
+        Dimension(
+            "frequency",
+            {
+                "Hz": Fraction(1),
+                "kHz": Fraction(1000),
+                "MHz": Fraction(10**6),
+                "GHz": Fraction(10**9),
+            },
+            ("100 Hz", "1325 MHz", "9.6 GHz"),
+        ),
+        Dimension(
+            "speed",
+            {
+                "m/s": Fraction(1),
+                "km/h": Fraction(1000, 3600),
+                "kn": Fraction(1852, 3600),
+                "cm/s": Fraction(1, 100),
+                "mm/s": _MILLI,
+                "ft/s": _FOOT,
+            },
+            ("100 m/s", "360 km/h", "200 kn"),
+        ),
+        Dimension(
+            "angle",
+            {
+                "°": _DEGREE,
+                "rad": Fraction(1),
+                "mrad": _MILLI,
+                "arcmin": _DEGREE / 60,
+                "arcsec": _DEGREE / 3600,
+            },
+            ("45°", "0.5 rad", "3 mrad"),
+        ),
+    )
+}
+
+# Spellings met on data sheets and keyboards, rewritten in this order before the table is consulted.
+_REWRITES: tuple[tuple[str, str], ...] = (
+    ("μ", "µ"),  # Greek mu -> micro sign
+    ("º", "°"),
+    ("˚", "°"),
+    ("degrees", "°"),
+    ("degree", "°"),
+    ("deg", "°"),
+    ("√(", "sqrt("),
+    ("rtHz", "√Hz"),
+    ("**", "^"),
+    ("^2", "²"),
+    ("s2", "s²"),
+    ("sec", "s"),
+    ("hour", "h"),
+    ("hr", "h"),
+)
+_SQRT = re.compile(r"sqrt\((\w+)\)|sqrt(Hz|h|s)\b|(Hz|h|s)\^(?:0\.5|\(?1/2\)?)")
+_NUMBER = re.compile(r"[+\-−]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+\-−]?\d+)?")
+_MAX_EXPONENT = 400  # beyond this an exact rational would only cost memory: no float has it
+
+
+def _canonical_spelling(unit: str) -> str:
+    text = "".join(unit.split()).replace("arcsec", "\0")  # "sec" below must not touch it
+    for old, new in _REWRITES:
+        text = text.replace(old, new)
+    text = _SQRT.sub(lambda m: "√" + (m[1] or m[2] or m[3]), text)
+    if text.startswith("u") and text[1:2] in {"g", "m"}:
+        text = "µ" + text[1:]
+    return text.replace("\0", "arcsec")
+
+
+_ALIASES: dict[str, str] = {
+    "dps/√Hz": "°/s/√Hz",
+    "dps": "°/s",
+    "dph": "°/h",
+    "fps/√h": "ft/s/√h",
+    "fps": "ft/s",
+    "kt": "kn",
+    "kmh": "km/h",
+    "nmi": "NM",
+    "'": "arcmin",
+    '"': "arcsec",
+    "as": "arcsec",
+}
+
+
+def unit_symbol(unit: str, dimension: str) -> str:
+    """Canonical symbol of a unit in any accepted spelling.
+
+    Raises
+    ------
+    QuantityError
+        If the text is not a unit of the dimension.
+    """
+    table = DIMENSIONS[dimension]
+    text = _canonical_spelling(unit)
+    text = _ALIASES.get(text, text)
+    if text not in table.units:
+        raise QuantityError(
+            f"{unit.strip()!r} is not a unit of {table.name}; write for example {_examples(table)}"
+        )
+    return text
+
+
+def _examples(dimension: Dimension) -> str:
+    return ", ".join(f'"{example}"' for example in dimension.examples)
+
+
+def parse_quantity(text: str, dimension: str) -> Parsed:
+    """Read a quantity string.
+
+    Parameters
+    ----------
+    text : str
+        A number and a unit, such as ``"0.5 °/√h"``, ``"80 ug/sqrt(Hz)"`` or ``"45°"``.
+    dimension : str
+        Key of `DIMENSIONS`.
+
+    Returns
+    -------
+    Parsed
+        Value in SI and the canonical unit symbol.
+
+    Raises
+    ------
+    QuantityError
+        If there is no number, no unit, the unit belongs to another dimension, or no float holds the value.
+    """
+    exact, symbol = parse_exact(text, dimension)
+    try:
+        return Parsed(float(exact), symbol)
+    except OverflowError as error:
+        raise QuantityError(f"{_shown(text)} is too large") from error
+
+
+def parse_exact(text: str, dimension: str) -> tuple[Fraction, str]:
+    """As `parse_quantity`, with the value in SI as an exact rational."""
+    table = DIMENSIONS[dimension]
+    stripped = text.strip()
+    match = _NUMBER.match(stripped)
+    if match is None or len(stripped) > 100:
+        raise QuantityError(f"{_shown(text)} is not a {table.name}; write for example {_examples(table)}")
+    number, unit = match[0].replace("−", "-"), stripped[match.end() :]
+    if not unit.strip():
+        raise QuantityError(f"{_shown(text)} has no unit; write for example {_examples(table)}")
+    symbol = unit_symbol(unit, dimension)
+    return _decimal(number, text) * table.units[symbol], symbol
+
+
+def _decimal(number: str, text: str) -> Fraction:
+    exponent = number.lower().partition("e")[2]
+    if exponent and abs(int(exponent)) > _MAX_EXPONENT:
+        raise QuantityError(f"{_shown(text)} is out of the range of numbers")
+    return Fraction(number)
+
+
+def _shown(text: str) -> str:
+    return repr(text if len(text) <= 60 else text[:57] + "...")
+
+
+def to_si(number: float | Fraction, unit: str, dimension: str) -> float:
+    """Number in `unit` (canonical symbol) to SI, rounded once.
+
+    Raises
+    ------
+    QuantityError
+        If the result is too large for a float.
+    """
+    try:
+        return float(Fraction(number) * DIMENSIONS[dimension].units[unit])
+    except OverflowError as error:
+        raise QuantityError(f"the number before {unit!r} is too large") from error
+
+
+def from_si(value: float, unit: str, dimension: str) -> float:
+    """Value in SI to a number in `unit` (canonical symbol), rounded once."""
+    return float(Fraction(value) / DIMENSIONS[dimension].units[unit])
+
+
+def format_quantity(value: float, unit: str, dimension: str, digits: int | None = None) -> str:
+    """Print a value in SI as a quantity string in `unit`.
+
+    Parameters
+    ----------
+    value : float
+        SI.
+    unit : str
+        Canonical symbol.
+    dimension : str
+        Key of `DIMENSIONS`.
+    digits : int, optional
+        Significant digits. Without it, the fewest that read back as exactly the same float.
+
+    Returns
+    -------
+    str
+        ``"0.5 °/√h"``; a plain degree sign follows its number without a space: ``"45°"``.
+    """
+    factor = DIMENSIONS[dimension].units[unit]
+    exact = Fraction(value) / factor
+    if digits is None:
+        number = shortest_decimal(exact, lambda decimal: float(decimal * factor) == value)
+    else:
+        number = plain_number(float(exact), digits)
+    return join_quantity(number, unit)
+
+
+def join_quantity(number: str, unit: str) -> str:
+    """Number and unit as the field writes them: a space between, none before a plain degree sign."""
+    return f"{number}{'' if unit == '°' else ' '}{unit}"
+
+
+def shortest_decimal(exact: Fraction, reads_back: Callable[[Fraction], bool]) -> str:
+    """Fewest significant digits of `exact` that `reads_back` accepts.
+
+    Seventeen digits rounded from the exact value always identify a float, so the search ends there.
+    """
+    quotient = Context(prec=40).divide(Decimal(exact.numerator), Decimal(exact.denominator))
+    for digits in range(1, 18):
+        rounded = Context(prec=digits).plus(quotient)
+        if reads_back(Fraction(rounded)):
+            break
+    return _plain_decimal(rounded)
+
+
+def plain_number(number: float, digits: int) -> str:
+    """Decimal text of `number` with `digits` significant digits, without trailing zeros."""
+    return _plain_decimal(Context(prec=digits).create_decimal_from_float(number))
+
+
+def _plain_decimal(number: Decimal) -> str:
+    """Positional where a reader expects it (1e-5 to 1e9), scientific outside, no trailing zeros."""
+    number = number.normalize()
+    if not number:
+        return "0"
+    if -5 <= number.adjusted() <= 9:
+        return f"{number:f}"
+    mantissa, _, exponent = f"{number:e}".partition("e")
+    return f"{mantissa}e{int(exponent)}"
