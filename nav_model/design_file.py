@@ -31,13 +31,23 @@ def read_design(path: str | Path) -> Design:
     DesignError
         Naming the file or key, what was given and what is allowed.
     """
-    where = str(path)
+    return parse_design(read_bytes(path), str(path))
+
+
+def read_bytes(path: str | Path) -> bytes:
+    """What a design file holds, up to a little more than a design may hold.
+
+    Raises
+    ------
+    DesignError
+        If the file cannot be read.
+    """
     try:
         with Path(path).open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise DesignError(where, f"cannot be read: {error.strerror or error}") from error
-    return parse_design(data, where)
+            return file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        reason = getattr(error, "strerror", None) or str(error)
+        raise DesignError(str(path), f"cannot be read: {reason}") from error
 
 
 def parse_design(data: bytes | str, where: str = "design", changes: Iterable[str] = ()) -> Design:

@@ -115,8 +115,9 @@ def after_fix(prior: Array, row: Array, r: Array) -> Array:
     innovation = np.sum(cross * row, axis=-1) + r
     gain = cross / innovation[..., None]
     keep = np.eye(n) - gain[..., :, None] * row[..., None, :]
-    posterior = keep @ prior @ np.swapaxes(keep, -1, -2)
-    return posterior + r[..., None, None] * gain[..., :, None] * gain[..., None, :]
+    posterior: Array = keep @ prior @ np.swapaxes(keep, -1, -2)
+    posterior += r[..., None, None] * gain[..., :, None] * gain[..., None, :]
+    return posterior
 
 
 def cycle(

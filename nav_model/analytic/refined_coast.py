@@ -51,8 +51,8 @@ class RefinedGrowth(NamedTuple):
 def dynamics(g: float, radius: float, speed: float, latitude: float, heading: float) -> Array:
     """System matrix of the eight error states, shape (8, 8).
 
-    States: along-track position, velocity, pitch; cross-track (right) position, velocity, roll; down position,
-    velocity.
+    States: along-track position, velocity, pitch; cross-track (right) position, velocity, roll; down
+    position, velocity.
     """
     f = np.zeros((8, 8))
     f[0, 1] = f[3, 4] = f[6, 7] = 1
@@ -84,8 +84,8 @@ def refined_growth(
     Parameters
     ----------
     start, start_vertical
-        Covariances just after the last fix, of one horizontal channel and the vertical one. The two horizontal
-        channels start alike and independent.
+        Covariances just after the last fix, of one horizontal channel and the vertical one. The two
+        horizontal channels start alike and independent.
     sigma_a, sigma_w, g : float
         Velocity random walk [m/s/√s], angle random walk [rad/√s], gravity [m/s²].
     time : array_like, shape (times,)

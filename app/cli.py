@@ -1,0 +1,238 @@
+"""The command `navbudget`. Results go to standard output, messages to standard error.
+
+Exit codes: 0 done (for ``check``: every design closes), 1 a design does not close, 2 bad input. Nothing
+heavier than the model itself is imported before a command needs it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from nav_model.budget import Budget, analyse
+from nav_model.budget_json import to_json
+from nav_model.catalogue import catalogue
+from nav_model.design import Design
+from nav_model.design_file import parse_design, read_bytes
+from nav_model.inputs import DesignError
+from nav_model.parts import declaration_of
+from nav_model.units import format_quantity
+
+BAD_INPUT = 2
+
+
+class _Parser(argparse.ArgumentParser):
+    """Refuses a wrong command line with one line, like any other bad input."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.run(options))
+    except DesignError as error:
+        return _refuse(error)
+    except BrokenPipeError:  # the reader has what it wanted (`| head`)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _refuse(error: DesignError) -> int:
+    print(f"navbudget: {' '.join(str(error).splitlines())}", file=sys.stderr)
+    return BAD_INPUT
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="navbudget", description="Navigation error budgets for airborne SAR.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    serve = commands.add_parser("serve", help="run the dashboard")
+    serve.add_argument("--port", type=int, default=5006, help="port (default 5006; 0 picks a free one)")
+    serve.add_argument("--address", default="127.0.0.1", help="address to listen on (default 127.0.0.1)")
+    serve.add_argument(
+        "--allow-origin",
+        action="append",
+        default=[],
+        metavar="HOST[:PORT]",
+        help="public host the page is reached under, when not the address itself; may be repeated",
+    )
+    serve.set_defaults(run=_serve)
+
+    evaluate = commands.add_parser("evaluate", help="the whole budget of a design as JSON")
+    _design_arguments(evaluate, one=True)
+    evaluate.add_argument(
+        "--times", metavar="S,S,...", help="seconds since the last fix for the outage curves"
+    )
+    evaluate.set_defaults(run=_evaluate)
+
+    check = commands.add_parser("check", help="hold designs against their requirements")
+    _design_arguments(check, one=False)
+    check.set_defaults(run=_check)
+
+    report = commands.add_parser("report", help="write a design report")
+    _design_arguments(report, one=False)
+    report.add_argument(
+        "-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf"
+    )
+    report.set_defaults(run=_report)
+
+    presets = commands.add_parser("presets", help="the catalogue, with sources")
+    presets.add_argument("kind", choices=("imu", "radar"))
+    presets.add_argument("--json", action="store_true", help="as JSON")
+    presets.set_defaults(run=_presets)
+    return parser
+
+
+def _design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
+    parser.add_argument(
+        "designs", nargs="*", metavar="DESIGN" if one else "DESIGN...", help="a file, or - for stdin"
+    )
+    parser.add_argument(
+        "--set",
+        dest="changes",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="KEY=VALUE",
+        help='override the file, e.g. imu.angle_random_walk="0.3 °/√h"',
+    )
+    parser.set_defaults(one=one, parser=parser)
+
+
+def _paths(options: argparse.Namespace) -> list[str]:
+    """The designs named; a path that --set swallowed is given back."""
+    paths, changes = list(options.designs), list(options.changes)
+    while changes and "=" not in changes[-1]:
+        paths.append(changes.pop())
+    options.changes = changes
+    if not paths:
+        options.parser.error("no DESIGN given; name a file, or - for standard input")
+    if options.one and len(paths) > 1:
+        options.parser.error(f"one DESIGN expected, {len(paths)} given")
+    return paths
+
+
+def _read(path: str, changes: Sequence[str]) -> Design:
+    if path == "-":
+        return parse_design(sys.stdin.buffer.read(), "standard input", changes)
+    return parse_design(read_bytes(path), path, changes)
+
+
+def _evaluate(options: argparse.Namespace) -> int:
+    (path,) = _paths(options)
+    budget = analyse(_read(path, options.changes), _times(options.times))
+    json.dump(to_json(budget), sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
+    sys.stdout.write("\n")
+    return 0
+
+
+def _times(text: str | None) -> list[float] | None:
+    if text is None:
+        return None
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError as error:
+        raise DesignError("--times", f"{text!r} is not a list of seconds such as 0,10,20") from error
+
+
+def _check(options: argparse.Namespace) -> int:
+    worst = 0
+    for path in _paths(options):
+        try:
+            budget = analyse(_read(path, options.changes))
+        except DesignError as error:
+            worst = _refuse(error)
+            continue
+        print("\n".join(check_lines(path, budget)))
+        if not budget.verdict.closes:
+            worst = max(worst, 1)
+    return worst
+
+
+def check_lines(path: str, budget: Budget) -> list[str]:
+    """A line per requirement, then the verdict: what `navbudget check` prints for one design."""
+    design, verdict = budget.design, budget.verdict
+    lines = []
+    for check in verdict.checks:
+        key = f"requirements.{'quadratic_phase' if check.name.startswith('along') else check.name}"
+        declaration = declaration_of(key)
+        unit = design.unit(key)
+        value, limit = (
+            format_quantity(x, unit, declaration.dimension, 4) for x in (check.value, check.limit)
+        )
+        lines.append(
+            f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {value} (limit {limit}, "
+            f"margin {100 * check.margin:+.1f} %, {check.figure} {check.equation}, "
+            f"dominated by {check.dominant} {100 * check.dominant_share:.0f} %)"
+        )
+    if not verdict.checks:
+        lines.append(f"{path}: closes (no requirement given, nothing checked)")
+    else:
+        said = "closes" if verdict.closes else "DOES NOT CLOSE"
+        tightest = verdict.tightest
+        assert tightest is not None
+        lines.append(
+            f"{path}: {said} at {verdict.confidence:g} sigma; tightest {tightest.name}, "
+            f"margin {100 * tightest.margin:+.1f} %"
+        )
+    return lines
+
+
+def _report(options: argparse.Namespace) -> int:
+    paths = _paths(options)
+    from app.report import write_report
+
+    write_report([analyse(_read(path, options.changes)) for path in paths], options.output)
+    print(f"wrote {options.output}", file=sys.stderr)
+    return 0
+
+
+def _presets(options: argparse.Namespace) -> int:
+    entries = catalogue(options.kind)
+    if options.json:
+        plain = {
+            entry.name: {
+                "grade": entry.grade,
+                "note": entry.note,
+                **{
+                    key: {
+                        "value": v.text,
+                        "status": v.status,
+                        "source": v.source,
+                        **({"kind": v.kind} if v.kind else {}),
+                    }
+                    for key, v in (*entry.values.items(), *entry.extra.items())
+                },
+            }
+            for entry in entries.values()
+        }
+        print(json.dumps(plain, ensure_ascii=False, indent=1))
+        return 0
+    for entry in entries.values():
+        print(entry.name + (f" ({entry.grade})" if entry.grade else ""))
+        for key, value in (*entry.values.items(), *entry.extra.items()):
+            mark = "" if value.confirmed else f"  [{value.status.upper()}]"
+            kind = f", {value.kind}" if value.kind else ""
+            print(f"  {key:22} {value.text}{kind}{mark}  -- {value.source}")
+        if entry.note:
+            print(f"  note: {entry.note}")
+    return 0
+
+
+def _serve(options: argparse.Namespace) -> int:
+    from app.server import serve
+
+    serve(options.address, options.port, options.allow_origin)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,449 @@
+"""From a design to its budget: one pass through the closed forms.
+
+`analyse` is the only place where a design meets the equations; pages, reports and JSON read its result.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nav_model.analytic import coast as growth
+from nav_model.analytic import steady_state as steady
+from nav_model.analytic.discrete import Cycle, Sawtooth, SlowError, cycle
+from nav_model.analytic.refined_coast import refined_growth
+from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical
+from nav_model.design import Design
+from nav_model.inputs import DesignError
+from nav_model.parts import SPEED_OF_LIGHT
+from nav_model.sar import geometry, phase
+from nav_model.sar.impulse_response import ImpulseResponse, quadratic_response
+from nav_model.verdict import Verdict, judge
+
+GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
+ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
+
+COAST_POINTS = 300
+_NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
+
+Shares = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Sigmas:
+    """Standard deviations of the navigation errors at one moment: m, m/s, rad."""
+
+    position_horizontal: float
+    position_vertical: float
+    velocity_horizontal: float
+    velocity_vertical: float
+    tilt: float
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """The settled filter.
+
+    ``closed`` is the cycle rms in closed form [T-3], [T-4]; ``prior`` and ``posterior`` are the discrete
+    filter just before and after a fix [T-8], slow GNSS error included. ``asymptote`` is [T-7]: position,
+    velocity, tilt, horizontal. ``lambda_dt`` is the larger of the two channels. ``shares`` gives, for each
+    kind of error, the share of each source in its variance [T-18].
+    """
+
+    closed: Sigmas
+    prior: Sigmas
+    posterior: Sigmas
+    gyro_dominance: float
+    asymptote: tuple[float, float, float]
+    lambda_dt: float
+    shares: Mapping[str, Shares]
+
+
+@dataclass(frozen=True)
+class Coast:
+    """Sigmas against time since the last fix, arrays of one length: s, m, m/s, rad.
+
+    ``position_*``, ``velocity_*`` and ``tilt`` are the polynomials [T-9], [T-10] with the residual biases in
+    quadrature; ``refined_*`` is [T-17] with the same biases. ``shares_horizontal`` and ``shares_vertical``
+    split the variance of position at the end of ``duration``.
+    """
+
+    duration: float
+    time: Array
+    position_horizontal: Array
+    position_vertical: Array
+    velocity_horizontal: Array
+    velocity_vertical: Array
+    tilt: Array
+    yaw_growth: Array
+    refined_horizontal: Array
+    refined_vertical: Array
+    perfect_start_horizontal: Array
+    perfect_start_vertical: Array
+    initial_tilt: Array
+    end_refined_horizontal: float
+    end_refined_vertical: float
+    shares_horizontal: Shares
+    shares_vertical: Shares
+
+
+@dataclass(frozen=True)
+class PhaseLine:
+    """One source of the phase budget: 1σ in rad; ``share`` is of the quadratic-phase variance."""
+
+    source: str
+    quadratic: float
+    cubic: float
+    detrended: float
+    share: float
+    detrended_share: float
+
+
+@dataclass(frozen=True)
+class Sar:
+    """The phase budget of the aperture: s, m, rad.
+
+    ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
+    what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe.
+    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18].
+    """
+
+    wavelength: float
+    aperture_time: float
+    aperture_length: float
+    cell_length: float
+    window: str
+    autofocus_order: int
+    quadratic: float
+    cubic: float
+    detrended: float
+    along_track_quadratic: float
+    lines: tuple[PhaseLine, ...]
+    tilt_shares: Shares
+    velocity_shares: Shares
+    impulse_response: ImpulseResponse | None
+    after_autofocus: ImpulseResponse | None
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Everything known about a design, immutable, in SI.
+
+    `nav_model.provenance` says which equation each number comes from.
+    """
+
+    design: Design
+    steady_state: SteadyState
+    coast: Coast
+    sar: Sar
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class _Noise:
+    """The inputs of the closed forms, vibration applied."""
+
+    sigma_a: float
+    sigma_w: float
+    s: float
+    s_vertical: float
+    g: float
+    bias_a: float
+    bias_w: float
+
+
+def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
+    """The budget of one design.
+
+    Parameters
+    ----------
+    design : Design
+    times : array_like, optional
+        Seconds since the last fix for the outage curves; by default 300 points over ``coast.duration``.
+
+    Returns
+    -------
+    Budget
+
+    Raises
+    ------
+    DesignError
+        If `times` are not finite, negative or beyond the bounds of ``coast.duration``, or if the aperture
+        that follows from the radar's figures is longer than ``radar.aperture_time`` may be.
+    """
+    noise = _noise(design)
+    time = _times(design, times)
+    p = steady.horizontal(noise.sigma_a, noise.sigma_w, noise.s, noise.g)
+    v = steady.vertical(noise.sigma_a, noise.s_vertical)
+    moments = _cycle(design, noise)
+    white = moments if not design.gnss.correlated else _cycle(design, noise, slow=False)
+    steady_state = _steady_state(design, noise, p, v, moments, white)
+    coast = _coast(design, noise, p, v, moments.posterior, time)
+    # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
+    start = moments.posterior.horizontal if design.gnss.correlated else p
+    sar = _sar(design, noise, start)
+    return Budget(design, steady_state, coast, sar, judge(design, steady_state, coast, sar))
+
+
+def _noise(design: Design) -> _Noise:
+    imu, gnss = design.imu, design.gnss
+    vertical = gnss.vertical_position_noise or gnss.position_noise
+    return _Noise(
+        sigma_a=imu.velocity_random_walk * imu.vibration_factor,
+        sigma_w=imu.angle_random_walk * imu.vibration_factor,
+        s=gnss.position_noise * math.sqrt(gnss.interval),
+        s_vertical=vertical * math.sqrt(gnss.interval),
+        g=design.flight.gravity,
+        bias_a=imu.accelerometer_bias,
+        bias_w=imu.gyro_bias,
+    )
+
+
+def _times(design: Design, times: ArrayLike | None) -> Array:
+    if times is None:
+        return np.linspace(0.0, design.coast.duration, COAST_POINTS)
+    time = np.atleast_1d(np.asarray(times, float))
+    longest = design.coast.param["duration"].bounds[1]
+    if time.ndim != 1 or not np.all(np.isfinite(time) & (time >= 0) & (time <= longest)):
+        raise DesignError("times", f"{times!r} is not allowed; seconds from 0 to {longest:g}")
+    return time
+
+
+def _cycle(design: Design, noise: _Noise, slow: bool | None = None) -> Cycle:
+    gnss = design.gnss
+    with_slow = gnss.correlated if slow is None else slow
+    return cycle(
+        noise.sigma_a,
+        noise.sigma_w,
+        noise.g,
+        gnss.interval,
+        gnss.position_noise,
+        gnss.vertical_position_noise or gnss.position_noise,
+        SlowError(gnss.correlated_noise, gnss.correlation_time) if with_slow else None,
+    )
+
+
+def _sigmas(p: Horizontal, v: Vertical) -> Sigmas:
+    return Sigmas(*(math.sqrt(float(x)) for x in (p.p11, v.v11, p.p22, v.v22, p.p33)))
+
+
+def _steady_state(
+    design: Design, noise: _Noise, p: Horizontal, v: Vertical, moments: Cycle, white: Cycle
+) -> SteadyState:
+    asymptote = steady.gyro_dominated(noise.sigma_w, noise.s, noise.g)
+    lambda_dt = max(
+        float(steady.lambda_dt(variance, s, design.gnss.interval))
+        for variance, s in ((p.p11, noise.s), (v.v11, noise.s_vertical))
+    )
+    return SteadyState(
+        closed=_sigmas(p, v),
+        prior=_sigmas(*moments.prior),
+        posterior=_sigmas(*moments.posterior),
+        gyro_dominance=float(steady.gyro_dominance(noise.sigma_a, noise.sigma_w, noise.s, noise.g)),
+        asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
+        lambda_dt=lambda_dt,
+        shares=_steady_shares(noise, p, v, moments.prior, white.prior),
+    )
+
+
+def _steady_shares(
+    noise: _Noise, p: Horizontal, v: Vertical, prior: Sawtooth, white: Sawtooth
+) -> Mapping[str, Shares]:
+    by_kind: dict[str, dict[str, float]] = {}
+    kinds = ("horizontal_position", "horizontal_velocity", "tilt")
+    for kind, shares in zip(
+        kinds, horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g), strict=True
+    ):
+        by_kind[kind] = {
+            ACCELEROMETER_NOISE: float(shares.accelerometer),
+            GYRO_NOISE: float(shares.gyro),
+            GNSS_NOISE: float(shares.gnss),
+        }
+    accelerometer, _ = vertical_parts(noise.sigma_a, noise.s_vertical)
+    for kind, part, whole in (
+        ("vertical_position", accelerometer.v11, v.v11),
+        ("vertical_velocity", accelerometer.v22, v.v22),
+    ):
+        share = float(part / whole)
+        by_kind[kind] = {ACCELEROMETER_NOISE: share, GNSS_NOISE: 1 - share}
+    if prior is not white:
+        pairs = {
+            "horizontal_position": (prior.horizontal.p11, white.horizontal.p11),
+            "horizontal_velocity": (prior.horizontal.p22, white.horizontal.p22),
+            "tilt": (prior.horizontal.p33, white.horizontal.p33),
+            "vertical_position": (prior.vertical.v11, white.vertical.v11),
+            "vertical_velocity": (prior.vertical.v22, white.vertical.v22),
+        }
+        for kind, (with_slow, without) in pairs.items():
+            kept = min(float(without / with_slow), 1.0)
+            by_kind[kind] = {source: share * kept for source, share in by_kind[kind].items()}
+            by_kind[kind][SLOW_GNSS] = 1 - kept
+    return MappingProxyType({kind: MappingProxyType(shares) for kind, shares in by_kind.items()})
+
+
+def _coast(
+    design: Design, noise: _Noise, p: Horizontal, v: Vertical, posterior: Sawtooth, time: Array
+) -> Coast:
+    a, w, g = noise.sigma_a, noise.sigma_w, noise.g
+    flight = design.flight
+    duration = design.coast.duration
+    level = growth.horizontal_growth(p, a, w, g, time)
+    upright = growth.vertical_growth(v, a, time)
+    refined = refined_growth(
+        posterior.horizontal,
+        posterior.vertical,
+        a,
+        w,
+        g,
+        np.append(time, duration),
+        speed=flight.speed,
+        latitude=flight.latitude,
+        altitude=flight.altitude,
+        heading=flight.heading,
+    )
+    bias_a, bias_w = growth.bias_position(noise.bias_a, noise.bias_w, g, np.append(time, duration))
+    drift_a, drift_w = growth.bias_velocity(noise.bias_a, noise.bias_w, g, time)
+    refined_horizontal = np.sqrt(refined.horizontal + bias_a**2 + bias_w**2)
+    refined_vertical = np.sqrt(refined.vertical + bias_a**2)
+    bias_a, bias_w = bias_a[:-1], bias_w[:-1]
+    perfect = growth.perfect_start(a, w, g, time)
+    shares = _coast_shares(noise, p, v, duration)
+    curves = {
+        "time": time,
+        "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
+        "position_vertical": np.sqrt(upright.position + bias_a**2),
+        "velocity_horizontal": np.sqrt(level.velocity + drift_a**2 + drift_w**2),
+        "velocity_vertical": np.sqrt(upright.velocity + drift_a**2),
+        "tilt": np.sqrt(level.tilt + (noise.bias_w * time) ** 2),
+        "yaw_growth": np.sqrt(steady.yaw_variance(w, time)),
+        "refined_horizontal": refined_horizontal[:-1],
+        "refined_vertical": refined_vertical[:-1],
+        "perfect_start_horizontal": np.sqrt(perfect[0]),
+        "perfect_start_vertical": np.sqrt(perfect[1]),
+        "initial_tilt": np.sqrt(growth.initial_tilt(p.p33, g, time)),
+    }
+    for curve in curves.values():
+        curve.flags.writeable = False
+    return Coast(
+        duration=duration,
+        end_refined_horizontal=float(refined_horizontal[-1]),
+        end_refined_vertical=float(refined_vertical[-1]),
+        shares_horizontal=shares[0],
+        shares_vertical=shares[1],
+        **curves,
+    )
+
+
+def _coast_shares(noise: _Noise, p: Horizontal, v: Vertical, time: float) -> tuple[Shares, Shares]:
+    """Shares in the position variances `time` after the last fix, from the polynomials by linearity."""
+    a, w, g = noise.sigma_a, noise.sigma_w, noise.g
+    parts = horizontal_parts(a, w, noise.s, g)
+    bias_a, bias_w = (float(x) ** 2 for x in growth.bias_position(noise.bias_a, noise.bias_w, g, time))
+    level: dict[str, Array | float] = {
+        ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time).position,
+        GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time).position,
+        GNSS_NOISE: growth.horizontal_growth(parts.gnss, 0.0, 0.0, g, time).position,
+        ACCELEROMETER_BIAS: bias_a,
+        GYRO_BIAS: bias_w,
+    }
+    accelerometer, gnss = vertical_parts(a, noise.s_vertical)
+    upright: dict[str, Array | float] = {
+        ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
+        GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
+        ACCELEROMETER_BIAS: bias_a,
+    }
+    return _normalised(level), _normalised(upright)
+
+
+def _normalised(variances: Mapping[str, Array | float]) -> Shares:
+    values = {source: float(variance) for source, variance in variances.items()}
+    whole = math.fsum(values.values())
+    return MappingProxyType({source: value / whole for source, value in values.items()})
+
+
+def _sar(design: Design, noise: _Noise, start: Horizontal) -> Sar:
+    radar = design.radar
+    wavelength = SPEED_OF_LIGHT / radar.frequency
+    aperture = radar.aperture_time or float(
+        geometry.aperture_time(
+            wavelength, radar.slant_range, design.flight.speed, radar.azimuth_resolution, radar.window
+        )
+    )
+    longest = radar.param["aperture_time"].bounds[1]
+    if aperture > longest:
+        raise DesignError(
+            "radar.azimuth_resolution",
+            f"needs an aperture of {aperture:.4g} s at this range and speed; at most {longest:g} s go",
+        )
+    coast = design.coast.before_aperture
+    budget = phase.phase_budget(
+        start.p33,
+        noise.sigma_a,
+        noise.sigma_w,
+        noise.bias_a,
+        noise.bias_w,
+        noise.g,
+        aperture,
+        coast,
+        radar.grazing_angle,
+        radar.autofocus_order,
+    )
+    whole = phase.total(budget)
+    to_phase = 4 * math.pi / wavelength
+    quadratic = to_phase * math.sqrt(float(whole.quadratic))
+    cubic = to_phase * math.sqrt(float(whole.cubic))
+    lines = tuple(
+        PhaseLine(
+            source,
+            quadratic=to_phase * math.sqrt(float(variances.quadratic)),
+            cubic=to_phase * math.sqrt(float(variances.cubic)),
+            detrended=to_phase * math.sqrt(float(variances.detrended)),
+            share=float(variances.quadratic / whole.quadratic),
+            detrended_share=float(variances.detrended / whole.detrended),
+        )
+        for source, variances in budget.items()
+    )
+    shares = horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g)
+    velocity, tilt = (
+        MappingProxyType(
+            dict(zip((ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE), map(float, by), strict=True))
+        )
+        for by in shares[1:]
+    )
+    speed_error = float(
+        growth.horizontal_growth(start, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity
+    )
+    drift = growth.bias_velocity(noise.bias_a, noise.bias_w, noise.g, coast)
+    speed_error += float(drift[0]) ** 2 + float(drift[1]) ** 2
+    response = _response(quadratic, radar.window)
+    return Sar(
+        wavelength=wavelength,
+        aperture_time=aperture,
+        aperture_length=aperture * design.flight.speed,
+        cell_length=float(geometry.cell_length(wavelength, radar.slant_range, design.flight.speed, aperture)),
+        window=radar.window,
+        autofocus_order=radar.autofocus_order,
+        quadratic=quadratic,
+        cubic=cubic,
+        detrended=to_phase * math.sqrt(float(whole.detrended)),
+        along_track_quadratic=float(
+            phase.along_track_quadratic(
+                speed_error, design.flight.speed, aperture, wavelength, radar.slant_range
+            )
+        ),
+        lines=lines,
+        tilt_shares=tilt,
+        velocity_shares=velocity,
+        impulse_response=response,
+        after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, radar.window),
+    )
+
+
+def _response(quadratic: float, window: str) -> ImpulseResponse | None:
+    return quadratic_response(quadratic, window) if quadratic <= _NO_IMAGE else None  # type: ignore[arg-type]

@@ -1,0 +1,141 @@
+"""Where each number of a budget comes from: its key in the JSON, the equation, the method, what to mind.
+
+One table for pages, reports and JSON, so that no face invents a source of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from nav_model.budget import Budget
+from nav_model.design import Design
+
+WIDE_SAWTOOTH = 0.5
+"""lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
+
+CLOSED, DISCRETE, SERIES, RESPONSE = (
+    "closed form",
+    "discrete Riccati equation",
+    "linear covariance propagation",
+    "aperture integral",
+)
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Equation mark, method and, where one is due, a caution."""
+
+    equation: str
+    method: str
+    note: str = ""
+
+
+_TABLE: dict[str, Provenance] = {
+    "steady_state.position_sigma_m.horizontal": Provenance("[T-3]", CLOSED, "cycle rms"),
+    "steady_state.position_sigma_m.vertical": Provenance("[T-4]", CLOSED, "cycle rms"),
+    "steady_state.velocity_sigma_m_s.horizontal": Provenance("[T-3]", CLOSED, "cycle rms"),
+    "steady_state.velocity_sigma_m_s.vertical": Provenance("[T-4]", CLOSED, "cycle rms"),
+    "steady_state.tilt_sigma_rad": Provenance("[T-3]", CLOSED, "cycle rms"),
+    "steady_state.gyro_dominance": Provenance("[T-6]", CLOSED),
+    "steady_state.asymptote": Provenance("[T-7]", CLOSED, "holds for gyro dominance far above one"),
+    "steady_state.shares": Provenance("[T-18]", CLOSED),
+    "steady_state.lambda_dt": Provenance("[T-8]", CLOSED),
+    "steady_state.discrete.prior": Provenance("[T-8]", DISCRETE, "just before a fix"),
+    "steady_state.discrete.posterior": Provenance("[T-8]", DISCRETE, "just after a fix"),
+    "coast.position_sigma_m": Provenance("[T-9], [T-10]", CLOSED, "biases in quadrature"),
+    "coast.velocity_sigma_m_s": Provenance("[T-9], [T-10]", CLOSED, "biases in quadrature"),
+    "coast.tilt_sigma_rad": Provenance("[T-9]", CLOSED, "gyro bias in quadrature"),
+    "coast.yaw_growth_rad": Provenance("[T-5]", CLOSED, "growth alone; the initial yaw error adds"),
+    "coast.refined_position_sigma_m": Provenance("[T-17]", SERIES, "biases in quadrature"),
+    "coast.perfect_start_position_sigma_m": Provenance("[T-11]", CLOSED),
+    "coast.initial_tilt_position_sigma_m": Provenance("[T-12]", CLOSED),
+    "sar.wavelength_m": Provenance("[T-13]", CLOSED),
+    "sar.aperture_time_s": Provenance("[S-3]", CLOSED),
+    "sar.aperture_length_m": Provenance("[S-3]", CLOSED),
+    "sar.quadratic_phase_sigma_rad": Provenance("[S-5]", CLOSED, "before autofocus"),
+    "sar.cubic_phase_sigma_rad": Provenance("[S-6]", CLOSED, "before autofocus"),
+    "sar.detrended_phase_sigma_rad": Provenance("[T-15], [S-6]", CLOSED, "after autofocus"),
+    "sar.lines": Provenance("[S-5], [S-6]", CLOSED),
+    "sar.along_track_quadratic_phase_sigma_rad": Provenance(
+        "[S-2]", CLOSED, "of its own; not part of the quadratic phase total"
+    ),
+    "sar.impulse_response": Provenance("[S-3], [S-5]", RESPONSE, "1σ quadratic phase, before autofocus"),
+    "verdict": Provenance("[T-8], [T-17], [S-2], [S-5]", "comparison with the limits"),
+}
+
+_AUGMENTED_NOTE = "no closed form covers the slow GNSS error; white noise only"
+
+
+def provenance(budget: Budget) -> Mapping[str, Provenance]:
+    """JSON key -> where that number comes from, for this budget.
+
+    With a slow GNSS error the closed forms describe the white noise only and say so, and the phase budget
+    starts from the tilt of the augmented filter just after the last fix.
+    """
+    if not budget.design.gnss.correlated:
+        return MappingProxyType(_TABLE)
+    table = dict(_TABLE)
+    for key, entry in _TABLE.items():
+        if key.startswith(("steady_state", "coast")) and entry.method == CLOSED:
+            table[key] = Provenance(entry.equation, entry.method, _AUGMENTED_NOTE)
+        elif entry.method == DISCRETE:
+            table[key] = Provenance(
+                entry.equation,
+                "augmented discrete Riccati equation",
+                f"{entry.note}; slow GNSS error modelled",
+            )
+        elif key.startswith("sar.") and "[S-5]" in entry.equation:
+            table[key] = Provenance(
+                f"{entry.equation} with p33 of [T-8]",
+                entry.method,
+                "tilt of the augmented filter after the last fix",
+            )
+    return MappingProxyType(table)
+
+
+def cautions(budget: Budget) -> tuple[str, ...]:
+    """What a careful reader must know about this budget, in sentences."""
+    steady, coast, design = budget.steady_state, budget.coast, budget.design
+    said: list[str] = []
+    if steady.lambda_dt > WIDE_SAWTOOTH:
+        closed = steady.closed.position_horizontal
+        prior, posterior = (m.position_horizontal / closed for m in (steady.prior, steady.posterior))
+        said.append(
+            f"λ·dt = {steady.lambda_dt:.2g} exceeds 0.5, a wide sawtooth: horizontal position is {prior:.2f} "
+            f"times the closed form just before a fix and {posterior:.2f} times just after it [T-8]."
+        )
+    for label, refined, polynomial in (
+        ("horizontal", coast.refined_horizontal, coast.position_horizontal),
+        ("vertical", coast.refined_vertical, coast.position_vertical),
+    ):
+        ratio = float(refined[-1] / polynomial[-1]) if len(polynomial) else 1.0
+        if ratio > 1.05:
+            said.append(
+                f"At {coast.time[-1]:.4g} s the {label} polynomial is optimistic by "
+                f"{100 * (1 - 1 / ratio):.0f} %; the refined curve [T-17] is checked."
+            )
+    said += [sentence for holds, sentence in _STANDING if holds(design)]
+    return tuple(said)
+
+
+_STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
+    (
+        lambda design: design.imu.vibration_factor == 1,
+        "Vibration factor 1 is bench noise; real drives show errors 8 to 35 times those it predicts.",
+    ),
+    (
+        lambda design: design.imu.accelerometer_bias == 0 and design.imu.gyro_bias == 0,
+        "Residual biases are zero: every bias is taken as absorbed by the filter before the last fix.",
+    ),
+    (
+        lambda design: bool(design.gnss.correlated),
+        "A slow GNSS error is switched on: prior, posterior, refined outage and the tilt at the aperture's "
+        "start come from the augmented discrete filter; the closed-form curves leave it out.",
+    ),
+    (
+        lambda design: design.radar.autofocus_order > 1,
+        "Quadratic phase is quoted and checked before autofocus; detrended phase is what autofocus leaves.",
+    ),
+)

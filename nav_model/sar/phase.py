@@ -1,0 +1,155 @@
+"""The phase-error budget of an inertial aperture, source by source, in closed form.
+
+The aperture lasts `aperture` seconds and begins `coast` seconds after the last fix; the navigation filter
+starts a free INS there. Position and velocity errors at the last fix only shift and scale the image; what
+grows inside the aperture defocuses it. Variances are of line-of-sight position [m²]; two-way phase is
+4 pi/lambda times that [T-13]. Everything broadcasts over arrays.
+
+Sources: theory.md section 4, sar.md [S-5], [S-6]; derived with shifted Legendre polynomials, on which the
+residual after removing a least-squares polynomial is the sum of the higher coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nav_model.analytic.steady_state import Array
+from nav_model.sar.geometry import line_of_sight_weights
+
+SOURCES = (
+    "initial tilt",
+    "accelerometer noise",
+    "gyro noise",
+    "accelerometer bias",
+    "gyro bias",
+    "coast before aperture",
+)
+"""The lines of the budget."""
+
+
+class PhaseVariances(NamedTuple):
+    """Line-of-sight variances [m²] of one source over the aperture.
+
+    ``quadratic`` and ``cubic`` are of the coefficients of x² and x³ with x = -1 at the aperture's start and
+    +1 at its end; ``detrended`` is the mean over the aperture of what is left after autofocus.
+    """
+
+    quadratic: Array
+    cubic: Array
+    detrended: Array
+
+
+# Mean residual variance over [0, T] of noise integrated twice (accelerometer) and three times (gyro), after a
+# least-squares polynomial of order 1, 2, 3 is removed: coefficients of T³ and of T⁵. [T-14], [S-6]
+_ACCELEROMETER_LEFT = {1: 1 / 420, 2: 1 / 2520, 3: 1 / 6930}
+_GYRO_LEFT = {1: 17 / 30240, 2: 1 / 55440, 3: 1 / 540540}
+
+
+def phase_budget(
+    p33: ArrayLike,
+    sigma_a: ArrayLike,
+    sigma_w: ArrayLike,
+    accelerometer_bias: ArrayLike,
+    gyro_bias: ArrayLike,
+    g: ArrayLike,
+    aperture: ArrayLike,
+    coast: ArrayLike,
+    grazing_angle: ArrayLike,
+    autofocus_order: int = 1,
+) -> Mapping[str, PhaseVariances]:
+    """Variances of quadratic, cubic and detrended line-of-sight error by source. [T-15], [S-5], [S-6]
+
+    Parameters
+    ----------
+    p33 : array_like
+        Tilt variance at the last fix, rad².
+    sigma_a, sigma_w : array_like
+        Velocity random walk [m/s/√s], angle random walk [rad/√s].
+    accelerometer_bias, gyro_bias : array_like
+        Residual biases at the last fix, 1σ, m/s² and rad/s.
+    g, aperture, coast, grazing_angle : array_like
+        m/s², s, s, rad.
+    autofocus_order : {1, 2, 3}
+        Highest polynomial order removed before the detrended residual: 1 is the line only.
+
+    Returns
+    -------
+    mapping
+        One entry for each of `SOURCES`.
+
+    Raises
+    ------
+    ValueError
+        For an order that has no closed form here.
+    """
+    if autofocus_order not in _ACCELEROMETER_LEFT:
+        raise ValueError(f"autofocus_order: {autofocus_order!r} is not one of 1, 2, 3")
+    p33, sigma_a, sigma_w, b, d, g, t, tc = (
+        np.asarray(x, float)
+        for x in (p33, sigma_a, sigma_w, accelerometer_bias, gyro_bias, g, aperture, coast)
+    )
+    level, upright = line_of_sight_weights(grazing_angle)
+    s_a, s_g = sigma_a**2, level * (g * sigma_w) ** 2
+    constant_curvature = 1.0 if autofocus_order == 1 else 0.0
+    linear_curvature = 1.0 if autofocus_order <= 2 else 0.0
+
+    def steady(acceleration: Array) -> PhaseVariances:
+        """An acceleration of this variance, constant over the aperture."""
+        return PhaseVariances(
+            acceleration * t**4 / 64,
+            np.zeros_like(acceleration * t),
+            constant_curvature * acceleration * t**4 / 720,
+        )
+
+    jerk = level * (g * d) ** 2
+    return {
+        "initial tilt": steady(level * g**2 * p33),
+        "accelerometer noise": PhaseVariances(
+            (10 / 7) * s_a * t**3 / 64,
+            (25 / 4) * (7 / 3960) * s_a * t**3,
+            _ACCELEROMETER_LEFT[autofocus_order] * s_a * t**3,
+        ),
+        "gyro noise": PhaseVariances(
+            (181 / 462) * s_g * t**5 / 64,
+            (25 / 4) * (7 / 61776) * s_g * t**5,
+            _GYRO_LEFT[autofocus_order] * s_g * t**5,
+        ),
+        # Both axes carry a bias of their own, so the weights add up to one.
+        "accelerometer bias": steady((level + upright) * b**2),
+        "gyro bias": PhaseVariances(
+            jerk * (tc + t / 2) ** 2 * t**4 / 64,
+            jerk * t**6 / 2304,
+            jerk * (constant_curvature * (tc + t / 2) ** 2 * t**4 / 720 + linear_curvature * t**6 / 100800),
+        ),
+        "coast before aperture": steady(s_g * tc),
+    }
+
+
+def total(budget: Mapping[str, PhaseVariances]) -> PhaseVariances:
+    """Sum over the sources, which are independent."""
+    return PhaseVariances(
+        *(np.sum(np.broadcast_arrays(*column), axis=0) for column in zip(*budget.values(), strict=True))
+    )
+
+
+def along_track_quadratic(
+    velocity_variance: ArrayLike,
+    speed: ArrayLike,
+    aperture: ArrayLike,
+    wavelength: ArrayLike,
+    slant_range: ArrayLike,
+) -> Array:
+    """Quadratic phase [rad], 1σ, from an along-track velocity error of this variance [m²/s²]. [S-2]
+
+    pi V T² dV/(lambda R), which is pi lambda R k² dV/(4 rho² V) with T from [S-3]: the line of sight turns
+    over the aperture, so a first-order error does more than shift and scale.
+    """
+    variance, speed, aperture, wavelength, slant_range = (
+        np.asarray(x, float) for x in (velocity_variance, speed, aperture, wavelength, slant_range)
+    )
+    phase: Array = np.pi * speed * aperture**2 * np.sqrt(variance) / (wavelength * slant_range)
+    return phase

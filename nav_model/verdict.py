@@ -1,0 +1,127 @@
+"""Does the budget close: each requirement against the worst honest figure, with margin and dominance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from nav_model.design import Design
+
+if TYPE_CHECKING:
+    from nav_model.budget import Coast, Sar, SteadyState
+
+
+@dataclass(frozen=True)
+class Check:
+    """One requirement held against its figure.
+
+    ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
+    over, 1 - value/limit, negative when the requirement is not met. ``figure`` says which of the model's
+    figures was taken, ``equation`` where it comes from.
+    """
+
+    name: str
+    label: str
+    dimension: str
+    value: float
+    sigma: float
+    limit: float
+    margin: float
+    met: bool
+    figure: str
+    equation: str
+    dominant: str
+    dominant_share: float
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All checks, in the order of the requirements; ``tightest`` is the one with the least margin."""
+
+    closes: bool
+    confidence: float
+    checks: tuple[Check, ...]
+    tightest: Check | None
+
+
+@dataclass(frozen=True)
+class _Figure:
+    sigma: float
+    figure: str
+    equation: str
+    shares: Mapping[str, float]
+
+
+def judge(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> Verdict:
+    """Check every requirement that is given.
+
+    In steady state the prior, the worst of the cycle, is checked unless the design chooses otherwise; after
+    the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
+    the along-track term [S-2] as well, which has a check of its own because other sensors answer for it.
+    """
+    confidence = design.requirements.confidence
+    checks = []
+    for name, figure in _figures(design, steady_state, coast, sar).items():
+        limit_key = "quadratic_phase" if name == "along_track_quadratic_phase" else name
+        limit = getattr(design.requirements, limit_key)
+        if limit is None:
+            continue
+        declaration = design.requirements.param[limit_key]
+        value = confidence * figure.sigma
+        margin = 1 - value / limit
+        dominant = max(figure.shares, key=lambda source: figure.shares[source])
+        label = str(declaration.label) if name == limit_key else "Along-track quadratic phase"
+        checks.append(
+            Check(
+                name=name,
+                label=label,
+                dimension=declaration.dimension,
+                value=value,
+                sigma=figure.sigma,
+                limit=limit,
+                margin=margin,
+                met=value <= limit,
+                figure=figure.figure,
+                equation=figure.equation,
+                dominant=dominant,
+                dominant_share=figure.shares[dominant],
+            )
+        )
+    tightest = min(checks, key=lambda check: check.margin, default=None)
+    return Verdict(all(check.met for check in checks), confidence, tuple(checks), tightest)
+
+
+def _figures(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> dict[str, _Figure]:
+    chosen = design.requirements.steady_state
+    sigmas = getattr(steady_state, chosen)
+    label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]
+
+    def settled(name: str, sigma: float, closed_mark: str) -> _Figure:
+        mark = "[T-8]" if chosen != "closed" else closed_mark
+        return _Figure(sigma, label, mark, steady_state.shares[name])
+
+    slow = design.gnss.correlated
+    budget = "closed form" if not slow else "closed form from the augmented filter's tilt"
+
+    def by_source(field: str) -> dict[str, float]:
+        return {line.source: getattr(line, field) for line in sar.lines}
+
+    return {
+        "quadratic_phase": _Figure(sar.quadratic, budget, "[S-5]", by_source("share")),
+        "along_track_quadratic_phase": _Figure(
+            sar.along_track_quadratic, budget, "[S-2]", sar.velocity_shares
+        ),
+        "detrended_phase": _Figure(sar.detrended, budget, "[T-15], [S-6]", by_source("detrended_share")),
+        "horizontal_position": settled("horizontal_position", sigmas.position_horizontal, "[T-3]"),
+        "vertical_position": settled("vertical_position", sigmas.position_vertical, "[T-4]"),
+        "horizontal_velocity": settled("horizontal_velocity", sigmas.velocity_horizontal, "[T-3]"),
+        "vertical_velocity": settled("vertical_velocity", sigmas.velocity_vertical, "[T-4]"),
+        "tilt": settled("tilt", sigmas.tilt, "[T-3]"),
+        "coast_horizontal_position": _Figure(
+            coast.end_refined_horizontal, "refined", "[T-17]", coast.shares_horizontal
+        ),
+        "coast_vertical_position": _Figure(
+            coast.end_refined_vertical, "refined", "[T-17]", coast.shares_vertical
+        ),
+    }
