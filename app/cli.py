@@ -171,7 +171,7 @@ def check_lines(path: str, budget: Budget) -> list[str]:
         lines.append(
             f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {value} (limit {limit}, "
             f"margin {100 * check.margin:+.1f} %, {check.figure} {check.equation}, "
-            f"dominated by {check.dominant} {100 * check.dominant_share:.0f} %)"
+            f"dominated by {check.sensor} {100 * check.sensor_share:.0f} %)"
         )
     if not verdict.checks:
         lines.append(f"{path}: closes (no requirement given, nothing checked)")

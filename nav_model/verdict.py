@@ -18,7 +18,9 @@ class Check:
 
     ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
     over, 1 - value/limit, negative when the requirement is not met. ``figure`` says which of the model's
-    figures was taken, ``equation`` where it comes from.
+    figures was taken, ``equation`` where it comes from. ``dominant`` is the budget line with the largest
+    share of the variance; ``sensor`` is the largest once an initial tilt is charged to the noises that
+    cause it.
     """
 
     name: str
@@ -33,6 +35,8 @@ class Check:
     equation: str
     dominant: str
     dominant_share: float
+    sensor: str
+    sensor_share: float
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,8 @@ def judge(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> 
         value = confidence * figure.sigma
         margin = 1 - value / limit
         dominant = max(figure.shares, key=lambda source: figure.shares[source])
+        by_sensor = _by_sensor(figure.shares, sar.tilt_shares)
+        sensor = max(by_sensor, key=lambda source: by_sensor[source])
         label = str(declaration.label) if name == limit_key else "Along-track quadratic phase"
         checks.append(
             Check(
@@ -86,10 +92,24 @@ def judge(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> 
                 equation=figure.equation,
                 dominant=dominant,
                 dominant_share=figure.shares[dominant],
+                sensor=sensor,
+                sensor_share=by_sensor[sensor],
             )
         )
     tightest = min(checks, key=lambda check: check.margin, default=None)
     return Verdict(all(check.met for check in checks), confidence, tuple(checks), tightest)
+
+
+def _by_sensor(shares: Mapping[str, float], tilt_shares: Mapping[str, float]) -> dict[str, float]:
+    """Shares charged to what can be bought: initial tilt to its makers, coast to the gyros. [T-18]"""
+    charged: dict[str, float] = {}
+    for source, share in shares.items():
+        split = {"initial tilt": tilt_shares, "coast before aperture": {"gyro noise": 1.0}}.get(
+            source, {source: 1.0}
+        )
+        for sensor, part in split.items():
+            charged[sensor] = charged.get(sensor, 0.0) + share * part
+    return charged
 
 
 def _figures(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> dict[str, _Figure]:
