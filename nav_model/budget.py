@@ -257,9 +257,7 @@ def _steady_shares(
 ) -> Mapping[str, Shares]:
     by_kind: dict[str, dict[str, float]] = {}
     kinds = ("horizontal_position", "horizontal_velocity", "tilt")
-    for kind, shares in zip(
-        kinds, horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g), strict=True
-    ):
+    for kind, shares in zip(kinds, horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g), strict=True):
         by_kind[kind] = {
             ACCELEROMETER_NOISE: float(shares.accelerometer),
             GYRO_NOISE: float(shares.gyro),
@@ -287,9 +285,7 @@ def _steady_shares(
     return MappingProxyType({kind: MappingProxyType(shares) for kind, shares in by_kind.items()})
 
 
-def _coast(
-    design: Design, noise: _Noise, p: Horizontal, v: Vertical, posterior: Sawtooth, time: Array
-) -> Coast:
+def _coast(design: Design, noise: _Noise, p: Horizontal, v: Vertical, posterior: Sawtooth, time: Array) -> Coast:
     a, w, g = noise.sigma_a, noise.sigma_w, noise.g
     flight = design.flight
     duration = design.coast.duration
@@ -411,14 +407,10 @@ def _sar(design: Design, noise: _Noise, start: Horizontal) -> Sar:
     )
     shares = horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g)
     velocity, tilt = (
-        MappingProxyType(
-            dict(zip((ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE), map(float, by), strict=True))
-        )
+        MappingProxyType(dict(zip((ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE), map(float, by), strict=True)))
         for by in shares[1:]
     )
-    speed_error = float(
-        growth.horizontal_growth(start, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity
-    )
+    speed_error = float(growth.horizontal_growth(start, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity)
     drift = growth.bias_velocity(noise.bias_a, noise.bias_w, noise.g, coast)
     speed_error += float(drift[0]) ** 2 + float(drift[1]) ** 2
     response = _response(quadratic, radar.window)
@@ -433,9 +425,7 @@ def _sar(design: Design, noise: _Noise, start: Horizontal) -> Sar:
         cubic=cubic,
         detrended=to_phase * math.sqrt(float(whole.detrended)),
         along_track_quadratic=float(
-            phase.along_track_quadratic(
-                speed_error, design.flight.speed, aperture, wavelength, radar.slant_range
-            )
+            phase.along_track_quadratic(speed_error, design.flight.speed, aperture, wavelength, radar.slant_range)
         ),
         lines=lines,
         tilt_shares=tilt,

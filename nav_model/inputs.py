@@ -264,11 +264,7 @@ class Choice(param.Selector[Any]):
         for option in options:
             if text == option and type(text) is type(option):
                 return option
-            if (
-                isinstance(text, str)
-                and not isinstance(option, str)
-                and text.strip().lower() == _spelled(option)
-            ):
+            if isinstance(text, str) and not isinstance(option, str) and text.strip().lower() == _spelled(option):
                 return option
         raise DesignError(self.key, f"{text!r} is not one of {', '.join(map(_spelled, options))}")
 

@@ -1,0 +1,268 @@
+"""Charts as Bokeh figures: made once, then fed.
+
+A `Figure` keeps the sources of one figure. `feed` hands over only what changed, so a slider step costs one
+message with the arrays that moved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from bokeh.core.properties import value
+from bokeh.models import (
+    BoxAnnotation,
+    ColumnDataSource,
+    CustomJSTickFormatter,
+    FactorRange,
+    HoverTool,
+    Label,
+    Legend,
+    LegendItem,
+    Range1d,
+)
+from bokeh.plotting import figure
+from bokeh.transform import dodge
+
+from app.charts.description import STYLES, BarChart, Chart
+
+_TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
+# Powers of ten as 10ⁿ; the 2 and 5 between them, which only a narrow axis has, as plain numbers.
+_LOG_TICKS = """
+const n = Math.log10(tick)
+const sup = {"-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹"}
+const power = (k) => "10" + String(k).split("").map(c => sup[c]).join("")
+if (Math.abs(n - Math.round(n)) < 1e-6) return power(Math.round(n))
+if (tick >= 1e-3 && tick < 1e4) return String(Number(tick.toPrecision(2)))
+return Number((tick / 10 ** Math.floor(n)).toPrecision(2)) + "·" + power(Math.floor(n))
+"""
+
+
+@dataclass
+class Figure:
+    """A Bokeh figure and what feeds it. `plot` goes on a page or into a report."""
+
+    plot: figure
+    _sources: dict[str, ColumnDataSource]
+    _sent: dict[str, Any] = field(default_factory=dict)
+    _spans: dict[str, tuple[BoxAnnotation, Label]] = field(default_factory=dict)
+
+    def feed(self, chart: Chart | BarChart) -> None:
+        """Show another chart of the same structure."""
+        for name, columns in _columns(chart).items():
+            if not _same(self._sent.get(name), columns):
+                self._sent[name] = columns
+                self._sources[name].data = dict(columns)
+        if isinstance(chart, Chart):
+            self._feed_ranges(chart)
+        else:
+            _bar_legend(self.plot, chart)
+
+    def _feed_ranges(self, chart: Chart) -> None:
+        for span in chart.spans:
+            box, label = self._spans[span.key]
+            if (box.left, box.right) != (span.start, span.stop):
+                box.update(left=span.start, right=span.stop)
+                label.x = span.start
+        if chart.y_range is not None and (self.plot.y_range.start, self.plot.y_range.end) != chart.y_range:
+            start, end = chart.y_range
+            self.plot.y_range.update(start=start, end=end, reset_start=start, reset_end=end)
+
+
+def to_bokeh(chart: Chart | BarChart, height: int = 320) -> Figure:
+    """A figure for a chart, as wide as its place."""
+    return _curves(chart, height) if isinstance(chart, Chart) else _bars(chart, height)
+
+
+def _columns(chart: Chart | BarChart) -> dict[str, dict[str, Any]]:
+    """Source name -> columns. Lines that share an x array share a source."""
+    if isinstance(chart, BarChart):
+        return _bar_columns(chart)
+    columns: dict[str, dict[str, Any]] = {}
+    for line in chart.lines:
+        columns.setdefault(_line_source(chart, line.x), {"x": line.x})[line.key] = line.y
+    for band in chart.bands:
+        columns[f"band {band.key}"] = {"x": band.x, "low": band.low, "high": band.high}
+    for points in chart.points:
+        columns[f"points {points.key}"] = {"x": points.x, "y": points.y, "name": list(points.names)}
+    if chart.limits:
+        columns["limits"] = {
+            "x0": [limit.start for limit in chart.limits],
+            "x1": [limit.stop for limit in chart.limits],
+            "y": [limit.level for limit in chart.limits],
+            "name": [limit.label for limit in chart.limits],
+        }
+    return columns
+
+
+def _line_source(chart: Chart, x: Any) -> str:
+    return f"lines {next(i for i, line in enumerate(chart.lines) if line.x is x)}"
+
+
+def _same(old: dict[str, Any] | None, new: dict[str, Any]) -> bool:
+    return old is not None and all(
+        old[key] is value
+        or (
+            np.array_equal(old[key], value, equal_nan=True)
+            if isinstance(value, np.ndarray)
+            else repr(old[key]) == repr(value)
+        )
+        for key, value in new.items()
+    )
+
+
+def _curves(chart: Chart, height: int) -> Figure:
+    plot = figure(
+        name=chart.key,
+        height=height,
+        sizing_mode="stretch_width",
+        x_axis_type="log" if chart.x_log else "linear",
+        y_axis_type="log" if chart.y_log else "linear",
+        x_axis_label=chart.x_label,
+        y_axis_label=chart.y_label,
+        tools=_TOOLS,
+        toolbar_location="right",
+        active_drag=None,
+        **({"y_range": Range1d(*chart.y_range)} if chart.y_range else {}),
+    )
+    plot.toolbar.logo = None
+    columns = _columns(chart)
+    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
+    items = []
+    for band in chart.bands:
+        style = STYLES[band.style]
+        renderer = plot.varea(
+            "x", "low", "high", source=sources[f"band {band.key}"], fill_color=style.colour, fill_alpha=0.25
+        )
+        items.append(LegendItem(label=band.label, renderers=[renderer]))
+    for line in chart.lines:
+        style = STYLES[line.style]
+        renderer = plot.line(
+            "x",
+            line.key,
+            source=sources[_line_source(chart, line.x)],
+            line_color=style.colour,
+            line_dash=style.dash,
+            line_width=style.width,
+        )
+        items.append(LegendItem(label=line.label, renderers=[renderer]))
+        _hover(plot, renderer, line.label, line.key, chart, line.source)
+    for points in chart.points:
+        style = STYLES[points.style]
+        source = sources[f"points {points.key}"]
+        renderer = plot.scatter(
+            "x", "y", source=source, marker=points.marker, size=9, fill_color=style.colour, line_color=style.colour
+        )
+        items.append(LegendItem(label=points.label, renderers=[renderer]))
+        _hover(plot, renderer, "@name", "y", chart, points.source)
+    if chart.limits:
+        style = STYLES["limit"]
+        renderer = plot.segment(
+            "x0", "y", "x1", "y", source=sources["limits"],
+            line_color=style.colour, line_dash=style.dash, line_width=style.width,
+        )  # fmt: skip
+        items.append(LegendItem(label="limit, brought to 1σ", renderers=[renderer]))
+        plot.add_tools(
+            HoverTool(renderers=[renderer], tooltips=f"<b>@name</b><br>@y {_unit(chart.y_label)}", visible=False)
+        )
+    _finish(plot, items)
+    for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
+        if is_log:
+            axis.formatter = CustomJSTickFormatter(code=_LOG_TICKS)
+    return Figure(plot, sources, dict(columns), spans)
+
+
+def _unit(label: str) -> str:
+    return label.rpartition("[")[2].rstrip("]")
+
+
+def _hover(plot: figure, renderer: Any, head: str, y: str, chart: Chart, source: str) -> None:
+    x_unit, y_unit = _unit(chart.x_label), _unit(chart.y_label)
+    tooltip = f"<b>{head}</b><br>@{{{y}}}{{%.4g}} {y_unit} at @x{{%.4g}} {x_unit}<br>{source}"
+    formatters = {f"@{{{y}}}": "printf", f"@{y}": "printf", "@x": "printf"}
+    plot.add_tools(HoverTool(renderers=[renderer], tooltips=tooltip, formatters=formatters, visible=False))
+
+
+def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnotation, Label]:
+    box = BoxAnnotation(left=start, right=stop, fill_color="#7b8794", fill_alpha=0.18, line_alpha=0)
+    label = Label(x=start, y=6, x_offset=3, y_units="screen", text=text, text_font_size="11px", text_color="#7b8794")
+    plot.add_layout(box)
+    plot.add_layout(label)
+    return box, label
+
+
+def _finish(plot: figure, items: list[LegendItem]) -> None:
+    legend = Legend(
+        items=items, orientation="horizontal", ncols=3, location="left", border_line_alpha=0, padding=2, margin=4,
+        label_text_font_size="12px", glyph_width=28, spacing=8, background_fill_alpha=0,
+        click_policy="hide",
+    )  # fmt: skip
+    plot.add_layout(legend, "below")
+    plot.styles = {"font-size": "13px", "--bokeh-font-size": "13px"}
+
+
+def _bar_columns(chart: BarChart) -> dict[str, dict[str, Any]]:
+    rows = chart.bars[::-1]  # Bokeh counts rows from below
+    names = ("label", "first", "second", "first_mm", "second_mm", "source")
+    limits = {"first": chart.first_limit, "second": chart.second_limit}
+    return {
+        "bars": {name: [getattr(bar, name) for bar in rows] for name in names},
+        **{f"limit {kind}": {"x": [x], "low": [0.0], "high": [float(len(rows))]} for kind, x in limits.items()},
+    }
+
+
+_BAR_KINDS = (("first", STYLES["quadratic"].colour, 0.19, None, "dashdot"),
+              ("second", STYLES["with cubic"].colour, -0.19, "/", "dotted"))  # fmt: skip
+
+
+def _bars(chart: BarChart, height: int) -> Figure:
+    columns = _bar_columns(chart)
+    plot = figure(
+        name=chart.key,
+        height=height,
+        sizing_mode="stretch_width",
+        y_range=FactorRange(*columns["bars"]["label"]),
+        x_axis_label=chart.x_label,
+        tools=_TOOLS,
+        toolbar_location="right",
+        active_drag=None,
+    )
+    plot.toolbar.logo = None
+    plot.x_range.start = 0
+    plot.ygrid.grid_line_color = None
+    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    items = []
+    for kind, colour, offset, hatch, dash in _BAR_KINDS:
+        bars = plot.hbar(
+            y=dodge("label", offset, range=plot.y_range),
+            left=0,
+            right=kind,
+            height=0.34,
+            source=sources["bars"],
+            fill_color=colour,
+            line_color=colour,
+            fill_alpha=0.85 if hatch is None else 0.25,
+            hatch_pattern=hatch,
+            hatch_color=colour,
+        )
+        limit = plot.segment(
+            "x", "low", "x", "high", source=sources[f"limit {kind}"],
+            line_color=STYLES["limit"].colour, line_dash=dash, line_width=2,
+        )  # fmt: skip
+        items += [LegendItem(renderers=[bars]), LegendItem(renderers=[limit])]
+        tooltip = f"<b>@label</b><br>@{kind}{{0.000}}° = @{kind}_mm{{0.0000}} mm<br>@source"
+        plot.add_tools(HoverTool(renderers=[bars], tooltips=tooltip, visible=False))
+    _finish(plot, items)
+    _bar_legend(plot, chart)
+    return Figure(plot, sources, dict(columns))
+
+
+def _bar_legend(plot: figure, chart: BarChart) -> None:
+    """What the second kind of bar measures depends on the autofocus, so its name is fed too."""
+    first, second = chart.first_label, chart.second_label
+    labels = (first, f"limit on {first}, at 1σ", second, f"limit on {second}, at 1σ")
+    for item, label in zip(plot.legend[0].items, labels, strict=True):
+        if item.label != value(label):
+            item.label = value(label)
