@@ -23,6 +23,8 @@ CONFIDENCE_95 = 3.841458820694124
 _ITERATIONS = 200
 _CONVERGED = 1e-9
 _SMOOTHING = 9
+_WALK_NODES = 25
+_WALK_REACH = 1.5
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ def fit_spectrum(spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error:
     )
     best = _best(problem)
     squares = tuple(_square_interval(problem, best, term, 1.0 / scale[term]) for term in range(4))
-    ramp = _ramp_interval(problem, best, 1.0 / ramp_scale)
+    ramp = _ramp_interval(problem, best, squares[3].high * scale[3], 1.0 / ramp_scale)
     theta = best.theta / scale
     residual = spectrum.power.copy()
     slope = best.slope / ramp_scale
@@ -100,36 +102,47 @@ def fit_spectrum(spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error:
     )
 
 
-def _deviance(problem: _Problem, theta: FloatArray, slope: float) -> tuple[float, FloatArray, FloatArray]:
-    """-2 ln L up to a constant, with the model variances and the powers about the ramp."""
+def _deviance(
+    problem: _Problem, theta: FloatArray, fixed_slope: float | None
+) -> tuple[float, FloatArray, FloatArray, float]:
+    """-2 ln of the likelihood of `theta` up to a constant; model variances; powers that Fisher scoring aims at; slope.
+
+    With a free slope this is the restricted likelihood (the slope integrated out): plain likelihood would count
+    the wander that the fitted ramp swallowed as absence of wander, and underrate the rate random walk.
+    """
     model = theta @ problem.shapes
     power = problem.power.copy()
-    power[: problem.singles] = (problem.amplitude - slope * problem.ramp) ** 2
     if np.any(model <= 0.0):
-        return np.inf, model, power
-    return float(problem.count @ (np.log(model) + power / model)), model, power
-
-
-def _slope(problem: _Problem, model: FloatArray) -> float:
+        return np.inf, model, power, 0.0
     weight = problem.count[: problem.singles] * problem.ramp / model[: problem.singles]
-    return float(weight @ problem.amplitude / (weight @ problem.ramp))
+    information = float(weight @ problem.ramp)
+    slope = float(weight @ problem.amplitude) / information if fixed_slope is None else fixed_slope
+    single = power[: problem.singles]
+    single[:] = (problem.amplitude - slope * problem.ramp) ** 2
+    deviance = float(problem.count @ (np.log(model) + power / model))
+    if fixed_slope is None:
+        deviance += np.log(information)
+        single += problem.ramp**2 / information
+    return deviance, model, power, slope
 
 
 def _solve(
-    problem: _Problem, start: _Solution, fixed_term: int | None = None, fixed_value: float = 0.0, fixed_slope: float | None = None
+    problem: _Problem,
+    start: FloatArray,
+    fixed_term: int | None = None,
+    fixed_value: float = 0.0,
+    fixed_slope: float | None = None,
 ) -> _Solution:
-    """Fisher scoring with non-negative theta: each step is a weighted non-negative least squares, halved if it overshoots."""
+    """Fisher scoring with theta >= 0: each step is a weighted non-negative least squares, halved if it overshoots."""
     from scipy.optimize import nnls
 
     free = [term for term in range(4) if term != fixed_term]
-    theta = start.theta.copy()
+    theta = start.copy()
     if fixed_term is not None:
         theta[fixed_term] = fixed_value
-    theta = np.maximum(theta, 0.0)
     if np.any(theta @ problem.shapes <= 0.0):
         theta[1 if fixed_term != 1 else 2] += 0.1
-    slope = start.slope if fixed_slope is None else fixed_slope
-    deviance, model, power = _deviance(problem, theta, slope)
+    deviance, model, power, slope = _deviance(problem, theta, fixed_slope)
     for _ in range(_ITERATIONS):
         weight = np.sqrt(problem.count) / model
         target = power if fixed_term is None else power - fixed_value * problem.shapes[fixed_term]
@@ -138,15 +151,13 @@ def _solve(
         fraction, previous = 1.0, deviance
         for _halving in range(30):
             trial = theta + fraction * (step - theta)
-            trial_model = trial @ problem.shapes
-            positive = bool(np.all(trial_model > 0.0))
-            trial_slope = slope if fixed_slope is not None or not positive else _slope(problem, trial_model)
-            trial_deviance, trial_model, trial_power = _deviance(problem, trial, trial_slope)
-            if trial_deviance <= deviance:
-                theta, slope, deviance, model, power = trial, trial_slope, trial_deviance, trial_model, trial_power
+            found = _deviance(problem, trial, fixed_slope)
+            if found[0] <= deviance:
+                theta = trial
+                deviance, model, power, slope = found
                 break
             fraction /= 2.0
-        if previous - deviance < _CONVERGED * max(1.0, abs(deviance) * 1e-6):
+        if previous - deviance < _CONVERGED:
             break
     return _Solution(theta, slope, deviance)
 
@@ -154,7 +165,7 @@ def _solve(
 def _best(problem: _Problem) -> _Solution:
     """Best of several starts: one term carrying everything, or all together."""
     starts = [np.full(4, 0.2), *(np.where(np.arange(4) == term, 1.0, 1e-3) for term in range(4))]
-    found = [_solve(problem, _Solution(start, 0.0, np.inf)) for start in starts]
+    found = [_solve(problem, start) for start in starts]
     return min(found, key=lambda solution: solution.deviance)
 
 
@@ -163,8 +174,7 @@ def _profile(problem: _Problem, best: _Solution, term: int, value: float) -> flo
     lifted = np.maximum(best.theta, 0.3)
     starts = (best.theta, lifted, np.where(np.arange(4) == 3, lifted, best.theta))
     return min(
-        _solve(problem, _Solution(start, best.slope, np.inf), fixed_term=term, fixed_value=value).deviance
-        for start in starts
+        _solve(problem, start, fixed_term=term, fixed_value=value).deviance for start in starts
     )
 
 
@@ -191,21 +201,31 @@ def _square_interval(problem: _Problem, best: _Solution, term: int, unit: float)
     return Estimate(value * unit, low * unit, high * unit)
 
 
-def _ramp_interval(problem: _Problem, best: _Solution, unit: float) -> Estimate:
+def _ramp_interval(problem: _Problem, best: _Solution, walk_high: float, unit: float) -> Estimate:
+    """95 % interval of the slope, carrying the uncertainty of the rate random walk it is confounded with.
+
+    The slope given the noise is Gaussian; its variance rests on a handful of coefficients, so it is averaged over
+    the rate random walk with the restricted likelihood as weight, uniform in K (A. Gelman, Bayesian Analysis 1,
+    2006, for why uniform in the standard deviation). Treating the variance as known covers 85 % instead of 95 %.
+    """
     from scipy.optimize import brentq
+    from scipy.special import ndtr
 
-    goal = best.deviance + CONFIDENCE_95
-    model = best.theta @ problem.shapes
-    weight = problem.count[: problem.singles] * problem.ramp**2 / model[: problem.singles]
-    sigma = float(1.0 / np.sqrt(weight.sum()))
+    centre, sigma, weight = [], [], []
+    lifted = np.maximum(best.theta, 0.3)
+    for root in np.linspace(0.0, _WALK_REACH * np.sqrt(walk_high), _WALK_NODES):
+        solutions = [_solve(problem, start, fixed_term=3, fixed_value=root**2) for start in (best.theta, lifted)]
+        solution = min(solutions, key=lambda found: found.deviance)
+        model = solution.theta @ problem.shapes
+        information = problem.count[: problem.singles] @ (problem.ramp**2 / model[: problem.singles])
+        centre.append(solution.slope)
+        sigma.append(1.0 / np.sqrt(information))
+        weight.append(np.exp((best.deviance - solution.deviance) / 2.0))
+    centres, sigmas, weights = np.array(centre), np.array(sigma), np.array(weight) / np.sum(weight)
 
-    def excess(slope: float) -> float:
-        return _solve(problem, best, fixed_slope=slope).deviance - goal
+    def below(slope: float) -> float:
+        return float(weights @ ndtr((slope - centres) / sigmas))
 
-    ends = []
-    for sign in (-1.0, 1.0):
-        reach = 1.0
-        while excess(best.slope + sign * reach * sigma) <= 0.0:
-            reach *= 1.6
-        ends.append(float(brentq(excess, best.slope, best.slope + sign * reach * sigma, xtol=1e-4 * sigma)))
-    return Estimate(best.slope * unit, ends[0] * unit, ends[1] * unit)
+    left, right = float(np.min(centres - 8.0 * sigmas)), float(np.max(centres + 8.0 * sigmas))
+    low, high = (float(brentq(lambda slope, p=p: below(slope) - p, left, right)) for p in (0.025, 0.975))
+    return Estimate(best.slope * unit, low * unit, high * unit)
