@@ -57,12 +57,10 @@ class _Solution:
 
 @dataclass(frozen=True)
 class SpectrumFit:
-    """Estimates of Q², N², B², K² (in that order) and of the signed ramp, SI, with the fitted bin variances."""
+    """Estimates of Q², N², B², K² (in that order) and of the signed ramp, SI."""
 
     squares: tuple[Estimate, Estimate, Estimate, Estimate]
     ramp: Estimate
-    model: FloatArray
-    residual_power: FloatArray
 
 
 def fit_spectrum(spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error: float) -> SpectrumFit:
@@ -70,36 +68,46 @@ def fit_spectrum(spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error:
 
     Zero when the five terms describe the log; otherwise it widens every interval as a random effect would.
     """
-    keep = np.asarray(used, dtype=np.bool_)
-    single = keep[: spectrum.singles]
-    unit = float(np.median(spectrum.power[keep]))
-    column = spectrum.shapes[:, keep]
+    problem, scale, ramp_scale = _scaled(spectrum, used, model_error)
+    best = _best(problem)
+    squares = tuple(_square_interval(problem, best, term, 1.0 / scale[term]) for term in range(4))
+    walk_high = squares[3].high * scale[3]
+    return SpectrumFit(
+        squares=(squares[0], squares[1], squares[2], squares[3]),
+        ramp=_ramp_interval(problem, best, walk_high, 1.0 / ramp_scale),
+    )
+
+
+def fitted_spectrum(
+    spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error: float
+) -> tuple[FloatArray, FloatArray]:
+    """Model variance of every bin at the best fit to the `used` ones, and the measured powers about the fitted ramp."""
+    problem, scale, ramp_scale = _scaled(spectrum, used, model_error)
+    best = _best(problem)
+    residual = spectrum.power.copy()
+    residual[: spectrum.singles] = (spectrum.amplitude - best.slope / ramp_scale * spectrum.ramp) ** 2
+    return np.asarray((best.theta / scale) @ spectrum.shapes), residual
+
+
+def _scaled(
+    spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error: float
+) -> tuple[_Problem, FloatArray, float]:
+    single = used[: spectrum.singles]
+    unit = float(np.median(spectrum.power[used]))
+    column = spectrum.shapes[:, used]
     # Each column is scaled to touch the smoothed spectrum from below, so that theta is of order one or less.
-    smooth = np.convolve(spectrum.power[keep], np.ones(_SMOOTHING), "same") / _SMOOTHING
+    smooth = np.convolve(spectrum.power[used], np.ones(_SMOOTHING), "same") / _SMOOTHING
     scale = np.max(column / smooth, axis=1)
     ramp_scale = float(np.max(np.abs(spectrum.ramp))) / np.sqrt(unit)
-    count = spectrum.count[keep]
     problem = _Problem(
-        power=spectrum.power[keep] / unit,
-        count=1.0 / (1.0 / count + model_error**2 / 2.0),
+        power=spectrum.power[used] / unit,
+        count=1.0 / (1.0 / spectrum.count[used] + model_error**2 / 2.0),
         shapes=column / scale[:, None] / unit,
         amplitude=spectrum.amplitude[single] / np.sqrt(unit),
         ramp=spectrum.ramp[single] / ramp_scale / np.sqrt(unit),
         singles=int(np.count_nonzero(single)),
     )
-    best = _best(problem)
-    squares = tuple(_square_interval(problem, best, term, 1.0 / scale[term]) for term in range(4))
-    ramp = _ramp_interval(problem, best, squares[3].high * scale[3], 1.0 / ramp_scale)
-    theta = best.theta / scale
-    residual = spectrum.power.copy()
-    slope = best.slope / ramp_scale
-    residual[: spectrum.singles] = (spectrum.amplitude - slope * spectrum.ramp) ** 2
-    return SpectrumFit(
-        squares=(squares[0], squares[1], squares[2], squares[3]),
-        ramp=ramp,
-        model=theta @ spectrum.shapes,
-        residual_power=residual,
-    )
+    return problem, scale, ramp_scale
 
 
 def _deviance(
