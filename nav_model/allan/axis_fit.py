@@ -26,9 +26,10 @@ ADEQUATE_SCORE = 4.0
 
 _BAND_HALVINGS = 3
 _ROUNDS = 4
+_PRECISE_COUNT = 50.0
 _LINE_LOG_EXCESS = 0.35
 _LINE_SCORES = 5.0
-_LINE_TAIL = 16.0
+_LINE_TAIL = 20.0
 _MOST_LINES = 0.25
 _MAD_TO_SIGMA = 1.4826
 
@@ -106,10 +107,10 @@ def _select(spectrum: CosineSpectrum, band_hz: float) -> _Selection:
     model, residual = fitted_spectrum(spectrum, used, model_error)
     for _ in range(_ROUNDS):
         log_ratio = np.log(spectrum.power / model)
-        model_error = _model_error(log_ratio[upper], spectrum.count[upper])
-        limit = np.maximum(_LINE_LOG_EXCESS, _LINE_SCORES * np.sqrt(2.0 / spectrum.count + model_error**2))
+        usual = _usual_departure(log_ratio[upper], spectrum.count[upper])
+        limit = np.maximum(_LINE_LOG_EXCESS, _LINE_SCORES * np.sqrt(2.0 / spectrum.count + usual**2))
         lines = upper & (log_ratio > limit)
-        if model_error < WORST_MODEL_ERROR:
+        if usual < WORST_MODEL_ERROR:
             lines |= upper & _narrow_lines(spectrum, model)
         if np.count_nonzero(lines) > _MOST_LINES * np.count_nonzero(upper):
             lines = np.zeros_like(lines)
@@ -123,15 +124,25 @@ def _select(spectrum: CosineSpectrum, band_hz: float) -> _Selection:
 
 
 def _narrow_lines(spectrum: CosineSpectrum, model: FloatArray) -> NDArray[np.bool_]:
-    """Bins where one coefficient is larger than Gaussian noise allows (about once in 3000 bins)."""
+    """Bins where one coefficient is larger than Gaussian noise allows (about once in 60,000 bins)."""
     largest = spectrum.peak * spectrum.power / model
     return np.asarray((spectrum.count > 8) & (largest > 2.0 * np.log(spectrum.count) + _LINE_TAIL))
 
 
-def _model_error(log_ratio: FloatArray, count: FloatArray) -> float:
-    """Robust relative scatter of power about the model beyond what the counts explain."""
+def _usual_departure(log_ratio: FloatArray, count: FloatArray) -> float:
+    """Robust relative scatter of power about the model beyond what the counts explain, blind to a few lines."""
     spread = _MAD_TO_SIGMA * float(np.median(np.abs(log_ratio)))
     return float(np.sqrt(max(0.0, spread**2 - float(np.median(2.0 / count)))))
+
+
+def _model_error(log_ratio: FloatArray, count: FloatArray) -> float:
+    """Rms relative departure of power from the model beyond what the counts explain, lines already gone.
+
+    Not robust on purpose: a spectrum that collapses above a body's sway is a minority of bins and the whole story.
+    Bins of few coefficients, whose own scatter would hide a departure, are left to the goodness of fit.
+    """
+    precise = count >= min(_PRECISE_COUNT, float(np.median(count)))
+    return float(np.sqrt(max(0.0, float(np.mean(log_ratio[precise] ** 2 - 2.0 / count[precise])))))
 
 
 def _merge_lines(spectrum: CosineSpectrum, lines: NDArray[np.bool_], model: FloatArray) -> tuple[float, ...]:

@@ -1,9 +1,9 @@
 """In-motion log -> effective noise from high-passed residuals, as a vibration factor over the bench noise.
 
 Above the vehicle's own motion (a few hertz) what a strapdown sensor measures is noise plus vibration. The residual
-there is expressed as the white noise of equal power: the cosine spectrum restricted to the band is the residual after
-an ideal high-pass filter, and its mean density is the effective random walk squared. The design's
-`vibration_factor` is this over the bench value.
+there is expressed as the white noise of equal power: the Hann-windowed spectrum of short blocks restricted to the
+band is the high-passed residual (the window keeps strong slow motion from leaking into it), and its mean density is
+the effective random walk squared. The design's `vibration_factor` is this over the bench value.
 """
 
 from __future__ import annotations
@@ -78,8 +78,8 @@ def analyse_motion(
             raise ValueError(f"bench {field}: {value}; a positive number is needed")
     nyquist = log.rate_hz / 2.0
     length = round(BLOCK_S * log.rate_hz)
-    first = int(np.ceil(band_from_hz / nyquist * length))
-    if band_from_hz <= 0.0 or length - first < _FEWEST_COEFFICIENTS:
+    first = int(np.ceil(band_from_hz * length / log.rate_hz))
+    if band_from_hz <= 0.0 or length // 2 - first < _FEWEST_COEFFICIENTS:
         raise ValueError(f"band_from_hz: {band_from_hz:g}; it must lie between 0 and well below half the rate, {nyquist:g} Hz")
     if log.samples < 2 * length:
         raise ValueError(f"log: {log.duration_s:.3g} s; at least {2 * BLOCK_S:g} s are needed")
@@ -109,16 +109,16 @@ def analyse_motion(
 def _axis(
     name: str, quantity: str, signal: FloatArray, rate_hz: float, length: int, first: int, bench: float | None
 ) -> AxisMotionNoise:
-    from scipy.fft import dct
+    from scipy.fft import rfft
 
     blocks = len(signal) // length
     stacked = signal[: blocks * length].reshape(blocks, length)
-    # Removing each block's line keeps the jump between its ends from leaking into the band.
     time = np.arange(length) - (length - 1) / 2.0
     slope = stacked @ time / (time @ time)
     residual = stacked - stacked.mean(axis=1, keepdims=True) - slope[:, None] * time
-    coefficient = dct(residual, norm="ortho", axis=1)[:, first:]
-    density = np.mean(coefficient**2, axis=1) / rate_hz
+    window = np.hanning(length)
+    spectrum = rfft(residual * window, axis=1)[:, first : length // 2]
+    density = np.mean(np.abs(spectrum) ** 2, axis=1) / (window @ window) / rate_hz
     effective = float(np.sqrt(density.mean()))
     low, typical, high = (float(value) for value in np.sqrt(np.percentile(density, [5.0, 50.0, 95.0])))
     factor = None if bench is None else effective / bench
