@@ -1,7 +1,8 @@
-"""Fit of one axis as real logs need it: sensor filters, vibration lines and departures from the model are found first.
+"""Fit of one axis as real logs need it: sensor filters, vibration lines and departures from the model are
+found first.
 
-A clean log is fitted over its whole band with nothing removed. Where the five terms do not describe the log, the
-top of the band (anti-alias filter) and narrow lines (vibration) are set aside, and what departure remains
+A clean log is fitted over its whole band with nothing removed. Where the five terms do not describe the log,
+the top of the band (anti-alias filter) and narrow lines (vibration) are set aside, and what departure remains
 enters every interval as a relative model error. A log that departs by more than `WORST_MODEL_ERROR` yields no
 coefficient at all.
 """
@@ -78,7 +79,8 @@ def fit_axis(spectrum: CosineSpectrum) -> AxisFit:
 
 
 def fit_score(count: FloatArray, ratio: FloatArray) -> float:
-    """Standard score of the deviance of bins of `count` coefficients; about normal(0, 1) when the model holds.
+    """Standard score of the deviance of bins of `count` coefficients; about normal(0, 1) when the model
+    holds.
 
     `ratio` is measured over fitted power, same shape as `count`.
     """
@@ -138,8 +140,9 @@ def _usual_departure(log_ratio: FloatArray, count: FloatArray) -> float:
 def _model_error(log_ratio: FloatArray, count: FloatArray) -> float:
     """Rms relative departure of power from the model beyond what the counts explain, lines already gone.
 
-    Not robust on purpose: a spectrum that collapses above a body's sway is a minority of bins and the whole story.
-    Bins of few coefficients, whose own scatter would hide a departure, are left to the goodness of fit.
+    Not robust on purpose: a spectrum that collapses above a body's sway is a minority of bins and the whole
+    story. Bins of few coefficients, whose own scatter would hide a departure, are left to the goodness of
+    fit.
     """
     precise = count >= min(_PRECISE_COUNT, float(np.median(count)))
     return float(np.sqrt(max(0.0, float(np.mean(log_ratio[precise] ** 2 - 2.0 / count[precise])))))

@@ -33,8 +33,9 @@ class CsvTable:
 def read_csv_table(stream: BinaryIO, file_name: str, most_rows: int) -> CsvTable:
     """Read comma, semicolon, tab or blank separated numbers, with or without header and #/% comment lines.
 
-    Nothing but decimal numbers is accepted below the header. Raises LogFormatError with the line number for text,
-    empty fields, a changed number of columns, NaN or infinity, more than `most_rows` rows, or text that is not UTF-8.
+    Nothing but decimal numbers is accepted below the header. Raises LogFormatError with the line number for
+    text, empty fields, a changed number of columns, NaN or infinity, more than `most_rows` rows, or text that
+    is not UTF-8.
     """
     text = io.TextIOWrapper(stream, encoding="utf-8-sig", newline=None)
     try:
@@ -53,13 +54,17 @@ def _read(text: io.TextIOWrapper, file_name: str, most_rows: int) -> CsvTable:
         if line == "":
             raise LogFormatError(f"{file_name}: no numbers found")
         if len(line) >= _LONGEST_LINE:
-            raise LogFormatError(f"{file_name}, line {len(header) + 1}: longer than {_LONGEST_LINE} characters")
+            raise LogFormatError(
+                f"{file_name}, line {len(header) + 1}: longer than {_LONGEST_LINE} characters"
+            )
         if _is_data(line):
             first = line
             break
         header.append(line)
     if not first:
-        raise LogFormatError(f"{file_name}: the first {_HEADER_LINES} lines hold no numbers; not an inertial log")
+        raise LogFormatError(
+            f"{file_name}: the first {_HEADER_LINES} lines hold no numbers; not an inertial log"
+        )
     delimiter = next((mark for mark in ",;\t" if mark in first), None)
     columns = len(_fields(first, delimiter))
     names = _names(header, delimiter, columns)
@@ -116,13 +121,17 @@ def _names(header: list[str], delimiter: str | None, columns: int) -> tuple[str,
 
 def _rate(header: list[str]) -> float | None:
     for line in header:
-        match = re.search(r"\b(?:rate|fs|frequency|sampling)\w*\s*[:=]?\s*([0-9.]+(?:e[-+]?\d+)?)\s*(k?)hz", line.lower())
+        match = re.search(
+            r"\b(?:rate|fs|frequency|sampling)\w*\s*[:=]?\s*([0-9.]+(?:e[-+]?\d+)?)\s*(k?)hz", line.lower()
+        )
         if match:
             return float(match.group(1)) * (1000.0 if match.group(2) else 1.0)
     return None
 
 
-def _parse(lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int) -> FloatArray:
+def _parse(
+    lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int
+) -> FloatArray:
     kept = [line for line in lines if line.strip()]
     if delimiter is not None and kept and kept[0].rstrip().endswith(delimiter):
         kept = [line.rstrip().removesuffix(delimiter) for line in kept]
@@ -157,5 +166,7 @@ def _complaint(
                 shown = field[:40] or "nothing"
                 return LogFormatError(f"{where}, column {column}: {shown!r} is not a number")
             if not math.isfinite(float(field)):
-                return LogFormatError(f"{where}, column {column}: {field[:40]!r}; only finite numbers are allowed")
+                return LogFormatError(
+                    f"{where}, column {column}: {field[:40]!r}; only finite numbers are allowed"
+                )
     return None

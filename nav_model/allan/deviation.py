@@ -1,7 +1,7 @@
 """Overlapping Allan deviation with confidence, by allantools.
 
-allantools is kept rather than an own loop: on 1e6 samples and 60 averaging times it takes 0.15 s (own: 0.09 s) and
-24 MB, and brings the equivalent degrees of freedom of Greenhall and Riley with it.
+allantools is kept rather than an own loop: on 1e6 samples and 60 averaging times it takes 0.15 s (own: 0.09
+s) and 24 MB, and brings the equivalent degrees of freedom of Greenhall and Riley with it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,13 @@ from nav_model.allan.noise_terms import FloatArray
 TAUS_PER_DECADE = 12
 
 # Slope of the fractional-frequency spectrum that each noise term has, as Greenhall and Riley number them.
-NOISE_ALPHA = {"quantization": 2, "random_walk": 0, "bias_instability": -1, "rate_random_walk": -2, "ramp": -2}
+NOISE_ALPHA = {
+    "quantization": 2,
+    "random_walk": 0,
+    "bias_instability": -1,
+    "rate_random_walk": -2,
+    "ramp": -2,
+}
 
 
 @dataclass(frozen=True)
@@ -44,17 +50,25 @@ def overlapping_allan_deviation(
     alpha: FloatArray | None = None,
     confidence: float = 0.95,
 ) -> AllanDeviation:
-    """Overlapping Allan deviation of a rate signal, shape (samples,) (NIST SP 1065 eq. 11; IEEE Std 952 annex C).
+    """Overlapping Allan deviation of a rate signal, shape (samples,) (NIST SP 1065 eq. 11; IEEE Std 952 annex
+    C).
 
-    `tau_s` are whole multiples of `interval_s` up to a third of the log (default: `averaging_times`); `alpha`, one per
-    tau, is the local noise type (NOISE_ALPHA; default white rate noise), on which the chi-square degrees of freedom
-    depend (C. Greenhall and W. Riley, PTTI 2003). Raises ValueError when no averaging time fits the log.
+    `tau_s` are whole multiples of `interval_s` up to a third of the log (default: `averaging_times`);
+    `alpha`, one per tau, is the local noise type (NOISE_ALPHA; default white rate noise), on which the
+    chi-square degrees of freedom depend (C. Greenhall and W. Riley, PTTI 2003). Raises ValueError when no
+    averaging time fits the log.
     """
     import allantools
 
-    taus = averaging_times(len(rate_signal), interval_s) if tau_s is None else np.asarray(tau_s, dtype=np.float64)
+    taus = (
+        averaging_times(len(rate_signal), interval_s)
+        if tau_s is None
+        else np.asarray(tau_s, dtype=np.float64)
+    )
     factors = np.round(taus / interval_s).astype(np.int64)
-    bad = (np.abs(factors * interval_s - taus) > 1e-6 * taus) | (factors < 1) | (3 * factors > len(rate_signal))
+    bad = (
+        (np.abs(factors * interval_s - taus) > 1e-6 * taus) | (factors < 1) | (3 * factors > len(rate_signal))
+    )
     if len(taus) == 0 or np.any(bad):
         worst = taus[bad][0] if len(taus) else "none given"
         raise ValueError(
@@ -63,7 +77,9 @@ def overlapping_allan_deviation(
         )
     # In units of the sample, so that a rate such as 1/0.01 cannot round an averaging time away.
     centred = rate_signal - np.mean(rate_signal)
-    _, deviation, _, pairs = allantools.oadev(centred, rate=1.0, data_type="freq", taus=factors.astype(np.float64))
+    _, deviation, _, pairs = allantools.oadev(
+        centred, rate=1.0, data_type="freq", taus=factors.astype(np.float64)
+    )
     if len(deviation) != len(taus):
         raise ValueError(f"tau_s: the log of {len(rate_signal)} samples is too short for {taus[-1]:g} s")
     slopes = np.zeros(len(taus)) if alpha is None else np.asarray(alpha)
@@ -73,7 +89,9 @@ def overlapping_allan_deviation(
             for sigma, slope, factor in zip(deviation, slopes, factors, strict=True)
         ]
     )
-    return AllanDeviation(taus, np.asarray(deviation), limits[:, 0], limits[:, 1], np.asarray(pairs, dtype=np.float64))
+    return AllanDeviation(
+        taus, np.asarray(deviation), limits[:, 0], limits[:, 1], np.asarray(pairs, dtype=np.float64)
+    )
 
 
 def _limits(sigma: float, alpha: int, factor: int, samples: int, confidence: float) -> tuple[float, float]:

@@ -1,10 +1,10 @@
 """Maximum likelihood of the five noise terms on a cosine spectrum, with profile-likelihood intervals.
 
-The coefficients of the cosine transform are independent Gaussians whose variances are linear in Q², N², B², K²
-and whose means are the ramp's (noise_terms.py). The likelihood uses all of them at once, so that the correlation
-between overlapping Allan estimates, which makes least squares on an Allan plot overconfident, never arises.
-Literature: P. Whittle 1953; J. Nikolic et al., IEEE Sensors J. 16(1), 2016 (maximum likelihood for inertial
-sensors); W. Venzon and S. Moolgavkar 1988 (profile-likelihood intervals).
+The coefficients of the cosine transform are independent Gaussians whose variances are linear in Q², N², B²,
+K² and whose means are the ramp's (noise_terms.py). The likelihood uses all of them at once, so that the
+correlation between overlapping Allan estimates, which makes least squares on an Allan plot overconfident,
+never arises. Literature: P. Whittle 1953; J. Nikolic et al., IEEE Sensors J. 16(1), 2016 (maximum likelihood
+for inertial sensors); W. Venzon and S. Moolgavkar 1988 (profile-likelihood intervals).
 """
 
 from __future__ import annotations
@@ -64,7 +64,8 @@ class SpectrumFit:
 
 
 def fit_spectrum(spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error: float) -> SpectrumFit:
-    """Fit the bins marked in `used`; `model_error` is the relative standard deviation of a bin's power about the model.
+    """Fit the bins marked in `used`; `model_error` is the relative standard deviation of a bin's power about
+    the model.
 
     Zero when the five terms describe the log; otherwise it widens every interval as a random effect would.
     """
@@ -113,10 +114,11 @@ def _scaled(
 def _deviance(
     problem: _Problem, theta: FloatArray, fixed_slope: float | None
 ) -> tuple[float, FloatArray, FloatArray, float]:
-    """-2 ln of the likelihood of `theta` up to a constant; model variances; powers that Fisher scoring aims at; slope.
+    """-2 ln of the likelihood of `theta` up to a constant; model variances; powers that Fisher scoring aims
+    at; slope.
 
-    With a free slope this is the restricted likelihood (the slope integrated out): plain likelihood would count
-    the wander that the fitted ramp swallowed as absence of wander, and underrate the rate random walk.
+    With a free slope this is the restricted likelihood (the slope integrated out): plain likelihood would
+    count the wander that the fitted ramp swallowed as absence of wander, and underrate the rate random walk.
     """
     model = theta @ problem.shapes
     power = problem.power.copy()
@@ -181,9 +183,7 @@ def _profile(problem: _Problem, best: _Solution, term: int, value: float) -> flo
     """Smallest deviance with one theta held; the walk, flicker and ramp trade places, so several starts are tried."""
     lifted = np.maximum(best.theta, 0.3)
     starts = (best.theta, lifted, np.where(np.arange(4) == 3, lifted, best.theta))
-    return min(
-        _solve(problem, start, fixed_term=term, fixed_value=value).deviance for start in starts
-    )
+    return min(_solve(problem, start, fixed_term=term, fixed_value=value).deviance for start in starts)
 
 
 def _square_interval(problem: _Problem, best: _Solution, term: int, unit: float) -> Estimate:
@@ -212,9 +212,10 @@ def _square_interval(problem: _Problem, best: _Solution, term: int, unit: float)
 def _ramp_interval(problem: _Problem, best: _Solution, walk_high: float, unit: float) -> Estimate:
     """95 % interval of the slope, carrying the uncertainty of the rate random walk it is confounded with.
 
-    The slope given the noise is Gaussian; its variance rests on a handful of coefficients, so it is averaged over
-    the rate random walk with the restricted likelihood as weight, uniform in K (A. Gelman, Bayesian Analysis 1,
-    2006, for why uniform in the standard deviation). Treating the variance as known covers 85 % instead of 95 %.
+    The slope given the noise is Gaussian; its variance rests on a handful of coefficients, so it is averaged
+    over the rate random walk with the restricted likelihood as weight, uniform in K (A. Gelman, Bayesian
+    Analysis 1, 2006, for why uniform in the standard deviation). Treating the variance as known covers 85 %
+    instead of 95 %.
     """
     from scipy.optimize import brentq
     from scipy.special import ndtr
@@ -222,7 +223,9 @@ def _ramp_interval(problem: _Problem, best: _Solution, walk_high: float, unit: f
     centre, sigma, weight = [], [], []
     lifted = np.maximum(best.theta, 0.3)
     for root in np.linspace(0.0, _WALK_REACH * np.sqrt(walk_high), _WALK_NODES):
-        solutions = [_solve(problem, start, fixed_term=3, fixed_value=root**2) for start in (best.theta, lifted)]
+        solutions = [
+            _solve(problem, start, fixed_term=3, fixed_value=root**2) for start in (best.theta, lifted)
+        ]
         solution = min(solutions, key=lambda found: found.deviance)
         model = solution.theta @ problem.shapes
         information = problem.count[: problem.singles] @ (problem.ramp**2 / model[: problem.singles])

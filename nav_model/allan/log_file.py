@@ -39,9 +39,9 @@ class Limits:
 class LogOptions:
     """What the user says about a log; None means "read it from the file, or refuse and ask".
 
-    `rate_hz`; `gyro_unit`, `accelerometer_unit`: a unit ("deg/s"), a unit per count ("0.05 deg/s") or an increment
-    ("rad", "m/s"); `columns`: names of a table's columns in order ("time", "gyro_x", ..., "-" to ignore one);
-    `arrays`: role -> array name of an NPZ archive, for archives with several candidates.
+    `rate_hz`; `gyro_unit`, `accelerometer_unit`: a unit ("deg/s"), a unit per count ("0.05 deg/s") or an
+    increment ("rad", "m/s"); `columns`: names of a table's columns in order ("time", "gyro_x", ..., "-" to
+    ignore one); `arrays`: role -> array name of an NPZ archive, for archives with several candidates.
     """
 
     rate_hz: float | None = None
@@ -77,8 +77,8 @@ def read_log(
 ) -> ImuLog:
     """Read a path, bytes or binary stream into an ImuLog.
 
-    The format is told by its first bytes (ZIP: NPZ; otherwise delimited text). Raises LogFormatError, a ValueError,
-    naming the file, row or array, what was found and what is allowed.
+    The format is told by its first bytes (ZIP: NPZ; otherwise delimited text). Raises LogFormatError, a
+    ValueError, naming the file, row or array, what was found and what is allowed.
     """
     options, limits = options or LogOptions(), limits or Limits()
     content, name = _content(source, file_name, limits)
@@ -97,7 +97,9 @@ def read_log(
             f"{name}: no gyro or accelerometer columns recognised; name them (gyro_x ... accelerometer_z) in `columns` or `arrays`"
         )
     if len(set(lengths.values())) > 1:
-        raise LogFormatError(f"{name}: {lengths['gyro']} gyro but {lengths['accelerometer']} accelerometer samples")
+        raise LogFormatError(
+            f"{name}: {lengths['gyro']} gyro but {lengths['accelerometer']} accelerometer samples"
+        )
     samples = next(iter(lengths.values()))
     if temperature is not None and len(temperature) != samples:
         temperature = None
@@ -113,7 +115,9 @@ def read_log(
     )
 
 
-def _content(source: str | Path | bytes | BinaryIO, file_name: str | None, limits: Limits) -> tuple[bytes, str]:
+def _content(
+    source: str | Path | bytes | BinaryIO, file_name: str | None, limits: Limits
+) -> tuple[bytes, str]:
     if isinstance(source, bytes):
         content, name = source, file_name or "upload"
     elif isinstance(source, str | Path):
@@ -163,8 +167,10 @@ def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) ->
     chosen = dict(options.arrays or {})
     for role, label in chosen.items():
         if label not in arrays or role not in ("gyro", "accelerometer", "time", "temperature"):
-            raise LogFormatError(f"{name}: arrays {role}={label!r}; roles are gyro, accelerometer, time, temperature, "
-                                 f"arrays are {', '.join(sorted(arrays))}")
+            raise LogFormatError(
+                f"{name}: arrays {role}={label!r}; roles are gyro, accelerometer, time, temperature, "
+                f"arrays are {', '.join(sorted(arrays))}"
+            )
         stated = meaning_of(label)
         meanings[label] = Meaning(role, None, stated.unit if stated and stated.role == role else None)
     for label in arrays:
@@ -198,14 +204,20 @@ def _scalars(arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, str], float 
     return units, rate
 
 
-def _npz_columns(label: str, meaning: Meaning, array: NDArray[Any], name: str, limits: Limits) -> list[_Column]:
+def _npz_columns(
+    label: str, meaning: Meaning, array: NDArray[Any], name: str, limits: Limits
+) -> list[_Column]:
     if len(array) > limits.rows:
         raise LogFormatError(f"{name}, array {label!r}: {len(array)} rows; at most {limits.rows}")
     if array.ndim == 1:
         return [_Column(label, meaning, array)]
     if meaning.role in _SENSORS and array.ndim == 2 and array.shape[1] == 3 and meaning.axis is None:
-        return [_Column(label, Meaning(meaning.role, axis, meaning.unit), array[:, axis]) for axis in range(3)]
-    raise LogFormatError(f"{name}, array {label!r}: shape {array.shape}; one column, or three for a triad, is allowed")
+        return [
+            _Column(label, Meaning(meaning.role, axis, meaning.unit), array[:, axis]) for axis in range(3)
+        ]
+    raise LogFormatError(
+        f"{name}, array {label!r}: shape {array.shape}; one column, or three for a triad, is allowed"
+    )
 
 
 def _six_columns(arrays: Mapping[str, NDArray[Any]], count_units: Mapping[str, str]) -> list[_Column]:
@@ -226,7 +238,9 @@ def _signal(
     axes = [column.meaning.axis for column in columns]
     labels = ", ".join(column.label for column in columns)
     if None in axes or len(set(axes)) < len(axes):
-        raise LogFormatError(f"{name}: several or unclear {role} columns ({labels}); say which by `columns` or `arrays`")
+        raise LogFormatError(
+            f"{name}: several or unclear {role} columns ({labels}); say which by `columns` or `arrays`"
+        )
     columns.sort(key=lambda column: column.meaning.axis or 0)
     if [column.meaning.axis for column in columns] != [0, 1, 2]:
         raise LogFormatError(f"{name}: {role} columns {labels}; x, y and z are needed, each once")
@@ -234,7 +248,9 @@ def _signal(
     signal = np.empty((len(columns[0].values), 3))
     for axis, column in enumerate(columns):
         if len(column.values) != len(signal):
-            raise LogFormatError(f"{name}: {column.label} has {len(column.values)} samples, {labels} differ in length")
+            raise LogFormatError(
+                f"{name}: {column.label} has {len(column.values)} samples, {labels} differ in length"
+            )
         np.multiply(column.values, scale.factor * (rate_hz if scale.per_sample else 1.0), out=signal[:, axis])
     bad = np.flatnonzero(~np.isfinite(signal).all(axis=1))
     if len(bad):
@@ -250,7 +266,9 @@ def _signal(
 
 def _scale(role: str, column: _Column, found: _Found, options: LogOptions, name: str) -> Scale:
     given = options.gyro_unit if role == "gyro" else options.accelerometer_unit
-    stated = found.count_units.get(role) if column.meaning.unit in ("counts", "raw", None) else column.meaning.unit
+    stated = (
+        found.count_units.get(role) if column.meaning.unit in ("counts", "raw", None) else column.meaning.unit
+    )
     unit = given or stated
     if unit is None:
         raise LogFormatError(
@@ -293,12 +311,21 @@ def _rate_of_time(column: _Column, found: _Found, name: str, stated: float | Non
     step = np.diff(column.values).astype(np.float64)
     median = float(np.median(step))
     if unit is None and stated is not None and median > 0.0:
-        unit = next((u for u in ("s", "ms", "us", "ns") if abs(median * scale_of("time", u).factor * stated - 1) < 0.05), None)
+        unit = next(
+            (
+                u
+                for u in ("s", "ms", "us", "ns")
+                if abs(median * scale_of("time", u).factor * stated - 1) < 0.05
+            ),
+            None,
+        )
     factor = scale_of("time", unit or "s").factor
     where = f"{name}, {found.row_word}"
     if median <= 0.0 or np.any(step <= 0.0):
         row = found.first_row + int(np.argmin(step)) + 1
-        raise LogFormatError(f"{where} {row}: the time does not increase; ignore its column with '{IGNORED}' and give the rate")
+        raise LogFormatError(
+            f"{where} {row}: the time does not increase; ignore its column with '{IGNORED}' and give the rate"
+        )
     worst = int(np.argmax(step))
     if step[worst] > _GAP * median:
         gaps = int(np.count_nonzero(step > _GAP * median))
@@ -308,5 +335,7 @@ def _rate_of_time(column: _Column, found: _Found, name: str, stated: float | Non
         )
     rate = len(step) / (float(time[-1] - time[0]) * factor)
     if unit is None and not 0.1 <= rate <= 1e5:
-        raise LogFormatError(f"{name}: {column.label!r} read in seconds gives {rate:.3g} Hz; state its unit or the rate")
+        raise LogFormatError(
+            f"{name}: {column.label!r} read in seconds gives {rate:.3g} Hz; state its unit or the rate"
+        )
     return rate

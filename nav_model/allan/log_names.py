@@ -99,7 +99,8 @@ _SI_BY_STANDARD: Final = {"angularvelocity": "rad/s", "linearacceleration": "m/s
 
 
 def scale_of(role: str, unit: str) -> Scale:
-    """Scale of a unit text such as "deg/s", "°/s", "0.05 deg/s" (counts of 0.05 deg/s) or "0.1 arcsec" (increments).
+    """Scale of a unit text such as "deg/s", "°/s", "0.05 deg/s" (counts of 0.05 deg/s) or "0.1 arcsec"
+    (increments).
 
     Raises LogFormatError naming the unit and the allowed ones.
     """
@@ -133,7 +134,9 @@ def meaning_of(name: str) -> Meaning | None:
             text = _normal_unit("_".join(words[-count:]))
             shorter = _from_words(words[:-count], text) if len(words) > count else None
             if shorter is not None and (text in _UNITS[shorter.role] or text in ("counts", "raw")):
-                return shorter if text in _UNITS[shorter.role] else Meaning(shorter.role, shorter.axis, "counts")
+                return (
+                    shorter if text in _UNITS[shorter.role] else Meaning(shorter.role, shorter.axis, "counts")
+                )
     return found
 
 

@@ -1,9 +1,10 @@
 """In-motion log -> effective noise from high-passed residuals, as a vibration factor over the bench noise.
 
-Above the vehicle's own motion (a few hertz) what a strapdown sensor measures is noise plus vibration. The residual
-there is expressed as the white noise of equal power: the Hann-windowed spectrum of short blocks restricted to the
-band is the high-passed residual (the window keeps strong slow motion from leaking into it), and its mean density is
-the effective random walk squared. The design's `vibration_factor` is this over the bench value.
+Above the vehicle's own motion (a few hertz) what a strapdown sensor measures is noise plus vibration. The
+residual there is expressed as the white noise of equal power: the Hann-windowed spectrum of short blocks
+restricted to the band is the high-passed residual (the window keeps strong slow motion from leaking into it),
+and its mean density is the effective random walk squared. The design's `vibration_factor` is this over the
+bench value.
 """
 
 from __future__ import annotations
@@ -36,8 +37,8 @@ class BenchNoise:
 class AxisMotionNoise:
     """Effective random walk of one axis over `band_hz` [rad/√s or m/s/√s].
 
-    `effective` is the rms over the log, `typical` the median block, `low` and `high` the 5th and 95th percentile of
-    the blocks of BLOCK_S seconds; `factor` is effective over bench, None without a bench value.
+    `effective` is the rms over the log, `typical` the median block, `low` and `high` the 5th and 95th
+    percentile of the blocks of BLOCK_S seconds; `factor` is effective over bench, None without a bench value.
     """
 
     name: str
@@ -67,20 +68,26 @@ def analyse_motion(
     band_from_hz: float = DEFAULT_BAND_FROM_HZ,
     progress: Callable[[float, str], None] | None = None,
 ) -> MotionAnalysis:
-    """Effective noise of a moving log above `band_from_hz` (below it the vehicle's motion rules), up to half the rate.
+    """Effective noise of a moving log above `band_from_hz` (below it the vehicle's motion rules), up to half
+    the rate.
 
-    Raises ValueError when the band holds too little of a block, the log is shorter than two blocks, or a bench value
-    is not positive.
+    Raises ValueError when the band holds too little of a block, the log is shorter than two blocks, or a
+    bench value is not positive.
     """
     bench = bench or BenchNoise()
-    for field, value in (("angle_random_walk", bench.angle_random_walk), ("velocity_random_walk", bench.velocity_random_walk)):
+    for field, value in (
+        ("angle_random_walk", bench.angle_random_walk),
+        ("velocity_random_walk", bench.velocity_random_walk),
+    ):
         if value is not None and not 0.0 < value < np.inf:
             raise ValueError(f"bench {field}: {value}; a positive number is needed")
     nyquist = log.rate_hz / 2.0
     length = round(BLOCK_S * log.rate_hz)
     first = int(np.ceil(band_from_hz * length / log.rate_hz))
     if band_from_hz <= 0.0 or length // 2 - first < _FEWEST_COEFFICIENTS:
-        raise ValueError(f"band_from_hz: {band_from_hz:g}; it must lie between 0 and well below half the rate, {nyquist:g} Hz")
+        raise ValueError(
+            f"band_from_hz: {band_from_hz:g}; it must lie between 0 and well below half the rate, {nyquist:g} Hz"
+        )
     if log.samples < 2 * length:
         raise ValueError(f"log: {log.duration_s:.3g} s; at least {2 * BLOCK_S:g} s are needed")
     axes = log.axes()

@@ -1,6 +1,7 @@
 """The five noise terms of IEEE Std 952 and the two faces of each: Allan variance and cosine spectrum.
 
-Coefficients are those of the standard, in SI for a rate signal y (angular rate [rad/s] or specific force [m/s²]):
+Coefficients are those of the standard, in SI for a rate signal y (angular rate [rad/s] or specific force
+[m/s²]):
 
 | term               | coefficient | unit (gyro; accelerometer)       | Allan variance    | two-sided density of y |
 |--------------------|-------------|----------------------------------|-------------------|------------------------|
@@ -31,9 +32,11 @@ _ALIASES = 16
 
 
 def allan_variance(term: str, coefficient: float, tau_s: FloatArray) -> FloatArray:
-    """Allan variance of one noise term alone at averaging times `tau_s` [s], any shape (IEEE Std 952 annex C).
+    """Allan variance of one noise term alone at averaging times `tau_s` [s], any shape (IEEE Std 952 annex
+    C).
 
-    `coefficient` is the term's SI coefficient (see the module's table). Raises ValueError for an unknown term.
+    `coefficient` is the term's SI coefficient (see the module's table). Raises ValueError for an unknown
+    term.
     """
     tau = np.asarray(tau_s, dtype=np.float64)
     shapes = {
@@ -49,13 +52,14 @@ def allan_variance(term: str, coefficient: float, tau_s: FloatArray) -> FloatArr
 
 
 def cosine_variances(index: FloatArray, samples: int, interval_s: float) -> FloatArray:
-    """Variance of each orthonormal DCT-II coefficient of the rate samples, per unit Q², N², B², K²: shape (4, len(index)).
+    """Variance of each orthonormal DCT-II coefficient of the rate samples, per unit Q², N², B², K²: shape (4,
+    len(index)).
 
-    `index` k = 1..samples-1 stands for the frequency k/(2·samples·interval_s). The transform diagonalises white
-    noise and a random walk exactly (summation by parts turns the walk into a sine transform of its independent
-    steps), so its coefficients are independent Gaussians and the fit's likelihood is exact for both; flicker
-    noise carries the finite-log factor of its lowest coefficients in closed form; quantization is exact but for
-    the two ends of the log.
+    `index` k = 1..samples-1 stands for the frequency k/(2·samples·interval_s). The transform diagonalises
+    white noise and a random walk exactly (summation by parts turns the walk into a sine transform of its
+    independent steps), so its coefficients are independent Gaussians and the fit's likelihood is exact for
+    both; flicker noise carries the finite-log factor of its lowest coefficients in closed form; quantization
+    is exact but for the two ends of the log.
     """
     from scipy.special import sici
 

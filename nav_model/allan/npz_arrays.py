@@ -18,8 +18,9 @@ _HEADER_ALLOWANCE = 4096
 def read_npz_arrays(stream: BinaryIO, file_name: str, most_bytes: int) -> dict[str, NDArray[Any]]:
     """Numeric arrays of an NPZ archive by name.
 
-    Refused (LogFormatError): a broken archive, members that are not .npy arrays, object (pickle) or text dtypes, arrays
-    whose header or directory entry declares more than `most_bytes` in total, and entries whose two sizes disagree.
+    Refused (LogFormatError): a broken archive, members that are not .npy arrays, object (pickle) or text
+    dtypes, arrays whose header or directory entry declares more than `most_bytes` in total, and entries whose
+    two sizes disagree.
     """
     try:
         with zipfile.ZipFile(stream) as archive:
@@ -46,7 +47,9 @@ def _read_members(archive: zipfile.ZipFile, file_name: str, most_bytes: int) -> 
         with archive.open(member) as handle:
             size = _declared_size(handle, where)
         if size > member.file_size:
-            raise LogFormatError(f"{where}: its header declares {size} bytes, the archive holds {member.file_size}")
+            raise LogFormatError(
+                f"{where}: its header declares {size} bytes, the archive holds {member.file_size}"
+            )
         with archive.open(member) as handle:
             try:
                 arrays[name] = np.lib.format.read_array(handle, allow_pickle=False)
@@ -59,7 +62,9 @@ def _declared_size(handle: Any, where: str) -> int:
     """Bytes of data the .npy header promises; refuses anything but numbers."""
     try:
         version = np.lib.format.read_magic(handle)
-        read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        read_header = (
+            np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        )
         shape, _, dtype = read_header(handle, max_header_size=_HEADER_ALLOWANCE)
     except ValueError as error:
         raise LogFormatError(f"{where}: not a readable .npy array ({error})") from error

@@ -35,7 +35,8 @@ UNITS: Final[dict[str, dict[str, tuple[str, float]]]] = {
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A noise coefficient in SI with its 95 % interval and how it was obtained (`method`, a sentence for the reader).
+    """A noise coefficient in SI with its 95 % interval and how it was obtained (`method`, a sentence for the
+    reader).
 
     The ramp is signed; all others are positive.
     """
@@ -64,9 +65,9 @@ class AxisNoise:
 
     `quantity` is "gyro" (rad/s) or "accelerometer" (m/s²). `coefficients` maps each of noise_terms.TERMS to a
     Coefficient or None; `not_resolved` holds the reason of each None. `white_floor` is the fitted N and
-    `effective_at_1s` the slope -1/2 line read over the decade about 1 s (None where the log is too short or too
-    slow), both in rad/√s or m/s/√s. `band_hz` is the top of the fitted band, `lines_hz` the vibration lines
-    left out of it, `model_error` the relative departure of the measured spectrum from the five terms.
+    `effective_at_1s` the slope -1/2 line read over the decade about 1 s (None where the log is too short or
+    too slow), both in rad/√s or m/s/√s. `band_hz` is the top of the fitted band, `lines_hz` the vibration
+    lines left out of it, `model_error` the relative departure of the measured spectrum from the five terms.
     """
 
     name: str

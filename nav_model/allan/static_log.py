@@ -21,12 +21,15 @@ from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, P
 from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings
 
-# The white floor stands for the random walk when it makes up at least this share of the Allan variance about 1 s.
+# The white floor stands for the random walk when it makes up at least this share of the Allan variance about
+# 1 s.
 _WHITE_SHARE = 0.9
 # Below this share something four times as strong as the sensor's own noise rules there.
 _LEAST_WHITE_SHARE = 0.25
 _LIKELIHOOD = "maximum likelihood on the cosine spectrum, profile interval"
-_READ_AT_1S = "slope -1/2 line through the Allan deviation over the decade about 1 s; from the white floor up to it"
+_READ_AT_1S = (
+    "slope -1/2 line through the Allan deviation over the decade about 1 s; from the white floor up to it"
+)
 
 
 class AnalysisCancelled(Exception):
@@ -41,8 +44,9 @@ def analyse_log(
     """Noise parameters of a static log, axis by axis.
 
     `progress` receives a fraction and what is being done; `cancelled` is asked before each axis and
-    AnalysisCancelled raised when it answers True. Raises ValueError when the log is empty or shorter than the fit
-    needs. Method: likelihood.py for the coefficients, axis_fit.py for real-log departures, deviation.py for curves.
+    AnalysisCancelled raised when it answers True. Raises ValueError when the log is empty or shorter than the
+    fit needs. Method: likelihood.py for the coefficients, axis_fit.py for real-log departures, deviation.py
+    for curves.
     """
     axes = log.axes()
     if not axes:
@@ -57,9 +61,7 @@ def analyse_log(
         results.append(_analyse_axis(name, quantity, signal, interval_s, log.temperature_c))
     if progress is not None:
         progress(1.0, "done")
-    provenance = Provenance(
-        log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading
-    )
+    provenance = Provenance(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading)
     return LogAnalysis(tuple(results), provenance, log_warnings(log))
 
 
@@ -152,7 +154,9 @@ def _coefficient(
         if share < _WHITE_SHARE:
             nearest = int(np.argmin(np.abs(np.log(deviation.tau_s))))
             widen = float(deviation.high[nearest] / deviation.deviation[nearest])
-            return Coefficient(effective, min(estimate.low, effective / widen), effective * widen, _READ_AT_1S)
+            return Coefficient(
+                effective, min(estimate.low, effective / widen), effective * widen, _READ_AT_1S
+            )
     if estimate.low <= 0.0 <= estimate.high:
         unit, si = UNITS[quantity][term]
         limit = max(abs(estimate.low), abs(estimate.high)) / si
@@ -161,7 +165,8 @@ def _coefficient(
 
 
 def _effective_at_1s(deviation: AllanDeviation) -> float | None:
-    """Slope -1/2 line, least squares in logarithms over the decade of averaging times centred on 1 s (IEEE Std 952).
+    """Slope -1/2 line, least squares in logarithms over the decade of averaging times centred on 1 s (IEEE
+    Std 952).
 
     None unless the log's averaging times span that decade.
     """
@@ -177,7 +182,9 @@ def _dominant_alpha(found: AxisFit, tau_s: FloatArray) -> FloatArray:
     """Noise type that rules at each averaging time, for the degrees of freedom of the Allan estimates."""
     terms = [*STOCHASTIC_TERMS, "ramp"]
     values = [math.sqrt(square.value) for square in found.fit.squares] + [found.fit.ramp.value]
-    variances = np.stack([allan_variance(term, value, tau_s) for term, value in zip(terms, values, strict=True)])
+    variances = np.stack(
+        [allan_variance(term, value, tau_s) for term, value in zip(terms, values, strict=True)]
+    )
     alphas = np.array([NOISE_ALPHA[term] for term in terms], dtype=np.float64)
     return np.asarray(alphas[np.argmax(variances, axis=0)])
 
@@ -190,7 +197,9 @@ def _fit_warnings(found: AxisFit, coefficients: dict[str, Coefficient | None]) -
     if found.band_cut:
         warnings.append(f"fitted up to {found.band_hz:g} Hz: above it the five noise terms do not hold")
     if 0.0 < found.model_error <= WORST_MODEL_ERROR:
-        warnings.append(f"the spectrum departs from the fit by {found.model_error:.0%}; the intervals include it")
+        warnings.append(
+            f"the spectrum departs from the fit by {found.model_error:.0%}; the intervals include it"
+        )
     walk = coefficients["random_walk"]
     if walk is not None and walk.method == _READ_AT_1S:
         warnings.append("random walk read at 1 s includes vibration and slow noise; the white floor is lower")
