@@ -102,7 +102,7 @@ class _Selection:
 
 
 def _select(spectrum: CosineSpectrum, band_hz: float) -> _Selection:
-    """Set lines aside below `band_hz` and measure the departure that remains, by a few rounds of refitting."""
+    """Set lines aside below `band_hz` and measure the departure that remains, in rounds of refitting."""
     in_band = spectrum.frequency_hz <= band_hz
     upper = in_band & (spectrum.count > 1)
     used, model_error = in_band, 0.0
@@ -132,7 +132,7 @@ def _narrow_lines(spectrum: CosineSpectrum, model: FloatArray) -> NDArray[np.boo
 
 
 def _usual_departure(log_ratio: FloatArray, count: FloatArray) -> float:
-    """Robust relative scatter of power about the model beyond what the counts explain, blind to a few lines."""
+    """Robust relative scatter of power about the model beyond the counts' own, blind to a few lines."""
     spread = _MAD_TO_SIGMA * float(np.median(np.abs(log_ratio)))
     return float(np.sqrt(max(0.0, spread**2 - float(np.median(2.0 / count)))))
 

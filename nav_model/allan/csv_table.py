@@ -22,7 +22,7 @@ _LONGEST_LINE = 10_000
 
 @dataclass(frozen=True)
 class CsvTable:
-    """`names` is None without a header; `first_line` is the file's line of row 0; `rate_hz` from a comment or None."""
+    """`names` (None without a header), the file's line of row 0, and the rate a comment states or None."""
 
     names: tuple[str, ...] | None
     data: FloatArray

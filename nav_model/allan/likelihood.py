@@ -29,7 +29,7 @@ _WALK_REACH = 1.5
 
 @dataclass(frozen=True)
 class Estimate:
-    """One coefficient squared (or the signed ramp) with its 95 % interval; `low` is 0 at the edge of the allowed range."""
+    """One coefficient squared (or the signed ramp) with its 95 % interval; `low` 0 where absence fits."""
 
     value: float
     low: float
@@ -82,7 +82,7 @@ def fit_spectrum(spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error:
 def fitted_spectrum(
     spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Model variance of every bin at the best fit to the `used` ones, and the measured powers about the fitted ramp."""
+    """Model variance of every bin at the best fit to the `used` ones, and powers about the fitted ramp."""
     problem, scale, ramp_scale = _scaled(spectrum, used, model_error)
     best = _best(problem)
     residual = spectrum.power.copy()
@@ -143,7 +143,7 @@ def _solve(
     fixed_value: float = 0.0,
     fixed_slope: float | None = None,
 ) -> _Solution:
-    """Fisher scoring with theta >= 0: each step is a weighted non-negative least squares, halved if it overshoots."""
+    """Fisher scoring with theta >= 0: each step a weighted non-negative least squares, halved if too long."""
     from scipy.optimize import nnls
 
     free = [term for term in range(4) if term != fixed_term]
@@ -180,7 +180,7 @@ def _best(problem: _Problem) -> _Solution:
 
 
 def _profile(problem: _Problem, best: _Solution, term: int, value: float) -> float:
-    """Smallest deviance with one theta held; the walk, flicker and ramp trade places, so several starts are tried."""
+    """Smallest deviance with one theta held; walk, flicker and ramp trade places, hence several starts."""
     lifted = np.maximum(best.theta, 0.3)
     starts = (best.theta, lifted, np.where(np.arange(4) == 3, lifted, best.theta))
     return min(_solve(problem, start, fixed_term=term, fixed_value=value).deviance for start in starts)

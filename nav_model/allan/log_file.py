@@ -1,4 +1,4 @@
-"""Read an inertial log (CSV or NPZ) into SI rates. Nothing in the file is executed; every refusal says what and where."""
+"""Read an inertial log (CSV or NPZ) into SI rates; nothing is executed, every refusal says what and where."""
 
 from __future__ import annotations
 
@@ -22,6 +22,10 @@ from nav_model.allan.npz_arrays import read_npz_arrays
 IGNORED = "-"
 RATE_TOLERANCE = 0.01
 _GAP = 1.5
+_UNIT_EXAMPLES = {
+    "gyro": "deg/s, rad/s, increments in rad, or counts as 0.05 deg/s",
+    "accelerometer": "m/s2, g, increments in m/s, or counts as 0.00333 g",
+}
 _SENSORS = ("gyro", "accelerometer")
 _SIX_COLUMN_NAMES = ("counts", "imu", "data", "samples", "log")
 
@@ -94,7 +98,8 @@ def read_log(
     lengths = {role: len(signal) for role, signal in signals.items() if signal is not None}
     if not lengths:
         raise LogFormatError(
-            f"{name}: no gyro or accelerometer columns recognised; name them (gyro_x ... accelerometer_z) in `columns` or `arrays`"
+            f"{name}: no gyro or accelerometer columns recognised; "
+            "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`"
         )
     if len(set(lengths.values())) > 1:
         raise LogFormatError(
@@ -152,8 +157,8 @@ def _from_csv(content: bytes, name: str, options: LogOptions, limits: Limits) ->
         meaning = None if label == IGNORED else meaning_of(label)
         if meaning is None and options.columns is not None and label != IGNORED:
             raise LogFormatError(
-                f"{name}: column name {label!r} is not understood; allowed: time, gyro_x .. gyro_z, accelerometer_x .. "
-                f"accelerometer_z, temperature, {IGNORED}"
+                f"{name}: column name {label!r} is not understood; allowed: time, gyro_x .. gyro_z, "
+                f"accelerometer_x .. accelerometer_z, temperature, {IGNORED}"
             )
         if meaning is not None:
             columns.append(_Column(label, meaning, table.data[:, index]))
@@ -256,8 +261,8 @@ def _signal(
     if len(bad):
         axis = int(np.flatnonzero(~np.isfinite(signal[bad[0]]))[0])
         raise LogFormatError(
-            f"{name}, {found.row_word} {found.first_row + bad[0]}: {role}_{AXIS_LETTERS[axis]} is not a finite number "
-            f"({len(bad)} such rows)"
+            f"{name}, {found.row_word} {found.first_row + bad[0]}: {role}_{AXIS_LETTERS[axis]} is not "
+            f"a finite number ({len(bad)} such rows)"
         )
     kind = "increments per sample" if scale.per_sample else "rates"
     notes.append(f"{role} from {columns[0].label} .. {columns[-1].label}, {kind} in {scale.symbol}")
@@ -272,21 +277,21 @@ def _scale(role: str, column: _Column, found: _Found, options: LogOptions, name:
     unit = given or stated
     if unit is None:
         raise LogFormatError(
-            f"{name}: the unit of {column.label!r} is not stated; give `{role}_unit` "
-            f"({'deg/s, rad/s, rad (increments)' if role == 'gyro' else 'm/s2, g, m/s (increments)'}, or 0.05 deg/s per count)"
+            f"{name}: the unit of {column.label!r} is not stated; give `{role}_unit` ({_UNIT_EXAMPLES[role]})"
         )
     return scale_of(role, unit)
 
 
 def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> float:
-    """The rate from the options, the file's word or its time column, which must agree within RATE_TOLERANCE."""
+    """The rate from the options, the file's word or its time column, which must agree (RATE_TOLERANCE)."""
     stated = options.rate_hz if options.rate_hz is not None else found.rate_hz
     if stated is not None and not (math.isfinite(stated) and stated > 0.0):
         raise LogFormatError(f"{name}: rate {stated} Hz; a positive number is needed")
     times = [column for column in found.columns if column.meaning.role == "time"]
     if len(times) > 1:
         raise LogFormatError(
-            f"{name}: several time columns ({', '.join(t.label for t in times)}); say which by `columns` or `arrays`"
+            f"{name}: several time columns ({', '.join(t.label for t in times)}); "
+            "say which by `columns` or `arrays`"
         )
     if not times or len(times[0].values) < 2:
         if stated is None:
@@ -296,7 +301,8 @@ def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> fl
     measured = _rate_of_time(times[0], found, name, stated)
     if stated is not None and abs(measured / stated - 1.0) > RATE_TOLERANCE:
         raise LogFormatError(
-            f"{name}: rate stated as {stated:g} Hz, but {times[0].label!r} runs at {measured:.5g} Hz; correct one of them"
+            f"{name}: rate stated as {stated:g} Hz, but {times[0].label!r} runs at {measured:.5g} Hz; "
+            "correct one of them"
         )
     notes.append(f"rate {measured:.6g} Hz from {times[0].label}")
     return stated if stated is not None else measured
@@ -330,8 +336,8 @@ def _rate_of_time(column: _Column, found: _Found, name: str, stated: float | Non
     if step[worst] > _GAP * median:
         gaps = int(np.count_nonzero(step > _GAP * median))
         raise LogFormatError(
-            f"{where} {found.first_row + worst + 1}: irregular rate, a step of {step[worst] * factor:.6g} s where "
-            f"{median * factor:.6g} s is usual ({gaps} such); cut the log there"
+            f"{where} {found.first_row + worst + 1}: irregular rate, a step of {step[worst] * factor:.6g} s "
+            f"where {median * factor:.6g} s is usual ({gaps} such); cut the log there"
         )
     rate = len(step) / (float(time[-1] - time[0]) * factor)
     if unit is None and not 0.1 <= rate <= 1e5:

@@ -20,7 +20,7 @@ class LogFormatError(ValueError):
 
 @dataclass(frozen=True)
 class Scale:
-    """`factor` to SI; `per_sample` when the values are increments over one sample (divided by the interval)."""
+    """`factor` to SI; `per_sample` when the values are increments over one sample."""
 
     factor: float
     per_sample: bool
@@ -29,7 +29,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class Meaning:
-    """Role ("time", "gyro", "accelerometer", "temperature"), axis 0..2 or None, unit text or None when not stated."""
+    """Role ("time", "gyro", "accelerometer", "temperature"), axis 0..2 or None, unit text or None."""
 
     role: str
     axis: int | None
@@ -115,7 +115,8 @@ def scale_of(role: str, unit: str) -> Scale:
     allowed = _UNITS[role]
     if text not in allowed or not 0.0 < number < math.inf:
         raise LogFormatError(
-            f"{role} unit {unit!r} is not understood; allowed: {', '.join(allowed)}, or a number and one of these per count"
+            f"{role} unit {unit!r} is not understood; allowed: {', '.join(allowed)}, "
+            "or a number and one of these per count"
         )
     factor, per_sample = allowed[text]
     return Scale(number * factor, per_sample, unit.strip())

@@ -27,7 +27,7 @@ _FEWEST_COEFFICIENTS = 50
 
 @dataclass(frozen=True)
 class BenchNoise:
-    """Random walks at rest, SI: `angle_random_walk` [rad/√s], `velocity_random_walk` [m/s/√s]; None where not known."""
+    """Random walks at rest, [rad/√s] and [m/s/√s]; None where not known."""
 
     angle_random_walk: float | None = None
     velocity_random_walk: float | None = None
@@ -52,7 +52,7 @@ class AxisMotionNoise:
 
 @dataclass(frozen=True)
 class MotionAnalysis:
-    """Effective noise of all axes; factors are rms over a triad's axes, `vibration_factor` the larger of the two."""
+    """Effective noise of all axes; factors are rms over a triad, `vibration_factor` the larger of the two."""
 
     axes: tuple[AxisMotionNoise, ...]
     band_hz: tuple[float, float]
@@ -86,7 +86,8 @@ def analyse_motion(
     first = int(np.ceil(band_from_hz * length / log.rate_hz))
     if band_from_hz <= 0.0 or length // 2 - first < _FEWEST_COEFFICIENTS:
         raise ValueError(
-            f"band_from_hz: {band_from_hz:g}; it must lie between 0 and well below half the rate, {nyquist:g} Hz"
+            f"band_from_hz: {band_from_hz:g}; it must lie between 0 and well below half the rate, "
+            f"{nyquist:g} Hz"
         )
     if log.samples < 2 * length:
         raise ValueError(f"log: {log.duration_s:.3g} s; at least {2 * BLOCK_S:g} s are needed")

@@ -3,13 +3,13 @@
 Coefficients are those of the standard, in SI for a rate signal y (angular rate [rad/s] or specific force
 [m/s²]):
 
-| term               | coefficient | unit (gyro; accelerometer)       | Allan variance    | two-sided density of y |
-|--------------------|-------------|----------------------------------|-------------------|------------------------|
-| quantization       | Q           | rad; m/s                         | 3 Q²/τ²           | (2πf)² τ0 Q²           |
-| random walk        | N           | rad/√s; m/s/√s                   | N²/τ              | N²                     |
-| bias instability   | B           | rad/s; m/s²                      | 2 ln2 B²/π        | B²/(2π f)              |
-| rate random walk   | K           | rad/s/√s; m/s²/√s                | K² τ/3            | K²/(2πf)²              |
-| ramp               | R           | rad/s²; m/s³                     | R² τ²/2           | deterministic R t      |
+| term             | coefficient | unit (gyro; accelerometer) | Allan variance   | two-sided density   |
+|------------------|-------------|----------------------------|------------------|---------------------|
+| quantization     | Q           | rad; m/s                   | 3 Q²/τ²          | (2πf)² τ0 Q²        |
+| random walk      | N           | rad/√s; m/s/√s             | N²/τ             | N²                  |
+| bias instability | B           | rad/s; m/s²                | 2 ln2 B²/π       | B²/(2π f)           |
+| rate random walk | K           | rad/s/√s; m/s²/√s          | K² τ/3           | K²/(2πf)²           |
+| ramp             | R           | rad/s²; m/s³               | R² τ²/2          | deterministic R t   |
 
 Source: IEEE Std 952-1997 annex C; IEEE Std 1293 for accelerometers.
 """

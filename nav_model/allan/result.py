@@ -49,7 +49,7 @@ class Coefficient:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where the numbers came from: file, its SHA-256, rate [Hz], duration [s], samples and how columns were read."""
+    """Where the numbers came from: file, SHA-256, rate [Hz], duration [s], samples, how columns were read."""
 
     file_name: str
     sha256: str

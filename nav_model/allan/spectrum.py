@@ -40,7 +40,7 @@ class CosineSpectrum:
 
 
 def cosine_spectrum(rate_signal: FloatArray, interval_s: float) -> CosineSpectrum:
-    """Transform one axis, shape (samples,), sampled every `interval_s` seconds; raises ValueError under 512 samples."""
+    """Transform one axis, shape (samples,), sampled every `interval_s` [s]; ValueError under 512 samples."""
     from scipy.fft import dct
 
     samples = len(rate_signal)

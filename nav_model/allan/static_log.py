@@ -103,7 +103,7 @@ def _analyse_axis(
 
 
 def _constant_axis(name: str, quantity: str, signal: FloatArray, interval_s: float) -> AxisNoise:
-    reason = f"not resolved: every sample is {signal[0]:g}; the axis is not connected or its resolution is too coarse"
+    reason = f"not resolved: every sample is {signal[0]:g}; not connected, or resolution too coarse"
     return AxisNoise(
         name=name,
         quantity=quantity,
@@ -141,15 +141,15 @@ def _coefficient(
         )
     if term == "quantization" and found.band_cut:
         return (
-            f"not resolved: above {found.band_hz:g} Hz the spectrum is shaped by the sensor's filter or by vibration, "
-            "which hides quantization"
+            f"not resolved: above {found.band_hz:g} Hz the spectrum is shaped by the sensor's filter or by "
+            "vibration, which hides quantization"
         )
     if term == "random_walk" and not found.clean and effective is not None:
         share = (estimate.value / effective) ** 2
         if share < _LEAST_WHITE_SHARE:
             return (
-                f"not resolved: the Allan deviation about 1 s is {1.0 / math.sqrt(max(share, 1e-12)):.1f} times "
-                "what the white floor explains; a disturbance rules there"
+                f"not resolved: the Allan deviation about 1 s is {1.0 / math.sqrt(max(share, 1e-12)):.1f} "
+                "times what the white floor explains; a disturbance rules there"
             )
         if share < _WHITE_SHARE:
             nearest = int(np.argmin(np.abs(np.log(deviation.tau_s))))

@@ -24,7 +24,7 @@ def log_warnings(log: ImuLog) -> tuple[str, ...]:
         force = float(np.linalg.norm(log.accelerometer.mean(axis=0)))
         if abs(force / STANDARD_GRAVITY - 1.0) > _GRAVITY_TOLERANCE:
             found.append(
-                f"mean specific force is {force:.4g} m/s², not gravity: wrong unit or scale, or the unit was moving"
+                f"mean specific force is {force:.4g} m/s², not gravity: wrong unit or scale, or it was moving"
             )
     if log.gyro is not None:
         rate = float(np.linalg.norm(log.gyro.mean(axis=0)))
@@ -65,8 +65,8 @@ def _burst(steps: FloatArray, interval_s: float) -> str | None:
         return None
     start = worst * length * interval_s
     return (
-        f"disturbed: between {start:.0f} s and {start + length * interval_s:.0f} s the signal is {ratio:.1f} times as "
-        "restless as usual; trim the log or repeat it at rest"
+        f"disturbed: between {start:.0f} s and {start + length * interval_s:.0f} s the signal is {ratio:.1f} "
+        "times as restless as usual; trim the log or repeat it at rest"
     )
 
 

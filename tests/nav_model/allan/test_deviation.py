@@ -51,7 +51,7 @@ def test_equals_stable32(shared_data: Path, table: str):
 
 
 def test_limits_cover_white_noise():
-    """95 % limits of 400 white logs: the theoretical deviation N/√τ inside between 91.5 % and 98.5 % of the time."""
+    """95 % limits of 400 white logs: N/√τ lies inside between 91.5 % and 98.5 % of the time."""
     rng = np.random.default_rng(3)
     taus = np.array([1.0, 10.0, 100.0])
     inside = np.zeros(3)

@@ -29,7 +29,7 @@ CASES = {
         "bias_instability": 6e-3,
     },
     "random walk, rate random walk": {"random_walk": 1e-2, "rate_random_walk": 2e-3},
-    "random walk, ramp": {"random_walk": 1e-2, "ramp": 2e-6},
+    "random walk, ramp": {"random_walk": 1e-2, "ramp": 1e-5},
     "all five": {
         "quantization": 1e-3,
         "random_walk": 1e-2,
