@@ -1,7 +1,7 @@
 """Overlapping Allan deviation with confidence, by allantools.
 
-allantools is kept rather than an own loop: on 1e6 samples and 61 averaging times it takes 0.07 s, as long
-as the plain NumPy sum, and 24 MB, and brings the equivalent degrees of freedom of Greenhall and Riley with it.
+allantools is kept rather than an own loop: on 1e6 samples and 61 averaging times it takes 0.07 s, as the
+plain NumPy sum does, and 24 MB, and brings the equivalent degrees of freedom of Greenhall and Riley with it.
 """
 
 from __future__ import annotations
