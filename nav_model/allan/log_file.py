@@ -264,8 +264,9 @@ def _signal(
             f"{name}, {found.row_word} {found.first_row + bad[0]}: {role}_{AXIS_LETTERS[axis]} is not "
             f"a finite number ({len(bad)} such rows)"
         )
+    source = " .. ".join(dict.fromkeys((columns[0].label, columns[-1].label)))
     kind = "increments per sample" if scale.per_sample else "rates"
-    notes.append(f"{role} from {columns[0].label} .. {columns[-1].label}, {kind} in {scale.symbol}")
+    notes.append(f"{role} from {source}, {kind} in {scale.symbol}")
     return signal
 
 

@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final
 
+import numpy as np
+
 from nav_model.allan.deviation import AllanDeviation
-from nav_model.allan.noise_terms import TERMS
+from nav_model.allan.noise_terms import TERMS, FloatArray, allan_variance
 
 STANDARD_GRAVITY: Final = 9.80665
 
@@ -92,6 +94,34 @@ class LogAnalysis:
     axes: tuple[AxisNoise, ...]
     provenance: Provenance
     warnings: tuple[str, ...]
+
+
+def fitted_lines(axis: AxisNoise, tau_s: FloatArray) -> dict[str, FloatArray]:
+    """Allan deviation of each resolved term at `tau_s` [s], and of all under "total"; SI of the rate.
+
+    A random walk read at 1 s is drawn as read, so "total" may then lie above the measured curve.
+    """
+    shown = {term: found for term, found in axis.coefficients.items() if found is not None}
+    variances = {term: allan_variance(term, found.value, tau_s) for term, found in shown.items()}
+    lines = {term: np.sqrt(variance) for term, variance in variances.items()}
+    total = sum(variances.values(), start=np.zeros_like(tau_s))
+    return {**lines, "total": np.sqrt(total)}
+
+
+def triad_random_walk(result: LogAnalysis, quantity: str) -> Coefficient | None:
+    """One random walk for the design from a triad: rms over its axes, which keeps their mean variance.
+
+    `quantity` is "gyro" or "accelerometer". None when an axis is missing or did not resolve its random walk.
+    """
+    found = [axis.coefficients["random_walk"] for axis in result.axes if axis.quantity == quantity]
+    known = [coefficient for coefficient in found if coefficient is not None]
+    if len(known) < 3:
+        return None
+    value, low, high = (
+        math.sqrt(sum(getattr(c, field) ** 2 for c in known) / len(known))
+        for field in ("value", "low", "high")
+    )
+    return Coefficient(value, low, high, f"rms of {quantity} x, y, z")
 
 
 def to_json(result: LogAnalysis) -> dict[str, Any]:

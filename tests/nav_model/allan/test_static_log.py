@@ -13,7 +13,7 @@ import pytest
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import read_log
 from nav_model.allan.noise_terms import TERMS
-from nav_model.allan.result import to_json
+from nav_model.allan.result import fitted_lines, to_json, triad_random_walk
 from nav_model.allan.static_log import AnalysisCancelled, analyse_log
 
 Simulator = Callable[..., np.ndarray]
@@ -154,10 +154,12 @@ def test_anti_alias_filter_hides_quantization_but_not_the_random_walk():
     assert "filter" in axis.not_resolved["quantization"]
 
 
-def test_vibration_line_is_named_and_left_out():
+@pytest.mark.parametrize("amplitude", [1e-3, 8e-5])
+def test_vibration_line_is_named_and_left_out(amplitude: float):
+    """The weaker one adds 8 % to the power of its bin and is known by its single coefficient only."""
     signal = white(100_000)
     time = np.arange(100_000) / 100.0
-    signal[:, 0] += 1e-3 * np.sin(2 * np.pi * 17.3 * time)
+    signal[:, 0] += amplitude * np.sin(2 * np.pi * 17.3 * time)
     axis = analyse_log(ImuLog(signal, None, 100.0)).axes[0]
     assert axis.lines_hz == pytest.approx((17.3,), abs=0.01)
     walk = axis.coefficients["random_walk"]
@@ -241,6 +243,26 @@ def test_short_and_empty_logs_are_refused():
         analyse_log(ImuLog(white(300), None, 100.0))
     with pytest.raises(ValueError, match="neither gyro nor accelerometer"):
         analyse_log(ImuLog(None, None, 100.0))
+
+
+def test_fitted_lines_pass_through_the_measured_curve(simulate: Simulator):
+    """Where the five terms rule, their sum lies within the curve's own 95 % limits, nearly everywhere."""
+    signal = np.stack([simulate(s, 100_000, 0.01, 1e-6, 1e-4, 5e-5, 3e-5) for s in range(3)], axis=1)
+    axis = analyse_log(ImuLog(signal, None, 100.0)).axes[0]
+    lines = fitted_lines(axis, axis.deviation.tau_s)
+    assert set(lines) >= {"random_walk", "total"}
+    inside = (axis.deviation.low <= lines["total"]) & (lines["total"] <= axis.deviation.high)
+    assert inside.mean() > 0.8
+
+
+def test_triad_offers_one_value_to_the_design():
+    gyro = white() * np.array([1.0, 2.0, 2.0])
+    result = analyse_log(ImuLog(gyro, None, 100.0))
+    offered = triad_random_walk(result, "gyro")
+    assert offered is not None
+    assert offered.value == pytest.approx(1e-4 * np.sqrt(3.0), rel=0.01)
+    assert offered.low < offered.value < offered.high
+    assert triad_random_walk(result, "accelerometer") is None
 
 
 def test_json_holds_the_contract_keys():
