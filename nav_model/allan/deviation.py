@@ -50,8 +50,7 @@ def overlapping_allan_deviation(
     alpha: FloatArray | None = None,
     confidence: float = 0.95,
 ) -> AllanDeviation:
-    """Overlapping Allan deviation of a rate signal, shape (samples,) (NIST SP 1065 eq. 11; IEEE Std 952 annex
-    C).
+    """Overlapping Allan deviation of a rate signal, shape (samples,) (NIST SP 1065; IEEE Std 952 annex C).
 
     `tau_s` are whole multiples of `interval_s` up to a third of the log (default: `averaging_times`);
     `alpha`, one per tau, is the local noise type (NOISE_ALPHA; default white rate noise), on which the

@@ -12,7 +12,7 @@ from nav_model.allan.deviation import averaging_times, overlapping_allan_deviati
 
 
 def nbs14() -> np.ndarray:
-    """The 1000-point set of SP 1065 section 12.4: a Park-Miller generator."""
+    """The 1000-point set of SP 1065: a Park-Miller generator."""
     values, state = [], 1234567890
     for _ in range(1000):
         values.append(state / 2147483647)

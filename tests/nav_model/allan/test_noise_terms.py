@@ -19,7 +19,7 @@ SAMPLES, INTERVAL = 400, 0.25
     ],
 )
 def test_allan_variance_is_the_filtered_density(term: str, density):
-    """IEEE Std 952 eq. C.3: AVAR = 4 ∫ S(f) sin⁴(πfτ)/(πfτ)² df, done in pieces by quadrature."""
+    """AVAR = 4 ∫ S(f) sin⁴(πfτ)/(πfτ)² df, done in pieces by quadrature."""
     tau = 3.0
 
     def integrand(u: float) -> float:
