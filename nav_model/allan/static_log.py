@@ -22,7 +22,7 @@ from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings
 
 # Both shares were set on the logs at hand: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
-# accelerometers under a 0.6 Hz line, and a body of unknown movement below.
+# accelerometers under a 0.6 Hz line.
 # The white floor stands for the random walk when it makes up at least this share of the Allan variance about
 # 1 s.
 _WHITE_SHARE = 0.9
@@ -170,9 +170,9 @@ def _effective_at_1s(deviation: AllanDeviation) -> float | None:
     """Slope -1/2 line, least squares in logarithms over the decade of averaging times centred on 1 s (IEEE
     Std 952).
 
-    None unless the log's averaging times span that decade. The standard reads the line at 1 s; the width of one
-    decade is ours. It averages over a vibration line near 1 Hz, which a reading at 1 s alone takes in full; of
-    the windows tried it is among the closest to the ADIS16405 figures it is tested on (3 %; 1 s alone: 13 %).
+    None unless the log's averaging times span that decade. The standard reads the line at 1 s; the decade is ours.
+    It averages over a vibration line near 1 Hz, which a reading at 1 s alone takes in full. Of 17 windows tried
+    it is among the closest to the ADIS16405 figures it is tested on (3 %; 1 s alone: 13 %).
     """
     low, high = 10.0**-0.5, 10.0**0.5
     if deviation.tau_s[0] > low or deviation.tau_s[-1] < high:
