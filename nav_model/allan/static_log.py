@@ -167,12 +167,11 @@ def _coefficient(
 
 
 def _effective_at_1s(deviation: AllanDeviation) -> float | None:
-    """Slope -1/2 line, least squares in logarithms over the decade of averaging times centred on 1 s (IEEE
-    Std 952).
+    """Slope -1/2 line, least squares in logarithms over the decade of averaging times centred on 1 s.
 
-    None unless the log's averaging times span that decade. The standard reads the line at 1 s; the decade is ours.
-    It averages over a vibration line near 1 Hz, which a reading at 1 s alone takes in full. Of 17 windows tried
-    it is among the closest to the ADIS16405 figures it is tested on (3 %; 1 s alone: 13 %).
+    None unless the log's averaging times span that decade. IEEE Std 952 reads the line at 1 s; the decade is
+    ours. It averages over a vibration line near 1 Hz, which a reading at 1 s alone takes in full. Of 17
+    windows tried it is among the closest to the ADIS16405 figures it is tested on (3 %; 1 s alone: 13 %).
     """
     low, high = 10.0**-0.5, 10.0**0.5
     if deviation.tau_s[0] > low or deviation.tau_s[-1] < high:
