@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 
 import panel as pn
 import panel_material_ui as pmui
+from bokeh.models import CustomJSTickFormatter
 
 from app.state import Session
 from nav_model.catalogue import Entry, catalogue, find
@@ -102,16 +103,27 @@ class QuantityControl:
         self._low = math.log10(low)
         start = self._low - (10 * _STEP if self._takes_zero else 0)
         return LogSlider(
-            label=f"{self._declaration.label}, slider",
+            label=str(self._declaration.label),
             description="",
             show_value=False,
+            format=self._spoken(),
             start=start,
             end=math.log10(high),
             step=_STEP,
             value=start,
             size="small",
-            margin=(0, 16, 4, 16),
+            margin=(0, 16, 2, 16),
             sizing_mode="stretch_width",
+            sx={"& > .MuiFormLabel-root": {"display": "none"}},  # the box above names it; screen readers still do
+        )
+
+    def _spoken(self) -> CustomJSTickFormatter:
+        """What the thumb's bubble and a screen reader say: the value, not its logarithm."""
+        d = self._declaration
+        factor = to_si(1.0, d.unit, d.dimension) if d.dimension else 1.0
+        zero = f'if (tick < {self._low - _STEP / 2}) return "0 {d.unit}";' if self._takes_zero else ""
+        return CustomJSTickFormatter(
+            code=f'{zero} return String(Number((10 ** tick / {factor!r}).toPrecision(3))) + " {d.unit}"'
         )
 
     @property
@@ -158,9 +170,8 @@ class QuantityControl:
         self._help(self._session.design)
 
     def _help(self, design: Design) -> None:
-        text = self._error or " ".join(
-            part for part in (_origin(design, self.key), self._full_help() if self._explained else "") if part
-        )
+        said = (_origin(design, self.key, self._explained), self._full_help() if self._explained else "")
+        text = self._error or " ".join(part for part in said if part)
         if self.box.helper_text != text:
             self.box.helper_text = text
         if self.box.error_state != bool(self._error):
@@ -274,6 +285,7 @@ class PresetControl:
         self.section = section
         self.key = f"{section}.preset"
         self._writing = False
+        self._explained = False
         entries = catalogue("imu" if section == "imu" else "radar")
         options: dict[str, str] = {"none": ""}
         options |= {_preset_label(entry): entry.name for entry in entries.values()}
@@ -307,13 +319,15 @@ class PresetControl:
         if self.restore.visible != bool(changed):
             self.restore.visible = bool(changed)
         entry = find("imu" if self.section == "imu" else "radar", name) if name else None
-        text = _entry_help(entry, changed) if entry else ""
+        text = _entry_help(entry, changed, self._explained) if entry else ""
         if self.select.helper_text != text:
             self.select.helper_text = text
         self._writing = False
 
     def explain(self, explained: bool) -> None:
-        """The preset explains itself."""
+        """Show the catalogue's note, or not."""
+        self._explained = explained
+        self.show(self._session.design)
 
     def _chosen(self, event: Any) -> None:
         if not self._writing:
@@ -362,25 +376,24 @@ def _message(error: DesignError, key: str) -> str:
     return error.reason if error.key == key else str(error)
 
 
-def _origin(design: Design, key: str) -> str:
+def _origin(design: Design, key: str, whole: bool) -> str:
     """Where a value came from, when a preset has something to say about it."""
     section, _, name = key.rpartition(".")
-    if section not in {"imu", "radar"}:
-        return ""
     preset = preset_of(design, section)
     if preset is None:
         return ""
     entry = find("imu" if section == "imu" else "radar", preset)
     sheet = entry.extra.get(name)
     if sheet is not None:
-        return f"{entry.name}'s sheet: {sheet.text} {sheet.kind}, not the residual."
+        return f"{entry.name}'s sheet: {sheet.text} {sheet.kind}, not the residual." if whole else ""
     item = entry.values.get(name)
     if item is None:
         missing = section == "imu" and name.endswith("random_walk")
         return f"Not on {entry.name}'s sheet: your value." if missing else ""
     if design[key] != item.value:
         return f"≠ {entry.name}: {item.text}"
-    return f"{item.source}" if item.confirmed else f"⚠ {item.status}: {item.source}"
+    source = f": {item.source}." if whole else ""
+    return source.lstrip(": ") if item.confirmed else f"⚠ {item.status} source{source}"
 
 
 def _preset_label(entry: Entry) -> str:
@@ -388,6 +401,6 @@ def _preset_label(entry: Entry) -> str:
     return f"{entry.name}{', ' + entry.grade if entry.grade else ''}{doubtful}"
 
 
-def _entry_help(entry: Entry, changed: int) -> str:
-    said = [f"{changed} value{'s' if changed > 1 else ''} changed." if changed else "", entry.note]
+def _entry_help(entry: Entry, changed: int, whole: bool) -> str:
+    said = [f"{changed} value{'s' if changed > 1 else ''} changed." if changed else "", entry.note if whole else ""]
     return " ".join(part for part in said if part)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import html
+import importlib
 import io
 import re
 from collections.abc import Awaitable, Callable
@@ -14,7 +15,6 @@ import panel_material_ui as pmui
 from panel.util import edit_readonly
 
 from app.controls import SECTION_TITLES, Control, section_controls
-from app.pages.budget import BudgetPage
 from app.report import report_of_text
 from app.state import Session
 from app.theme import DARK, LIGHT
@@ -35,8 +35,14 @@ class Page(Protocol):
         """Follow the budget in force."""
 
 
-PAGES: tuple[tuple[str, Callable[[Session], Page]], ...] = (("Budget", BudgetPage),)
-"""The tabs: name, and address as its lower-case form."""
+PAGES: tuple[tuple[str, str], ...] = (("Budget", "app.pages.budget:BudgetPage"),)
+"""The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
+
+A page is imported and built when its tab is first opened, so a tab costs the first screen nothing.
+"""
+
+
+_FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with
 
 
 class Frame:
@@ -45,13 +51,18 @@ class Frame:
     def __init__(self, session: Session, notice: str = "") -> None:
         self.session = session
         self._controls: list[Control] = []
-        self._pages = [(name, build(session)) for name, build in PAGES]
+        self._pages: dict[int, Page] = {}
+        self._places = [pn.Column(sizing_mode="stretch_width", margin=0) for _ in PAGES]
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
         )
         self._tabs = pn.Tabs(
-            *((name, page.view) for name, page in self._pages), dynamic=True, sizing_mode="stretch_width"
+            *((name, place) for (name, _), place in zip(PAGES, self._places, strict=True)),
+            dynamic=True,
+            active=_asked_for(),
+            sizing_mode="stretch_width",
         )
+        self._open_page(self._tabs.active)
         self.view = self._shell()
         session.param.watch(self._show, "budget")
         self._tabs.param.watch(self._turned, "active")
@@ -61,14 +72,21 @@ class Frame:
         with pn.io.hold():
             for control in self._controls:
                 control.show(budget.design)
-            self._pages[self._tabs.active][1].show(budget)
+            self._pages[self._tabs.active].show(budget)
             self._follow_name(budget)
 
     def _turned(self, event: Any) -> None:
-        name, page = self._pages[event.new]
-        page.show(self.session.budget)
+        self._open_page(event.new)
+        self._pages[event.new].show(self.session.budget)
         if pn.state.location:
-            pn.state.location.hash = f"#{name.lower()}"
+            pn.state.location.hash = f"#{PAGES[event.new][0].lower()}"
+
+    def _open_page(self, index: int) -> None:
+        if index not in self._pages:
+            module, _, name = PAGES[index][1].partition(":")
+            page: Page = getattr(importlib.import_module(module), name)(self.session)
+            self._pages[index] = page
+            self._places[index].append(page.view)
 
     # --- the frame's parts -----------------------------------------------------------------------------
 
@@ -90,22 +108,36 @@ class Frame:
         return page
 
     def _sidebar(self) -> list[Any]:
-        explain = pmui.Switch(label="Explain every input", description="", margin=(6, 10))
-        sections = []
-        for section in INPUTS:
-            controls = section_controls(self.session, section)
-            self._controls += controls
-            sections.append((SECTION_TITLES[section], pmui.Column(*(c.view for c in controls), margin=0)))
+        self._explained = pmui.Switch(label="Explain every input", description="", margin=(6, 10))
+        self._sections = [pmui.Column(margin=0, sizing_mode="stretch_width") for _ in INPUTS]
         accordion = pmui.Accordion(
-            *sections, active=[0, 1], toggle=False, title_variant="subtitle1", sizing_mode="stretch_width", margin=0
+            *zip((SECTION_TITLES[section] for section in INPUTS), self._sections, strict=True),
+            active=list(_FIRST_OPEN),
+            toggle=False,
+            title_variant="subtitle1",
+            sizing_mode="stretch_width",
+            margin=0,
         )
-        explain.param.watch(self._explain, "value")
+        for index in _FIRST_OPEN:
+            self._fill_section(index)
+        accordion.param.watch(lambda event: [self._fill_section(index) for index in event.new], "active")
+        self._explained.param.watch(self._explain, "value")
         self._name = pmui.TextInput(
             label="Design", description="", size="small", max_length=200, margin=(14, 10, 0, 10),
             sizing_mode="stretch_width", value=self.session.design.name,
         )  # fmt: skip
         self._name.param.watch(lambda event: self.session.change({"name": event.new}), "value")
-        return [self._name, explain, accordion]
+        return [self._name, self._explained, accordion]
+
+    def _fill_section(self, index: int) -> None:
+        """Build a section's controls when it is first opened: a page of closed sections loads faster."""
+        if self._sections[index].objects:
+            return
+        controls = section_controls(self.session, list(INPUTS)[index])
+        for control in controls:
+            control.explain(self._explained.value)
+        self._controls += controls
+        self._sections[index].objects = [control.view for control in controls]
 
     def _explain(self, event: Any) -> None:
         with pn.io.hold():
@@ -181,6 +213,12 @@ class Frame:
 
     def _say(self, text: str, severity: str = "error") -> None:
         self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
+
+
+def _asked_for() -> int:
+    """The tab the address names behind its #."""
+    wanted = (pn.state.location.hash if pn.state.location else "").lstrip("#").lower()
+    return next((i for i, (name, _) in enumerate(PAGES) if name.lower() == wanted), 0)
 
 
 _TOOL_LOOK: dict[str, Any] = {"description": "", "variant": "text", "size": "small", "margin": 2}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import logging
+import socket
 from importlib.resources import files
 from typing import Any
 
@@ -15,7 +15,6 @@ from nav_model.design_file import parse_design
 from nav_model.inputs import DesignError
 from nav_model.link import from_query
 
-_LOG = logging.getLogger("navbudget")
 _LOOPBACK = {"127.0.0.1", "localhost", "::1"}
 
 
@@ -52,6 +51,7 @@ def serve(address: str, port: int, allow_origin: list[str]) -> None:
         Public hosts (``host`` or ``host:port``) under which browsers reach the page, beside the address.
     """
     pn.extension()
+    port = port or _free_port(address)
     server = pn.serve(
         {"/": build},
         address=address,
@@ -63,9 +63,15 @@ def serve(address: str, port: int, allow_origin: list[str]) -> None:
         liveness=True,
         websocket_origin=_origins(address, port, allow_origin),
     )
-    shown = "localhost" if address in _LOOPBACK else address
-    print(f"NavBudget on http://{'127.0.0.1' if shown == 'localhost' else shown}:{server.port}", flush=True)
+    print(f"NavBudget on http://{address}:{port}", flush=True)
     server.run_until_shutdown()
+
+
+def _free_port(address: str) -> int:
+    """A port nobody listens on: the allowed origins must name it before the server starts."""
+    with socket.socket() as probe:
+        probe.bind((address, 0))
+        return int(probe.getsockname()[1])
 
 
 def _origins(address: str, port: int, allowed: list[str]) -> list[str]:

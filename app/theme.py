@@ -36,7 +36,9 @@ SHEET = """
 .strip h2 { font-size: 22px; margin: 0; font-weight: 600; }
 .strip p { margin: 0; }
 .strip b { font-weight: 600; }
-.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(158px, 1fr)); gap: 8px; margin: 0; }
+.cards, .scroll, ul.cautions { margin-top: 8px; }
+.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(220px, 45%), 1fr));
+  gap: 8px; margin-bottom: 0; }
 .card { border: 1px solid; border-color: color-mix(in srgb, currentColor 22%, transparent);
   border-radius: 6px; padding: 8px 12px; }
 .card dt { font-size: 12.5px; }
@@ -51,6 +53,6 @@ table.checks td.num, table.checks th.num { text-align: right; }
 .scroll { overflow-x: auto; }
 .know { font-size: 12.5px; margin: 0; }
 .mark { font-weight: 700; }
-ul.cautions { margin: 4px 0 0; padding-left: 18px; font-size: 13px; }
+ul.cautions { padding-left: 18px; font-size: 13px; }
 h3 { font-size: 15px; font-weight: 600; margin: 0; }
 """

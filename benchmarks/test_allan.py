@@ -18,9 +18,7 @@ SAMPLES = 1_000_000
 @pytest.fixture(scope="module")
 def signal() -> np.ndarray:
     rng = np.random.default_rng(0)
-    return (
-        rng.standard_normal((SAMPLES, 6)) * 1e-3 + np.cumsum(rng.standard_normal((SAMPLES, 6)), axis=0) * 1e-7
-    )
+    return rng.standard_normal((SAMPLES, 6)) * 1e-3 + np.cumsum(rng.standard_normal((SAMPLES, 6)), axis=0) * 1e-7
 
 
 def test_six_axis_log(benchmark, signal: np.ndarray):
@@ -34,9 +32,7 @@ def test_six_axis_log(benchmark, signal: np.ndarray):
 
 
 def test_csv_of_the_same_log(benchmark, signal: np.ndarray):
-    names = [
-        f"{sensor}_{axis} [{unit}]" for sensor, unit in (("gyro", "rad/s"), ("acc", "m/s2")) for axis in "xyz"
-    ]
+    names = [f"{sensor}_{axis} [{unit}]" for sensor, unit in (("gyro", "rad/s"), ("acc", "m/s2")) for axis in "xyz"]
     stream = io.StringIO()
     stream.write("# rate: 100 Hz\n" + ",".join(names) + "\n")
     np.savetxt(stream, signal, delimiter=",", fmt="%.6e")
@@ -59,9 +55,7 @@ def plain_oadev(rate_signal: np.ndarray, interval_s: float, tau_s: np.ndarray) -
 def test_overlapping_deviation_of_one_axis(benchmark, signal: np.ndarray):
     axis = np.ascontiguousarray(signal[:, 0])
     taus = averaging_times(SAMPLES, 0.01)
-    found = benchmark.pedantic(
-        overlapping_allan_deviation, args=(axis, 0.01, taus), rounds=3, warmup_rounds=1
-    )
+    found = benchmark.pedantic(overlapping_allan_deviation, args=(axis, 0.01, taus), rounds=3, warmup_rounds=1)
     start = time.perf_counter()
     alternative = plain_oadev(axis, 0.01, taus)
     benchmark.extra_info["plain_numpy_s"] = time.perf_counter() - start

@@ -25,7 +25,7 @@ from bokeh.models import (
 from bokeh.plotting import figure
 from bokeh.transform import dodge
 
-from app.charts.description import STYLES, BarChart, Chart
+from app.charts.description import STYLES, BarChart, Chart, Line
 
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 # Powers of ten as 10ⁿ; the 2 and 5 between them, which only a narrow axis has, as plain numbers.
@@ -81,7 +81,7 @@ def _columns(chart: Chart | BarChart) -> dict[str, dict[str, Any]]:
         return _bar_columns(chart)
     columns: dict[str, dict[str, Any]] = {}
     for line in chart.lines:
-        columns.setdefault(_line_source(chart, line.x), {"x": line.x})[line.key] = line.y
+        columns.setdefault(_line_source(chart, line.x), {"x": line.x})[_column(line)] = line.y
     for band in chart.bands:
         columns[f"band {band.key}"] = {"x": band.x, "low": band.low, "high": band.high}
     for points in chart.points:
@@ -94,6 +94,11 @@ def _columns(chart: Chart | BarChart) -> dict[str, dict[str, Any]]:
             "name": [limit.label for limit in chart.limits],
         }
     return columns
+
+
+def _column(line: Line) -> str:
+    """A line's column is called what its hover says, so one tool serves all lines of a figure."""
+    return f"{line.label}: {line.source}"
 
 
 def _line_source(chart: Chart, x: Any) -> str:
@@ -137,18 +142,22 @@ def _curves(chart: Chart, height: int) -> Figure:
             "x", "low", "high", source=sources[f"band {band.key}"], fill_color=style.colour, fill_alpha=0.25
         )
         items.append(LegendItem(label=band.label, renderers=[renderer]))
+    lines = []
     for line in chart.lines:
         style = STYLES[line.style]
         renderer = plot.line(
             "x",
-            line.key,
+            _column(line),
+            name=_column(line),
             source=sources[_line_source(chart, line.x)],
             line_color=style.colour,
             line_dash=style.dash,
             line_width=style.width,
         )
         items.append(LegendItem(label=line.label, renderers=[renderer]))
-        _hover(plot, renderer, line.label, line.key, chart, line.source)
+        lines.append(renderer)
+    x_unit, y_unit = _unit(chart.x_label), _unit(chart.y_label)
+    _hover(plot, lines, f"<b>$name</b><br>@$name{{0.000e+0}} {y_unit} at @x{{0.000}} {x_unit}")
     for points in chart.points:
         style = STYLES[points.style]
         source = sources[f"points {points.key}"]
@@ -156,7 +165,7 @@ def _curves(chart: Chart, height: int) -> Figure:
             "x", "y", source=source, marker=points.marker, size=9, fill_color=style.colour, line_color=style.colour
         )
         items.append(LegendItem(label=points.label, renderers=[renderer]))
-        _hover(plot, renderer, "@name", "y", chart, points.source)
+        _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
     if chart.limits:
         style = STYLES["limit"]
         renderer = plot.segment(
@@ -164,9 +173,7 @@ def _curves(chart: Chart, height: int) -> Figure:
             line_color=style.colour, line_dash=style.dash, line_width=style.width,
         )  # fmt: skip
         items.append(LegendItem(label="limit, brought to 1σ", renderers=[renderer]))
-        plot.add_tools(
-            HoverTool(renderers=[renderer], tooltips=f"<b>@name</b><br>@y {_unit(chart.y_label)}", visible=False)
-        )
+        _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
     _finish(plot, items)
     for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
         if is_log:
@@ -178,11 +185,8 @@ def _unit(label: str) -> str:
     return label.rpartition("[")[2].rstrip("]")
 
 
-def _hover(plot: figure, renderer: Any, head: str, y: str, chart: Chart, source: str) -> None:
-    x_unit, y_unit = _unit(chart.x_label), _unit(chart.y_label)
-    tooltip = f"<b>{head}</b><br>@{{{y}}}{{%.4g}} {y_unit} at @x{{%.4g}} {x_unit}<br>{source}"
-    formatters = {f"@{{{y}}}": "printf", f"@{y}": "printf", "@x": "printf"}
-    plot.add_tools(HoverTool(renderers=[renderer], tooltips=tooltip, formatters=formatters, visible=False))
+def _hover(plot: figure, renderers: list[Any], tooltip: str) -> None:
+    plot.add_tools(HoverTool(renderers=renderers, tooltips=tooltip, visible=False))
 
 
 def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnotation, Label]:
@@ -253,7 +257,7 @@ def _bars(chart: BarChart, height: int) -> Figure:
         )  # fmt: skip
         items += [LegendItem(renderers=[bars]), LegendItem(renderers=[limit])]
         tooltip = f"<b>@label</b><br>@{kind}{{0.000}}° = @{kind}_mm{{0.0000}} mm<br>@source"
-        plot.add_tools(HoverTool(renderers=[bars], tooltips=tooltip, visible=False))
+        _hover(plot, [bars], tooltip)
     _finish(plot, items)
     _bar_legend(plot, chart)
     return Figure(plot, sources, dict(columns))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from html import escape
 
 import panel as pn
 import panel_material_ui as pmui
 
+from app.chart_view import ChartView, html_pane
 from app.charts.budget import (
     attitude_chart,
     phase_chart,
@@ -17,13 +17,12 @@ from app.charts.budget import (
     response_chart,
     velocity_chart,
 )
-from app.charts.description import BarChart, Chart, to_csv
-from app.charts.on_screen import to_bokeh
+from app.charts.description import BarChart, Chart
 from app.figures import percent, show, signed_percent
 from app.state import Session
-from app.theme import SHEET
 from nav_model.budget import Budget
 from nav_model.provenance import cautions
+from nav_model.sar.geometry import phase_to_metres
 from nav_model.verdict import Check
 
 # Chart, height in pixels, columns of twelve on a wide screen.
@@ -37,85 +36,32 @@ _LAYOUT: tuple[tuple[Callable[[Budget], Chart | BarChart], int, int], ...] = (
 )
 
 
-class ChartView:
-    """One chart on the page: title, figure, how we know, and its data to take away."""
-
-    def __init__(self, describe: Callable[[Budget], Chart | BarChart], session: Session, height: int) -> None:
-        self._describe = describe
-        self._session = session
-        chart = describe(session.budget)
-        self.figure = to_bokeh(chart, height)
-        self._know = html_pane(_know(chart))
-        download = pmui.FileDownload(
-            callback=self._csv,
-            filename=f"{chart.key}.csv",
-            label=f"{chart.title}: data (CSV)",
-            description="",
-            variant="text",
-            size="small",
-            margin=(0, 8),
-        )
-        self.view = pmui.Paper(
-            html_pane(f"<h3>{escape(chart.title)}</h3>", margin=(10, 14, 0, 14)),
-            # The figure stands in a native column: directly in a Material layout it breaks when replaced.
-            pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
-            self._know,
-            download,
-            variant="outlined",
-            elevation=0,
-            sizing_mode="stretch_width",
-            margin=0,
-        )
-
-    def show(self, budget: Budget) -> None:
-        """Feed the figure."""
-        chart = self._describe(budget)
-        self.figure.feed(chart)
-        self._know.object = _know(chart)
-
-    def _csv(self) -> io.BytesIO:
-        return io.BytesIO(to_csv(self._describe(self._session.budget)).encode("utf-8"))
-
-
 class BudgetPage:
     """Everything below the tab."""
 
     def __init__(self, session: Session) -> None:
-        self._strip = html_pane(verdict_strip(session.budget))
-        self._cards = html_pane(key_figures(session.budget))
-        self._checks = html_pane(requirement_table(session.budget))
-        self._cautions = html_pane(caution_list(session.budget))
+        self._answer = html_pane(answer(session.budget))
         self._charts = [ChartView(describe, session, height) for describe, height, _ in _LAYOUT]
         cells = [
             pmui.Grid(chart.view, size={"xs": 12, "lg": columns})
             for chart, (_, _, columns) in zip(self._charts, _LAYOUT, strict=True)
         ]
         self.view = pn.Column(
-            self._strip,
-            self._cards,
-            self._checks,
-            self._cautions,
+            self._answer,
             pmui.Grid(*cells, container=True, spacing=1.5, sizing_mode="stretch_width", margin=(4, 10)),
             sizing_mode="stretch_width",
         )
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
-        self._strip.object = verdict_strip(budget)
-        self._cards.object = key_figures(budget)
-        self._checks.object = requirement_table(budget)
-        self._cautions.object = caution_list(budget)
+        self._answer.object = answer(budget)
         for chart in self._charts:
             chart.show(budget)
 
 
-def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> pn.pane.HTML:
-    """Our own HTML, in the product's sheet."""
-    return pn.pane.HTML(text, stylesheets=[SHEET], sizing_mode="stretch_width", margin=margin)
-
-
-def _know(chart: Chart | BarChart) -> str:
-    return f'<p class="know quiet"><b>How do we know:</b> {escape(chart.knowledge)}</p>'
+def answer(budget: Budget) -> str:
+    """Everything above the charts, one pane so that a slider step sends it once."""
+    return "".join(part(budget) for part in (verdict_strip, key_figures, requirement_table, caution_list))
 
 
 def verdict_strip(budget: Budget) -> str:
@@ -208,8 +154,6 @@ def _card(label: str, value: str, fine: str, check: Check | None) -> str:
 
 
 def _millimetres(phase: float, wavelength: float) -> str:
-    from nav_model.sar.geometry import phase_to_metres
-
     return show(float(phase_to_metres(phase, wavelength)), "length")
 
 

@@ -54,17 +54,13 @@ def _read(text: io.TextIOWrapper, file_name: str, most_rows: int) -> CsvTable:
         if line == "":
             raise LogFormatError(f"{file_name}: no numbers found")
         if len(line) >= _LONGEST_LINE:
-            raise LogFormatError(
-                f"{file_name}, line {len(header) + 1}: longer than {_LONGEST_LINE} characters"
-            )
+            raise LogFormatError(f"{file_name}, line {len(header) + 1}: longer than {_LONGEST_LINE} characters")
         if _is_data(line):
             first = line
             break
         header.append(line)
     if not first:
-        raise LogFormatError(
-            f"{file_name}: the first {_HEADER_LINES} lines hold no numbers; not an inertial log"
-        )
+        raise LogFormatError(f"{file_name}: the first {_HEADER_LINES} lines hold no numbers; not an inertial log")
     delimiter = next((mark for mark in ",;\t" if mark in first), None)
     columns = len(_fields(first, delimiter))
     names = _names(header, delimiter, columns)
@@ -129,9 +125,7 @@ def _rate(header: list[str]) -> float | None:
     return None
 
 
-def _parse(
-    lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int
-) -> FloatArray:
+def _parse(lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int) -> FloatArray:
     kept = [line for line in lines if line.strip()]
     if delimiter is not None and kept and kept[0].rstrip().endswith(delimiter):
         kept = [line.rstrip().removesuffix(delimiter) for line in kept]
@@ -166,7 +160,5 @@ def _complaint(
                 shown = field[:40] or "nothing"
                 return LogFormatError(f"{where}, column {column}: {shown!r} is not a number")
             if not math.isfinite(float(field)):
-                return LogFormatError(
-                    f"{where}, column {column}: {field[:40]!r}; only finite numbers are allowed"
-                )
+                return LogFormatError(f"{where}, column {column}: {field[:40]!r}; only finite numbers are allowed")
     return None

@@ -59,15 +59,9 @@ def overlapping_allan_deviation(
     """
     import allantools
 
-    taus = (
-        averaging_times(len(rate_signal), interval_s)
-        if tau_s is None
-        else np.asarray(tau_s, dtype=np.float64)
-    )
+    taus = averaging_times(len(rate_signal), interval_s) if tau_s is None else np.asarray(tau_s, dtype=np.float64)
     factors = np.round(taus / interval_s).astype(np.int64)
-    bad = (
-        (np.abs(factors * interval_s - taus) > 1e-6 * taus) | (factors < 1) | (3 * factors > len(rate_signal))
-    )
+    bad = (np.abs(factors * interval_s - taus) > 1e-6 * taus) | (factors < 1) | (3 * factors > len(rate_signal))
     if len(taus) == 0 or np.any(bad):
         worst = taus[bad][0] if len(taus) else "none given"
         raise ValueError(
@@ -76,9 +70,7 @@ def overlapping_allan_deviation(
         )
     # In units of the sample, so that a rate such as 1/0.01 cannot round an averaging time away.
     centred = rate_signal - np.mean(rate_signal)
-    _, deviation, _, pairs = allantools.oadev(
-        centred, rate=1.0, data_type="freq", taus=factors.astype(np.float64)
-    )
+    _, deviation, _, pairs = allantools.oadev(centred, rate=1.0, data_type="freq", taus=factors.astype(np.float64))
     if len(deviation) != len(taus):
         raise ValueError(f"tau_s: the log of {len(rate_signal)} samples is too short for {taus[-1]:g} s")
     slopes = np.zeros(len(taus)) if alpha is None else np.asarray(alpha)

@@ -40,7 +40,5 @@ class ImuLog:
         found: list[tuple[str, str, FloatArray]] = []
         for quantity, signal in (("gyro", self.gyro), ("accelerometer", self.accelerometer)):
             if signal is not None:
-                found += [
-                    (f"{quantity}_{AXIS_LETTERS[i]}", quantity, signal[:, i]) for i in range(signal.shape[1])
-                ]
+                found += [(f"{quantity}_{AXIS_LETTERS[i]}", quantity, signal[:, i]) for i in range(signal.shape[1])]
         return found

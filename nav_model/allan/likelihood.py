@@ -223,9 +223,7 @@ def _ramp_interval(problem: _Problem, best: _Solution, walk_high: float, unit: f
     centre, sigma, weight = [], [], []
     lifted = np.maximum(best.theta, 0.3)
     for root in np.linspace(0.0, _WALK_REACH * np.sqrt(walk_high), _WALK_NODES):
-        solutions = [
-            _solve(problem, start, fixed_term=3, fixed_value=root**2) for start in (best.theta, lifted)
-        ]
+        solutions = [_solve(problem, start, fixed_term=3, fixed_value=root**2) for start in (best.theta, lifted)]
         solution = min(solutions, key=lambda found: found.deviance)
         model = solution.theta @ problem.shapes
         information = problem.count[: problem.singles] @ (problem.ramp**2 / model[: problem.singles])

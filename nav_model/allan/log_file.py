@@ -102,9 +102,7 @@ def read_log(
             "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`"
         )
     if len(set(lengths.values())) > 1:
-        raise LogFormatError(
-            f"{name}: {lengths['gyro']} gyro but {lengths['accelerometer']} accelerometer samples"
-        )
+        raise LogFormatError(f"{name}: {lengths['gyro']} gyro but {lengths['accelerometer']} accelerometer samples")
     samples = next(iter(lengths.values()))
     if temperature is not None and len(temperature) != samples:
         temperature = None
@@ -120,9 +118,7 @@ def read_log(
     )
 
 
-def _content(
-    source: str | Path | bytes | BinaryIO, file_name: str | None, limits: Limits
-) -> tuple[bytes, str]:
+def _content(source: str | Path | bytes | BinaryIO, file_name: str | None, limits: Limits) -> tuple[bytes, str]:
     if isinstance(source, bytes):
         content, name = source, file_name or "upload"
     elif isinstance(source, str | Path):
@@ -209,17 +205,13 @@ def _scalars(arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, str], float 
     return units, rate
 
 
-def _npz_columns(
-    label: str, meaning: Meaning, array: NDArray[Any], name: str, limits: Limits
-) -> list[_Column]:
+def _npz_columns(label: str, meaning: Meaning, array: NDArray[Any], name: str, limits: Limits) -> list[_Column]:
     if len(array) > limits.rows:
         raise LogFormatError(f"{name}, array {label!r}: {len(array)} rows; at most {limits.rows}")
     if array.ndim == 1:
         return [_Column(label, meaning, array)]
     if meaning.role in _SENSORS and array.ndim == 2 and array.shape[1] == 3 and meaning.axis is None:
-        return [
-            _Column(label, Meaning(meaning.role, axis, meaning.unit), array[:, axis]) for axis in range(3)
-        ]
+        return [_Column(label, Meaning(meaning.role, axis, meaning.unit), array[:, axis]) for axis in range(3)]
     raise LogFormatError(
         f"{name}, array {label!r}: shape {array.shape}; one column, or three for a triad, is allowed"
     )
@@ -272,9 +264,7 @@ def _signal(
 
 def _scale(role: str, column: _Column, found: _Found, options: LogOptions, name: str) -> Scale:
     given = options.gyro_unit if role == "gyro" else options.accelerometer_unit
-    stated = (
-        found.count_units.get(role) if column.meaning.unit in ("counts", "raw", None) else column.meaning.unit
-    )
+    stated = found.count_units.get(role) if column.meaning.unit in ("counts", "raw", None) else column.meaning.unit
     unit = given or stated
     if unit is None:
         raise LogFormatError(
@@ -291,8 +281,7 @@ def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> fl
     times = [column for column in found.columns if column.meaning.role == "time"]
     if len(times) > 1:
         raise LogFormatError(
-            f"{name}: several time columns ({', '.join(t.label for t in times)}); "
-            "say which by `columns` or `arrays`"
+            f"{name}: several time columns ({', '.join(t.label for t in times)}); say which by `columns` or `arrays`"
         )
     if not times or len(times[0].values) < 2:
         if stated is None:
@@ -319,11 +308,7 @@ def _rate_of_time(column: _Column, found: _Found, name: str, stated: float | Non
     median = float(np.median(step))
     if unit is None and stated is not None and median > 0.0:
         unit = next(
-            (
-                u
-                for u in ("s", "ms", "us", "ns")
-                if abs(median * scale_of("time", u).factor * stated - 1) < 0.05
-            ),
+            (u for u in ("s", "ms", "us", "ns") if abs(median * scale_of("time", u).factor * stated - 1) < 0.05),
             None,
         )
     factor = scale_of("time", unit or "s").factor

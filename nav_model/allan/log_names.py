@@ -135,9 +135,7 @@ def meaning_of(name: str) -> Meaning | None:
             text = _normal_unit("_".join(words[-count:]))
             shorter = _from_words(words[:-count], text) if len(words) > count else None
             if shorter is not None and (text in _UNITS[shorter.role] or text in ("counts", "raw")):
-                return (
-                    shorter if text in _UNITS[shorter.role] else Meaning(shorter.role, shorter.axis, "counts")
-                )
+                return shorter if text in _UNITS[shorter.role] else Meaning(shorter.role, shorter.axis, "counts")
     return found
 
 

@@ -86,8 +86,7 @@ def analyse_motion(
     first = int(np.ceil(band_from_hz * length / log.rate_hz))
     if band_from_hz <= 0.0 or length // 2 - first < _FEWEST_COEFFICIENTS:
         raise ValueError(
-            f"band_from_hz: {band_from_hz:g}; it must lie between 0 and well below half the rate, "
-            f"{nyquist:g} Hz"
+            f"band_from_hz: {band_from_hz:g}; it must lie between 0 and well below half the rate, {nyquist:g} Hz"
         )
     if log.samples < 2 * length:
         raise ValueError(f"log: {log.duration_s:.3g} s; at least {2 * BLOCK_S:g} s are needed")
@@ -108,9 +107,7 @@ def analyse_motion(
         gyro_factor=factors["gyro"],
         accelerometer_factor=factors["accelerometer"],
         vibration_factor=max(known) if known else None,
-        provenance=Provenance(
-            log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading
-        ),
+        provenance=Provenance(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading),
     )
 
 

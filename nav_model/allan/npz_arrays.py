@@ -47,9 +47,7 @@ def _read_members(archive: zipfile.ZipFile, file_name: str, most_bytes: int) -> 
         with archive.open(member) as handle:
             size = _declared_size(handle, where)
         if size > member.file_size:
-            raise LogFormatError(
-                f"{where}: its header declares {size} bytes, the archive holds {member.file_size}"
-            )
+            raise LogFormatError(f"{where}: its header declares {size} bytes, the archive holds {member.file_size}")
         with archive.open(member) as handle:
             try:
                 arrays[name] = np.lib.format.read_array(handle, allow_pickle=False)

@@ -118,8 +118,7 @@ def triad_random_walk(result: LogAnalysis, quantity: str) -> Coefficient | None:
     if len(known) < 3:
         return None
     value, low, high = (
-        math.sqrt(sum(getattr(c, field) ** 2 for c in known) / len(known))
-        for field in ("value", "low", "high")
+        math.sqrt(sum(getattr(c, field) ** 2 for c in known) / len(known)) for field in ("value", "low", "high")
     )
     return Coefficient(value, low, high, f"rms of {quantity} x, y, z")
 

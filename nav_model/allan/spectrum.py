@@ -45,9 +45,7 @@ def cosine_spectrum(rate_signal: FloatArray, interval_s: float) -> CosineSpectru
 
     samples = len(rate_signal)
     if samples < 4 * SINGLE_COEFFICIENTS:
-        raise ValueError(
-            f"log has {samples} samples; at least {4 * SINGLE_COEFFICIENTS} are needed for a fit"
-        )
+        raise ValueError(f"log has {samples} samples; at least {4 * SINGLE_COEFFICIENTS} are needed for a fit")
     coefficient = dct(rate_signal - rate_signal.mean(), norm="ortho", overwrite_x=True)
     singles = SINGLE_COEFFICIENTS
     decades = np.log10(samples / (singles + 1))

@@ -29,9 +29,7 @@ _WHITE_SHARE = 0.9
 # Below this share something four times as strong as the sensor's own noise rules there.
 _LEAST_WHITE_SHARE = 0.25
 _LIKELIHOOD = "maximum likelihood on the cosine spectrum, profile interval"
-_READ_AT_1S = (
-    "slope -1/2 line through the Allan deviation over the decade about 1 s; from the white floor up to it"
-)
+_READ_AT_1S = "slope -1/2 line through the Allan deviation over the decade about 1 s; from the white floor up to it"
 
 
 class AnalysisCancelled(Exception):
@@ -156,9 +154,7 @@ def _coefficient(
         if share < _WHITE_SHARE:
             nearest = int(np.argmin(np.abs(np.log(deviation.tau_s))))
             widen = float(deviation.high[nearest] / deviation.deviation[nearest])
-            return Coefficient(
-                effective, min(estimate.low, effective / widen), effective * widen, _READ_AT_1S
-            )
+            return Coefficient(effective, min(estimate.low, effective / widen), effective * widen, _READ_AT_1S)
     if estimate.low <= 0.0 <= estimate.high:
         unit, si = UNITS[quantity][term]
         limit = max(abs(estimate.low), abs(estimate.high)) / si
@@ -185,9 +181,7 @@ def _dominant_alpha(found: AxisFit, tau_s: FloatArray) -> FloatArray:
     """Noise type that rules at each averaging time, for the degrees of freedom of the Allan estimates."""
     terms = [*STOCHASTIC_TERMS, "ramp"]
     values = [math.sqrt(square.value) for square in found.fit.squares] + [found.fit.ramp.value]
-    variances = np.stack(
-        [allan_variance(term, value, tau_s) for term, value in zip(terms, values, strict=True)]
-    )
+    variances = np.stack([allan_variance(term, value, tau_s) for term, value in zip(terms, values, strict=True)])
     alphas = np.array([NOISE_ALPHA[term] for term in terms], dtype=np.float64)
     return np.asarray(alphas[np.argmax(variances, axis=0)])
 
@@ -200,9 +194,7 @@ def _fit_warnings(found: AxisFit, coefficients: dict[str, Coefficient | None]) -
     if found.band_cut:
         warnings.append(f"fitted up to {found.band_hz:g} Hz: above it the five noise terms do not hold")
     if 0.0 < found.model_error <= WORST_MODEL_ERROR:
-        warnings.append(
-            f"the spectrum departs from the fit by {found.model_error:.0%}; the intervals include it"
-        )
+        warnings.append(f"the spectrum departs from the fit by {found.model_error:.0%}; the intervals include it")
     walk = coefficients["random_walk"]
     if walk is not None and walk.method == _READ_AT_1S:
         warnings.append("random walk read at 1 s includes vibration and slow noise; the white floor is lower")

@@ -29,9 +29,7 @@ def log_warnings(log: ImuLog) -> tuple[str, ...]:
     if log.gyro is not None:
         rate = float(np.linalg.norm(log.gyro.mean(axis=0)))
         if rate > _FASTEST_MEAN_RATE:
-            found.append(
-                f"mean angular rate is {np.degrees(rate):.4g} °/s: wrong unit, or the unit was turning"
-            )
+            found.append(f"mean angular rate is {np.degrees(rate):.4g} °/s: wrong unit, or the unit was turning")
     return tuple(found)
 
 

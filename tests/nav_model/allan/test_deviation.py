@@ -69,9 +69,7 @@ def test_limits_cover_white_noise():
     interval_s=st.floats(1e-3, 10.0),
     seed=st.integers(0, 99),
 )
-def test_scales_with_the_signal_and_ignores_its_mean(
-    scale: float, offset: float, interval_s: float, seed: int
-):
+def test_scales_with_the_signal_and_ignores_its_mean(scale: float, offset: float, interval_s: float, seed: int):
     signal = np.random.default_rng(seed).standard_normal(600)
     plain = overlapping_allan_deviation(signal, 1.0)
     other = overlapping_allan_deviation(scale * (signal + offset), interval_s)

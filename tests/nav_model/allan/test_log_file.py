@@ -81,9 +81,7 @@ def test_headerless_file_needs_columns_units_and_rate():
         read_log(content, LogOptions(columns=NAMES))
     with pytest.raises(LogFormatError, match=r"unit of 'gyro_x' is not stated.*gyro_unit"):
         read_log(content, LogOptions(columns=NAMES, rate_hz=100.0))
-    log = read_log(
-        content, LogOptions(columns=NAMES, rate_hz=100.0, gyro_unit="rad/s", accelerometer_unit="m/s²")
-    )
+    log = read_log(content, LogOptions(columns=NAMES, rate_hz=100.0, gyro_unit="rad/s", accelerometer_unit="m/s²"))
     np.testing.assert_allclose(log.accelerometer, FORCE)
 
 
@@ -186,9 +184,7 @@ def test_npz_layouts():
         LogOptions(gyro_unit="rad", accelerometer_unit="m/s"),
     )
     np.testing.assert_allclose(increments.gyro, GYRO)
-    single = read_log(
-        npz(wx=GYRO[:, 0], wy=GYRO[:, 1], wz=GYRO[:, 2], rate=100.0), LogOptions(gyro_unit="rad/s")
-    )
+    single = read_log(npz(wx=GYRO[:, 0], wy=GYRO[:, 1], wz=GYRO[:, 2], rate=100.0), LogOptions(gyro_unit="rad/s"))
     np.testing.assert_allclose(single.gyro, GYRO)
     chosen = read_log(
         npz(gyro_raw_a=GYRO, gyro_raw_b=GYRO * 2, fs=100.0),

@@ -25,9 +25,7 @@ def test_allan_variance_is_the_filtered_density(term: str, density):
     def integrand(u: float) -> float:
         return 4.0 * density(u / (np.pi * tau)) * np.sin(u) ** 4 / u**2 / (np.pi * tau)
 
-    total = sum(
-        quad(integrand, n * np.pi + (1e-9 if n == 0 else 0.0), (n + 1) * np.pi)[0] for n in range(4000)
-    )
+    total = sum(quad(integrand, n * np.pi + (1e-9 if n == 0 else 0.0), (n + 1) * np.pi)[0] for n in range(4000))
     assert total == pytest.approx(float(allan_variance(term, 1.0, np.array(tau))), rel=2e-4)
 
 
@@ -40,9 +38,7 @@ def test_allan_variance_of_a_ramp_and_of_rounded_angles():
     angle = np.cumsum(np.random.default_rng(0).normal(0.0, 3.0, 200_001))
     rounding = np.diff(np.round(angle) - angle)
     found = overlapping_allan_deviation(rounding, 1.0, taus)
-    np.testing.assert_allclose(
-        found.deviation**2, allan_variance("quantization", 1 / np.sqrt(12.0), taus), rtol=0.02
-    )
+    np.testing.assert_allclose(found.deviation**2, allan_variance("quantization", 1 / np.sqrt(12.0), taus), rtol=0.02)
 
 
 def test_unknown_term_is_refused():

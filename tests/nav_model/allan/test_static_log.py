@@ -182,9 +182,7 @@ def test_burst_is_located():
     signal = white()
     signal[5000:5600] *= 3.0
     warnings = analyse_log(ImuLog(signal, None, 100.0)).axes[1].warnings
-    assert any(
-        "disturbed: between 50 s" in warning or "disturbed: between 53 s" in warning for warning in warnings
-    )
+    assert any("disturbed: between 50 s" in warning or "disturbed: between 53 s" in warning for warning in warnings)
     assert not any("disturbed" in w for w in analyse_log(ImuLog(white(), None, 100.0)).axes[1].warnings)
 
 
@@ -221,9 +219,7 @@ def test_constant_axis_is_unresolved_with_its_reason():
     signal[:, 1] = 0.25
     result = analyse_log(ImuLog(signal, None, 100.0))
     stuck = to_json(result)["axes"][1]
-    assert all(
-        stuck[term] is None and "every sample is 0.25" in stuck["not_resolved"][term] for term in TERMS
-    )
+    assert all(stuck[term] is None and "every sample is 0.25" in stuck["not_resolved"][term] for term in TERMS)
     assert result.axes[0].coefficients["random_walk"] is not None
 
 
