@@ -107,16 +107,19 @@ def aperture_positions(samples: int) -> _FloatArray:
     return (2 * np.arange(samples) + 1 - samples) / samples
 
 
-def aperture_of_phase(phase_rad: ArrayLike, samples: int = MINIMUM_SAMPLES) -> _ComplexArray:
+def aperture_of_phase(
+    phase_rad: ArrayLike, samples: int = MINIMUM_SAMPLES, keep: bool = True
+) -> _ComplexArray:
     """Unit-amplitude aperture exp(j phase), shape (..., n), of a phase history sampled from end to end.
 
     ``phase_rad`` (..., m) has its first sample at the start and its last at the end of the aperture, as a
-    simulation gives it; it is interpolated linearly onto max(m, samples) mid-interval positions.
+    simulation gives it; it is interpolated linearly onto max(m, samples) mid-interval positions, or, with ``keep=False``, onto `samples`
+    whatever m (thinning: what is faster than half the new rate folds).
     """
     phase = np.asarray(phase_rad, float)
     if phase.ndim == 0 or phase.shape[-1] < 2:
         raise ValueError(f"phase_rad: shape {phase.shape}; at least 2 samples on the last axis are needed")
-    count = max(phase.shape[-1], samples)
+    count = max(phase.shape[-1], samples) if keep else samples
     place = (aperture_positions(count) + 1) * (phase.shape[-1] - 1) / 2
     before = np.minimum(place.astype(int), phase.shape[-1] - 2)
     part = place - before
