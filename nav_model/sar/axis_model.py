@@ -72,7 +72,7 @@ def transition(step: ArrayLike) -> _FloatArray:
 
 
 def process_noise(model: AxisModel, step: ArrayLike) -> _FloatArray:
-    """Exact covariance (..., 3, 3) of the noise gathered over a step [s]; van Loan's integral in closed form."""
+    """Exact covariance (..., 3, 3) of the noise gathered over a step [s]; closed form."""
     h = np.asarray(step, float)
     s, q = model.accelerometer_noise**2, model.tilt_noise**2
     noise = np.empty((*h.shape, 3, 3))
@@ -119,7 +119,7 @@ def draw_state(covariance: _FloatArray, runs: int, random: np.random.Generator) 
     """States (runs, 3) of zero mean and the covariance given; a singular covariance is allowed."""
     values, vectors = np.linalg.eigh(covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
-    return random.standard_normal((runs, 3)) @ root.T
+    return np.asarray(random.standard_normal((runs, 3)) @ root.T)
 
 
 def noise_path(model: AxisModel, time: _FloatArray, runs: int, random: np.random.Generator) -> _FloatArray:

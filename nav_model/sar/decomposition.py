@@ -99,7 +99,7 @@ def decompose(history: ArrayLike, autofocus_order: int = 1) -> Decomposition:
 def fix_rate_harmonics(
     history: ArrayLike, time: ArrayLike, fix_interval: float, harmonics: int = 5
 ) -> _FloatArray:
-    """Amplitude (..., harmonics) of the ripple at 1, 2, ... times the fix rate, after the smooth part is gone.
+    """Amplitude (..., harmonics) of the ripple at 1, 2, ... times the fix rate, smooth part removed.
 
     Amplitude of a sinusoid of the same energy there; an amplitude p [rad] of phase makes paired echoes of
     20 log10(p/2) dB at n = k T / fix_interval cells. Harmonics above half the sampling rate: ValueError.

@@ -113,8 +113,8 @@ def aperture_of_phase(
     """Unit-amplitude aperture exp(j phase), shape (..., n), of a phase history sampled from end to end.
 
     ``phase_rad`` (..., m) has its first sample at the start and its last at the end of the aperture, as a
-    simulation gives it; it is interpolated linearly onto max(m, samples) mid-interval positions, or, with ``keep=False``, onto `samples`
-    whatever m (thinning: what is faster than half the new rate folds).
+    simulation gives it; it is interpolated linearly onto max(m, samples) mid-interval positions;
+    with ``keep=False`` onto `samples` whatever m (what is faster than half the new rate folds).
     """
     phase = np.asarray(phase_rad, float)
     if phase.ndim == 0 or phase.shape[-1] < 2:

@@ -1,4 +1,4 @@
-"""Rauch-Tung-Striebel fixed-interval smoother (Rauch, Tung and Striebel 1965), for estimates or for errors."""
+"""Rauch-Tung-Striebel fixed-interval smoother (1965), for estimates or for errors."""
 
 from __future__ import annotations
 

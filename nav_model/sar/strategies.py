@@ -166,7 +166,8 @@ def tracking_filter(
     stiffness, drag = tuning.natural_frequency**2, 2 * tuning.damping * tuning.natural_frequency
     if drag * steps.max() > 0.5:
         raise ValueError(
-            f"natural_frequency: {tuning.natural_frequency} rad/s is too fast for steps of {steps.max():.3g} s"
+            f"natural_frequency: {tuning.natural_frequency} rad/s is too fast "
+            f"for steps of {steps.max():.3g} s"
         )
     # Time first: each step then works on contiguous runs.
     gained = np.ascontiguousarray(np.moveaxis(np.diff(ins_velocity, axis=-1), -1, 0))
@@ -272,9 +273,11 @@ def simulate_histories(
     start, coasted = _before_aperture(model, steady.posterior, coast_time, runs, streams[1], unabsorbed)
 
     samples = round(aperture_time * rate) + 1
-    time = np.linspace(0.0, aperture_time, samples)
-    fix_time = np.arange(int(np.floor(aperture_time / model.fix_interval + 1e-9)) + 1) * model.fix_interval
-    grid = np.union1d(time, fix_time[np.abs(time[_nearest(time, fix_time)] - fix_time) > 1e-9])
+    time: _FloatArray = np.linspace(0.0, aperture_time, samples)
+    fix_time: _FloatArray = (
+        np.arange(int(np.floor(aperture_time / model.fix_interval + 1e-9)) + 1) * model.fix_interval
+    )
+    grid = _merged(time, fix_time[np.abs(time[_nearest(time, fix_time)] - fix_time) > 1e-9])
     path = noise_path(model, grid, runs, streams[2])
     path[2] += unabsorbed[1][:, None] * grid
     path[1] += unabsorbed[1][:, None] * grid**2 / 2
@@ -386,7 +389,11 @@ def _carried(state: _FloatArray, age: _FloatArray) -> _FloatArray:
     return np.stack([p + v * age + a * (age**2 / 2), v + a * age, np.broadcast_to(a, (len(state), len(age)))])
 
 
-def _nearest(grid: _FloatArray, time: _FloatArray) -> NDArray[np.intp]:
+def _merged(time: _FloatArray, more: _FloatArray) -> _FloatArray:
+    return np.sort(np.concatenate([time, more]))
+
+
+def _nearest(grid: _FloatArray, time: _FloatArray) -> NDArray[np.integer]:
     right = np.clip(np.searchsorted(grid, time), 1, len(grid) - 1)
     return np.where(np.abs(grid[right - 1] - time) <= np.abs(grid[right] - time), right - 1, right)
 

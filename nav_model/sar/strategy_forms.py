@@ -32,7 +32,7 @@ def ins_residual_variance(
     accelerometer_bias: ArrayLike = 0.0,
     gyro_bias: ArrayLike = 0.0,
 ) -> _FloatArray:
-    """Strategies 2 and 3: mean variance [m^2] over the aperture after the line, [T-15] with the coast of [S-5].
+    """Strategies 2 and 3: mean variance [m^2] after the line, [T-15] with the coast of [S-5].
 
     The gyro bias contributes its curvature at the middle of the aperture [S-5] and its cubic [T-14]:
     g^2 d^2 T^4 (T_c + T/2)^2 / 720 + g^2 d^2 T^6 / 100800, which is T^6 / 2800 for T_c = 0.
@@ -135,7 +135,7 @@ def shrunk_weight(ins_quadratic: ArrayLike, fit_quadratic: ArrayLike) -> _FloatA
 def shrunk_residual_variance(
     ins_quadratic: ArrayLike, fit_quadratic: ArrayLike, beyond_quadratic: ArrayLike
 ) -> _FloatArray:
-    """Strategy 5w: mean variance [m^2] after the line, 4/45 of the quadratic left by the weight, plus the rest.
+    """Strategy 5w: mean variance [m^2] after the line: 4/45 of the quadratic left, plus the rest.
 
     The quadratic left is var_INS var_GNSS / (var_INS + var_GNSS): below both, so 5w loses to neither 2 nor 5.
     """
@@ -143,7 +143,7 @@ def shrunk_residual_variance(
     with np.errstate(invalid="ignore"):
         gained = np.where(left > 0, left * np.asarray(fit_quadratic, float), 0.0)
     gained = np.where(np.isfinite(fit_quadratic), gained, ins_quadratic)
-    return np.asarray(_QUADRATIC_MEAN_SQUARE * gained + beyond_quadratic)
+    return np.asarray(_QUADRATIC_MEAN_SQUARE * gained + np.asarray(beyond_quadratic, float))
 
 
 def break_even_aperture(
@@ -208,9 +208,9 @@ def map_of_winners(
     """The strategy that wins among those with a closed form (2, 3, 5, 5w), by detrended sigma.
 
     5w is never worse than 2 or 5, so it would win everywhere by a hair: the simplest strategy (in the order
-    given) within the fraction ``worth`` of the best is the one named. ``tilt_variance`` [rad^2] belongs to the
-    GNSS noise of each point, so give an array of the same shape. Strategy 3 carries the coast; 2 does not. ``extra_fixes`` as in
-    `break_even_aperture`.
+    given) within the fraction ``worth`` of the best is the one named. ``tilt_variance`` [rad^2] goes with
+    the GNSS noise of each point, so give an array of the same shape. Only 3 carries the coast.
+    ``extra_fixes`` as in `break_even_aperture`.
     """
     if not 0 <= worth < 1:
         raise ValueError(f"worth: {worth}; a fraction from 0 to below 1 is needed")
@@ -300,7 +300,7 @@ def advise(
     required_phase: float | None = None,
     extra_fixes: float = 0.0,
 ) -> Advice:
-    """Plain-words advice for one design. ``required_phase`` [rad], the limit on the detrended phase, is optional.
+    """Plain-words advice for one design. ``required_phase`` [rad]: limit on the detrended phase.
 
     The GNSS noise at which 2 and 5 break even is given at the design's tilt (which itself depends on the GNSS
     noise, so it is a first estimate and said to be "about").
@@ -337,8 +337,8 @@ def advise(
         f"Free INS leaves {_length(sigma['2'])}, the full quadratic correction {_length(sigma['5'])}, "
         f"the shrunk one {_length(sigma['5w'])}."
         if np.isfinite(unit)
-        else f"Free INS leaves {_length(sigma['2'])}; fewer than three fixes fall into the aperture, so there "
-        "is no quadratic to fit."
+        else f"Free INS leaves {_length(sigma['2'])}; with fewer than three fixes in the aperture "
+        "there is no quadratic to fit."
     )
     if coast_time > 0:
         because += f" After {coast_time:.4g} s without fixes the INS alone would leave {_length(sigma['3'])}."
