@@ -20,7 +20,8 @@ def project_pulses(
 ) -> NDArray[np.complex128]:
     """Sum over pulses of profile(R - r0) exp(j wavenumber (R - r0)) at each pixel, linear between bins.
 
-    ``profiles`` (P, bins) with range offset zero in bin bins // 2; ``position`` (P, 3); image (len(y), len(x)).
+    ``profiles`` (P, bins) with range offset zero in bin bins // 2; ``position`` (P, 3).
+    Image (len(y), len(x)).
     """
     image = np.zeros((len(y), len(x)), np.complex128)
     bins = profiles.shape[1]

@@ -23,7 +23,7 @@ RANGE_PADDING = 16
 _FloatArray = NDArray[np.float64]
 _ComplexArray = NDArray[np.complex128]
 
-# Fields of a phase-history file: name in the npz, shape in terms of K frequencies and P pulses, needed or not.
+# Fields of a phase-history file: name in the npz, shape (K frequencies, P pulses), needed or not.
 _FILE_FIELDS: tuple[tuple[str, str, bool], ...] = (
     ("fp", "KP", True),
     ("freq", "K", True),
@@ -68,7 +68,7 @@ class PhaseHistory:
 def read_phase_history(*paths: str | Path) -> PhaseHistory:
     """Read one or more npz files of the same frequencies as one aperture, pulses in the order given.
 
-    Fields: ``fp`` (K, P) complex, ``freq`` [Hz] (K,), antenna ``x``, ``y``, ``z`` [m] (P,), ``r0`` [m] (P,), and
+    Fields: ``fp`` (K, P) complex, ``freq`` [Hz] (K,), antenna ``x``, ``y``, ``z`` [m] (P,), ``r0`` [m] (P,);
     optionally ``af_r_correct`` [m], ``af_ph_correct`` [rad] (P,). ValueError names the file and the field
     that is missing, of the wrong shape, or not finite.
     """
@@ -101,8 +101,13 @@ def _read_one(path: Path) -> PhaseHistory:
         raise ValueError(f"{path}: not a readable npz file ({error})") from error
     if not hasattr(archive, "files"):
         raise ValueError(f"{path}: a single array; an npz archive with named fields is needed")
+    fields = {}
     with archive:
-        fields = {name: archive[name] for name, _, _ in _FILE_FIELDS if name in archive.files}
+        for name in (name for name, _, _ in _FILE_FIELDS if name in archive.files):
+            try:
+                fields[name] = archive[name]
+            except ValueError as error:
+                raise ValueError(f"{path}: {name} is not an array of numbers ({error})") from error
     if "fp" not in fields or fields["fp"].ndim != 2:
         raise ValueError(f"{path}: fp is missing or not a (frequencies, pulses) array")
     sizes = dict(zip("KP", fields["fp"].shape, strict=True))
@@ -135,7 +140,7 @@ def _read_one(path: Path) -> PhaseHistory:
 def apply_autofocus(history: PhaseHistory) -> PhaseHistory:
     """The history with the autofocus terms of its source applied, and dropped so that they act once.
 
-    exp(j (phase - 4 pi f range / c)): of the four signs, the one that concentrates the public collection's image.
+    exp(j (phase - 4 pi f range / c)): of the four signs, the one that sharpens the public collection.
     """
     if history.autofocus_range is None or history.autofocus_phase is None:
         raise ValueError("phase history: it carries no autofocus terms")

@@ -274,9 +274,8 @@ def simulate_histories(
 
     samples = round(aperture_time * rate) + 1
     time: _FloatArray = np.linspace(0.0, aperture_time, samples)
-    fix_time: _FloatArray = (
-        np.arange(int(np.floor(aperture_time / model.fix_interval + 1e-9)) + 1) * model.fix_interval
-    )
+    last_fix = int(np.floor(aperture_time / model.fix_interval + 1e-9))
+    fix_time: _FloatArray = np.arange(last_fix + 1) * model.fix_interval
     grid = _merged(time, fix_time[np.abs(time[_nearest(time, fix_time)] - fix_time) > 1e-9])
     path = noise_path(model, grid, runs, streams[2])
     path[2] += unabsorbed[1][:, None] * grid
@@ -390,7 +389,8 @@ def _carried(state: _FloatArray, age: _FloatArray) -> _FloatArray:
 
 
 def _merged(time: _FloatArray, more: _FloatArray) -> _FloatArray:
-    return np.sort(np.concatenate([time, more]))
+    both: _FloatArray = np.sort(np.concatenate([time, more]))
+    return both
 
 
 def _nearest(grid: _FloatArray, time: _FloatArray) -> NDArray[np.integer]:

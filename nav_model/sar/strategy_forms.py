@@ -243,8 +243,9 @@ def exact_corrected_variance(
     """Strategy 5 (or 5w) exactly: mean variance [m^2] after the line, with the fit at the fixes themselves.
 
     The covariance of the integrated noises is carried through the fit and the removal of the line by Gauss
-    quadrature over the aperture; one design at a time. Shows where [T-16] stops holding: with 3 fixes at the
-    ends and the middle a quadratic through the fixes follows the noise less well than the continuous fit.
+    quadrature over the aperture; one design at a time. Shows where the inertial terms of
+    [T-16] stop holding: with fixes at both ends they are at most 13 % low; with the first
+    fix one interval after the start they are 3.8 times too low at 3 fixes, 13 % at 11, 3 % at 21.
     """
     fixes = np.asarray(fix_times, float)
     if fixes.size < 3:
