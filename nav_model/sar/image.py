@@ -182,8 +182,9 @@ def back_project(
 ) -> _ComplexArray:
     """Complex image (len(y), len(x)) on the plane z, mean over pulses and frequencies: amplitude 1 stays 1.
 
-    ``range_error`` (P,) [m] is added to the range assumed for every pixel; ``position_error`` (P, 3) [m] moves
-    the assumed antenna. ``window`` weights both the pulses and the frequencies. Pixels farther than half the
+    ``range_error`` (P,) [m] is added to the range assumed for every pixel; ``position_error`` (P, 3) [m]
+    moves the assumed antenna. ``window`` weights both the pulses and the frequencies.
+    Pixels farther than half the
     unambiguous range from the reference of a pulse get nothing from it.
     """
     from nav_model.sar.back_projection import project_pulses

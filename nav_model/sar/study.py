@@ -1,4 +1,4 @@
-"""The whole study of one aperture: three axes, exact line of sight, every strategy, statistics over the runs."""
+"""The whole study of one aperture: three axes, exact line of sight, every strategy, statistics."""
 
 from __future__ import annotations
 
@@ -46,7 +46,9 @@ class ApertureStudy:
     ``residual`` (9, runs, n): error left in range after the autofocus order. ``parts``: band of each part of
     the decomposition [m], each (9,). ``responses``: band of each measure of the impulse response, each (9,).
     ``jump_rms``: band of the filter's jumps at the fixes [m], projected on the line of sight of mid-aperture.
-    ``fix_harmonics``: band of the ripple's amplitude [m] at 1, 2, 3 times the fix rate, each (9, 3).
+    ``fix_harmonics``: band of the ripple's amplitude [m] at 1, 2, 3 times the fix rate, (9, 3);
+    fewer where half the sampling rate cuts them off. ``fixes``: in the aperture; below three there is no
+    quadratic to fit and 5 and 5w are the same as 2.
     ``typical_run``: the run to draw, whose free INS (strategy 2) is the median one. ``tuning`` of 6 and 7.
     """
 
@@ -57,6 +59,7 @@ class ApertureStudy:
     responses: dict[str, Band]
     jump_rms: Band
     fix_harmonics: Band
+    fixes: int
     typical_run: int
     wavelength: float
     autofocus_order: int
@@ -114,7 +117,8 @@ def measure_study(
     jumps = np.sqrt(sum(part**2 * axis.jump_rms**2 for part, axis in zip(line, axes, strict=True)))
     parts = decompose(error, autofocus_order)
     residual = autofocus(error, autofocus_order)
-    harmonics = fix_rate_harmonics(residual, along.time, fix_interval, FIX_HARMONICS)
+    sampled = int(fix_interval / (2 * (along.time[1] - along.time[0])) + 1e-9)
+    harmonics = fix_rate_harmonics(residual, along.time, fix_interval, min(FIX_HARMONICS, sampled))
     free = parts.detrended_rms[1]
     return ApertureStudy(
         strategies=STRATEGIES,
@@ -124,6 +128,7 @@ def measure_study(
         responses=ensemble_responses(4 * np.pi / wavelength * residual, window, autofocus_order),
         jump_rms=band(jumps),
         fix_harmonics=band(np.moveaxis(harmonics, 1, -1)),
+        fixes=across.fixes,
         typical_run=int(np.argsort(free)[len(free) // 2]),
         wavelength=wavelength,
         autofocus_order=autofocus_order,

@@ -78,3 +78,12 @@ def test_tuning_is_chosen_and_repeatable_and_better_than_a_bad_one():
 def test_bad_wavelength_is_refused():
     with pytest.raises(ValueError, match="wavelength"):
         study_aperture(HORIZONTAL, HORIZONTAL, DOWN, GEOMETRY, 6.0, 0.0)
+
+
+def test_fast_fixes_and_short_apertures_are_studied_too():
+    fast = AxisModel(VRW, ARW, 0.05, 0.04)
+    study = study_aperture(fast, fast, fast, GEOMETRY, 0.8, WAVELENGTH, runs=10, rate=50.0, tuning=Tuning())
+    assert study.fix_harmonics.median.shape == (len(STRATEGY_KEYS), 1)
+    short = study_aperture(HORIZONTAL, HORIZONTAL, DOWN, GEOMETRY, 0.7, WAVELENGTH, runs=10, rate=50.0)
+    assert short.fixes == 1
+    assert np.isfinite(short.phase).all()
