@@ -33,9 +33,10 @@ from nav_model.sar.strategies import (
 
 _FloatArray = NDArray[np.float64]
 FIX_HARMONICS = 3
-# Grids the gains of the reconstructions are chosen from: wn T and kp T, and ki as a part of kp^2 / 4.
-_TRACKING_TURNS = (1.0, 2.0, 4.0, 8.0, 16.0)
-_DAMPING_RATES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+# Gains the reconstructions are chosen from: wn T and kp T (towards zero both become free INS or an untouched
+# position), and ki as a part of kp^2 / 4.
+_TRACKING_TURNS = (0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 16.0)
+_DAMPING_RATES = (0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 16.0)
 _INTEGRAL_PARTS = (0.0, 0.5)
 
 

@@ -67,6 +67,15 @@ def test_noise_path_has_the_covariance_of_integrated_noise(table_designs):
         assert np.all(np.abs(sample - expected) < 4.5 * error)
 
 
+@pytest.mark.parametrize("noises", [(0.02, 0.01), (0.3, 1e-4)])
+def test_one_long_step_is_as_exact_as_many_short_ones(noises):
+    model = AxisModel(*noises, 1.0, 1.0)
+    sample = np.cov(noise_path(model, np.array([0.0, 3.0]), 40_000, np.random.default_rng(5))[:, :, 1])
+    expected = van_loan(model, 3.0)[1]
+    error = np.sqrt((expected**2 + np.outer(np.diag(expected), np.diag(expected))) / 40_000)
+    assert np.all(np.abs(sample - expected) < 4.5 * error)
+
+
 def test_a_singular_covariance_can_be_drawn():
     states = draw_state(np.diag([4.0, 1.0, 0.0]), 4000, np.random.default_rng(0))
     assert not states[:, 2].any()
