@@ -10,8 +10,9 @@ from nav_model.sar.decomposition import decompose, ensemble_responses
 from nav_model.sar.image import back_project, simulate_phase_history
 from nav_model.sar.impulse_response import aperture_positions, impulse_response, quadratic_response
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
-from nav_model.sar.strategies import simulate_axis
+from nav_model.sar.strategies import Tuning, simulate_axis
 from nav_model.sar.strategy_forms import map_of_winners
+from nav_model.sar.study import study_aperture
 
 HORIZONTAL = AxisModel(0.05 / 60, np.radians(0.5) / 60, 1.0, 1.0)
 VERTICAL = AxisModel(0.05 / 60, np.radians(0.5) / 60, 1.0, 1.0, horizontal=False)
@@ -78,4 +79,16 @@ def test_image_256_by_256(benchmark):
     axis = np.linspace(-40, 40, 256)
     back_project(history, axis[:2], axis[:2])
     benchmark.pedantic(back_project, args=(history, axis, axis), rounds=3)
+    benchmark.extra_info["target_s"] = 2.0
+
+
+def test_whole_study_500_runs_with_impulse_responses(benchmark):
+    arguments = (HORIZONTAL, HORIZONTAL, VERTICAL, ApertureGeometry(10e3, 100.0, 0.6), 20.0, 0.031, "taylor")
+    benchmark.pedantic(
+        study_aperture,
+        args=arguments,
+        kwargs={"coast_time": 100.0, "runs": 500, "tuning": Tuning()},
+        rounds=2,
+        warmup_rounds=1,
+    )
     benchmark.extra_info["target_s"] = 2.0

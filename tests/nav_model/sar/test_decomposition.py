@@ -107,5 +107,5 @@ def test_ensemble_responses_agree_with_the_full_ones(table_designs):
     full = response_of_phase(autofocus(phase), "taylor")
     np.testing.assert_allclose(bands["width_cells"].median, np.median(full.width_cells, axis=-1), atol=1e-3)
     np.testing.assert_allclose(
-        bands["pslr_fixed_db"].median, np.median(full.pslr_fixed_db, axis=-1), atol=0.02
+        bands["pslr_fixed_db"].median, np.median(full.pslr_fixed_db, axis=-1), atol=0.04
     )
