@@ -7,10 +7,11 @@ import pytest
 
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import decompose, ensemble_responses
+from nav_model.sar.fast_engine import simulate_axis
 from nav_model.sar.image import back_project, simulate_phase_history
 from nav_model.sar.impulse_response import aperture_positions, impulse_response, quadratic_response
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
-from nav_model.sar.strategies import Tuning, simulate_axis
+from nav_model.sar.strategies import Tuning
 from nav_model.sar.strategy_forms import map_of_winners
 from nav_model.sar.study import study_aperture
 

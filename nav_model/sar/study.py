@@ -17,6 +17,7 @@ from nav_model.sar.decomposition import (
     fix_rate_harmonics,
     summarize,
 )
+from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.impulse_response import Taper, Window
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 from nav_model.sar.strategies import (
@@ -26,8 +27,6 @@ from nav_model.sar.strategies import (
     StrategyErrors,
     Tuning,
     damping_loop,
-    simulate_axis,
-    simulate_histories,
     tracking_filter,
 )
 

@@ -13,8 +13,8 @@ from nav_model.sar.decomposition import (
     polynomial_basis,
     summarize,
 )
+from nav_model.sar.fast_engine import simulate_axis
 from nav_model.sar.impulse_response import impulse_response, response_of_phase
-from nav_model.sar.strategies import simulate_axis
 
 N = 4001
 X = np.linspace(-1, 1, N)

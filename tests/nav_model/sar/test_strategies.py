@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 
 from nav_model.sar.axis_model import AxisModel, steady_covariance
 from nav_model.sar.decomposition import autofocus, decompose
+from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.strategies import (
     STRATEGIES,
     STRATEGY_KEYS,
@@ -14,8 +15,6 @@ from nav_model.sar.strategies import (
     apply_strategies,
     damping_loop,
     quadratic_correction,
-    simulate_axis,
-    simulate_histories,
     tracking_filter,
 )
 from nav_model.sar.strategy_forms import (

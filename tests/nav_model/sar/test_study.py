@@ -5,8 +5,9 @@ import pytest
 
 from nav_model.sar.axis_model import AxisModel, steady_covariance
 from nav_model.sar.decomposition import decompose
+from nav_model.sar.fast_engine import simulate_axis
 from nav_model.sar.line_of_sight import ApertureGeometry
-from nav_model.sar.strategies import STRATEGY_KEYS, Tuning, simulate_axis
+from nav_model.sar.strategies import STRATEGY_KEYS, Tuning
 from nav_model.sar.strategy_forms import ins_residual_variance
 from nav_model.sar.study import choose_tuning, study_aperture
 
