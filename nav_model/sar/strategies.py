@@ -1,7 +1,7 @@
 """The ways to navigate through an aperture (sar.md, "Navigation strategies"), on one noise realisation.
 
 Two engines feed the same strategies: the per-axis error model (`fast_engine.simulate_axis`), and full runs of
-the simulator, which hand over their error histories as plain arrays (`NavigationHistories`). All histories are
+the simulator, which hand over their error histories as plain arrays (`NavigationHistories`). All are
 navigation errors of one axis, [m] and [m/s], with the runs on any leading axes and time on the last.
 """
 
