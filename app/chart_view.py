@@ -10,6 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.charts.description import BarChart, Chart, to_csv
+from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
 from app.state import Session
 from app.theme import SHEET
@@ -62,4 +63,4 @@ class ChartView:
 
 
 def _know(chart: Chart | BarChart) -> str:
-    return f'<p class="know quiet"><b>How do we know:</b> {escape(chart.knowledge)}</p>'
+    return f'{legend_html(chart)}<p class="know quiet"><b>How do we know:</b> {escape(chart.knowledge)}</p>'

@@ -63,6 +63,7 @@ def serve(address: str, port: int, allow_origin: list[str]) -> None:
         liveness=True,
         websocket_origin=_origins(address, port, allow_origin),
     )
+    Frame(Session(first_design()))  # the first visitor should not wait for what Python loads late
     print(f"NavBudget on http://{address}:{port}", flush=True)
     server.run_until_shutdown()
 

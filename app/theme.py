@@ -51,6 +51,9 @@ table.checks th, table.checks td { text-align: left; padding: 4px 10px 4px 0; ve
 table.checks th { font-weight: 500; }
 table.checks td.num, table.checks th.num { text-align: right; }
 .scroll { overflow-x: auto; }
+ul.legend { display: flex; flex-wrap: wrap; gap: 2px 16px; list-style: none; margin: 0 0 4px; padding: 0;
+  font-size: 12.5px; }
+ul.legend svg { vertical-align: -1px; }
 .know { font-size: 12.5px; margin: 0; }
 .mark { font-weight: 700; }
 ul.cautions { padding-left: 18px; font-size: 13px; }

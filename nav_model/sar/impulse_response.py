@@ -106,9 +106,7 @@ def aperture_positions(samples: int) -> _FloatArray:
     return (2 * np.arange(samples) + 1 - samples) / samples
 
 
-def aperture_of_phase(
-    phase_rad: ArrayLike, samples: int = MINIMUM_SAMPLES, keep: bool = True
-) -> _ComplexArray:
+def aperture_of_phase(phase_rad: ArrayLike, samples: int = MINIMUM_SAMPLES, keep: bool = True) -> _ComplexArray:
     """Unit-amplitude aperture exp(j phase), shape (..., n), of a phase history sampled from end to end.
 
     ``phase_rad`` (..., m) has its first sample at the start and its last at the end of the aperture, as a
