@@ -86,6 +86,14 @@ def vertical_error(
     )
 
 
+def height_growth(flight: Flight) -> Array:
+    """exp of the integral of k along a flight, (n+1,): the factor by which the unstable height grows a start
+    error, whose slope on a log plot is 1/(e-folding time) at the height of the moment [B-6]."""
+    k = 1.0 / height_e_folding_time(flight.height_m)
+    steps = 0.5 * flight.step_s * (k[1:] + k[:-1])
+    return np.exp(np.concatenate([[0.0], np.cumsum(steps)]))
+
+
 @dataclass(frozen=True)
 class ChannelErrors:
     """Errors the decoupled channels predict for c cases: time_s (m,), position_m north, east, up (c, m, 3)."""
