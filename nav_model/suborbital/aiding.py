@@ -80,7 +80,8 @@ def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
 
 
 def attitude_at(flight: Flight, time_s: Array) -> Array:
-    """True body to inertial attitude at any times of the flight, (..., 3, 3): turn at constant rate in a step."""
+    """True body to inertial attitude at any times of the flight, (..., 3, 3): turn at constant rate in a
+    step."""
     position = np.clip(np.asarray(time_s, dtype=np.float64) / (0.5 * flight.step_s), 0.0, 2.0 * flight.steps)
     low = np.minimum(position.astype(np.int64), 2 * flight.steps - 1)
     start, stop = flight.half_attitude_bi[low], flight.half_attitude_bi[low + 1]
@@ -98,12 +99,13 @@ def camera_frames(
     aiding: Aiding,
     measured: AttitudeFrames | None = None,
 ) -> AttitudeFrames:
-    """Frames with latency and misalignment; `measured` brings attitudes from star images, gated frames unused.
+    """Frames with latency and misalignment; `measured` brings attitudes from star images, gated frames
+    unused.
 
     Latency takes the attitude of t - latency for that of t. With measured frames it must be a whole number of
     steps, because an image exists only at a step.
     """
-    used = frame_steps(flight, aiding)
+    used, covariance = frame_steps(flight, aiding), None
     if measured is None:
         attitude = flight.attitude_bi
         if aiding.latency_s > 0.0:
@@ -117,6 +119,7 @@ def camera_frames(
         )
         source = np.maximum(np.arange(flight.steps + 1) - late, 0)
         attitude, used = measured.attitude_bi[source], used & measured.used[source]
+        covariance = None if measured.covariance is None else measured.covariance[source]
     if any(aiding.misalignment_rad):
         attitude = attitude @ rotation_from_vector(np.array(aiding.misalignment_rad))
-    return AttitudeFrames(used, np.ascontiguousarray(attitude))
+    return AttitudeFrames(used, np.ascontiguousarray(attitude), covariance)

@@ -1,9 +1,9 @@
 """Attitude from star directions: five methods, their predicted covariances and the test of consistency.
 
-All functions are batched: body and reference (..., k, 3) unit vectors with b = A r, weight (..., k) zero where
-a scene has fewer stars. A turns reference (inertial) into body components. Noise is sigma rad per axis in the
-tangent plane, the same for every star. Covariances are those of the rotation vector e of A_est = exp([e x]) A,
-on body axes, rad² [B-9].
+All functions are batched: body and reference (..., k, 3) unit vectors with b = A r, weight (..., k) zero
+where a scene has fewer stars. A turns reference (inertial) into body components. Noise is sigma rad per
+axis in the tangent plane, the same for every star. Covariances are those of the rotation vector e of A_est
+= exp([e x]) A, on body axes, rad² [B-9].
 """
 
 from collections.abc import Callable
@@ -58,13 +58,12 @@ def information(body: Array, weight: Array | None = None) -> Array:
 def _refuse_singular(body: Array, weight: Array, least: int, method: str) -> None:
     count = np.sum(weight > 0.0, axis=-1)
     if np.any(count < least):
-        raise ValueError(
-            f"{method}: a scene has {int(np.min(count))} stars; it needs at least {least}"
-        )
+        raise ValueError(f"{method}: a scene has {int(np.min(count))} stars; it needs at least {least}")
     weakest = np.linalg.eigvalsh(information(body, weight))[..., 0]
     if np.any(weakest < COLLINEAR):
         raise ValueError(
-            f"{method}: the stars of a scene are collinear, so the rotation about their line is not observable"
+            f"{method}: the stars of a scene are collinear, so the rotation about their line is not "
+            "observable"
         )
 
 
@@ -121,7 +120,9 @@ def n_vector(body: Array, reference: Array, sigma: float, weight: Array | None =
     cross = skew(lever)
     tangent = np.eye(3) - b[..., :, None] * b[..., None, :]
     used = (w > 0.0)[..., None, None]
-    covariance = sigma**2 / 4.0 * np.sum(np.where(used, cross @ tangent @ np.swapaxes(cross, -1, -2), 0.0), axis=-3)
+    covariance = (
+        sigma**2 / 4.0 * np.sum(np.where(used, cross @ tangent @ np.swapaxes(cross, -1, -2), 0.0), axis=-3)
+    )
     return AttitudeEstimate(np.swapaxes(_nearest_rotation(raw), -1, -2), covariance, "N-vector")
 
 
@@ -144,7 +145,8 @@ def _davenport(profile: Array) -> Array:
 
 
 def q_method(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
-    """Davenport's q-method: the eigenvector of the largest eigenvalue of K. ValueError for collinear stars."""
+    """Davenport's q-method: the eigenvector of the largest eigenvalue of K. ValueError for collinear
+    stars."""
     b, r, w = _prepare(body, reference, weight)
     _refuse_singular(b, w, 2, "q-method")
     _, vectors = np.linalg.eigh(_davenport(_profile(b, r, w)))
@@ -155,8 +157,9 @@ def q_method(body: Array, reference: Array, sigma: float, weight: Array | None =
 def quest(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
     """QUEST: Newton on the quartic of K for its largest eigenvalue, then the quaternion in closed form.
 
-    Of the four sequential rotations (none, or 180° about x, y, z of the reference) each scene takes the one whose
-    quaternion has the largest scalar part, so 180° turns are no exception. ValueError for collinear stars.
+    Of the four sequential rotations (none, or 180° about x, y, z of the reference) each scene takes the one
+    whose quaternion has the largest scalar part, so 180° turns are no exception. ValueError for collinear
+    stars.
     """
     b, r, w = _prepare(body, reference, weight)
     _refuse_singular(b, w, 2, "QUEST")
@@ -226,7 +229,8 @@ def nees(error: Array, covariance: Array) -> Array:
 
 @dataclass(frozen=True)
 class MethodScore:
-    """One method over many scenes: mean total error and rms of each body axis, rad; mean NEES; scenes used."""
+    """One method over many scenes: mean total error and rms of each body axis, rad; mean NEES; scenes
+    used."""
 
     method: str
     mean_error_rad: float

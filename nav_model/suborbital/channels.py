@@ -49,9 +49,7 @@ def horizontal_error(
     s, c = np.sin(w * t), np.cos(w * t)
     resonant = np.abs(o - w) < 1e-7 * w
     gap = np.where(resonant, 1.0, w * w - o * o)
-    forced = np.where(
-        resonant, (s - w * t * c) / (2.0 * w * w), (np.sin(o * t) - o / w * s) / gap
-    )
+    forced = np.where(resonant, (s - w * t * c) / (2.0 * w * w), (np.sin(o * t) - o / w * s) / gap)
     return np.asarray(
         np.asarray(bias) / w**2 * (1.0 - c)
         + np.asarray(tilt_rate) / w**2 * (t - s / w)
@@ -91,12 +89,13 @@ def height_growth(flight: Flight) -> Array:
     error, whose slope on a log plot is 1/(e-folding time) at the height of the moment [B-6]."""
     k = 1.0 / height_e_folding_time(flight.height_m)
     steps = 0.5 * flight.step_s * (k[1:] + k[:-1])
-    return np.exp(np.concatenate([[0.0], np.cumsum(steps)]))
+    return np.asarray(np.exp(np.concatenate([[0.0], np.cumsum(steps)])))
 
 
 @dataclass(frozen=True)
 class ChannelErrors:
-    """Errors the decoupled channels predict for c cases: time_s (m,), position_m north, east, up (c, m, 3)."""
+    """Errors the decoupled channels predict for c cases: time_s (m,), position_m north, east, up (c, m,
+    3)."""
 
     time_s: Array
     position_m: Array = field(repr=False)
@@ -131,8 +130,8 @@ def decoupled_errors(
 ) -> ChannelErrors:
     """[B-5] driven along a real flight by the parameter vectors (c, 61), for comparison with the INS.
 
-    The forcing C df + psi x f is that of [B-4], resolved in the moving local axes; Coriolis and transport terms
-    are dropped, as in [B]. used marks star frames, at which psi vanishes (a perfect camera).
+    The forcing C df + psi x f is that of [B-4], resolved in the moving local axes; Coriolis and transport
+    terms are dropped, as in [B]. used marks star frames, at which psi vanishes (a perfect camera).
     """
     p = np.atleast_2d(parameters)
     n, h = flight.steps, flight.step_s
@@ -147,7 +146,7 @@ def decoupled_errors(
         bias = p[:, start : start + 3] + slow[:, None, None] * p[:, start + 3 : start + 6]
         turned = np.einsum("cab,tb->tca", constant, measured)
         turned += fast[:, None, None] * np.einsum("cab,tb->tca", oscillating, measured)
-        return np.einsum("tij,tcj->tci", c, bias + turned)
+        return np.asarray(np.einsum("tij,tcj->tci", c, bias + turned))
 
     launch = local_axes(flight.position_i[0])
     step_turn = triad(24, rate, s[:, 2], s[:, 3]) * h

@@ -29,7 +29,8 @@ MISALIGNMENT_PATTERN: Matrix = ((0.0, 1.0, -1.0), (-1.0, 0.0, 1.0), (1.0, -1.0, 
 
 
 def scale_and_misalignment(scale: float, misalignment: float | None = None) -> Matrix:
-    """S + N as scale I + misalignment * pattern (dimensionless; misalignment defaults to scale, as in GP-1)."""
+    """S + N as scale I + misalignment * pattern (dimensionless; misalignment defaults to scale, as in
+    GP-1)."""
     off = scale if misalignment is None else misalignment
     m = scale * np.eye(3) + off * np.array(MISALIGNMENT_PATTERN)
     rows = [(float(row[0]), float(row[1]), float(row[2])) for row in m]
@@ -114,8 +115,11 @@ class ErrorSet:
     initial: InitialErrors = GP1_INITIAL
 
 
-def parameter_vector(errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0) -> Array:
-    """The deterministic errors as one vector, (61,), in the order of `PARAMETERS`; star tracker entries last."""
+def parameter_vector(
+    errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0
+) -> Array:
+    """The deterministic errors as one vector, (61,), in the order of `PARAMETERS`; star tracker entries
+    last."""
     parts: list[Array] = []
     for sensor in (errors.accelerometers, errors.gyros):
         parts += [
@@ -136,8 +140,9 @@ def _names() -> list[str]:
             names += [f"{sensor} {axis} bias, {kind}" for axis in "xyz"]
         for kind in ("constant", "oscillating"):
             names += [
-                f"{sensor} {row} scale factor, {kind}" if row == column else
-                f"{sensor} {row} misalignment to {column}, {kind}"
+                f"{sensor} {row} scale factor, {kind}"
+                if row == column
+                else f"{sensor} {row} misalignment to {column}, {kind}"
                 for row in "xyz"
                 for column in "xyz"
             ]
@@ -176,8 +181,8 @@ CLASSES: dict[str, tuple[slice, ...]] = {
     "initial attitude": (slice(54, 57),),
     "all": (slice(0, 61),),
 }
-"""Classes of the study: "bias" is every constant term, "instability" every time-dependent one (the white noise,
-which is random, is reported beside it as a standard deviation)."""
+"""Classes of the study: "bias" is every constant term, "instability" every time-dependent one (the white
+noise, which is random, is reported beside it as a standard deviation)."""
 
 
 def mask(group: tuple[slice, ...]) -> Array:

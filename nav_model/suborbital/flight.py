@@ -1,4 +1,4 @@
-"""The flight: golden trajectory of star_tracker.md with its parameters as inputs, or a trajectory from a file.
+"""The flight: golden trajectory of star_tracker.md with its parameters as inputs.
 
 A flight carries, besides its path, what a perfect strapdown unit would measure: specific force and inertial
 angular rate in body axes at the three nodes (start, middle, end) of every integration step. The specific
@@ -7,7 +7,6 @@ force is one-sided at the ends, so a burn-out that falls on a step is integrated
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 
 import numba
 import numpy as np
@@ -19,20 +18,18 @@ from nav_model.suborbital.frames import (
     earth_velocity,
     local_axes,
     ned_to_inertial,
-    quaternion_from_rotation,
     require,
     require_finite,
     rotation_from_euler,
-    rotation_from_quaternion,
     spherical_position,
 )
-from nav_model.suborbital.gravity import field_kernel, gravitation, zonals
+from nav_model.suborbital.gravity import field_kernel, zonals
 
 
 @dataclass(frozen=True)
 class FlightParameters:
-    """Golden flight (X). Attitude angles are yaw-pitch-roll from the launch site's north-east-down axes, which
-    are frozen in inertial space at lift-off. Thrust acts along body x; there is no drag."""
+    """Golden flight (X). Attitude angles are yaw-pitch-roll from the launch site's north-east-down axes,
+    which are frozen in inertial space at lift-off. Thrust acts along body x; there is no drag."""
 
     latitude_rad: float = np.radians(37.94)
     longitude_rad: float = np.radians(-75.46)
@@ -70,7 +67,11 @@ class FlightParameters:
             f"latitude_rad = {self.latitude_rad!r}: must lie between the poles, -pi/2 to pi/2",
         )
         require(
-            0.0 <= self.pitch_program_start_s < self.pitch_program_end_s <= self.burn_time_s < self.duration_s,
+            0.0
+            <= self.pitch_program_start_s
+            < self.pitch_program_end_s
+            <= self.burn_time_s
+            < self.duration_s,
             f"pitch_program_start_s = {self.pitch_program_start_s!r}, pitch_program_end_s = "
             f"{self.pitch_program_end_s!r}, burn_time_s = {self.burn_time_s!r}, duration_s = "
             f"{self.duration_s!r}: must rise in this order",
@@ -89,8 +90,8 @@ class FlightParameters:
 class Flight:
     """True flight of n steps, SI.
 
-    time_s (n+1,); position_i, velocity_i (n+1, 3) in inertial axes; half_attitude_bi (2n+1, 3, 3) at every half
-    step; specific_force_b, angular_rate_b (n, 3, 3): step, node (start, middle, end), body axis.
+    time_s (n+1,); position_i, velocity_i (n+1, 3) in inertial axes; half_attitude_bi (2n+1, 3, 3) at every
+    half step; specific_force_b, angular_rate_b (n, 3, 3): step, node (start, middle, end), body axis.
     """
 
     name: str
@@ -136,12 +137,12 @@ class Flight:
     def velocity_ned(self) -> Array:
         """Velocity over the turning Earth in local axes, (n+1, 3), m/s."""
         relative = self.velocity_i - earth_velocity(self.position_i)
-        return np.einsum("tji,tj->ti", local_axes(self.position_i), relative)
+        return np.asarray(np.einsum("tji,tj->ti", local_axes(self.position_i), relative))
 
     @cached_property
     def track_rad(self) -> Array:
-        """Direction of travel over ground, from north, (n+1,). Below 1 m/s of ground speed the track is that of
-        the launch azimuth (or of the first moving sample of a file)."""
+        """Direction of travel over ground, from north, (n+1,). Below 1 m/s of ground speed the track is
+        that of the launch azimuth (or of the first moving sample of a file)."""
         north, east = self.velocity_ned[:, 0], self.velocity_ned[:, 1]
         return np.where(np.hypot(north, east) >= 1.0, np.arctan2(east, north), self.initial_track_rad)
 
@@ -197,7 +198,7 @@ def _integrate(r0, v0, force_i, j, h):  # type: ignore[no-untyped-def]
     return position, velocity
 
 
-def _nodes(half: Array) -> Array:
+def step_nodes(half: Array) -> Array:
     """Samples at half steps (2n+1, ...) regrouped as (n, 3, ...): start, middle, end of each step."""
     return np.stack([half[:-2:2], half[1:-1:2], half[2::2]], axis=1)
 
@@ -238,10 +239,11 @@ def attitude_program(parameters: FlightParameters, time_s: Array) -> tuple[Array
 
 
 def golden_flight(parameters: FlightParameters | None = None) -> Flight:
-    """Fly the golden trajectory with RK4 at `step_s`. Raises ValueError when it hits the ground on the way."""
+    """Fly the golden trajectory with RK4 at `step_s`. Raises ValueError when it hits the ground on the
+    way."""
     p = parameters or FlightParameters()
     n = round(p.duration_s / p.step_s)
-    half_time = 0.5 * p.step_s * np.arange(2 * n + 1)
+    half_time = 0.5 * p.step_s * np.arange(2 * n + 1, dtype=np.float64)
     angles, rates = attitude_program(p, half_time)
     roll, pitch, yaw = np.moveaxis(angles, -1, 0)
     launch = ned_to_inertial(p.latitude_rad, p.longitude_rad)
@@ -256,18 +258,18 @@ def golden_flight(parameters: FlightParameters | None = None) -> Flight:
         axis=-1,
     )
     force = np.zeros((n, 3, 3))
-    force[:, :, 0] = _nodes(thrust(p, half_time))
+    force[:, :, 0] = step_nodes(thrust(p, half_time))
     # Burn-out belongs to the step it ends, not to the one it starts.
     force[round(p.burn_time_s / p.step_s) :] = 0.0
     position = launch @ np.array([0.0, 0.0, -EARTH_RADIUS])
-    return _fly(
+    return assemble(
         f"golden flight from {np.degrees(p.latitude_rad):.2f}°, {np.degrees(p.longitude_rad):.2f}°",
         p.step_s,
         position,
         earth_velocity(position),
         attitude,
         force,
-        _nodes(rate),
+        step_nodes(rate),
         p.gravity,
         p.azimuth_rad,
         p.burn_time_s,
@@ -275,7 +277,7 @@ def golden_flight(parameters: FlightParameters | None = None) -> Flight:
     )
 
 
-def _fly(
+def assemble(
     name: str,
     step_s: float,
     position: Array,
@@ -288,14 +290,17 @@ def _fly(
     burnout_s: float | None,
     source: str,
 ) -> Flight:
-    force_i = np.einsum("tnij,tnj->tni", _nodes(attitude), force)
+    """Integrate a flight from its start (position, velocity, inertial axes), attitude at half steps and body
+    specific force and rate at the nodes. ValueError when it reaches the ground before its end."""
+    force_i = np.einsum("tnij,tnj->tni", step_nodes(attitude), force)
     r, v = _integrate(position, velocity, force_i, zonals(gravity), step_s)
-    time = step_s * np.arange(len(r))
+    time = step_s * np.arange(len(r), dtype=np.float64)
     height = np.linalg.norm(r, axis=-1) - EARTH_RADIUS
     ground = np.flatnonzero(height < height[0] - 1.0) if height[0] < 1.0 else np.flatnonzero(height < -1.0)
     if ground.size:
         raise ValueError(
-            f"duration_s = {time[-1]:g}: the flight reaches the ground at {time[ground[0]]:.1f} s; it must end "
+            f"duration_s = {time[-1]:g}: the flight reaches the ground at {time[ground[0]]:.1f} s; it "
+            "must end "
             "before that"
         )
     return Flight(
@@ -311,100 +316,4 @@ def _fly(
         initial_track_rad=track_rad,
         burnout_s=burnout_s,
         source=source,
-    )
-
-
-FILE_COLUMNS = "time_s latitude_deg longitude_deg height_m roll_deg pitch_deg yaw_deg".split()
-"""Header of a trajectory file (CSV): position on the sphere, attitude from the local north-east-down axes."""
-
-
-def save_trajectory(flight: Flight, path: str | Path, every: int = 1) -> None:
-    """Write a flight in the CSV form `load_trajectory` reads, one row per `every` steps."""
-    c_bn = np.swapaxes(local_axes(flight.position_i), -1, -2) @ flight.attitude_bi
-    pitch = np.arcsin(np.clip(-c_bn[:, 2, 0], -1.0, 1.0))
-    # Straight up or down only the sum of roll and yaw means anything: give all of it to yaw.
-    vertical = np.hypot(c_bn[:, 0, 0], c_bn[:, 1, 0]) < 1e-9
-    roll = np.where(vertical, 0.0, np.arctan2(c_bn[:, 2, 1], c_bn[:, 2, 2]))
-    yaw = np.where(
-        vertical, np.arctan2(-c_bn[:, 0, 1], c_bn[:, 1, 1]), np.arctan2(c_bn[:, 1, 0], c_bn[:, 0, 0])
-    )
-    columns = [
-        flight.time_s,
-        np.degrees(flight.latitude_rad),
-        np.degrees(flight.longitude_rad),
-        flight.height_m,
-        np.degrees(roll),
-        np.degrees(pitch),
-        np.degrees(yaw),
-    ]
-    np.savetxt(
-        path,
-        np.stack(columns, axis=1)[::every],
-        delimiter=",",
-        header=",".join(FILE_COLUMNS),
-        comments="",
-        fmt=["%.6f", "%.12f", "%.12f", "%.6f", "%.10f", "%.10f", "%.10f"],
-    )
-
-
-def load_trajectory(path: str | Path, step_s: float = 0.1, gravity: str = "spherical") -> Flight:
-    """Flight from a CSV file with the columns `FILE_COLUMNS` (angles in degrees, at this edge only).
-
-    Cubic spline of the inertial position and a rotation spline of the attitude give specific force and angular
-    rate; the flight is then integrated from its first point, so that an error-free INS follows it exactly.
-    Time starts at zero for the inertial axes. Rows should be at most a second apart during thrust, positions
-    good to a millimetre: a spline differentiates their noise twice. Raises ValueError for a missing column,
-    fewer than four rows, time that does not rise, numbers that are not finite, or a step that does not divide
-    the duration.
-    """
-    from scipy.interpolate import CubicSpline
-    from scipy.spatial.transform import Rotation, RotationSpline
-
-    with open(path, encoding="utf-8") as file:
-        header = [name.strip() for name in file.readline().lstrip("#").split(",")]
-        missing = [name for name in FILE_COLUMNS if name not in header]
-        require(not missing, f"{path}: columns {', '.join(missing)} are missing; found {', '.join(header)}")
-        try:
-            table = np.loadtxt(file, delimiter=",", ndmin=2)
-        except ValueError as error:
-            raise ValueError(f"{path}: every row must hold {len(header)} numbers ({error})") from error
-    require(len(table) >= 4, f"{path}: {len(table)} rows; a trajectory needs at least 4")
-    require(
-        table.shape[1] == len(header), f"{path}: rows of {table.shape[1]} numbers under {len(header)} columns"
-    )
-    require_finite(str(path), table)
-    time, lat, lon, height, roll, pitch, yaw = (table[:, header.index(name)] for name in FILE_COLUMNS)
-    require(bool(np.all(np.diff(time) > 0.0)), f"{path}: time_s must rise from row to row")
-    time = time - time[0]
-    require(step_s > 0.0, f"step_s = {step_s!r}: must be positive")
-    n = round(time[-1] / step_s)
-    require(
-        n >= 1 and abs(n * step_s - time[-1]) < 1e-6,
-        f"step_s = {step_s!r}: must divide the duration of {time[-1]:g} s",
-    )
-    axes = ned_to_inertial(np.radians(lat), np.radians(lon) + EARTH_RATE * time)
-    track = CubicSpline(time, -axes[:, :, 2] * (EARTH_RADIUS + height)[:, None])
-    c_bi = axes @ rotation_from_euler(np.radians(roll), np.radians(pitch), np.radians(yaw))
-    turn = RotationSpline(time, Rotation.from_quat(np.roll(quaternion_from_rotation(c_bi), -1, axis=-1)))
-    half_time = np.minimum(0.5 * step_s * np.arange(2 * n + 1), time[-1])
-    attitude = rotation_from_quaternion(np.roll(turn(half_time).as_quat(), 1, axis=-1))
-    force_i = track(half_time, 2) - gravitation(track(half_time), gravity)
-    ground = (track(half_time, 1) - earth_velocity(track(half_time)))
-    local = np.einsum("tji,tj->ti", local_axes(track(half_time)), ground)
-    moving = np.flatnonzero(np.hypot(local[:, 0], local[:, 1]) >= 1.0)
-    first = local[moving[0]] if moving.size else np.array([1.0, 0.0, 0.0])
-    return _fly(
-        Path(path).name,
-        step_s,
-        track(0.0),
-        track(0.0, 1),
-        attitude,
-        _nodes(np.einsum("tji,tj->ti", attitude, force_i)),
-        # RotationSpline's rates are already those of the body seen from inertial axes, in body axes.
-        _nodes(turn(half_time, 1)),
-        gravity,
-        float(np.arctan2(first[1], first[0])),
-        None,
-        f"trajectory file {Path(path).name}, spline through {len(time)} rows, RK4 at {step_s:g} s, "
-        f"{gravity} gravity",
     )

@@ -5,6 +5,7 @@ The ellipsoidal field is the normal field of WGS-84 to its sixth zonal; `normal_
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numba
 import numpy as np
@@ -21,7 +22,8 @@ ZONALS: dict[str, tuple[float, float, float]] = {
     "j2": (1.08262982e-3, 0.0, 0.0),
     "ellipsoidal": (1.08262982e-3, -2.37091126e-6, 6.08346498e-9),
 }
-"""J2, J4, J6 of each model. Normal zonals of WGS-84: NIMA TR8350.2, 3rd edition, table 3.5 and its recursion."""
+"""J2, J4, J6 of each model. Normal zonals of WGS-84: NIMA TR8350.2, 3rd edition, table 3.5 and its
+recursion."""
 
 
 def zonals(model: str) -> Array:
@@ -30,7 +32,7 @@ def zonals(model: str) -> Array:
     return np.array(ZONALS[model])
 
 
-def _field(radius, s, j):  # type: ignore[no-untyped-def]
+def _field(radius: Any, s: Any, j: Array) -> tuple[Any, Any]:
     """Radial part (along r) and the factor of the direction (k - s u), k the spin axis, u the unit radius."""
     q = (EQUATORIAL_RADIUS / radius) ** 2
     s2 = s * s
@@ -41,11 +43,7 @@ def _field(radius, s, j):  # type: ignore[no-untyped-def]
         + j4 * 0.625 * ((35.0 * s2 - 30.0) * s2 + 3.0)
         + j6 * 0.4375 * (((231.0 * s2 - 315.0) * s2 + 105.0) * s2 - 5.0)
     )
-    axial = -s * (
-        3.0 * j2
-        + j4 * (17.5 * s2 - 7.5)
-        + j6 * ((86.625 * s2 - 78.75) * s2 + 13.125)
-    )
+    axial = -s * (3.0 * j2 + j4 * (17.5 * s2 - 7.5) + j6 * ((86.625 * s2 - 78.75) * s2 + 13.125))
     k = KM / (radius * radius)
     return k * radial, k * axial
 
@@ -55,7 +53,8 @@ field_kernel = numba.njit(cache=True, inline="always")(_field)
 
 
 def gravitation(position_i: Array, model: str) -> Array:
-    """Gravitation (without centrifugal part) at inertial positions (..., 3) m, in inertial axes, m/s² [B-3]."""
+    """Gravitation (without centrifugal part) at inertial positions (..., 3) m, in inertial axes, m/s²
+    [B-3]."""
     radius = np.linalg.norm(position_i, axis=-1)
     u = position_i / radius[..., None]
     s = u[..., 2]
@@ -89,11 +88,14 @@ def normal_gravity(latitude: ArrayLike, height: ArrayLike) -> tuple[Array, Array
     q0 = q_of(np.asarray(b))
     qp = 3.0 * (1.0 + u * u / (e * e)) * (1.0 - u / e * np.arctan(e / u)) - 1.0
     w2 = EARTH_RATE**2
-    gu = -(
-        KM / (u * u + e * e)
-        + w2 * a * a * e / (u * u + e * e) * qp / q0 * (0.5 * sb * sb - 1.0 / 6.0)
-        - w2 * u * cb * cb
-    ) / w
+    gu = (
+        -(
+            KM / (u * u + e * e)
+            + w2 * a * a * e / (u * u + e * e) * qp / q0 * (0.5 * sb * sb - 1.0 / 6.0)
+            - w2 * u * cb * cb
+        )
+        / w
+    )
     gb = (w2 * a * a / root * q_of(u) / q0 - w2 * root) * sb * cb / w
     # Unit vectors of the ellipsoidal coordinates turned into the meridian plane.
     axial = gu * sb / w + gb * u / root * cb / w
@@ -111,8 +113,8 @@ def _meridian(lat: Array, h: Array) -> tuple[Array, Array]:
 class GravityComparison:
     """Gravity (with centrifugal part) of three models along one vertical.
 
-    height_m (n,); spherical, j2 and ellipsoidal magnitudes (n,), m/s²; horizontal_* is the component that each
-    oblate field has across the sphere's vertical at the same point, positive towards north, m/s².
+    height_m (n,); spherical, j2 and ellipsoidal magnitudes (n,), m/s²; horizontal_* is the component that
+    each oblate field has across the sphere's vertical at the same point, positive towards north, m/s².
     """
 
     height_m: Array
@@ -126,7 +128,8 @@ class GravityComparison:
 
 
 def compare_gravity(latitude_rad: float, height_m: ArrayLike) -> GravityComparison:
-    """The three models at geocentric radius R + height and one geocentric latitude, 0 to 1000 km and beyond."""
+    """The three models at geocentric radius R + height and one geocentric latitude, 0 to 1000 km and
+    beyond."""
     height = np.atleast_1d(np.asarray(height_m, dtype=np.float64))
     radius = EARTH_RADIUS + height
     cl, sl = np.cos(latitude_rad), np.sin(latitude_rad)

@@ -37,10 +37,12 @@ class Cancelled(Exception):
 
 @dataclass(frozen=True)
 class AttitudeFrames:
-    """Star-camera attitude for the INS to take: used (n+1,) bool, attitude_bi (n+1, 3, 3) body to inertial."""
+    """Star-camera attitude for the INS to take: used (n+1,) bool, attitude_bi (n+1, 3, 3) body to inertial,
+    and where the camera is noisy the covariance of its error on body axes (n+1, 3, 3), rad²."""
 
     used: np.ndarray
     attitude_bi: Array = field(repr=False)
+    covariance: Array | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
@@ -60,10 +62,11 @@ class InsRun:
 class NavigationErrors:
     """Estimate minus truth of c cases at m instants, resolved at the true position.
 
-    position_m: north, east, up (c, m, 3); velocity_m_s: inertial velocity error in north, east, up (c, m, 3);
-    down_range_m, cross_range_m (c, m), cross-range positive to the right of the track; attitude_inertial_rad:
-    rotation vector of C_est C_true^T on inertial axes (c, m, 3); attitude_navigation_rad: the same of the body to
-    north-east-down attitude, on those axes (c, m, 3), which contains the error of the estimated position.
+    position_m: north, east, up (c, m, 3); velocity_m_s: inertial velocity error in north, east, up (c, m,
+    3); down_range_m, cross_range_m (c, m), cross-range positive to the right of the track;
+    attitude_inertial_rad: rotation vector of C_est C_true^T on inertial axes (c, m, 3);
+    attitude_navigation_rad: the same of the body to north-east-down attitude, on those axes (c, m, 3),
+    which contains the error of the estimated position.
     """
 
     time_s: Array
@@ -141,7 +144,8 @@ def _local_rates(y, f, w, j, dy):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _star_attitude(y, frame, local, time):  # type: ignore[no-untyped-def]
-    """Put the camera's body-to-inertial attitude into the state [B-7]; in local axes through the INS position."""
+    """Put the camera's body-to-inertial attitude into the state [B-7]; in local axes through the INS
+    position."""
     if not local:
         for a in range(3):
             for b in range(3):
@@ -172,8 +176,13 @@ def _run(start, local, p, force, rate, sines, noise, noisy, used, frames, aided,
             out[i // every] = y
         for node in range(3):
             _measured(
-                p, force[i, node], rate[i, node], sines[2 * i + node],
-                noise[i] if noisy else still, f[node], w[node],
+                p,
+                force[i, node],
+                rate[i, node],
+                sines[2 * i + node],
+                noise[i] if noisy else still,
+                f[node],
+                w[node],
             )
         for s in range(4):
             node = (s + 1) // 2
@@ -238,11 +247,12 @@ def mechanise(
 ) -> InsRun:
     """Run the INS over a flight for c cases.
 
-    parameters: (c, 61) in the order of `errors.PARAMETERS` (its star tracker entries are not read here: they are
-    already in the frames); errors supplies the periods of the oscillating terms; frames: one entry per case,
-    None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each step; gravity: the
-    model the INS believes in; axes: "inertial" [B-3] or "ned" [B-2]; every: output spacing in steps, which must
-    divide the flight. Raises ValueError for wrong shapes or names, Cancelled when `cancel()` turns true.
+    parameters: (c, 61) in the order of `errors.PARAMETERS` (its star tracker entries are not read here:
+    they are already in the frames); errors supplies the periods of the oscillating terms; frames: one entry
+    per case, None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each
+    step; gravity: the model the INS believes in; axes: "inertial" [B-3] or "ned" [B-2]; every: output
+    spacing in steps, which must divide the flight. Raises ValueError for wrong shapes or names, Cancelled
+    when `cancel()` turns true.
     """
     parameters = np.ascontiguousarray(np.atleast_2d(parameters), dtype=np.float64)
     count, n = len(parameters), flight.steps
@@ -255,9 +265,7 @@ def mechanise(
     if frames is not None:
         require(len(frames) == count, f"frames has {len(frames)} entries: must be one per case, {count}")
     if noise is not None:
-        require(
-            noise.shape == (count, n, 6), f"noise has shape {noise.shape}: must be {(count, n, 6)}"
-        )
+        require(noise.shape == (count, n, 6), f"noise has shape {noise.shape}: must be {(count, n, 6)}")
     local = axes == "ned"
     if local:
         steepest = np.max(np.abs(flight.latitude_rad))

@@ -1,4 +1,5 @@
-"""Linear error model [B-4]: one batch run gives every slider its curve, and white noise its standard deviation.
+"""Linear error model [B-4]: one batch run gives every slider its curve, and white noise its standard
+deviation.
 
     psi' = C domega ;   dr'' = C df + psi x f + w^2 (3 u u^T - I) dr
 With psi the error rotation on inertial axes (C_est = (I + [psi x]) C), u the unit radius, w^2 = KM/r^3. The
@@ -40,7 +41,7 @@ class Sensitivity:
 
     def final_m(self, parameters: Array) -> Array:
         """Final position errors (cases, 3), north, east, up, m."""
-        return np.atleast_2d(parameters) @ self.position[-1].T
+        return np.asarray(np.atleast_2d(parameters) @ self.position[-1].T)
 
 
 @dataclass(frozen=True)
@@ -146,8 +147,9 @@ def sensitivity(
 ) -> Sensitivity:
     """Sensitivity matrix of a flight [B-4].
 
-    errors supplies the oscillation periods only; used (n+1,) bool marks the steps with a star frame (None: pure
-    INS); every: output spacing in steps, a divisor of their number. The gravity gradient is the spherical one.
+    errors supplies the oscillation periods only; used (n+1,) bool marks the steps with a star frame (None:
+    pure INS); every: output spacing in steps, a divisor of their number. The gravity gradient is the
+    spherical one.
     """
     n = flight.steps
     require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")

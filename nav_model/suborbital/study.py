@@ -32,13 +32,13 @@ TRACKER_ROWS = ("star tracker misalignment", "star tracker latency")
 class StudyInputs:
     """What a person can set. The default is the golden flight with GP-1 and a perfect camera.
 
-    ins_gravity is what the INS believes; the true field is flight.gravity. output_interval_s must be a multiple
-    of the flight's step.
+    ins_gravity is what the INS believes; the true field is flight.gravity. output_interval_s must be a
+    multiple of the flight's step.
     """
 
-    flight: FlightParameters = FlightParameters()
-    errors: ErrorSet = ErrorSet()
-    aiding: Aiding = Aiding()
+    flight: FlightParameters = field(default_factory=FlightParameters)
+    errors: ErrorSet = field(default_factory=ErrorSet)
+    aiding: Aiding = field(default_factory=Aiding)
     ins_gravity: str = "spherical"
     output_interval_s: float = 1.0
 
@@ -53,8 +53,9 @@ class StudyInputs:
 class Study:
     """Result of `run_study`. Case k of `names` is row k of `parameters` and of every error array.
 
-    kinds: "source", "class" or "gravity" per case; marks: the equation or run each number came from; pure and
-    aided: error histories (cases first); channels: [B-5] for the same cases; *_noise: spread of the white noise.
+    kinds: "source", "class" or "gravity" per case; marks: the equation or run each number came from; pure
+    and aided: error histories (cases first); channels: [B-5] for the same cases; *_noise: spread of the
+    white noise.
     """
 
     inputs: StudyInputs
@@ -117,10 +118,10 @@ def run_study(
     """Integrate every case, with and without star tracker.
 
     flight: a loaded trajectory instead of inputs.flight; measured: attitudes from star images
-    (`star_camera.track_stars`), taken by the case "all" in place of perfect frames. The row "gravity model" is
-    an INS without any other error whose gravity is not the true one; when both are the same it asks what a truth
-    with J2 would cost, flying the golden flight again in that field (for a loaded trajectory it is then zero).
-    Raises ValueError for bad input, Cancelled when `cancel()` turns true.
+    (`star_camera.track_stars`), taken by the case "all" in place of perfect frames. The row "gravity model"
+    is an INS without any other error whose gravity is not the true one; when both are the same it asks what
+    a truth with J2 would cost, flying the golden flight again in that field (for a loaded trajectory it is
+    then zero). Raises ValueError for bad input, Cancelled when `cancel()` turns true.
     """
     given = inputs or StudyInputs()
     truth = flight or golden_flight(given.flight)
@@ -132,14 +133,15 @@ def run_study(
         f"{truth.step_s!r} s and divide the flight",
     )
     names, parameters = _parameters(given.errors, given.aiding)
-    ideal = perfect_frames(truth, given.aiding)
     worn = {
         "star tracker misalignment": camera_frames(truth, replace(given.aiding, latency_s=0.0)),
-        "star tracker latency": camera_frames(
-            truth, replace(given.aiding, misalignment_rad=(0.0, 0.0, 0.0))
-        ),
+        "star tracker latency": camera_frames(truth, replace(given.aiding, misalignment_rad=(0.0, 0.0, 0.0))),
         "all": camera_frames(truth, given.aiding, measured),
     }
+    # Every case has its frames at the instants of "all", so that the rows add up.
+    used = worn["all"].used
+    worn = {name: replace(frames, used=used) for name, frames in worn.items()}
+    ideal = replace(perfect_frames(truth, given.aiding), used=used)
     mismatch, believed = truth, given.ins_gravity
     if truth.gravity == believed and flight is None:
         other = "j2" if believed == "spherical" else "spherical"
@@ -154,7 +156,7 @@ def run_study(
         if aided:
             frames = worn.get(name, ideal)
             if name == GRAVITY_ROW:
-                frames = perfect_frames(mismatch, given.aiding)
+                frames = replace(ideal, attitude_bi=np.ascontiguousarray(mismatch.attitude_bi))
         run = mechanise(
             path,
             parameters[row],
@@ -173,7 +175,6 @@ def run_study(
         _stack([one(name, row, with_camera) for row, name in enumerate(names)])
         for with_camera in (False, True)
     )
-    used = frame_steps(truth, given.aiding)
     return Study(
         inputs=given,
         flight=truth,
@@ -193,7 +194,7 @@ def run_study(
         pure_sensitivity=sensitivity(truth, given.errors, every=every),
         aided_sensitivity=sensitivity(truth, given.errors, used, every),
         pure_noise=white_noise_spread(truth, given.errors, every=every),
-        aided_noise=white_noise_spread(truth, given.errors, used, every=every),
+        aided_noise=white_noise_spread(truth, given.errors, used, worn["all"].covariance, every),
     )
 
 
@@ -231,7 +232,8 @@ def table(study: Study) -> tuple[Row, ...]:
 
 @dataclass(frozen=True)
 class Slid:
-    """Curves at slider positions: last exact run + S p - S_0 p_0. Arrays (cases, m, 3), north, east, up, m."""
+    """Curves at slider positions: last exact run + S p - S_0 p_0. Arrays (cases, m, 3), north, east, up,
+    m."""
 
     names: tuple[str, ...]
     time_s: Array
@@ -251,8 +253,12 @@ def slide(study: Study, errors: ErrorSet, aiding: Aiding | None = None) -> Slid:
     flight, every = study.flight, round(study.inputs.output_interval_s / study.flight.step_s)
     _, parameters = _parameters(errors, wanted)
     periods = [
-        (e.accelerometers.bias_period_s, e.accelerometers.matrix_period_s, e.gyros.bias_period_s,
-         e.gyros.matrix_period_s)
+        (
+            e.accelerometers.bias_period_s,
+            e.accelerometers.matrix_period_s,
+            e.gyros.bias_period_s,
+            e.gyros.matrix_period_s,
+        )
         for e in (errors, study.inputs.errors)
     ]
     used = study.used if wanted == study.inputs.aiding else frame_steps(flight, wanted)
@@ -323,7 +329,8 @@ def noise_ensemble(
     progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> Array:
-    """Position error histories (runs, m, 3), north, east, up, of an INS with white noise alone, by Monte Carlo.
+    """Position error histories (runs, m, 3), north, east, up, of an INS with white noise alone, by Monte
+    Carlo.
 
     Each step holds one draw of density white_noise per axis. Compare with `Study.pure_noise`, its prediction.
     """
@@ -338,7 +345,13 @@ def noise_ensemble(
     for member in range(runs):
         noise = generator.standard_normal((1, flight.steps, 6)) * sigma / np.sqrt(flight.step_s)
         run = mechanise(
-            flight, nothing, errors, frames=frames, noise=noise, gravity=flight.gravity, every=every,
+            flight,
+            nothing,
+            errors,
+            frames=frames,
+            noise=noise,
+            gravity=flight.gravity,
+            every=every,
             cancel=cancel,
         )
         out[member] = navigation_errors(flight, run).position_m[0]

@@ -17,7 +17,8 @@ PAPER_FINAL_M: dict[str, dict[str, tuple[float, float]]] = {
     "initial position and velocity": {"height": (460, 480), "y": (260, 280), "x": (220, 250)},
     "improvement by the star tracker": {"height": (9000, 9000), "y": (3000, 3000), "x": (3000, 3000)},
 }
-"""Final error sizes as read from [B], (low, high) m. Its sensors and trajectory are lost: for comparison only."""
+"""Final error sizes as read from [B], (low, high) m. Its sensors and trajectory are lost: for comparison
+only."""
 
 
 def _size(vector: Array) -> float:
@@ -38,7 +39,8 @@ def explain(study: Study) -> str:
     before, after = _size(pure["all"]), _size(aided["all"])
     if not np.any(study.used):
         return (
-            f"The star tracker never gives a frame on this flight, so nothing is repaired: after {end:.0f} s the "
+            f"The star tracker never gives a frame on this flight, so nothing is repaired: after "
+            f"{end:.0f} s the "
             f"INS is off by {_metres(before)}, {_metres(abs(float(pure['all'][2])))} of it in height."
         )
     parts: list[str] = []
@@ -65,12 +67,14 @@ def explain(study: Study) -> str:
     if flight.burnout_s is not None and first > flight.step_s:
         if first >= flight.burnout_s:
             parts.append(
-                f"Its first frame comes at {first:.0f} s, after burn-out at {flight.burnout_s:.0f} s: without thrust "
+                f"Its first frame comes at {first:.0f} s, after burn-out at {flight.burnout_s:.0f} s: "
+                "without thrust "
                 "attitude does not matter, so it comes too late to help."
             )
         else:
             parts.append(
-                f"Its first frame comes at {first:.0f} s of a boost of {flight.burnout_s:.0f} s; what attitude did "
+                f"Its first frame comes at {first:.0f} s of a boost of {flight.burnout_s:.0f} s; what "
+                "attitude did "
                 "before that stays."
             )
     own = _size(sum((aided[n] for n in ("star tracker misalignment", "star tracker latency")), np.zeros(3)))
@@ -83,7 +87,12 @@ def explain(study: Study) -> str:
     ]
     mismatch = study.inputs.ins_gravity != flight.gravity
     if mismatch:
-        stays.append((f"{GRAVITY_ROW} ({flight.gravity} truth, {study.inputs.ins_gravity} INS)", _size(aided[GRAVITY_ROW])))
+        stays.append(
+            (
+                f"{GRAVITY_ROW} ({flight.gravity} truth, {study.inputs.ins_gravity} INS)",
+                _size(aided[GRAVITY_ROW]),
+            )
+        )
     if stays:
         parts.append(
             "It cannot touch what does not come through attitude: "
@@ -102,8 +111,9 @@ def _channels(values: Array) -> dict[str, float]:
 
 
 def to_json(study: Study) -> dict[str, object]:
-    """The contract's JSON of `navbudget suborbital`: final errors by class in metres, pure and aided; with the
-    single sources, the gravity row, white noise, the flight and where each number came from beside them."""
+    """The contract's JSON of `navbudget suborbital`: final errors by class in metres, pure and aided; with
+    the single sources, the gravity row, white noise, the flight and where each number came from beside
+    them."""
     rows = {row.name: row for row in table(study)}
     flight = study.flight
     apogee_time, apogee_height = flight.apogee
