@@ -30,9 +30,7 @@ def save_trajectory(flight: Flight, path: str | Path, every: int = 1) -> None:
     # Straight up or down only the sum of roll and yaw means anything: give all of it to yaw.
     vertical = np.hypot(c_bn[:, 0, 0], c_bn[:, 1, 0]) < 1e-9
     roll = np.where(vertical, 0.0, np.arctan2(c_bn[:, 2, 1], c_bn[:, 2, 2]))
-    yaw = np.where(
-        vertical, np.arctan2(-c_bn[:, 0, 1], c_bn[:, 1, 1]), np.arctan2(c_bn[:, 1, 0], c_bn[:, 0, 0])
-    )
+    yaw = np.where(vertical, np.arctan2(-c_bn[:, 0, 1], c_bn[:, 1, 1]), np.arctan2(c_bn[:, 1, 0], c_bn[:, 0, 0]))
     columns = [
         flight.time_s,
         np.degrees(flight.latitude_rad),
@@ -74,9 +72,7 @@ def load_trajectory(path: str | Path, step_s: float = 0.1, gravity: str = "spher
         except ValueError as error:
             raise ValueError(f"{path}: every row must hold {len(header)} numbers ({error})") from error
     require(len(table) >= 4, f"{path}: {len(table)} rows; a trajectory needs at least 4")
-    require(
-        table.shape[1] == len(header), f"{path}: rows of {table.shape[1]} numbers under {len(header)} columns"
-    )
+    require(table.shape[1] == len(header), f"{path}: rows of {table.shape[1]} numbers under {len(header)} columns")
     require_finite(str(path), table)
     time, lat, lon, height, roll, pitch, yaw = (table[:, header.index(name)] for name in FILE_COLUMNS)
     require(bool(np.all(np.diff(time) > 0.0)), f"{path}: time_s must rise from row to row")
@@ -110,6 +106,5 @@ def load_trajectory(path: str | Path, step_s: float = 0.1, gravity: str = "spher
         gravity,
         float(np.arctan2(first[1], first[0])),
         None,
-        f"trajectory file {Path(path).name}, spline through {len(time)} rows, RK4 at {step_s:g} s, "
-        f"{gravity} gravity",
+        f"trajectory file {Path(path).name}, spline through {len(time)} rows, RK4 at {step_s:g} s, {gravity} gravity",
     )
