@@ -46,7 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _refuse(error: DesignError) -> int:
-    print(f"navbudget: {' '.join(str(error).splitlines())}", file=sys.stderr)
+    # One line whatever the file held: line ends and control characters of a key or path are escaped.
+    line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in str(error))
+    print(f"navbudget: {line}", file=sys.stderr)
     return BAD_INPUT
 
 
