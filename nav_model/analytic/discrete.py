@@ -96,19 +96,20 @@ def steady_prior(phi: Array, q: Array, row: Array, r: Array) -> Array:
     gain = row[..., :, None] * row[..., None, :] / r[..., None, None]
     x = q
     identity = np.eye(n)
-    for _ in range(_MAX_DOUBLINGS):
-        try:
-            both = np.linalg.solve(identity + gain @ x, np.concatenate((a, gain), axis=-1))
-        except np.linalg.LinAlgError as error:
-            raise ArithmeticError("the discrete Riccati equation is singular") from error
-        w_a, w_g = both[..., :n], both[..., n:]
-        a_t = np.swapaxes(a, -1, -2)
-        step = a_t @ x @ w_a
-        gain = gain + a @ w_g @ a_t
-        x = x + (step + np.swapaxes(step, -1, -2)) / 2
-        a = a @ w_a
-        if np.all(np.abs(step) <= 1e-16 * np.abs(x)) or not np.any(step):
-            return x
+    with np.errstate(over="ignore", invalid="ignore"):  # what does not settle overflows first
+        for _ in range(_MAX_DOUBLINGS):
+            try:
+                both = np.linalg.solve(identity + gain @ x, np.concatenate((a, gain), axis=-1))
+            except np.linalg.LinAlgError as error:
+                raise ArithmeticError("the discrete Riccati equation is singular") from error
+            w_a, w_g = both[..., :n], both[..., n:]
+            a_t = np.swapaxes(a, -1, -2)
+            step = a_t @ x @ w_a
+            gain = gain + a @ w_g @ a_t
+            x = x + (step + np.swapaxes(step, -1, -2)) / 2
+            a = a @ w_a
+            if np.all(np.abs(step) <= 1e-16 * np.abs(x)) or not np.any(step):
+                return x
     raise ArithmeticError("the discrete Riccati equation did not settle")
 
 
