@@ -116,7 +116,8 @@ def refined_growth(
     )
     terms = _taylor(f, q, p)
     powers = np.vander(t / end, len(terms), increasing=True)
-    sums = (powers @ terms).T
+    # einsum, not @: a product this small is slowed manyfold when BLAS wakes its threads on a busy machine
+    sums = np.einsum("tk,kn->nt", powers, terms)
     if not np.all(sums >= 0):
         raise ArithmeticError("the outage series lost a variance to rounding")
     return RefinedGrowth(
