@@ -17,7 +17,7 @@ def worked():
 
 @pytest.fixture(scope="session")
 def fleet():
-    """240 random designs: VRW 0.002 to 0.3 m/s/√h, ARW 0.001 to 1 °/√h, fixes of 1 cm to 5 m every 0.1 to 10 s."""
+    """240 random designs: VRW 0.002 to 0.3 m/s/√h, ARW 0.001 to 1 °/√h, 1 cm to 5 m every 0.1 to 10 s."""
     rng = np.random.default_rng(20191)
     n = 240
 

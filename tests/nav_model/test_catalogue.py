@@ -63,7 +63,8 @@ ASSUMED = {
     ("radar", "MiniSAR", "speed"), ("radar", "PAMIR", "speed"),
     *(("radar", f"F-SAR {band}", "altitude") for band in "XCSLP"),
     ("radar", "E-SAR X", "altitude"), ("radar", "Sandia RTV", "altitude"), ("radar", "STAR-3i", "altitude"),
-    ("radar", "GeoSAR X", "altitude"), ("radar", "GeoSAR X", "frequency"), ("radar", "PAMIR", "azimuth_resolution"),
+    ("radar", "GeoSAR X", "altitude"), ("radar", "GeoSAR X", "frequency"),
+    ("radar", "PAMIR", "azimuth_resolution"),
 }  # fmt: skip
 
 

@@ -27,7 +27,7 @@ NOISES = [
     "gnss.position_noise", "gnss.vertical_position_noise", "gnss.interval", "gnss.correlated_noise",
     "gnss.correlation_time", "flight.speed", "flight.gravity", "coast.duration", "radar.frequency",
     "radar.slant_range", "radar.azimuth_resolution", "radar.aperture_time", "requirements.confidence",
-    *(f"requirements.{name}" for name in INPUTS["requirements"] if name not in {"confidence", "steady_state"}),
+    *(f"requirements.{n}" for n in INPUTS["requirements"] if n not in {"confidence", "steady_state"}),
 ]  # fmt: skip
 
 
@@ -37,7 +37,8 @@ def test_the_contracts_inputs_exist():
         "gnss": "position_noise vertical_position_noise interval",
         "flight": "speed altitude latitude gravity",
         "coast": "duration before_aperture",
-        "radar": "frequency slant_range grazing_angle azimuth_resolution window aperture_time autofocus_order",
+        "radar": "frequency slant_range grazing_angle azimuth_resolution window aperture_time "
+        "autofocus_order",
         "requirements": "confidence quadratic_phase detrended_phase horizontal_position vertical_position "
         "horizontal_velocity vertical_velocity tilt coast_horizontal_position coast_vertical_position",
     }
@@ -86,8 +87,9 @@ def test_what_may_be_zero_may_but_not_less(key):
 
 @pytest.mark.parametrize(
     ("key", "bad"),
-    [("radar.window", "hann"), ("radar.window", 1), ("radar.autofocus_order", 4), ("radar.autofocus_order", True),
-     ("radar.autofocus_order", 1.0), ("gnss.correlated", 1), ("requirements.steady_state", "worst")],
+    [("radar.window", "hann"), ("radar.window", 1), ("radar.autofocus_order", 4),
+     ("radar.autofocus_order", True), ("radar.autofocus_order", 1.0), ("gnss.correlated", 1),
+     ("requirements.steady_state", "worst")],
 )  # fmt: skip
 def test_choices(key, bad):
     with pytest.raises(DesignError, match="is not one of") as caught:
@@ -162,7 +164,7 @@ def test_identity_does_not_depend_on_units_or_way_of_saying():
             fixes='interval = "0.1 s"',
             carrier='frequency = "10 GHz"',
             latitude="0°",
-        )  # fmt: skip
+        )
     )
     two = parse_design(
         WRITTEN_TWICE.format(
@@ -171,7 +173,7 @@ def test_identity_does_not_depend_on_units_or_way_of_saying():
             fixes='rate = "10 Hz"',
             carrier='wavelength = "2.99792458 cm"',
             latitude="-0 rad",
-        )  # fmt: skip
+        )
     )
     assert one == two
     assert hash(one) == hash(two)

@@ -99,7 +99,8 @@ REFUSED = [
     ("", "length"), ("m", "length"), ("1", "length"), ("1 furlong", "length"), ("1 s", "length"),
     ("one m", "length"), ("nan m", "length"), ("inf m", "length"), ("1,5 m", "length"), ("1 m m", "length"),
     ("1e999 m", "length"), ("1e99999999999 m", "length"), ("0x10 m", "length"), ("1 2 m", "length"),
-    ("0.5 °/h", "angle random walk"), ("0.5 m/s/√h", "angle random walk"), ("0.5 °/√h", "velocity random walk"),
+    ("0.5 °/h", "angle random walk"), ("0.5 m/s/√h", "angle random walk"),
+    ("0.5 °/√h", "velocity random walk"),
     ("80 µg", "velocity random walk"), ("1 °/√h", "angular rate"), ("1 m/s", "acceleration"),
     ("1 " + "m" * 200, "length"), ("1" * 200 + " m", "length"),
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Riccati and Lyapunov solutions that owe nothing to the closed forms: SciPy's, in units that suit it, and Newton's
+"""Riccati solutions that owe nothing to the closed forms: SciPy's, in units that suit it, and Newton's
 method in 40 digits."""
 
 from types import SimpleNamespace
@@ -63,7 +63,7 @@ def discrete(sigma_a, sigma_w, sigma, interval, g, order=3, slow=None):
 
 
 def newton(phi, q, h, r, guess):
-    """Newton (Kleinman) steps for the discrete filter's Riccati equation, in 40 digits, from a stabilising guess."""
+    """Newton (Kleinman) steps for the filter's discrete Riccati equation, in 40 digits, from a good guess."""
     with mp.workdps(40):
         phi, q, h, p = (mp.matrix(m.tolist()) for m in (phi, (q + q.T) / 2, h, guess))
         r, n = mp.mpf(r), phi.rows

@@ -1,4 +1,4 @@
-"""The refined outage against the same physics written in north, east, down and solved by a matrix exponential."""
+"""The refined outage against the same physics in north, east, down, solved by a matrix exponential."""
 
 import math
 
@@ -136,8 +136,8 @@ def test_check_values_of_the_page(worked):
         after.horizontal, after.vertical, worked.sigma_a, worked.sigma_w, worked.g, np.array([100.0, 200.0]),
         speed=50.0, latitude=math.radians(45),
     )  # fmt: skip
-    # The page's 0.900 is 0.2 % above what its own equations give here (0.8984 on a northern heading, 0.9014 to the
-    # north-east); the matrix exponential above sides with 0.8984.
+    # The page's 0.900 is 0.2 % above what its own equations give (0.8984 heading north, 0.9014 north-east);
+    # the matrix exponential above sides with 0.8984.
     assert math.sqrt(ours.vertical[0]) == pytest.approx(0.900, abs=0.002)
     assert math.sqrt(ours.vertical[1]) == pytest.approx(2.39, abs=0.005)
     assert math.sqrt(ours.horizontal[0]) == pytest.approx(47.4, abs=0.1)

@@ -48,16 +48,18 @@ def test_the_fleet_spans_both_regimes(fleet):
     assert kappa.max() > 100
 
 
+def _root(gyro, accelerometer, near):
+    """The positive root of p11^4/4 = gyro p11 + accelerometer, by secants in the digits in force."""
+    return mp.findroot(lambda x: x**4 / 4 - gyro * x - accelerometer, near)
+
+
 def test_elements_in_fifty_digits(fleet):
     """[T-3] as printed, with its quartic solved in 50 digits: the floats are right to the last few bits."""
     p = horizontal(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g)
     with mp.workdps(50):
         for i in range(0, fleet.size, 3):
             a, w, s, g = (mp.mpf(float(x[i])) for x in (fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g))
-            p11 = mp.findroot(
-                lambda x: x**4 / 4 - 2 * g * w * s**5 * x - s**6 * a**2,
-                1.001 * float(p.p11[i]),
-            )
+            p11 = _root(2 * g * w * s**5, s**6 * a**2, 1.001 * float(p.p11[i]))
             assert p11 > 0
             printed = (
                 p11,

@@ -1,6 +1,6 @@
 """The phase budget against a dense numerical projection of the covariance of the error processes.
 
-Errors are written as random functions of time with their covariance worked out from integrals of white noise; a
+Errors are random functions of time with their covariance worked out from integrals of white noise; a
 least-squares polynomial is removed on a quadrature grid. No Legendre coefficient of the page is used.
 """
 
@@ -50,7 +50,7 @@ def _project(covariance, order):
 
 
 def _processes(t_ap, t_c, p33, a, w, b, d):
-    """Horizontal and vertical covariance on the grid of every source after `t_c` of coast, level terms in two parts."""
+    """Horizontal and vertical covariance on the grid of every source, `t_c` seconds after the last fix."""
     x, _ = _grid()
     u = (x + 1) / 2 * t_ap
     t = u + t_c
