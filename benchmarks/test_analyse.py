@@ -56,8 +56,8 @@ def test_closed_forms_per_design_in_a_batch(benchmark):
 def test_quadratic_phase_map_against_riccati_per_cell(benchmark):
     """200 x 200 cells of angle random walk and fix noise; wanted below 50 ms.
 
-    The alternative solves the continuous Riccati equation in every cell; 400 cells of it are timed in the same
-    run and scaled up.
+    The alternative solves the continuous Riccati equation in every cell; 400 cells of it are timed in the
+    same run and scaled up.
     """
     from scipy.linalg import solve_continuous_are
 

@@ -1,8 +1,8 @@
 """Check values printed in the papers and derivations the model stands on, to the digits printed.
 
-Makarem and Cheraghi Mahmudabadi, Journal of Radar 7(2), 2019, table 1: velocity random walk 0.05 m/s/√h, angle
-random walk 0.5 °/√h, fixes of 1 m at 1 Hz, standard gravity. Cheraghi Mahmudabadi, Makarem and Hatam for the
-terms of an inertial aperture.
+Makarem and Cheraghi Mahmudabadi, Journal of Radar 7(2), 2019, table 1: velocity random walk 0.05 m/s/√h,
+angle random walk 0.5 °/√h, fixes of 1 m at 1 Hz, standard gravity. Cheraghi Mahmudabadi, Makarem and Hatam
+for the terms of an inertial aperture.
 """
 
 import math

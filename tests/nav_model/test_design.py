@@ -182,6 +182,14 @@ def test_identity_does_not_depend_on_units_or_way_of_saying():
     assert two.unit("imu.velocity_random_walk") == "m/s²/√Hz"
 
 
+@pytest.mark.parametrize("key", ["flight.latitude", "flight.heading", "flight.altitude", "imu.gyro_bias"])
+def test_minus_zero_is_zero(key):
+    assert Design({key: -0.0}) == Design({key: 0.0})
+    assert (
+        Design({key: -0.0}).content_hash == Design({key: 0.0}).content_hash == Design({key: 0}).content_hash
+    )
+
+
 def test_content_hash_is_the_same_in_another_process_with_another_hash_seed():
     root = Path(nav_model.__file__).parent.parent
     text = (root / "examples" / "tactical_x_band.toml").read_text(encoding="utf-8")

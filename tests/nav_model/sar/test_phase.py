@@ -43,10 +43,10 @@ def _project(covariance, order):
     x, weight = _grid()
     basis = np.vander(x, order + 1, increasing=True)
     fit = np.linalg.solve(basis.T @ (weight[:, None] * basis), basis.T * weight)
-    top = fit[-1] @ covariance @ fit[-1]
-    shape = basis @ fit
-    left = np.trace(covariance) - 2 * np.sum(shape * covariance) + np.sum((shape @ covariance) * shape)
-    return left / NODES, top
+    half = fit @ covariance
+    coefficients = half @ fit.T
+    left = np.trace(covariance) - 2 * np.sum(half.T * basis) + np.sum((basis @ coefficients) * basis)
+    return left / NODES, coefficients[-1, -1]
 
 
 def _processes(t_ap, t_c, p33, a, w, b, d):
