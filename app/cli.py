@@ -73,9 +73,7 @@ def _parser() -> argparse.ArgumentParser:
 
     evaluate = commands.add_parser("evaluate", help="the whole budget of a design as JSON")
     _design_arguments(evaluate, one=True)
-    evaluate.add_argument(
-        "--times", metavar="S,S,...", help="seconds since the last fix for the outage curves"
-    )
+    evaluate.add_argument("--times", metavar="S,S,...", help="seconds since the last fix for the outage curves")
     evaluate.set_defaults(run=_evaluate)
 
     check = commands.add_parser("check", help="hold designs against their requirements")
@@ -84,9 +82,7 @@ def _parser() -> argparse.ArgumentParser:
 
     report = commands.add_parser("report", help="write a design report")
     _design_arguments(report, one=False)
-    report.add_argument(
-        "-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf"
-    )
+    report.add_argument("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
     report.set_defaults(run=_report)
 
     presets = commands.add_parser("presets", help="the catalogue, with sources")
@@ -97,9 +93,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
-    parser.add_argument(
-        "designs", nargs="*", metavar="DESIGN" if one else "DESIGN...", help="a file, or - for stdin"
-    )
+    parser.add_argument("designs", nargs="*", metavar="DESIGN" if one else "DESIGN...", help="a file, or - for stdin")
     parser.add_argument(
         "--set",
         dest="changes",
@@ -170,9 +164,7 @@ def check_lines(path: str, budget: Budget) -> list[str]:
         key = f"requirements.{'quadratic_phase' if check.name.startswith('along') else check.name}"
         declaration = declaration_of(key)
         unit = design.unit(key)
-        value, limit = (
-            format_quantity(x, unit, declaration.dimension, 4) for x in (check.value, check.limit)
-        )
+        value, limit = (format_quantity(x, unit, declaration.dimension, 4) for x in (check.value, check.limit))
         lines.append(
             f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {value} (limit {limit}, "
             f"margin {100 * check.margin:+.1f} %, {check.figure} {check.equation}, "

@@ -268,9 +268,7 @@ def _steady_shares(
 ) -> Mapping[str, Shares]:
     by_kind: dict[str, dict[str, float]] = {}
     kinds = ("horizontal_position", "horizontal_velocity", "tilt")
-    for kind, shares in zip(
-        kinds, horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g), strict=True
-    ):
+    for kind, shares in zip(kinds, horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g), strict=True):
         by_kind[kind] = {
             ACCELEROMETER_NOISE: float(shares.accelerometer),
             GYRO_NOISE: float(shares.gyro),
@@ -364,9 +362,7 @@ def _coast_shares(noise: _Noise, posterior: Sawtooth, white: Sawtooth, time: flo
     """
     a, g = noise.sigma_a, noise.g
     bias_a, bias_w = (float(x) ** 2 for x in growth.bias_position(noise.bias_a, noise.bias_w, g, time))
-    level: dict[str, Array | float] = {
-        source: grown.position for source, grown in _grown_parts(noise, time).items()
-    }
+    level: dict[str, Array | float] = {source: grown.position for source, grown in _grown_parts(noise, time).items()}
     level |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
     accelerometer, gnss = vertical_parts(a, noise.s_vertical)
     upright: dict[str, Array | float] = {
@@ -375,9 +371,7 @@ def _coast_shares(noise: _Noise, posterior: Sawtooth, white: Sawtooth, time: flo
         ACCELEROMETER_BIAS: bias_a,
     }
     if posterior is not white:
-        slow, fast = (
-            growth.horizontal_growth(m.horizontal, a, noise.sigma_w, g, time) for m in (posterior, white)
-        )
+        slow, fast = (growth.horizontal_growth(m.horizontal, a, noise.sigma_w, g, time) for m in (posterior, white))
         slow_v, fast_v = (growth.vertical_growth(m.vertical, a, time) for m in (posterior, white))
         level[SLOW_GNSS] = np.maximum(slow.position - fast.position, 0.0)
         upright[SLOW_GNSS] = np.maximum(slow_v.position - fast_v.position, 0.0)
@@ -466,15 +460,11 @@ def _sar(design: Design, noise: _Noise, p: Horizontal, start: Horizontal, tilt_s
     )
 
 
-def _along_track_velocity(
-    noise: _Noise, p: Horizontal, start: Horizontal, coast: float
-) -> tuple[float, Shares]:
+def _along_track_velocity(noise: _Noise, p: Horizontal, start: Horizontal, coast: float) -> tuple[float, Shares]:
     """Variance of along-track velocity [m²/s²] after `coast` without fixes, and whose it is."""
     grown = growth.horizontal_growth(start, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity
     bias_a, bias_w = (float(x) ** 2 for x in growth.bias_velocity(noise.bias_a, noise.bias_w, noise.g, coast))
-    parts: dict[str, Array | float] = {
-        source: part.velocity for source, part in _grown_parts(noise, coast).items()
-    }
+    parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown_parts(noise, coast).items()}
     parts |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
     if start is not p:
         white = growth.horizontal_growth(p, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity

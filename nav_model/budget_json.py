@@ -46,9 +46,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "tilt_sigma_rad": coast.tilt.tolist(),
             "yaw_growth_rad": coast.yaw_growth.tolist(),
             "refined_position_sigma_m": _pair(coast.refined_horizontal, coast.refined_vertical),
-            "perfect_start_position_sigma_m": _pair(
-                coast.perfect_start_horizontal, coast.perfect_start_vertical
-            ),
+            "perfect_start_position_sigma_m": _pair(coast.perfect_start_horizontal, coast.perfect_start_vertical),
             "initial_tilt_position_sigma_m": coast.initial_tilt.tolist(),
             "end": {
                 "time_s": coast.duration,

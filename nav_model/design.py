@@ -56,9 +56,7 @@ class Design:
     written: Mapping[str, str]
     _values: dict[str, Value]
 
-    def __init__(
-        self, values: Mapping[str, Value] | None = None, written: Mapping[str, str] | None = None
-    ) -> None:
+    def __init__(self, values: Mapping[str, Value] | None = None, written: Mapping[str, str] | None = None) -> None:
         """Make a design from dotted keys in SI; a key not given takes its default.
 
         Raises

@@ -87,9 +87,7 @@ def _load(data: bytes | str, where: str) -> dict[str, Any]:
     except ValueError as error:  # an integer beyond what Python reads
         raise DesignError(where, f"not a design file: {str(error).partition(';')[0]}") from error
     if not tables:
-        raise DesignError(
-            where, f"states nothing; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}"
-        )
+        raise DesignError(where, f"states nothing; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}")
     return tables
 
 
@@ -100,9 +98,7 @@ def _toml_error(message: str, text: str, where: str) -> DesignError:
     number = int(place[1]) if place else len(text.rstrip().splitlines())
     line = lines[number - 1].strip() if 0 < number <= len(lines) else ""
     if message.startswith("Cannot overwrite"):
-        headers = [
-            header[1] for header in re.finditer(r"(?m)^\s*\[\s*([\w.]+)\s*\]", "\n".join(lines[:number]))
-        ]
+        headers = [header[1] for header in re.finditer(r"(?m)^\s*\[\s*([\w.]+)\s*\]", "\n".join(lines[:number]))]
         key = line.partition("=")[0].strip()
         return DesignError(".".join((*headers[-1:], key)), f"is given twice (line {number} of {where})")
     shown = line if len(line) <= 60 else line[:57] + "..."
@@ -159,9 +155,7 @@ def _build(tables: dict[str, Any]) -> Design:
     return Design(values, written)
 
 
-def _read_section(
-    section: str, table: dict[str, Any], values: dict[str, Value], written: dict[str, str]
-) -> None:
+def _read_section(section: str, table: dict[str, Any], values: dict[str, Value], written: dict[str, str]) -> None:
     given: dict[str, str] = {}
     for name, content in table.items():
         key = f"{section}.{name}"
@@ -231,11 +225,7 @@ def _input_named(section: str, name: str) -> tuple[str, BaseQuantity[Any] | Choi
     for target, declaration in INPUTS[section].items():
         if target == name:
             return target, declaration
-        if (
-            isinstance(declaration, BaseQuantity)
-            and declaration.alternative
-            and declaration.alternative.key == name
-        ):
+        if isinstance(declaration, BaseQuantity) and declaration.alternative and declaration.alternative.key == name:
             return target, declaration
     return None
 
@@ -280,7 +270,5 @@ def deviations(design: Design, section: str) -> frozenset[str]:
         return frozenset()
     values, _ = preset_fill(section, name)
     return frozenset(
-        key.rpartition(".")[2]
-        for key, value in values.items()
-        if key not in PRESET_KEYS and design[key] != value
+        key.rpartition(".")[2] for key, value in values.items() if key not in PRESET_KEYS and design[key] != value
     )

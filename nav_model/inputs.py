@@ -173,9 +173,7 @@ class BaseQuantity(param.Number[_T]):
         dimension = alternative.dimension if reciprocal and alternative else self.dimension
         if not isinstance(text, str):
             examples = ", ".join(f'"{example}"' for example in DIMENSIONS[dimension].examples)
-            raise DesignError(
-                where, f"{shown(text)} is not a quantity in quotes; write for example {examples}"
-            )
+            raise DesignError(where, f"{shown(text)} is not a quantity in quotes; write for example {examples}")
         try:
             exact, unit = parse_exact(text, dimension)
             if reciprocal and alternative:
@@ -186,9 +184,7 @@ class BaseQuantity(param.Number[_T]):
         except QuantityError as error:
             raise DesignError(where, str(error)) from error
         except (DesignError, OverflowError, ZeroDivisionError) as error:
-            raise DesignError(
-                where, f"{text.strip()!r} is not allowed; {self.allowed(reciprocal)}"
-            ) from error
+            raise DesignError(where, f"{text.strip()!r} is not allowed; {self.allowed(reciprocal)}") from error
         return parsed
 
     def _plain(self, text: Any, where: str) -> float:
@@ -271,9 +267,7 @@ class Choice(param.Selector[Any]):
 
     def _validate(self, val: Any) -> None:
         if not any(val == option and type(val) is type(option) for option in self.objects):
-            raise DesignError(
-                self.key, f"{shown(val)} is not one of {', '.join(map(_spelled, self.objects))}"
-            )
+            raise DesignError(self.key, f"{shown(val)} is not one of {', '.join(map(_spelled, self.objects))}")
 
     def read(self, text: Any) -> Any:
         """The option `text` names.
@@ -287,11 +281,7 @@ class Choice(param.Selector[Any]):
         for option in options:
             if text == option and type(text) is type(option):
                 return option
-            if (
-                isinstance(text, str)
-                and not isinstance(option, str)
-                and text.strip().lower() == _spelled(option)
-            ):
+            if isinstance(text, str) and not isinstance(option, str) and text.strip().lower() == _spelled(option):
                 return option
         raise DesignError(self.key, f"{shown(text)} is not one of {', '.join(map(_spelled, options))}")
 

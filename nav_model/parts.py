@@ -477,7 +477,7 @@ PARTS: tuple[type[Part], ...] = (Imu, Gnss, Flight, Coast, Radar, Requirements)
 INPUTS: dict[str, dict[str, BaseQuantity[Any] | Choice]] = {part.section: part.inputs() for part in PARTS}
 """Section -> name -> declaration."""
 
-PRESET_KEYS = frozenset(f"{part.section}.preset" for part in PARTS if "preset" in part.param)
+PRESET_KEYS = tuple(f"{part.section}.preset" for part in PARTS if "preset" in part.param)
 """Keys that name an entry of the catalogue."""
 
 TOP_KEYS = ("name", "description")

@@ -216,9 +216,7 @@ def unit_symbol(unit: str, dimension: str) -> str:
     text = _canonical_spelling(unit)
     text = _ALIASES.get(text, text)
     if text not in table.units:
-        raise QuantityError(
-            f"{unit.strip()!r} is not a unit of {table.name}; write for example {_examples(table)}"
-        )
+        raise QuantityError(f"{unit.strip()!r} is not a unit of {table.name}; write for example {_examples(table)}")
     return text
 
 

@@ -104,9 +104,7 @@ def _by_sensor(shares: Mapping[str, float], tilt_shares: Mapping[str, float]) ->
     """Shares charged to what can be bought: initial tilt to its makers, coast to the gyros. [T-18]"""
     charged: dict[str, float] = {}
     for source, share in shares.items():
-        split = {"initial tilt": tilt_shares, "coast before aperture": {"gyro noise": 1.0}}.get(
-            source, {source: 1.0}
-        )
+        split = {"initial tilt": tilt_shares, "coast before aperture": {"gyro noise": 1.0}}.get(source, {source: 1.0})
         for sensor, part in split.items():
             charged[sensor] = charged.get(sensor, 0.0) + share * part
     return charged
@@ -129,9 +127,7 @@ def _figures(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) 
 
     return {
         "quadratic_phase": _Figure(sar.quadratic, budget, "[S-5]", by_source("share")),
-        "along_track_quadratic_phase": _Figure(
-            sar.along_track_quadratic, budget, "[S-2]", sar.velocity_shares
-        ),
+        "along_track_quadratic_phase": _Figure(sar.along_track_quadratic, budget, "[S-2]", sar.velocity_shares),
         "detrended_phase": _Figure(sar.detrended, budget, "[T-15], [S-6]", by_source("detrended_share")),
         "horizontal_position": settled("horizontal_position", sigmas.position_horizontal, "[T-3]"),
         "vertical_position": settled("vertical_position", sigmas.position_vertical, "[T-4]"),
@@ -141,7 +137,5 @@ def _figures(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) 
         "coast_horizontal_position": _Figure(
             coast.end_refined_horizontal, "refined", "[T-17]", coast.shares_horizontal
         ),
-        "coast_vertical_position": _Figure(
-            coast.end_refined_vertical, "refined", "[T-17]", coast.shares_vertical
-        ),
+        "coast_vertical_position": _Figure(coast.end_refined_vertical, "refined", "[T-17]", coast.shares_vertical),
     }

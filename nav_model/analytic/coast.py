@@ -48,11 +48,7 @@ def horizontal_growth(
     position = p.p11 + t * (
         2 * p.p12
         + t
-        * (
-            p.p22
-            + g * p.p13
-            + t * (sigma_a**2 / 3 + g * p.p23 + t * (g**2 * p.p33 / 4 + t * g**2 * sigma_w**2 / 20))
-        )
+        * (p.p22 + g * p.p13 + t * (sigma_a**2 / 3 + g * p.p23 + t * (g**2 * p.p33 / 4 + t * g**2 * sigma_w**2 / 20)))
     )
     velocity = p.p22 + t * (sigma_a**2 + 2 * g * p.p23 + t * (g**2 * p.p33 + t * g**2 * sigma_w**2 / 3))
     return HorizontalGrowth(position, velocity, p.p33 + sigma_w**2 * t)
@@ -65,9 +61,7 @@ def vertical_growth(start: Vertical, sigma_a: ArrayLike, time: ArrayLike) -> Ver
     return VerticalGrowth(position, start.v22 + sigma_a**2 * t)
 
 
-def perfect_start(
-    sigma_a: ArrayLike, sigma_w: ArrayLike, g: ArrayLike, time: ArrayLike
-) -> tuple[Array, Array]:
+def perfect_start(sigma_a: ArrayLike, sigma_w: ArrayLike, g: ArrayLike, time: ArrayLike) -> tuple[Array, Array]:
     """Position variances [m²], horizontal and vertical, of an INS without initial error. [T-11]"""
     sigma_a, sigma_w, g, t = (np.asarray(x, float) for x in (sigma_a, sigma_w, g, time))
     vertical = sigma_a**2 * t**3 / 3

@@ -50,9 +50,7 @@ def aperture_time(
     return time
 
 
-def cell_length(
-    wavelength: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, aperture: ArrayLike
-) -> Array:
+def cell_length(wavelength: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, aperture: ArrayLike) -> Array:
     """Azimuth cell lambda R/(2 V T) [m]: peak to first null of the unweighted response. [S-3]"""
     wavelength, slant_range, speed, aperture = (
         np.asarray(x, float) for x in (wavelength, slant_range, speed, aperture)

@@ -26,12 +26,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nav_model.sar.lobe_measures import ISLR_NULL_DISTANCES, TIE, measure_line, measure_periodic
+
 Window = Literal["uniform", "hamming", "taylor"]
 WINDOWS: tuple[Window, ...] = ("uniform", "hamming", "taylor")
 
 MINIMUM_SAMPLES = 1024
 ZERO_PADDING = 64
-ISLR_NULL_DISTANCES = 10
 TAYLOR_LEVEL_DB = -35.0
 TAYLOR_NBAR = 5
 
@@ -92,8 +93,6 @@ class ImpulseResponse:
     ideal_null_cells: float
 
 
-# Two halves of a split lobe are equally high but for rounding; samples this close to the top are ties.
-_TIE = 1 - 1e-9
 _MEASURES = tuple(ImpulseResponse.__dataclass_fields__)[:-1]
 
 
@@ -107,16 +106,17 @@ def aperture_positions(samples: int) -> _FloatArray:
     return (2 * np.arange(samples) + 1 - samples) / samples
 
 
-def aperture_of_phase(phase_rad: ArrayLike, samples: int = MINIMUM_SAMPLES) -> _ComplexArray:
+def aperture_of_phase(phase_rad: ArrayLike, samples: int = MINIMUM_SAMPLES, keep: bool = True) -> _ComplexArray:
     """Unit-amplitude aperture exp(j phase), shape (..., n), of a phase history sampled from end to end.
 
     ``phase_rad`` (..., m) has its first sample at the start and its last at the end of the aperture, as a
-    simulation gives it; it is interpolated linearly onto max(m, samples) mid-interval positions.
+    simulation gives it; it is interpolated linearly onto max(m, samples) mid-interval positions;
+    with ``keep=False`` onto `samples` whatever m (what is faster than half the new rate folds).
     """
     phase = np.asarray(phase_rad, float)
     if phase.ndim == 0 or phase.shape[-1] < 2:
         raise ValueError(f"phase_rad: shape {phase.shape}; at least 2 samples on the last axis are needed")
-    count = max(phase.shape[-1], samples)
+    count = max(phase.shape[-1], samples) if keep else samples
     place = (aperture_positions(count) + 1) * (phase.shape[-1] - 1) / 2
     before = np.minimum(place.astype(int), phase.shape[-1] - 2)
     part = place - before
@@ -152,7 +152,7 @@ def impulse_response(
     for row, values in zip(rows, measured, strict=True):
         spectrum = np.fft.fft(row * (weights / weights.sum()), samples * zero_padding)
         power = spectrum.real**2 + spectrum.imag**2
-        values[:] = _measure_periodic(power, zero_padding, null, samples)
+        values[:] = measure_periodic(power, zero_padding, null, samples)
     return _gather(measured, aperture.shape[:-1], null)
 
 
@@ -213,8 +213,8 @@ def quadratic_response(
         upper = ((cosine_part + sine_part) ** 2).sum(axis=0)
         lower = ((cosine_part - sine_part) ** 2).sum(axis=0)
         power = np.concatenate([lower[:0:-1], upper])
-    peak = int(np.flatnonzero(power >= power.max() * _TIE)[-1])  # of two equal lobes, the one ahead
-    values = _measure_line(power, peak, _FAST_PADDING, line.null, line.total_energy, len(power) // 2)
+    peak = int(np.flatnonzero(power >= power.max() * TIE)[-1])  # of two equal lobes, the one ahead
+    values = measure_line(power, peak, _FAST_PADDING, line.null, line.total_energy, len(power) // 2)
     return _gather(np.array([values]), (), line.null)
 
 
@@ -232,170 +232,6 @@ def _gather(measured: _FloatArray, shape: tuple[int, ...], null: float) -> Impul
         for i, name in enumerate(_MEASURES)
     }
     return ImpulseResponse(**columns, ideal_null_cells=null)
-
-
-def _measure_periodic(power: _FloatArray, padding: int, null: float, samples: int) -> tuple[float, ...]:
-    length = len(power)
-    highest = float(power.max())
-    if highest == 0.0:
-        raise ValueError("aperture: all samples are zero; there is no response to measure")
-    peak = int((power >= highest * _TIE).argmax())
-    middle = length // 2
-    cut = (peak - middle) % length
-    centred = np.concatenate([power[cut:], power[:cut]])
-    signed = peak if peak < length - middle else peak - length
-    return _measure_line(centred, middle, padding, null, float(power.sum()) / padding, middle - signed)
-
-
-def _measure_line(
-    power: _FloatArray, peak: int, padding: int, null: float, total_energy: float, origin: int
-) -> tuple[float, ...]:
-    """Measures of a sampled power response about index `peak`; `origin` is the index of zero shift."""
-    offset, top = _vertex(power, peak)
-    centre = peak + offset
-    half = top / 2
-
-    left, right = _crossings(power, peak, half)
-    above = np.flatnonzero(power > half)
-    outer_left, outer_right = _outermost(power, above, half)
-
-    rising = np.flatnonzero(power[peak + 1 :] > power[peak:-1])
-    right_minimum = peak + (int(rising[0]) if len(rising) else len(power) - 1 - peak)
-    falling = np.flatnonzero(power[:peak] > power[1 : peak + 1])
-    left_minimum = int(falling[-1]) + 1 if len(falling) else 0
-    found = (left_minimum + _lowest(power, left_minimum), right_minimum + _lowest(power, right_minimum))
-    fixed = (centre - null * padding, centre + null * padding)
-
-    results = []
-    for low, high in (found, fixed):
-        lobe = _energy(power, low, high) / padding
-        reach = ISLR_NULL_DISTANCES * max(centre - low, high - centre)
-        near = _energy(power, low - reach, high + reach) / padding
-        side = _highest_outside(power, low, high)
-        energies = (total_energy / lobe - 1, near / lobe - 1)
-        results.append((_decibels(side / top), _decibels(energies[0]), _decibels(energies[1])))
-    (pslr_null, islr_null, ten_null), (pslr_fixed, islr_fixed, ten_fixed) = results
-    return (
-        (right - left) / padding,
-        (outer_right - outer_left) / padding,
-        pslr_null,
-        pslr_fixed,
-        islr_null,
-        islr_fixed,
-        ten_null,
-        ten_fixed,
-        _decibels(top),
-        (centre - origin) / padding,
-    )
-
-
-def _decibels(ratio: float) -> float:
-    return float(10 * np.log10(ratio)) if ratio > 0 else -np.inf
-
-
-def _vertex(power: _FloatArray, index: int) -> tuple[float, float]:
-    """Offset and height of the parabola through a sampled maximum and its neighbours."""
-    if not 0 < index < len(power) - 1:
-        return 0.0, float(power[index])
-    before, here, after = float(power[index - 1]), float(power[index]), float(power[index + 1])
-    bend = before - 2 * here + after
-    if bend >= 0:
-        return 0.0, here
-    offset = (before - after) / (2 * bend)
-    return offset, here - (before - after) * offset / 4
-
-
-def _lowest(power: _FloatArray, index: int) -> float:
-    """Offset of the true minimum from a sampled one: where the fourth-order slope vanishes."""
-    if not 3 <= index < len(power) - 3:
-        return 0.0
-    p: list[float] = power[index - 3 : index + 4].tolist()
-    slope = [(8 * (p[i + 1] - p[i - 1]) - (p[i + 2] - p[i - 2])) / 12 for i in (2, 3, 4)]
-    if not slope[0] < slope[1] < slope[2]:
-        return 0.0
-    first = slope[1] * slope[2] / ((slope[0] - slope[1]) * (slope[0] - slope[2]))
-    last = slope[0] * slope[1] / ((slope[2] - slope[0]) * (slope[2] - slope[1]))
-    return max(-1.0, min(1.0, last - first))
-
-
-def _crossings(power: _FloatArray, peak: int, half: float) -> tuple[float, float]:
-    below_right = np.flatnonzero(power[peak:] < half)
-    below_left = np.flatnonzero(power[: peak + 1] < half)
-    right = _cross(power, peak + int(below_right[0]), -1, half) if len(below_right) else float(len(power))
-    left = _cross(power, int(below_left[-1]), 1, half) if len(below_left) else 0.0
-    return left, right
-
-
-def _outermost(power: _FloatArray, above: NDArray[np.intp], half: float) -> tuple[float, float]:
-    first, last = int(above[0]), int(above[-1])
-    left = _cross(power, first - 1, 1, half) if first > 0 else 0.0
-    right = _cross(power, last + 1, -1, half) if last < len(power) - 1 else float(len(power))
-    return left, right
-
-
-def _cross(power: _FloatArray, below: int, step: int, half: float) -> float:
-    """Index where the response crosses `half` between sample `below` and the next one in direction `step`.
-
-    Cubic inverse interpolation through four samples where they are monotone, linear where they are not.
-    """
-    indices = [below - step, below, below + step, below + 2 * step]
-    if min(indices) >= 0 and max(indices) < len(power):
-        values = [float(power[i]) for i in indices]
-        if values[0] < values[1] < values[2] < values[3]:
-            place = 0.0
-            for i in range(4):
-                term = float(indices[i])
-                for j in range(4):
-                    if j != i:
-                        term *= (half - values[j]) / (values[i] - values[j])
-                place += term
-            if min(indices[1:3]) <= place <= max(indices[1:3]):
-                return place
-    low, high = float(power[below]), float(power[below + step])
-    return below + step * (half - low) / (high - low)
-
-
-def _energy(power: _FloatArray, low: float, high: float) -> float:
-    """Integral between two fractional indices, clipped to the line.
-
-    Trapezoids with the Euler-Maclaurin end correction between whole samples, local parabolas for the rest.
-    """
-    low, high = max(low, 0.0), min(high, len(power) - 1.0)
-    first, last = round(low), round(high)
-    start, start_slope, start_bend = _parabola(power, first)
-    end, end_slope, end_bend = _parabola(power, last)
-    total = float(power[first : last + 1].sum()) - (float(power[first]) + float(power[last])) / 2
-    total -= (end_slope - start_slope) / 12
-    before, after = first - low, high - last
-    total += start * before - start_slope * before**2 / 2 + start_bend * before**3 / 6
-    return total + end * after + end_slope * after**2 / 2 + end_bend * after**3 / 6
-
-
-def _parabola(power: _FloatArray, index: int) -> tuple[float, float, float]:
-    """Value, slope and second difference at a sample, per sample."""
-    inner = min(max(index, 1), len(power) - 2)
-    before, here, after = float(power[inner - 1]), float(power[inner]), float(power[inner + 1])
-    return float(power[index]), (after - before) / 2, before - 2 * here + after
-
-
-def _between(power: _FloatArray, place: float) -> float:
-    index = round(min(max(place, 0.0), len(power) - 1.0))
-    value, slope, bend = _parabola(power, index)
-    return value + slope * (place - index) + bend * (place - index) ** 2 / 2
-
-
-def _highest_outside(power: _FloatArray, low: float, high: float) -> float:
-    """The largest power at or outside the interval: a shoulder cut by the interval counts at the cut."""
-    best = 0.0
-    if low > 0:
-        outside = power[: int(low) + 1]
-        index = int(outside.argmax())
-        best = max(best, _between(power, low), _vertex(outside, index)[1])
-    if high < len(power) - 1:
-        outside = power[int(np.ceil(high)) :]
-        index = int(outside.argmax())
-        best = max(best, _between(power, high), _vertex(outside, index)[1])
-    return best
 
 
 # --- windows and the fast line ---------------------------------------------------------------------------

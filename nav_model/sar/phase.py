@@ -89,8 +89,7 @@ def phase_budget(
     if autofocus_order not in _ACCELEROMETER_LEFT:
         raise ValueError(f"autofocus_order: {autofocus_order!r} is not one of 1, 2, 3")
     p33, sigma_a, sigma_w, b, d, g, t, tc = (
-        np.asarray(x, float)
-        for x in (p33, sigma_a, sigma_w, accelerometer_bias, gyro_bias, g, aperture, coast)
+        np.asarray(x, float) for x in (p33, sigma_a, sigma_w, accelerometer_bias, gyro_bias, g, aperture, coast)
     )
     level, upright = line_of_sight_weights(grazing_angle)
     s_a, s_g = sigma_a**2, level * (g * sigma_w) ** 2

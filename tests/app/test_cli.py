@@ -15,9 +15,7 @@ from app.cli import main
 
 ROOT = Path(app.cli.__file__).parent.parent
 EXAMPLES = ROOT / "examples"
-MEMS, TACTICAL, L_BAND = (
-    str(EXAMPLES / f"{name}.toml") for name in ("mems_x_band", "tactical_x_band", "l_band_jet")
-)
+MEMS, TACTICAL, L_BAND = (str(EXAMPLES / f"{name}.toml") for name in ("mems_x_band", "tactical_x_band", "l_band_jet"))
 
 
 def _process(*arguments, stdin=b"", **environment):
@@ -97,9 +95,7 @@ def test_set_overrides(capsys):
         inputs = _evaluate(capsys, *arguments)["design"]["inputs"]
         assert inputs["imu.angle_random_walk"] == pytest.approx(math.radians(0.3) / 60, rel=1e-15)
         assert inputs["gnss.interval"] == 0.1
-    inputs = _evaluate(capsys, MEMS, "--set", "imu.preset=LN-200", "radar.autofocus_order=2")["design"][
-        "inputs"
-    ]
+    inputs = _evaluate(capsys, MEMS, "--set", "imu.preset=LN-200", "radar.autofocus_order=2")["design"]["inputs"]
     assert inputs["imu.preset"] == "LN-200"
     assert inputs["imu.velocity_random_walk"] == pytest.approx(0.03 / 60, rel=1e-15)
     assert inputs["radar.autofocus_order"] == 2
@@ -163,9 +159,7 @@ def test_check_with_nothing_to_check(capsys, stdin):
     assert "nothing checked" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("kind", "names"), [("imu", ["STIM300", "LN-200"]), ("radar", ["F-SAR X", "UAVSAR"])]
-)
+@pytest.mark.parametrize(("kind", "names"), [("imu", ["STIM300", "LN-200"]), ("radar", ["F-SAR X", "UAVSAR"])])
 def test_presets(capsys, kind, names):
     assert main(["presets", kind]) == 0
     text = capsys.readouterr().out

@@ -136,9 +136,7 @@ def test_a_rate_is_an_interval():
 
 def test_slow_error_through_the_whole_budget():
     """Prior from SciPy's discrete solver on the augmented system; aperture from its posterior tilt."""
-    slow = BASE.replace(
-        {"gnss.correlated": True, "gnss.correlated_noise": 1.5, "gnss.correlation_time": 60.0}
-    )
+    slow = BASE.replace({"gnss.correlated": True, "gnss.correlated_noise": 1.5, "gnss.correlation_time": 60.0})
     a, w, g = 0.05 / 60, 0.5 * DEGREE / 60, BASE.flight.gravity
     decay = math.exp(-1 / 60)
     phi = np.array([[1, 1, g / 2, 0], [0, 1, g, 0], [0, 0, 1, 0], [0, 0, 0, decay]])
@@ -151,9 +149,9 @@ def test_slow_error_through_the_whole_budget():
     q[3, 3] = 1.5**2 * (1 - decay**2)
     h = np.array([[1.0, 0, 0, 1]])
     unit = np.array([1, 1, g, 1.0])
-    prior = solve_discrete_are(
-        (phi * unit[:, None] / unit).T, h.T, q * np.outer(unit, unit), [[1.0]]
-    ) / np.outer(unit, unit)
+    prior = solve_discrete_are((phi * unit[:, None] / unit).T, h.T, q * np.outer(unit, unit), [[1.0]]) / np.outer(
+        unit, unit
+    )
     posterior = prior - prior @ h.T @ h @ prior / float((h @ prior @ h.T)[0, 0] + 1)
     budget = analyse(slow)
     assert budget.steady_state.prior.position_horizontal == pytest.approx(math.sqrt(prior[0, 0]), rel=1e-8)
@@ -181,9 +179,7 @@ def _all_shares(budget):
     yield {line.source: line.detrended_share for line in budget.sar.lines}
 
 
-@pytest.mark.parametrize(
-    "name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" in e.values]
-)
+@pytest.mark.parametrize("name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" in e.values])
 def test_every_catalogue_unit_gives_a_budget_whose_shares_add_up(name):
     design = parse_design(f'[imu]\npreset = "{name}"\ngyro_bias = "1 °/h"\n[coast]\nbefore_aperture = "5 s"')
     budget = analyse(design)
@@ -208,9 +204,7 @@ def test_sar_numbers_hang_together():
     budget = analyse(BASE.replace({"radar.aperture_time": None}))
     sar, flight = budget.sar, BASE.flight
     assert sar.wavelength == pytest.approx(0.03, rel=1e-15)
-    assert sar.aperture_time == pytest.approx(
-        0.8858929413789045 * 0.03 * 7000 / (2 * 0.5 * flight.speed), rel=1e-13
-    )
+    assert sar.aperture_time == pytest.approx(0.8858929413789045 * 0.03 * 7000 / (2 * 0.5 * flight.speed), rel=1e-13)
     assert sar.aperture_length == pytest.approx(sar.aperture_time * flight.speed, rel=1e-15)
     assert sar.cell_length == pytest.approx(0.5 / 0.8858929413789045, rel=1e-13)
     for total, parts in ((sar.quadratic, "quadratic"), (sar.cubic, "cubic"), (sar.detrended, "detrended")):
@@ -221,9 +215,7 @@ def test_sar_numbers_hang_together():
 
 def test_along_track_takes_the_velocity_at_the_start_of_the_aperture():
     """sqrt of closed-form velocity variance after the coast, biases included, times pi V T²/(lambda R)."""
-    design = BASE.replace(
-        {"coast.before_aperture": 20.0, "imu.accelerometer_bias": 1e-3, "imu.gyro_bias": 1e-6}
-    )
+    design = BASE.replace({"coast.before_aperture": 20.0, "imu.accelerometer_bias": 1e-3, "imu.gyro_bias": 1e-6})
     at = analyse(design, [20.0]).coast.velocity_horizontal[0]
     sar = analyse(design).sar
     expected = math.pi * 100.0 * 25 * at / (0.03 * 7000)

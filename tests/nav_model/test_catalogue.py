@@ -114,9 +114,7 @@ def test_radars(name):
     assert have["azimuth_resolution"].value == pytest.approx(resolution, rel=0.02)
     assert have["speed"].value == speed
     if aperture is not None:
-        k1 = (
-            299792458 / have["frequency"].value * slant_range / (2 * have["azimuth_resolution"].value * speed)
-        )
+        k1 = 299792458 / have["frequency"].value * slant_range / (2 * have["azimuth_resolution"].value * speed)
         assert k1 == pytest.approx(aperture, rel=0.05)
 
 
@@ -140,9 +138,7 @@ def test_every_value_has_a_unit_a_source_and_an_honest_status(kind):
 
 def test_names_are_found_whatever_the_case_and_others_refused_with_the_list():
     assert find("imu", " stim300 ").name == "STIM300"
-    with pytest.raises(
-        DesignError, match=r"radar\.preset: 'F-SAR Z' is not in the catalogue; it has F-SAR X"
-    ):
+    with pytest.raises(DesignError, match=r"radar\.preset: 'F-SAR Z' is not in the catalogue; it has F-SAR X"):
         find("radar", "F-SAR Z")
 
 

@@ -37,8 +37,7 @@ def test_the_contracts_inputs_exist():
         "gnss": "position_noise vertical_position_noise interval",
         "flight": "speed altitude latitude gravity",
         "coast": "duration before_aperture",
-        "radar": "frequency slant_range grazing_angle azimuth_resolution window aperture_time "
-        "autofocus_order",
+        "radar": "frequency slant_range grazing_angle azimuth_resolution window aperture_time autofocus_order",
         "requirements": "confidence quadratic_phase detrended_phase horizontal_position vertical_position "
         "horizontal_velocity vertical_velocity tilt coast_horizontal_position coast_vertical_position",
     }
@@ -185,9 +184,7 @@ def test_identity_does_not_depend_on_units_or_way_of_saying():
 @pytest.mark.parametrize("key", ["flight.latitude", "flight.heading", "flight.altitude", "imu.gyro_bias"])
 def test_minus_zero_is_zero(key):
     assert Design({key: -0.0}) == Design({key: 0.0})
-    assert (
-        Design({key: -0.0}).content_hash == Design({key: 0.0}).content_hash == Design({key: 0}).content_hash
-    )
+    assert Design({key: -0.0}).content_hash == Design({key: 0.0}).content_hash == Design({key: 0}).content_hash
 
 
 def test_content_hash_is_the_same_in_another_process_with_another_hash_seed():

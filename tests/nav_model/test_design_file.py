@@ -60,9 +60,7 @@ def test_writing_and_reading_again_gives_the_same_design_and_the_same_text(desig
 
 
 def test_values_are_written_the_way_they_came():
-    text = (
-        '[gnss]\nrate = "7 Hz"\n[radar]\nwavelength = "3.1 cm"\n[imu]\nangle_random_walk = "23 deg/h/rtHz"\n'
-    )
+    text = '[gnss]\nrate = "7 Hz"\n[radar]\nwavelength = "3.1 cm"\n[imu]\nangle_random_walk = "23 deg/h/rtHz"\n'
     tables = tomllib.loads(format_design(parse_design(text)))
     assert tables["gnss"]["rate"] == "7 Hz"
     assert "interval" not in tables["gnss"]
@@ -84,9 +82,7 @@ def test_there_are_three_examples():
     assert len(EXAMPLES) >= 3
 
 
-@pytest.mark.parametrize(
-    "name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" in e.values]
-)
+@pytest.mark.parametrize("name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" in e.values])
 def test_an_inertial_preset_fills_its_random_walks_and_nothing_else(name):
     design = parse_design(f'[imu]\npreset = "{name}"')
     entry = catalogue("imu")[name]
@@ -100,9 +96,7 @@ def test_an_inertial_preset_fills_its_random_walks_and_nothing_else(name):
     assert parse_design(format_design(design)) == design
 
 
-@pytest.mark.parametrize(
-    "name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" not in e.values]
-)
+@pytest.mark.parametrize("name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" not in e.values])
 def test_a_silent_data_sheet_takes_no_default(name):
     with pytest.raises(DesignError) as caught:
         parse_design(f'[imu]\npreset = "{name}"')
@@ -141,9 +135,7 @@ def test_preset_fill_says_units_too():
     assert values["imu.angle_random_walk"] == pytest.approx(math.radians(0.01), rel=1e-15)
 
 
-CHANGED = (
-    b'[imu]\npreset = "STIM300"\nangle_random_walk = "1 \xc2\xb0/\xe2\x88\x9ah"\n[gnss]\nrate = "5 Hz"\n'
-)
+CHANGED = b'[imu]\npreset = "STIM300"\nangle_random_walk = "1 \xc2\xb0/\xe2\x88\x9ah"\n[gnss]\nrate = "5 Hz"\n'
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,5 @@ def test_analyse_loads_neither_screens_nor_scipy():
         "from nav_model.design import Design\nto_json(analyse(Design()))\n"
         f"print(sorted({SCREENS | {'scipy', 'numba', 'IPython'}!r} & set(sys.modules)))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOM.parent, capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOM.parent, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

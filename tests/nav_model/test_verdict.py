@@ -40,9 +40,7 @@ def test_each_requirement_alone(name):
     for confidence in (1.0, 2.5):
         for factor, met in ((1.001, True), (0.999, False)):
             limit = sigma * confidence * factor
-            budget = analyse(
-                BASE.replace({f"requirements.{name}": limit, "requirements.confidence": confidence})
-            )
+            budget = analyse(BASE.replace({f"requirements.{name}": limit, "requirements.confidence": confidence}))
             check = _check(budget, name)
             assert check.sigma == pytest.approx(sigma, rel=1e-12)
             assert check.value == pytest.approx(confidence * sigma, rel=1e-12)
@@ -101,9 +99,7 @@ LIMITS = st.dictionaries(st.sampled_from(sorted(FIGURES)), st.floats(1e-4, 3.0),
 @given(LIMITS, st.floats(0.2, 6.0))
 def test_closes_if_and_only_if_every_check_is_met(limits, confidence):
     budget = analyse(
-        BASE.replace(
-            {"requirements.confidence": confidence, **{f"requirements.{k}": v for k, v in limits.items()}}
-        ),
+        BASE.replace({"requirements.confidence": confidence, **{f"requirements.{k}": v for k, v in limits.items()}}),
         [0.0],
     )
     verdict = budget.verdict

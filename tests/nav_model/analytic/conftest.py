@@ -94,6 +94,4 @@ def newton(phi, q, h, r, guess):
 @pytest.fixture(scope="session")
 def reference():
     """The independent solvers: continuous, discrete, van_loan, channel units."""
-    return SimpleNamespace(
-        continuous=continuous, discrete=discrete, van_loan=van_loan, channel=_channel, chain=CHAIN
-    )
+    return SimpleNamespace(continuous=continuous, discrete=discrete, van_loan=van_loan, channel=_channel, chain=CHAIN)

@@ -67,12 +67,8 @@ def test_perfect_start_and_tilt_share(fleet, reference):
         tilted = initial_tilt(p33, fleet.g, t)
         for i in range(0, fleet.size, 4):
             a, w, s, g = fleet.sigma_a[i], fleet.sigma_w[i], fleet.s[i], fleet.g[i]
-            assert level[i] == pytest.approx(
-                _grow(reference, np.zeros((3, 3)), a, w, s, g, t, 3)[0, 0], rel=1e-9
-            )
-            assert upright[i] == pytest.approx(
-                _grow(reference, np.zeros((2, 2)), a, 0.0, s, g, t, 2)[0, 0], rel=1e-9
-            )
+            assert level[i] == pytest.approx(_grow(reference, np.zeros((3, 3)), a, w, s, g, t, 3)[0, 0], rel=1e-9)
+            assert upright[i] == pytest.approx(_grow(reference, np.zeros((2, 2)), a, 0.0, s, g, t, 2)[0, 0], rel=1e-9)
             only_tilt = np.diag([0, 0, p33[i]])
             quiet = _grow(reference, only_tilt, a, w, s, g, t, 3) - _grow(
                 reference, np.zeros((3, 3)), a, w, s, g, t, 3
@@ -88,9 +84,7 @@ def test_biases_integrate_the_deterministic_equations(t, b, d):
     for source, i in ((np.polynomial.Polynomial([b]), 0), (g * tilt, 1)):
         velocity = source.integ()
         assert float(bias_velocity(b, d, g, t)[i]) == pytest.approx(velocity(t), rel=1e-14, abs=1e-300)
-        assert float(bias_position(b, d, g, t)[i]) == pytest.approx(
-            velocity.integ()(t), rel=1e-14, abs=1e-300
-        )
+        assert float(bias_position(b, d, g, t)[i]) == pytest.approx(velocity.integ()(t), rel=1e-14, abs=1e-300)
 
 
 def test_growth_is_monotone_and_broadcasts(worked):

@@ -38,9 +38,7 @@ def test_transition_and_process_noise_against_the_matrix_exponential(fleet, refe
 def test_horizontal_cycle(fleet, reference, ours):
     prior, posterior = ours.prior.horizontal.matrix(), ours.posterior.horizontal.matrix()
     for i in range(fleet.size):
-        exact = reference.discrete(
-            fleet.sigma_a[i], fleet.sigma_w[i], fleet.sigma[i], fleet.interval[i], fleet.g[i]
-        )
+        exact = reference.discrete(fleet.sigma_a[i], fleet.sigma_w[i], fleet.sigma[i], fleet.interval[i], fleet.g[i])
         np.testing.assert_allclose(prior[i], exact.prior, rtol=1e-9)
         np.testing.assert_allclose(posterior[i], exact.posterior, rtol=1e-9)
 
@@ -61,8 +59,7 @@ def test_slow_error_cycle(fleet, reference):
     n = len(range(fleet.size)[few])
     sigma, correlation = np.exp(rng.uniform(np.log(0.1), np.log(3), n)), np.exp(rng.uniform(1.6, 7.6, n))
     a, w, g, dt, fix, up = (
-        x[few]
-        for x in (fleet.sigma_a, fleet.sigma_w, fleet.g, fleet.interval, fleet.sigma, fleet.sigma_vertical)
+        x[few] for x in (fleet.sigma_a, fleet.sigma_w, fleet.g, fleet.interval, fleet.sigma, fleet.sigma_vertical)
     )
     ours = cycle(a, w, g, dt, fix, up, SlowError(sigma, correlation))
     for i in range(n):
@@ -71,9 +68,7 @@ def test_slow_error_cycle(fleet, reference):
         np.testing.assert_allclose(ours.posterior.horizontal.matrix()[i], exact.posterior[:3, :3], rtol=1e-9)
         exact = reference.discrete(a[i], 0.0, up[i], dt[i], g[i], order=2, slow=(sigma[i], correlation[i]))
         np.testing.assert_allclose(_vertical_matrix(ours.prior.vertical, i), exact.prior[:2, :2], rtol=1e-9)
-        np.testing.assert_allclose(
-            _vertical_matrix(ours.posterior.vertical, i), exact.posterior[:2, :2], rtol=1e-9
-        )
+        np.testing.assert_allclose(_vertical_matrix(ours.posterior.vertical, i), exact.posterior[:2, :2], rtol=1e-9)
 
 
 def test_plain_filtering_settles_there(worked):
@@ -132,14 +127,10 @@ def test_a_slow_error_hurts_and_vanishes_with_its_size(worked):
 
 
 def test_cycle_broadcasts(worked):
-    grid = cycle(
-        worked.sigma_a, worked.sigma_w, worked.g, np.array([[0.5], [1.0]]), np.array([0.1, 1.0, 2.0]), 1.0
-    )
+    grid = cycle(worked.sigma_a, worked.sigma_w, worked.g, np.array([[0.5], [1.0]]), np.array([0.1, 1.0, 2.0]), 1.0)
     assert grid.prior.horizontal.p11.shape == (2, 3)
     one = cycle(worked.sigma_a, worked.sigma_w, worked.g, 1.0, 2.0, 1.0)
-    assert grid.posterior.horizontal.p23[1, 2] == pytest.approx(
-        float(one.posterior.horizontal.p23), rel=1e-11
-    )
+    assert grid.posterior.horizontal.p23[1, 2] == pytest.approx(float(one.posterior.horizontal.p23), rel=1e-11)
 
 
 def test_what_no_filter_can_settle_is_refused():

@@ -99,9 +99,7 @@ def test_against_an_ode_solver(worked):
 
     times = np.array([10.0, 200.0, 1500.0, 7200.0])
     start = _start(after.horizontal, after.vertical)
-    solved = solve_ivp(
-        rate, (0, times[-1]), start.ravel(), method="DOP853", t_eval=times, rtol=1e-12, atol=1e-18
-    )
+    solved = solve_ivp(rate, (0, times[-1]), start.ravel(), method="DOP853", t_eval=times, rtol=1e-12, atol=1e-18)
     ours = refined_growth(
         after.horizontal, after.vertical, worked.sigma_a, worked.sigma_w, worked.g, times,
         speed=50.0, latitude=math.radians(45), altitude=3000.0, heading=0.4,

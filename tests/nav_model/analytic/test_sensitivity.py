@@ -92,9 +92,7 @@ def test_logarithmic_derivatives(fleet):
                 low, high = list(point), list(point)
                 low[which] *= mp.exp(-step)
                 high[which] *= mp.exp(step)
-                for element, (x, y) in enumerate(
-                    zip(_page_elements(*low), _page_elements(*high), strict=True)
-                ):
+                for element, (x, y) in enumerate(zip(_page_elements(*low), _page_elements(*high), strict=True)):
                     slope = float(mp.log(y / x) / (2 * step))
                     assert float(derivative[element][i]) == pytest.approx(slope, rel=1e-9, abs=1e-11)
 

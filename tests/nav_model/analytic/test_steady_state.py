@@ -92,9 +92,7 @@ def test_regime_number_rules_the_shape(a, w, s, g):
 def test_units_do_not_matter(a, w, s, g, length, time):
     """The same channel in other units of length and time: dimensions balance in every element."""
     p = horizontal(a, w, s, g)
-    q = horizontal(
-        a * length / time**1.5, w / math.sqrt(time), s * length * math.sqrt(time), g * length / time**2
-    )
+    q = horizontal(a * length / time**1.5, w / math.sqrt(time), s * length * math.sqrt(time), g * length / time**2)
     speed = length / time
     scale = (length**2, length * speed, length, speed**2, speed, 1.0)
     for x, y, unit in zip(p, q, scale, strict=True):
@@ -132,8 +130,7 @@ def test_gyro_dominated_limit_and_its_error():
 @given(SIGMA_W, DENSITY, st.floats(1.1, 10))
 def test_scaling_exponents_of_the_limit(w, s, factor):
     base, gyro, gnss = (
-        [math.sqrt(x) for x in gyro_dominated(*case, 9.8)]
-        for case in ((w, s), (factor * w, s), (w, factor * s))
+        [math.sqrt(x) for x in gyro_dominated(*case, 9.8)] for case in ((w, s), (factor * w, s), (w, factor * s))
     )
     for i, (by_w, by_s) in enumerate(((1 / 6, 5 / 6), (1 / 2, 1 / 2), (5 / 6, 1 / 6))):
         assert gyro[i] / base[i] == pytest.approx(factor**by_w, rel=1e-12)

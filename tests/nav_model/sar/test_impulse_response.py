@@ -53,9 +53,7 @@ def _power(cells, quadratic, window="uniform"):
     taper = Taper(window)
     area = quad(lambda x: float(taper.weights(x)), 0, 1)[0]
     parts = [
-        quad(lambda x, f=f: float(taper.weights(x)) * f(quadratic * x**2) * np.cos(np.pi * cells * x), 0, 1)[
-            0
-        ]
+        quad(lambda x, f=f: float(taper.weights(x)) * f(quadratic * x**2) * np.cos(np.pi * cells * x), 0, 1)[0]
         for f in (np.cos, np.sin)
     ]
     return (parts[0] ** 2 + parts[1] ** 2) / area**2

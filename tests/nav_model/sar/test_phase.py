@@ -215,12 +215,7 @@ def test_along_track_against_exact_ranges(wavelength, slant_range, speed, apertu
     """[S-2]: the range to a scatterer abeam, flown at V but processed at V + dV, has this quadratic phase."""
     error = 1e-3
     t = np.linspace(-aperture / 2, aperture / 2, 2001)
-    phase = (
-        4
-        * math.pi
-        / wavelength
-        * (np.hypot(slant_range, (speed + error) * t) - np.hypot(slant_range, speed * t))
-    )
+    phase = 4 * math.pi / wavelength * (np.hypot(slant_range, (speed + error) * t) - np.hypot(slant_range, speed * t))
     quadratic = np.polynomial.polynomial.polyfit(t / (aperture / 2), phase, 4)[2]
     ours = float(along_track_quadratic(error**2, speed, aperture, wavelength, slant_range))
     assert ours == pytest.approx(quadratic, rel=3e-3)

@@ -1,0 +1,73 @@
+"""A chart as it stands on a page: title, figure, how we know, and its data to take away."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable
+from html import escape
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.charts.description import BarChart, Chart, to_csv
+from app.charts.legend import legend_html
+from app.charts.on_screen import to_bokeh
+from app.state import Session
+from app.theme import FRAME, SHEET
+from nav_model.budget import Budget
+
+_MARK = re.compile(r"\[[A-Z]-\d+\]")
+
+
+def prose(text: str) -> str:
+    """Text for our own HTML: escaped, equation marks such as [T-9] kept in one piece."""
+    return _MARK.sub(r'<span class="nw">\g<0></span>', escape(text))
+
+
+def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> pn.pane.HTML:
+    """Our own HTML, in the product's sheet."""
+    return pn.pane.HTML(text, stylesheets=[SHEET], sizing_mode="stretch_width", margin=margin)
+
+
+class ChartView:
+    """One chart on the page: title, figure, how we know, and its data to take away."""
+
+    def __init__(self, describe: Callable[[Budget], Chart | BarChart], session: Session, height: int) -> None:
+        self._describe = describe
+        self._session = session
+        chart = describe(session.budget)
+        self.figure = to_bokeh(chart, height)
+        self._know = html_pane(_know(chart))
+        download = pmui.FileDownload(
+            callback=self._csv,
+            filename=f"{chart.key}.csv",
+            label=f"{chart.title}: data (CSV)",
+            description="",
+            variant="text",
+            size="small",
+            margin=(0, 8),
+        )
+        self.view = pn.Column(
+            html_pane(f"<h3>{escape(chart.title)}</h3>", margin=(10, 14, 0, 14)),
+            # The figure stands in a native column: directly in a Material layout it breaks when replaced.
+            pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
+            self._know,
+            download,
+            styles=FRAME,
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+
+    def show(self, budget: Budget) -> None:
+        """Feed the figure."""
+        chart = self._describe(budget)
+        self.figure.feed(chart)
+        self._know.object = _know(chart)
+
+    def _csv(self) -> io.BytesIO:
+        return io.BytesIO(to_csv(self._describe(self._session.budget)).encode("utf-8"))
+
+
+def _know(chart: Chart | BarChart) -> str:
+    return f'{legend_html(chart)}<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'

@@ -1,0 +1,212 @@
+"""What a chart is made of: plain data that knows no plotting library.
+
+A chart's structure (its series, by key) does not depend on the design; only the numbers do, so a figure on
+screen is made once and fed. Where a series has nothing to show it is NaN. Lines that share one `x` array
+object travel to the browser together.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Style:
+    """Colour, dash and width; the three together tell series apart in grey as well.
+
+    ``dash`` is one of solid, dashed, dotted, dotdash, dashdot.
+    """
+
+    colour: str
+    dash: str = "solid"
+    width: float = 2.0
+
+
+# Okabe and Ito's palette, blue lightened so that it holds on a dark page too.
+BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
+    "#2b83c4",
+    "#d55e00",
+    "#009e73",
+    "#b86a97",
+    "#56b4e9",
+    "#c62f2f",
+    "#7b8794",
+)
+
+STYLES: dict[str, Style] = {
+    "horizontal": Style(BLUE, "solid", 2.5),
+    "horizontal refined": Style(BLUE, "dashed", 2.0),
+    "vertical": Style(ORANGE, "solid", 2.5),
+    "vertical refined": Style(ORANGE, "dashed", 2.0),
+    "perfect start": Style(GREEN, "dotted", 1.6),
+    "initial tilt": Style(PURPLE, "dotdash", 1.6),
+    "tilt": Style(PURPLE, "solid", 2.5),
+    "yaw": Style(GREEN, "dashed", 2.0),
+    "limit": Style(RED, "dashdot", 1.8),
+    "exact": Style(BLUE, "solid", 2.5),
+    "asymptote": Style(ORANGE, "dashed", 2.0),
+    "reference": Style(GREY, "dotted", 1.8),
+    "quadratic": Style(BLUE, "solid", 2.5),
+    "with cubic": Style(ORANGE, "dashed", 2.0),
+}
+"""The same quantity has the same colour and dash everywhere."""
+
+BAR_STYLES: tuple[tuple[str, bool, str], tuple[str, bool, str]] = (
+    ("quadratic", False, "dashdot"),
+    ("with cubic", True, "dotted"),
+)
+"""The two kinds of bar: style, whether hatched, dash of its limit."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A curve. ``source`` says where it comes from: equation and method, shown on hover and in print."""
+
+    key: str
+    label: str
+    x: Array
+    y: Array
+    style: str
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Band:
+    """The area between two curves."""
+
+    key: str
+    label: str
+    x: Array
+    low: Array
+    high: Array
+    style: str
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Points:
+    """Named points."""
+
+    key: str
+    label: str
+    x: Array
+    y: Array
+    names: tuple[str, ...]
+    style: str
+    marker: str = "circle"
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A requirement's limit over a stretch of the x axis; a NaN level is not drawn."""
+
+    key: str
+    label: str
+    start: float
+    stop: float
+    level: float
+
+
+@dataclass(frozen=True)
+class Span:
+    """A stretch of the x axis, shaded and named."""
+
+    key: str
+    label: str
+    start: float
+    stop: float
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A chart of curves. ``knowledge`` is its "how do we know" line."""
+
+    key: str
+    title: str
+    x_label: str
+    y_label: str
+    lines: tuple[Line, ...]
+    bands: tuple[Band, ...] = ()
+    points: tuple[Points, ...] = ()
+    limits: tuple[Limit, ...] = ()
+    spans: tuple[Span, ...] = ()
+    x_log: bool = False
+    y_log: bool = False
+    y_range: tuple[float, float] | None = None
+    knowledge: str = ""
+
+    def rows(self) -> Iterator[tuple[str, ...]]:
+        """Every number drawn, as rows of a table: series, x, y, (upper y of a band or a point's name)."""
+        yield ("series", self.x_label, self.y_label, "upper or name", "source")
+        for line in self.lines:
+            for x, y in zip(line.x, line.y, strict=True):
+                if not math.isnan(y):
+                    yield (line.label, repr(float(x)), repr(float(y)), "", line.source)
+        for band in self.bands:
+            for x, low, high in zip(band.x, band.low, band.high, strict=True):
+                yield (band.label, repr(float(x)), repr(float(low)), repr(float(high)), band.source)
+        for points in self.points:
+            for x, y, name in zip(points.x, points.y, points.names, strict=True):
+                yield (points.label, repr(float(x)), repr(float(y)), name, points.source)
+        for limit in self.limits:
+            if not math.isnan(limit.level):
+                for x in (limit.start, limit.stop):
+                    yield ("limit", repr(float(x)), repr(float(limit.level)), limit.label, "requirement")
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One row of a bar chart: two lengths [degrees], the same in millimetres, and where they come from."""
+
+    label: str
+    first: float
+    second: float
+    first_mm: float
+    second_mm: float
+    source: str
+
+
+@dataclass(frozen=True)
+class BarChart:
+    """Horizontal bars, two to a row, each kind with a limit (NaN when there is none)."""
+
+    key: str
+    title: str
+    x_label: str
+    first_label: str
+    second_label: str
+    bars: tuple[Bar, ...]
+    first_limit: float
+    second_limit: float
+    knowledge: str = ""
+
+    def rows(self) -> Iterator[tuple[str, ...]]:
+        """Every number drawn, as rows of a table."""
+        yield (
+            "source",
+            f"{self.first_label} [°]",
+            f"{self.second_label} [°]",
+            f"{self.first_label} [mm]",
+            f"{self.second_label} [mm]",
+            "equation",
+        )
+        for bar in self.bars:
+            lengths = (bar.first, bar.second, bar.first_mm, bar.second_mm)
+            yield (bar.label, *(repr(float(length)) for length in lengths), bar.source)
+
+
+def to_csv(chart: Chart | BarChart) -> str:
+    """A chart's data as CSV text, full precision."""
+    text = io.StringIO()
+    csv.writer(text).writerows(chart.rows())
+    return text.getvalue()

@@ -1,0 +1,237 @@
+"""Charts as Bokeh figures: made once, then fed.
+
+A `Figure` keeps the sources of one figure. `feed` hands over only what changed, so a slider step costs one
+message with the arrays that moved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from bokeh.models import (
+    BoxAnnotation,
+    ColumnDataSource,
+    CustomJSTickFormatter,
+    FactorRange,
+    HoverTool,
+    Label,
+    Range1d,
+)
+from bokeh.plotting import figure
+from bokeh.transform import dodge
+
+from app.charts.description import BAR_STYLES, STYLES, BarChart, Chart, Line
+
+# The page's theme sets chart text in em; this is what an em is.
+_TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
+_TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
+# Powers of ten as 10ⁿ; the 2 and 5 between them, which only a narrow axis has, as plain numbers.
+_LOG_TICKS = """
+const n = Math.log10(tick)
+const sup = {"-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹"}
+const power = (k) => "10" + String(k).split("").map(c => sup[c]).join("")
+if (Math.abs(n - Math.round(n)) < 1e-6) return power(Math.round(n))
+if (tick >= 1e-3 && tick < 1e4) return String(Number(tick.toPrecision(2)))
+return Number((tick / 10 ** Math.floor(n)).toPrecision(2)) + "·" + power(Math.floor(n))
+"""
+
+
+@dataclass
+class Figure:
+    """A Bokeh figure and what feeds it. `plot` goes on a page or into a report."""
+
+    plot: figure
+    _sources: dict[str, ColumnDataSource]
+    _sent: dict[str, Any] = field(default_factory=dict)
+    _spans: dict[str, tuple[BoxAnnotation, Label]] = field(default_factory=dict)
+
+    def feed(self, chart: Chart | BarChart) -> None:
+        """Show another chart of the same structure."""
+        for name, columns in _columns(chart).items():
+            if not _same(self._sent.get(name), columns):
+                self._sent[name] = columns
+                self._sources[name].data = dict(columns)
+        if isinstance(chart, Chart):
+            self._feed_ranges(chart)
+
+    def _feed_ranges(self, chart: Chart) -> None:
+        for span in chart.spans:
+            box, label = self._spans[span.key]
+            if (box.left, box.right) != (span.start, span.stop):
+                box.update(left=span.start, right=span.stop)
+                label.x = span.start
+        if chart.y_range is not None and (self.plot.y_range.start, self.plot.y_range.end) != chart.y_range:
+            start, end = chart.y_range
+            self.plot.y_range.update(start=start, end=end, reset_start=start, reset_end=end)
+
+
+def to_bokeh(chart: Chart | BarChart, height: int = 320) -> Figure:
+    """A figure for a chart, as wide as its place."""
+    return _curves(chart, height) if isinstance(chart, Chart) else _bars(chart, height)
+
+
+def _columns(chart: Chart | BarChart) -> dict[str, dict[str, Any]]:
+    """Source name -> columns. Lines that share an x array share a source."""
+    if isinstance(chart, BarChart):
+        return _bar_columns(chart)
+    columns: dict[str, dict[str, Any]] = {}
+    for line in chart.lines:
+        columns.setdefault(_line_source(chart, line.x), {"x": line.x})[_column(line)] = line.y
+    for band in chart.bands:
+        columns[f"band {band.key}"] = {"x": band.x, "low": band.low, "high": band.high}
+    for points in chart.points:
+        columns[f"points {points.key}"] = {"x": points.x, "y": points.y, "name": list(points.names)}
+    if chart.limits:
+        columns["limits"] = {
+            "x0": [limit.start for limit in chart.limits],
+            "x1": [limit.stop for limit in chart.limits],
+            "y": [limit.level for limit in chart.limits],
+            "name": [limit.label for limit in chart.limits],
+        }
+    return columns
+
+
+def _column(line: Line) -> str:
+    """A line's column is called what its hover says, so one tool serves all lines of a figure."""
+    return f"{line.label}: {line.source}"
+
+
+def _line_source(chart: Chart, x: Any) -> str:
+    return f"lines {next(i for i, line in enumerate(chart.lines) if line.x is x)}"
+
+
+def _same(old: dict[str, Any] | None, new: dict[str, Any]) -> bool:
+    return old is not None and all(
+        old[key] is value
+        or (
+            np.array_equal(old[key], value, equal_nan=True)
+            if isinstance(value, np.ndarray)
+            else repr(old[key]) == repr(value)
+        )
+        for key, value in new.items()
+    )
+
+
+def _curves(chart: Chart, height: int) -> Figure:
+    plot = figure(
+        name=chart.key,
+        height=height,
+        sizing_mode="stretch_width",
+        x_axis_type="log" if chart.x_log else "linear",
+        y_axis_type="log" if chart.y_log else "linear",
+        x_axis_label=chart.x_label,
+        y_axis_label=chart.y_label,
+        tools=_TOOLS,
+        toolbar_location="right",
+        active_drag=None,
+        **({"y_range": Range1d(*chart.y_range)} if chart.y_range else {}),
+    )
+    plot.toolbar.logo = None
+    columns = _columns(chart)
+    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
+    for band in chart.bands:
+        style = STYLES[band.style]
+        plot.varea("x", "low", "high", source=sources[f"band {band.key}"], fill_color=style.colour, fill_alpha=0.25)
+    lines = []
+    for line in chart.lines:
+        style = STYLES[line.style]
+        renderer = plot.line(
+            "x",
+            _column(line),
+            name=_column(line),
+            source=sources[_line_source(chart, line.x)],
+            line_color=style.colour,
+            line_dash=style.dash,
+            line_width=style.width,
+        )
+        lines.append(renderer)
+    x_unit, y_unit = _unit(chart.x_label), _unit(chart.y_label)
+    _hover(plot, lines, f"<b>$name</b><br>@$name{{0.000e+0}} {y_unit} at @x{{0.000}} {x_unit}")
+    for points in chart.points:
+        style = STYLES[points.style]
+        source = sources[f"points {points.key}"]
+        renderer = plot.scatter(
+            "x", "y", source=source, marker=points.marker, size=9, fill_color=style.colour, line_color=style.colour
+        )
+        _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
+    if chart.limits:
+        style = STYLES["limit"]
+        renderer = plot.segment(
+            "x0", "y", "x1", "y", source=sources["limits"],
+            line_color=style.colour, line_dash=style.dash, line_width=style.width,
+        )  # fmt: skip
+        _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
+    plot.styles = _TEXT_SIZE
+    for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
+        if is_log:
+            axis.formatter = CustomJSTickFormatter(code=_LOG_TICKS)
+    return Figure(plot, sources, dict(columns), spans)
+
+
+def _unit(label: str) -> str:
+    return label.rpartition("[")[2].rstrip("]")
+
+
+def _hover(plot: figure, renderers: list[Any], tooltip: str) -> None:
+    plot.add_tools(HoverTool(renderers=renderers, tooltips=tooltip, visible=False))
+
+
+def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnotation, Label]:
+    box = BoxAnnotation(left=start, right=stop, fill_color="#7b8794", fill_alpha=0.18, line_alpha=0)
+    label = Label(x=start, y=6, x_offset=3, y_units="screen", text=text, text_font_size="11px", text_color="#7b8794")
+    plot.add_layout(box)
+    plot.add_layout(label)
+    return box, label
+
+
+def _bar_columns(chart: BarChart) -> dict[str, dict[str, Any]]:
+    rows = chart.bars[::-1]  # Bokeh counts rows from below
+    names = ("label", "first", "second", "first_mm", "second_mm", "source")
+    limits = {"first": chart.first_limit, "second": chart.second_limit}
+    return {
+        "bars": {name: [getattr(bar, name) for bar in rows] for name in names},
+        **{f"limit {kind}": {"x": [x], "low": [0.0], "high": [float(len(rows))]} for kind, x in limits.items()},
+    }
+
+
+def _bars(chart: BarChart, height: int) -> Figure:
+    columns = _bar_columns(chart)
+    plot = figure(
+        name=chart.key,
+        height=height,
+        sizing_mode="stretch_width",
+        y_range=FactorRange(*columns["bars"]["label"]),
+        x_axis_label=chart.x_label,
+        tools=_TOOLS,
+        toolbar_location="right",
+        active_drag=None,
+    )
+    plot.toolbar.logo = None
+    plot.x_range.start = 0
+    plot.ygrid.grid_line_color = None
+    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    for kind, offset, (style, hatched, dash) in zip(("first", "second"), (0.19, -0.19), BAR_STYLES, strict=True):
+        colour = STYLES[style].colour
+        bars = plot.hbar(
+            y=dodge("label", offset, range=plot.y_range),
+            left=0,
+            right=kind,
+            height=0.34,
+            source=sources["bars"],
+            fill_color=colour,
+            line_color=colour,
+            fill_alpha=0.25 if hatched else 0.85,
+            hatch_pattern="/" if hatched else None,
+            hatch_color=colour,
+        )
+        plot.segment(
+            "x", "low", "x", "high", source=sources[f"limit {kind}"],
+            line_color=STYLES["limit"].colour, line_dash=dash, line_width=2,
+        )  # fmt: skip
+        tooltip = f"<b>@label</b><br>@{kind}{{0.000}}° = @{kind}_mm{{0.0000}} mm<br>@source"
+        _hover(plot, [bars], tooltip)
+    plot.styles = _TEXT_SIZE
+    return Figure(plot, sources, dict(columns))

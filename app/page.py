@@ -1,0 +1,233 @@
+"""The frame around every page: the design on the left, the tools on top, the pages as tabs."""
+
+from __future__ import annotations
+
+import functools
+import html
+import importlib
+import io
+import re
+from collections.abc import Awaitable, Callable
+from typing import Any, Protocol
+
+import panel as pn
+import panel_material_ui as pmui
+from panel.util import edit_readonly
+
+from app.controls import SECTION_TITLES, Control, section_controls
+from app.report import report_of_text
+from app.state import Session
+from app.theme import DARK, LIGHT
+from app.workers import elsewhere
+from nav_model.budget import Budget
+from nav_model.design_file import MAX_BYTES, format_design, parse_design
+from nav_model.inputs import DesignError
+from nav_model.link import to_query
+from nav_model.parts import INPUTS
+
+
+class Page(Protocol):
+    """What a tab must offer."""
+
+    view: Any
+
+    def show(self, budget: Budget) -> None:
+        """Follow the budget in force."""
+
+
+PAGES: tuple[tuple[str, str], ...] = (("Budget", "app.pages.budget:BudgetPage"),)
+"""The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
+
+A page is imported and built when its tab is first opened, so a tab costs the first screen nothing.
+"""
+
+
+_FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with
+
+
+class Frame:
+    """The page of one session."""
+
+    def __init__(self, session: Session, notice: str = "") -> None:
+        self.session = session
+        self._controls: list[Control] = []
+        self._pages: dict[int, Page] = {}
+        self._places = [pn.Column(sizing_mode="stretch_width", margin=0) for _ in PAGES]
+        self._notice = pmui.Alert(
+            object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
+        )
+        self._tabs = pn.Tabs(
+            *((name, place) for (name, _), place in zip(PAGES, self._places, strict=True)),
+            dynamic=True,
+            active=_asked_for(),
+            sizing_mode="stretch_width",
+        )
+        self._open_page(self._tabs.active)
+        self.view = self._shell()
+        session.param.watch(self._show, "budget")
+        self._tabs.param.watch(self._turned, "active")
+
+    def _show(self, event: Any) -> None:
+        budget: Budget = event.new
+        with pn.io.hold():
+            for control in self._controls:
+                control.show(budget.design)
+            self._pages[self._tabs.active].show(budget)
+            self._follow_name(budget)
+
+    def _turned(self, event: Any) -> None:
+        self._open_page(event.new)
+        self._pages[event.new].show(self.session.budget)
+        if pn.state.location:
+            pn.state.location.hash = f"#{PAGES[event.new][0].lower()}"
+
+    def _open_page(self, index: int) -> None:
+        if index not in self._pages:
+            module, _, name = PAGES[index][1].partition(":")
+            page: Page = getattr(importlib.import_module(module), name)(self.session)
+            self._pages[index] = page
+            self._places[index].append(page.view)
+
+    # --- the frame's parts -----------------------------------------------------------------------------
+
+    def _shell(self) -> pmui.Page:
+        mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
+        page = pmui.Page(
+            title="NavBudget",
+            sidebar=self._sidebar(),
+            main=[pn.Column(self._toolbar(), self._notice, self._tabs, sizing_mode="stretch_width")],
+            sidebar_open=not mobile,
+            sidebar_width=340,
+            sidebar_resizable=False,
+            theme_config={"light": LIGHT, "dark": DARK},
+        )
+        # As shipped, Page follows one busy flag of the whole server: every event of every user would redraw
+        # every page. It follows this session's own long runs instead.
+        with edit_readonly(page):
+            page.busy = self.session.param.running
+        return page
+
+    def _sidebar(self) -> list[Any]:
+        self._explained = pmui.Switch(label="Explain every input", description="", margin=(6, 10))
+        self._sections = [pn.Column(margin=0, sizing_mode="stretch_width") for _ in INPUTS]
+        accordion = pmui.Accordion(
+            *zip((SECTION_TITLES[section] for section in INPUTS), self._sections, strict=True),
+            active=list(_FIRST_OPEN),
+            toggle=False,
+            title_variant="subtitle1",
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+        for index in _FIRST_OPEN:
+            self._fill_section(index)
+        accordion.param.watch(lambda event: [self._fill_section(index) for index in event.new], "active")
+        self._explained.param.watch(self._explain, "value")
+        self._name = pmui.TextInput(
+            label="Design", description="", size="small", max_length=200, margin=(14, 10, 0, 10),
+            sizing_mode="stretch_width", value=self.session.design.name,
+        )  # fmt: skip
+        self._name.param.watch(lambda event: self.session.change({"name": event.new}), "value")
+        return [self._name, self._explained, accordion]
+
+    def _fill_section(self, index: int) -> None:
+        """Build a section's controls when it is first opened: a page of closed sections loads faster."""
+        if self._sections[index].objects:
+            return
+        controls = section_controls(self.session, list(INPUTS)[index])
+        for control in controls:
+            control.explain(self._explained.value)
+        self._controls += controls
+        self._sections[index].objects = [control.view for control in controls]
+
+    def _explain(self, event: Any) -> None:
+        with pn.io.hold():
+            for control in self._controls:
+                control.explain(event.new)
+
+    def _follow_name(self, budget: Budget) -> None:
+        if self._name.value != budget.design.name:
+            self._name.value = budget.design.name
+
+    def _toolbar(self) -> pn.FlexBox:
+        session = self.session
+        undo = _tool("Undo", "undo", disabled=session.param.can_undo.rx.not_())
+        redo = _tool("Redo", "redo", disabled=session.param.can_redo.rx.not_())
+        reset, link = _tool("Reset", "restart_alt"), _tool("Link", "link")
+        undo.on_click(lambda _: session.undo())
+        redo.on_click(lambda _: session.redo())
+        reset.on_click(lambda _: session.reset())
+        link.on_click(self._put_link)
+        self._open = pmui.FileInput(
+            label="Open", accept=".toml", icon="folder_open", max_file_size=MAX_BYTES, **_TOOL_LOOK
+        )
+        self._open.param.watch(self._opened, "value")
+        return pn.FlexBox(
+            undo,
+            redo,
+            reset,
+            self._open,
+            self._download("Save", "save", "toml", self._toml),
+            link,
+            self._download("HTML report", "description", "html", functools.partial(self._report, "html")),
+            self._download("PDF report", "picture_as_pdf", "pdf", functools.partial(self._report, "pdf")),
+            sizing_mode="stretch_width",
+            margin=(2, 6, 0, 6),
+        )
+
+    def _download(self, label: str, icon: str, suffix: str, make: Callable[[], Awaitable[io.BytesIO]]) -> Any:
+        button = pmui.FileDownload(callback=make, filename=f"design.{suffix}", label=label, icon=icon, **_TOOL_LOOK)
+        self.session.param.watch(
+            lambda event: setattr(button, "filename", f"{_slug(event.new.design.name)}.{suffix}"), "budget"
+        )
+        button.filename = f"{_slug(self.session.design.name)}.{suffix}"
+        return button
+
+    async def _toml(self) -> io.BytesIO:
+        return io.BytesIO(format_design(self.session.design).encode("utf-8"))
+
+    async def _report(self, suffix: str) -> io.BytesIO:
+        self.session.running = True
+        try:
+            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), suffix))
+        finally:
+            self.session.running = False
+
+    def _opened(self, event: Any) -> None:
+        if not event.new:
+            return
+        name = str(self._open.filename or "file")
+        try:
+            problem = self.session.adopt(parse_design(event.new, name))
+        except DesignError as error:
+            problem = error
+        self._say(f"Not opened. {problem}" if problem else "")
+
+    def _put_link(self, _: Any) -> None:
+        query = to_query(self.session.design)
+        location = pn.state.location
+        if location:
+            location.search = f"?{query}"
+            address = f"{location.protocol}//{location.hostname}"
+            address += f":{location.port}" if location.port else ""
+            self._say(f"The link to this design is in the address bar: {address}{location.pathname}?{query}", "info")
+
+    def _say(self, text: str, severity: str = "error") -> None:
+        self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
+
+
+def _asked_for() -> int:
+    """The tab the address names behind its #."""
+    wanted = (pn.state.location.hash if pn.state.location else "").lstrip("#").lower()
+    return next((i for i, (name, _) in enumerate(PAGES) if name.lower() == wanted), 0)
+
+
+_TOOL_LOOK: dict[str, Any] = {"description": "", "variant": "text", "size": "small", "margin": 2}
+
+
+def _tool(label: str, icon: str, **params: Any) -> pmui.Button:
+    return pmui.Button(label=label, icon=icon, **_TOOL_LOOK, **params)
+
+
+def _slug(name: str) -> str:
+    """A design's name as the stem of a file."""
+    return re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()[:60] or "design"

@@ -1,0 +1,95 @@
+"""What one person has on the screen: the design in force, its budget, and the way back.
+
+No widget lives here. Controls call `change`; pages watch `budget`. A change that is refused leaves everything
+as it was and comes back as the message to show.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+
+import param
+
+from nav_model.budget import Budget, analyse
+from nav_model.design import Design, Value
+from nav_model.inputs import DesignError
+
+_MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
+_HISTORY = 200
+
+
+class Session(param.Parameterized):
+    """The design in force and its history.
+
+    ``budget`` changes with every accepted change; ``design`` is always ``budget.design``. ``running`` is for
+    long work of this person alone.
+    """
+
+    budget: Budget = param.ClassSelector(class_=Budget, allow_None=False, instantiate=False)
+    running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
+    can_undo = param.Boolean(default=False)
+    can_redo = param.Boolean(default=False)
+
+    def __init__(self, design: Design) -> None:
+        super().__init__(budget=analyse(design))
+        self.start = design
+        self._past: list[Design] = []
+        self._future: list[Design] = []
+        self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)
+
+    @property
+    def design(self) -> Design:
+        """The design in force."""
+        return self.budget.design
+
+    def change(self, changes: Mapping[str, Value], written: Mapping[str, str] | None = None) -> DesignError | None:
+        """Put changes (dotted keys, SI) in force; returns what is wrong with them, if anything."""
+        return self._adopt(lambda: self.design.replace(changes, written), frozenset(changes))
+
+    def adopt(self, design: Design) -> DesignError | None:
+        """Put a whole design in force: an opened file, a preset, a link."""
+        return self._adopt(lambda: design, frozenset())
+
+    def _adopt(self, make: Callable[[], Design], keys: frozenset[str]) -> DesignError | None:
+        before = self.design
+        try:
+            design = make()
+            if design == before:
+                if dict(design.written) != dict(before.written):  # a unit was chosen: shown, not undone
+                    self.budget = analyse(design)
+                return None
+            budget = analyse(design)
+        except DesignError as error:
+            return error
+        last_keys, when = self._last
+        now = time.monotonic()
+        if not (keys and keys == last_keys and now - when < _MERGE_SECONDS and self._past):
+            self._past = [*self._past[1 - _HISTORY :], before]
+        self._last = (keys, now)
+        self._future = []
+        self._show(budget)
+        return None
+
+    def undo(self) -> None:
+        """Back to the design before the last change."""
+        if self._past:
+            self._future.append(self.design)
+            self._step(self._past.pop())
+
+    def redo(self) -> None:
+        """Forward again to the design undone."""
+        if self._future:
+            self._past.append(self.design)
+            self._step(self._future.pop())
+
+    def reset(self) -> DesignError | None:
+        """Back to the design the session started with; can be undone."""
+        return self.adopt(self.start)
+
+    def _step(self, design: Design) -> None:
+        self._last = (frozenset(), 0.0)
+        self._show(analyse(design))
+
+    def _show(self, budget: Budget) -> None:
+        self.param.update(budget=budget, can_undo=bool(self._past), can_redo=bool(self._future))

@@ -1,0 +1,159 @@
+"""Fit of one axis as real logs need it: sensor filters, vibration lines and departures from the model are
+found first.
+
+A clean log is fitted over its whole band with nothing removed. Where the five terms do not describe the log,
+the top of the band (anti-alias filter) and narrow lines (vibration) are set aside, and what departure remains
+enters every interval as a relative model error. A log that departs by more than `WORST_MODEL_ERROR` yields no
+coefficient at all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.allan.likelihood import SpectrumFit, fit_spectrum, fitted_spectrum
+from nav_model.allan.noise_terms import FloatArray
+from nav_model.allan.spectrum import CosineSpectrum
+
+# Set between the logs at hand: 0.06 at most for the ADIS16405 at rest, above 0.7 for the disturbed laser.
+# Relative standard deviation of the measured power about the fitted one past which nothing is reported.
+WORST_MODEL_ERROR = 0.4
+# Departures below this need no narrower band: they move a coefficient by half as much.
+TOLERATED_MODEL_ERROR = 0.05
+# Standard scores of the goodness of fit; 4 refuses a true model about once in 10,000 logs.
+ADEQUATE_SCORE = 4.0
+
+_BAND_HALVINGS = 3
+_ROUNDS = 4
+_PRECISE_COUNT = 50.0
+_LINE_LOG_EXCESS = 0.35
+_LINE_SCORES = 5.0
+_LINE_TAIL = 20.0
+_MOST_LINES = 0.25
+_MAD_TO_SIGMA = 1.4826
+
+
+@dataclass(frozen=True)
+class AxisFit:
+    """The fit with what was set aside: `band_hz` is its top frequency, `lines_hz` the lines left out.
+
+    `clean` says that the whole band was used, nothing was left out and the goodness of fit is within
+    ADEQUATE_SCORE; `model_error` is the relative standard deviation of power left over (0 when clean).
+    """
+
+    fit: SpectrumFit
+    clean: bool
+    band_hz: float
+    band_cut: bool
+    lines_hz: tuple[float, ...]
+    model_error: float
+
+
+def fit_axis(spectrum: CosineSpectrum) -> AxisFit:
+    """Fit the five terms to one axis, narrowing the band only when the log demands it."""
+    everything = np.ones(len(spectrum.power), dtype=np.bool_)
+    nyquist = 0.5 / spectrum.interval_s
+    model, residual = fitted_spectrum(spectrum, everything, 0.0)
+    clean = fit_score(spectrum.count, residual / model) < ADEQUATE_SCORE
+    chosen = _Selection(everything, 0.0, nyquist, model)
+    if not clean or np.any(_narrow_lines(spectrum, model)):
+        clean = False
+        chosen = _select(spectrum, nyquist)
+        for halving in range(1, _BAND_HALVINGS + 1):
+            if chosen.model_error <= TOLERATED_MODEL_ERROR:
+                break
+            candidate = _select(spectrum, nyquist / 2**halving)
+            if candidate.model_error < chosen.model_error:
+                chosen = candidate
+    set_aside = (spectrum.frequency_hz <= chosen.band_hz) & ~chosen.used
+    return AxisFit(
+        fit=fit_spectrum(spectrum, chosen.used, chosen.model_error),
+        clean=clean,
+        band_hz=chosen.band_hz,
+        band_cut=chosen.band_hz < nyquist,
+        lines_hz=_merge_lines(spectrum, set_aside, chosen.model),
+        model_error=chosen.model_error,
+    )
+
+
+def fit_score(count: FloatArray, ratio: FloatArray) -> float:
+    """Standard score of the deviance of bins of `count` coefficients; about normal(0, 1) when the model
+    holds.
+
+    `ratio` is measured over fitted power, same shape as `count`.
+    """
+    from scipy.special import polygamma, psi
+
+    ratio = np.maximum(ratio, np.finfo(np.float64).tiny)
+    deviance = count * (ratio - 1.0 - np.log(ratio))
+    expected = count * (np.log(count / 2.0) - psi(count / 2.0))
+    variance = count**2 * (polygamma(1, count / 2.0) - 2.0 / count)
+    return float((deviance - expected).sum() / np.sqrt(variance.sum()))
+
+
+@dataclass(frozen=True)
+class _Selection:
+    used: NDArray[np.bool_]
+    model_error: float
+    band_hz: float
+    model: FloatArray
+
+
+def _select(spectrum: CosineSpectrum, band_hz: float) -> _Selection:
+    """Set lines aside below `band_hz` and measure the departure that remains, in rounds of refitting."""
+    in_band = spectrum.frequency_hz <= band_hz
+    upper = in_band & (spectrum.count > 1)
+    used, model_error = in_band, 0.0
+    model, residual = fitted_spectrum(spectrum, used, model_error)
+    for _ in range(_ROUNDS):
+        log_ratio = np.log(spectrum.power / model)
+        usual = _usual_departure(log_ratio[upper], spectrum.count[upper])
+        limit = np.maximum(_LINE_LOG_EXCESS, _LINE_SCORES * np.sqrt(2.0 / spectrum.count + usual**2))
+        lines = upper & (log_ratio > limit)
+        if usual < WORST_MODEL_ERROR:
+            lines |= upper & _narrow_lines(spectrum, model)
+        if np.count_nonzero(lines) > _MOST_LINES * np.count_nonzero(upper):
+            lines = np.zeros_like(lines)
+        used = in_band & ~lines
+        kept = used & upper
+        model_error = _model_error(log_ratio[kept], spectrum.count[kept])
+        model, residual = fitted_spectrum(spectrum, used, model_error)
+    if fit_score(spectrum.count[used], (residual / model)[used]) < ADEQUATE_SCORE:
+        model_error = 0.0
+    return _Selection(used, model_error, band_hz, model)
+
+
+def _narrow_lines(spectrum: CosineSpectrum, model: FloatArray) -> NDArray[np.bool_]:
+    """Bins where one coefficient is larger than Gaussian noise allows (about once in 60,000 bins)."""
+    largest = spectrum.peak * spectrum.power / model
+    return np.asarray((spectrum.count > 8) & (largest > 2.0 * np.log(spectrum.count) + _LINE_TAIL))
+
+
+def _usual_departure(log_ratio: FloatArray, count: FloatArray) -> float:
+    """Robust relative scatter of power about the model beyond the counts' own, blind to a few lines."""
+    spread = _MAD_TO_SIGMA * float(np.median(np.abs(log_ratio)))
+    return float(np.sqrt(max(0.0, spread**2 - float(np.median(2.0 / count)))))
+
+
+def _model_error(log_ratio: FloatArray, count: FloatArray) -> float:
+    """Rms relative departure of power from the model beyond what the counts explain, lines already gone.
+
+    Not robust on purpose: a spectrum that collapses above a body's sway is a minority of bins and the whole
+    story. Bins of few coefficients, whose own scatter would hide a departure, are left to the goodness of
+    fit.
+    """
+    precise = count >= min(_PRECISE_COUNT, float(np.median(count)))
+    return float(np.sqrt(max(0.0, float(np.mean(log_ratio[precise] ** 2 - 2.0 / count[precise])))))
+
+
+def _merge_lines(spectrum: CosineSpectrum, lines: NDArray[np.bool_], model: FloatArray) -> tuple[float, ...]:
+    """One frequency per run of neighbouring line bins: that of its strongest bin."""
+    index = np.flatnonzero(lines)
+    if not len(index):
+        return ()
+    runs = np.split(index, np.flatnonzero(np.diff(index) > 1) + 1)
+    strength = spectrum.power * spectrum.peak / model
+    return tuple(float(spectrum.peak_frequency_hz[run[np.argmax(strength[run])]]) for run in runs)

@@ -1,0 +1,164 @@
+"""Delimited text -> names and a float table; malformed input refused by line."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+from typing import BinaryIO
+
+import numpy as np
+
+from nav_model.allan.log_names import LogFormatError
+from nav_model.allan.noise_terms import FloatArray
+
+_CHUNK_LINES = 50_000
+_HEADER_LINES = 200
+_LONGEST_LINE = 10_000
+
+
+@dataclass(frozen=True)
+class CsvTable:
+    """`names` (None without a header), the file's line of row 0, and the rate a comment states or None."""
+
+    names: tuple[str, ...] | None
+    data: FloatArray
+    first_line: int
+    rate_hz: float | None
+
+
+def read_csv_table(stream: BinaryIO, file_name: str, most_rows: int) -> CsvTable:
+    """Read comma, semicolon, tab or blank separated numbers, with or without header and #/% comment lines.
+
+    Nothing but decimal numbers is accepted below the header. Raises LogFormatError with the line number for
+    text, empty fields, a changed number of columns, NaN or infinity, more than `most_rows` rows, or text that
+    is not UTF-8.
+    """
+    text = io.TextIOWrapper(stream, encoding="utf-8-sig", newline=None)
+    try:
+        return _read(text, file_name, most_rows)
+    except UnicodeDecodeError as error:
+        raise LogFormatError(f"{file_name}: not a text file (byte {error.start} is not UTF-8)") from error
+    finally:
+        text.detach()
+
+
+def _read(text: io.TextIOWrapper, file_name: str, most_rows: int) -> CsvTable:
+    header: list[str] = []
+    first = ""
+    for _ in range(_HEADER_LINES):
+        line = text.readline(_LONGEST_LINE)
+        if line == "":
+            raise LogFormatError(f"{file_name}: no numbers found")
+        if len(line) >= _LONGEST_LINE:
+            raise LogFormatError(f"{file_name}, line {len(header) + 1}: longer than {_LONGEST_LINE} characters")
+        if _is_data(line):
+            first = line
+            break
+        header.append(line)
+    if not first:
+        raise LogFormatError(f"{file_name}: the first {_HEADER_LINES} lines hold no numbers; not an inertial log")
+    delimiter = next((mark for mark in ",;\t" if mark in first), None)
+    columns = len(_fields(first, delimiter))
+    names = _names(header, delimiter, columns)
+    first_line = len(header) + 1
+    blocks: list[FloatArray] = []
+    line_number, rows = first_line, 0
+    pending = [first, *_lines(text, _CHUNK_LINES - 1)]
+    while pending:
+        block = _parse(pending, delimiter, columns, file_name, line_number)
+        rows += len(block)
+        if rows > most_rows:
+            raise LogFormatError(f"{file_name}: more than {most_rows} rows; cut the log or raise the limit")
+        blocks.append(block)
+        line_number += len(pending)
+        pending = list(_lines(text, _CHUNK_LINES))
+    return CsvTable(names, np.concatenate(blocks), first_line, _rate(header))
+
+
+def _lines(text: io.TextIOWrapper, count: int) -> Iterator[str]:
+    for line in islice(text, count):
+        if len(line) > _LONGEST_LINE:
+            raise LogFormatError(f"a line is longer than {_LONGEST_LINE} characters; not an inertial log")
+        yield line
+
+
+def _fields(line: str, delimiter: str | None) -> list[str]:
+    fields = [field.strip() for field in line.strip().split(delimiter)]
+    return fields[:-1] if delimiter and len(fields) > 1 and fields[-1] == "" else fields
+
+
+def _is_number(field: str) -> bool:
+    try:
+        float(field)
+    except ValueError:
+        return False
+    return True
+
+
+def _is_data(line: str) -> bool:
+    stripped = line.strip()
+    if not stripped or stripped[0] in "#%":
+        return False
+    fields = [field for field in re.split(r"[,;\s]+", stripped) if field]
+    return bool(fields) and _is_number(fields[0])
+
+
+def _names(header: list[str], delimiter: str | None, columns: int) -> tuple[str, ...] | None:
+    for line in reversed(header):
+        fields = _fields(line.strip().lstrip("#%").strip(), delimiter)
+        if len(fields) == columns and not all(_is_number(field) for field in fields):
+            return tuple(fields)
+    return None
+
+
+def _rate(header: list[str]) -> float | None:
+    for line in header:
+        match = re.search(
+            r"\b(?:rate|fs|frequency|sampling)\w*\s*[:=]?\s*([0-9.]+(?:e[-+]?\d+)?)\s*(k?)hz", line.lower()
+        )
+        if match:
+            return float(match.group(1)) * (1000.0 if match.group(2) else 1.0)
+    return None
+
+
+def _parse(lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int) -> FloatArray:
+    kept = [line for line in lines if line.strip()]
+    if delimiter is not None and kept and kept[0].rstrip().endswith(delimiter):
+        kept = [line.rstrip().removesuffix(delimiter) for line in kept]
+    if not kept:
+        return np.empty((0, columns))
+    try:
+        block = np.loadtxt(kept, delimiter=delimiter, comments=None, ndmin=2, dtype=np.float64)
+    except ValueError as error:
+        raise _complaint(lines, delimiter, columns, file_name, first_line) or LogFormatError(
+            f"{file_name}: {error}"
+        ) from error
+    if block.shape[1] != columns or not np.all(np.isfinite(block)):
+        raise _complaint(lines, delimiter, columns, file_name, first_line) or LogFormatError(
+            f"{file_name}: {block.shape[1]} columns from line {first_line}, {columns} before"
+        )
+    return np.asarray(block)
+
+
+def _complaint(
+    lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int
+) -> LogFormatError | None:
+    """What is wrong with the first bad line, found slowly once the fast parser has refused."""
+    for offset, line in enumerate(lines):
+        if not line.strip():
+            continue
+        where = f"{file_name}, line {first_line + offset}"
+        fields = _fields(line, delimiter)
+        if len(fields) != columns:
+            return LogFormatError(f"{where}: {len(fields)} columns, {columns} in the lines before")
+        for column, field in enumerate(fields, start=1):
+            if not _is_number(field):
+                shown = field[:40] or "nothing"
+                return LogFormatError(f"{where}, column {column}: {shown!r} is not a number")
+            if not math.isfinite(float(field)):
+                return LogFormatError(f"{where}, column {column}: {field[:40]!r}; only finite numbers are allowed")
+    return None

@@ -1,0 +1,166 @@
+"""In-motion log -> effective noise from high-passed residuals, as a vibration factor over the bench noise.
+
+Above the vehicle's own motion (a few hertz) what a strapdown sensor measures is noise plus vibration. The
+residual there is expressed as the white noise of equal power: the Hann-windowed spectrum of short blocks
+restricted to the band is the high-passed residual (the window keeps strong slow motion from leaking into it),
+and its mean density is the effective random walk squared. The design's `vibration_factor` is this over the
+bench value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nav_model.allan.imu_log import ImuLog
+from nav_model.allan.noise_terms import FloatArray
+from nav_model.allan.result import UNITS, Provenance
+
+DEFAULT_BAND_FROM_HZ = 10.0
+BLOCK_S = 5.0
+
+_FEWEST_COEFFICIENTS = 50
+
+
+@dataclass(frozen=True)
+class BenchNoise:
+    """Random walks at rest, [rad/√s] and [m/s/√s]; None where not known."""
+
+    angle_random_walk: float | None = None
+    velocity_random_walk: float | None = None
+
+
+@dataclass(frozen=True)
+class AxisMotionNoise:
+    """Effective random walk of one axis over `band_hz` [rad/√s or m/s/√s].
+
+    `effective` is the rms over the log, `typical` the median block, `low` and `high` the 5th and 95th
+    percentile of the blocks of BLOCK_S seconds; `factor` is effective over bench, None without a bench value.
+    """
+
+    name: str
+    quantity: str
+    effective: float
+    typical: float
+    low: float
+    high: float
+    factor: float | None
+
+
+@dataclass(frozen=True)
+class MotionAnalysis:
+    """Effective noise of all axes; factors are rms over a triad, `vibration_factor` the larger of the two."""
+
+    axes: tuple[AxisMotionNoise, ...]
+    band_hz: tuple[float, float]
+    gyro_factor: float | None
+    accelerometer_factor: float | None
+    vibration_factor: float | None
+    provenance: Provenance
+
+
+def analyse_motion(
+    log: ImuLog,
+    bench: BenchNoise | None = None,
+    band_from_hz: float = DEFAULT_BAND_FROM_HZ,
+    progress: Callable[[float, str], None] | None = None,
+) -> MotionAnalysis:
+    """Effective noise of a moving log above `band_from_hz` (below it the vehicle's motion rules), up to half
+    the rate.
+
+    Raises ValueError when the band holds too little of a block, the log is shorter than two blocks, or a
+    bench value is not positive.
+    """
+    bench = bench or BenchNoise()
+    for field, value in (
+        ("angle_random_walk", bench.angle_random_walk),
+        ("velocity_random_walk", bench.velocity_random_walk),
+    ):
+        if value is not None and not 0.0 < value < np.inf:
+            raise ValueError(f"bench {field}: {value}; a positive number is needed")
+    nyquist = log.rate_hz / 2.0
+    length = round(BLOCK_S * log.rate_hz)
+    first = int(np.ceil(band_from_hz * length / log.rate_hz))
+    if band_from_hz <= 0.0 or length // 2 - first < _FEWEST_COEFFICIENTS:
+        raise ValueError(
+            f"band_from_hz: {band_from_hz:g}; it must lie between 0 and well below half the rate, {nyquist:g} Hz"
+        )
+    if log.samples < 2 * length:
+        raise ValueError(f"log: {log.duration_s:.3g} s; at least {2 * BLOCK_S:g} s are needed")
+    axes = log.axes()
+    if not axes:
+        raise ValueError("log: neither gyro nor accelerometer data; at least one is needed")
+    found = []
+    for index, (name, quantity, signal) in enumerate(axes):
+        if progress is not None:
+            progress(index / len(axes), name)
+        reference = bench.angle_random_walk if quantity == "gyro" else bench.velocity_random_walk
+        found.append(_axis(name, quantity, signal, log.rate_hz, length, first, reference))
+    factors = {quantity: _triad([a.factor for a in found if a.quantity == quantity]) for quantity in UNITS}
+    known = [factor for factor in factors.values() if factor is not None]
+    return MotionAnalysis(
+        axes=tuple(found),
+        band_hz=(band_from_hz, nyquist),
+        gyro_factor=factors["gyro"],
+        accelerometer_factor=factors["accelerometer"],
+        vibration_factor=max(known) if known else None,
+        provenance=Provenance(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading),
+    )
+
+
+def _axis(
+    name: str, quantity: str, signal: FloatArray, rate_hz: float, length: int, first: int, bench: float | None
+) -> AxisMotionNoise:
+    from scipy.fft import rfft
+
+    blocks = len(signal) // length
+    stacked = signal[: blocks * length].reshape(blocks, length)
+    time = np.arange(length) - (length - 1) / 2.0
+    slope = stacked @ time / (time @ time)
+    residual = stacked - stacked.mean(axis=1, keepdims=True) - slope[:, None] * time
+    window = np.hanning(length)
+    spectrum = rfft(residual * window, axis=1)[:, first : length // 2]
+    density = np.mean(np.abs(spectrum) ** 2, axis=1) / (window @ window) / rate_hz
+    effective = float(np.sqrt(density.mean()))
+    low, typical, high = (float(value) for value in np.sqrt(np.percentile(density, [5.0, 50.0, 95.0])))
+    factor = None if bench is None else effective / bench
+    return AxisMotionNoise(name, quantity, effective, typical, low, high, factor)
+
+
+def _triad(factors: list[float | None]) -> float | None:
+    known = [factor for factor in factors if factor is not None]
+    return float(np.sqrt(np.mean(np.square(known)))) if known else None
+
+
+def motion_to_json(result: MotionAnalysis) -> dict[str, Any]:
+    """The analysis as JSON-ready data, effective noise in the units of the random walks (result.UNITS)."""
+    axes = []
+    for axis in result.axes:
+        unit, si = UNITS[axis.quantity]["random_walk"]
+        axes.append(
+            {
+                "name": axis.name,
+                "effective": {
+                    "value": axis.effective / si,
+                    "typical": axis.typical / si,
+                    "low": axis.low / si,
+                    "high": axis.high / si,
+                    "unit": unit,
+                },
+                "factor": axis.factor,
+            }
+        )
+    return {
+        "axes": axes,
+        "band_hz": list(result.band_hz),
+        "gyro_factor": result.gyro_factor,
+        "accelerometer_factor": result.accelerometer_factor,
+        "vibration_factor": result.vibration_factor,
+        "file": result.provenance.file_name,
+        "sha256": result.provenance.sha256,
+        "rate_hz": result.provenance.rate_hz,
+        "duration_s": result.provenance.duration_s,
+    }

@@ -1,0 +1,85 @@
+"""What a reader must know before trusting a static log: movement, temperature, coarse counts, wrong units."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nav_model.allan.imu_log import ImuLog
+from nav_model.allan.noise_terms import FloatArray
+from nav_model.allan.result import STANDARD_GRAVITY
+
+_BLOCKS = 60
+_BURST_RATIO = 1.3
+_BURST_SCORES = 6.0
+_GRAVITY_TOLERANCE = 0.03
+_FASTEST_MEAN_RATE = np.radians(5.0)
+_STUCK_SHARE = 0.5
+_TEMPERATURE_SHARE = 0.5
+
+
+def log_warnings(log: ImuLog) -> tuple[str, ...]:
+    """Warnings that concern the log as a whole: units and standstill, from the means."""
+    found = []
+    if log.accelerometer is not None and log.accelerometer.shape[1] == 3:
+        force = float(np.linalg.norm(log.accelerometer.mean(axis=0)))
+        if abs(force / STANDARD_GRAVITY - 1.0) > _GRAVITY_TOLERANCE:
+            found.append(
+                f"mean specific force is {force:.4g} m/s², not gravity: wrong unit or scale, or it was moving"
+            )
+    if log.gyro is not None:
+        rate = float(np.linalg.norm(log.gyro.mean(axis=0)))
+        if rate > _FASTEST_MEAN_RATE:
+            found.append(f"mean angular rate is {np.degrees(rate):.4g} °/s: wrong unit, or the unit was turning")
+    return tuple(found)
+
+
+def axis_warnings(signal: FloatArray, interval_s: float, temperature_c: FloatArray | None) -> tuple[str, ...]:
+    """Warnings of one axis: bursts of vibration, temperature, coarse resolution."""
+    found = []
+    steps = np.diff(signal)
+    stuck = float(np.mean(steps == 0.0))
+    if stuck > _STUCK_SHARE:
+        found.append(f"{stuck:.0%} of successive samples are equal: the resolution is coarser than the noise")
+    burst = _burst(steps, interval_s)
+    if burst is not None:
+        found.append(burst)
+    if temperature_c is not None:
+        heat = _temperature(signal, temperature_c)
+        if heat is not None:
+            found.append(heat)
+    return tuple(found)
+
+
+def _burst(steps: FloatArray, interval_s: float) -> str | None:
+    """Loudest of equal blocks of the first differences against the median one."""
+    length = len(steps) // _BLOCKS
+    loudness = steps[: length * _BLOCKS].reshape(_BLOCKS, length).std(axis=1)
+    usual = float(np.median(loudness))
+    if usual == 0.0:
+        return None
+    worst = int(np.argmax(loudness))
+    ratio = float(loudness[worst]) / usual
+    if ratio < max(_BURST_RATIO, 1.0 + _BURST_SCORES / np.sqrt(2.0 * length)):
+        return None
+    start = worst * length * interval_s
+    return (
+        f"disturbed: between {start:.0f} s and {start + length * interval_s:.0f} s the signal is {ratio:.1f} "
+        "times as restless as usual; trim the log or repeat it at rest"
+    )
+
+
+def _temperature(signal: FloatArray, temperature_c: FloatArray) -> str | None:
+    length = len(signal) // _BLOCKS
+    slow = signal[: length * _BLOCKS].reshape(_BLOCKS, length).mean(axis=1)
+    heat = temperature_c[: length * _BLOCKS].reshape(_BLOCKS, length).mean(axis=1)
+    slow, heat = slow - slow.mean(), heat - heat.mean()
+    if not np.any(heat) or not np.any(slow):
+        return None
+    slope = float(slow @ heat / (heat @ heat))
+    share = slope**2 * float(heat @ heat) / float(slow @ slow)
+    if share < _TEMPERATURE_SHARE:
+        return None
+    return (
+        f"temperature ({np.ptp(heat):.1f} °C over the log) goes with {share:.0%} of the slow variation, "
+        f"{slope:.3g} SI units per °C: bias instability, rate random walk and ramp include it"
+    )

@@ -1,0 +1,142 @@
+"""The per-axis error model of inertial and GNSS navigation: state (p, v, a) with a = g tilt + bias.
+
+    p' = v,   v' = a + w_a,   a' = g w_g
+
+with w_a, w_g white of densities S_a = sigma_a^2, S_g = sigma_w^2 [T-1]. The model is linear, so the error of
+a navigator between two fixes is the noise path of the aperture plus the transition of a constant difference:
+everything below is exact at the sample times, whatever the step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+STANDARD_GRAVITY_M_S2 = 9.80665
+
+_FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class AxisModel:
+    """One axis, SI. A vertical axis has no tilt and no gyro: give it `horizontal=False`.
+
+    ``accelerometer_noise`` [m/s/sqrt(s)], ``gyro_noise`` [rad/sqrt(s)], ``gnss_sigma`` [m] of one fix every
+    ``fix_interval`` [s]; ``accelerometer_bias`` [m/s^2] and ``gyro_bias`` [rad/s] are 1 sigma of what the
+    filter has not absorbed at the start of the aperture.
+    """
+
+    accelerometer_noise: float
+    gyro_noise: float
+    gnss_sigma: float
+    fix_interval: float
+    gravity: float = STANDARD_GRAVITY_M_S2
+    accelerometer_bias: float = 0.0
+    gyro_bias: float = 0.0
+    horizontal: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("accelerometer_noise", "gnss_sigma", "fix_interval", "gravity"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise ValueError(f"{name}: {value}; a positive, finite number is needed")
+        for name in ("gyro_noise", "accelerometer_bias", "gyro_bias"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0):
+                raise ValueError(f"{name}: {value}; zero or a positive, finite number is needed")
+
+    @property
+    def tilt_noise(self) -> float:
+        """Density of the noise that drives a: g sigma_w [m/s^2/sqrt(s)], zero on the vertical axis."""
+        return self.gravity * self.gyro_noise if self.horizontal else 0.0
+
+
+class SteadyCovariance(NamedTuple):
+    """Covariance (3, 3) of (p, v, a) just before and just after a fix, in the steady state."""
+
+    prior: _FloatArray
+    posterior: _FloatArray
+
+
+def transition(step: ArrayLike) -> _FloatArray:
+    """Transition matrices, shape (..., 3, 3), over a step [s] of shape (...)."""
+    step = np.asarray(step, float)
+    phi = np.zeros((*step.shape, 3, 3))
+    phi[..., range(3), range(3)] = 1.0
+    phi[..., 0, 1] = phi[..., 1, 2] = step
+    phi[..., 0, 2] = step**2 / 2
+    return phi
+
+
+def process_noise(model: AxisModel, step: ArrayLike) -> _FloatArray:
+    """Exact covariance (..., 3, 3) of the noise gathered over a step [s]; closed form."""
+    h = np.asarray(step, float)
+    s, q = model.accelerometer_noise**2, model.tilt_noise**2
+    noise = np.empty((*h.shape, 3, 3))
+    noise[..., 0, 0] = s * h**3 / 3 + q * h**5 / 20
+    noise[..., 0, 1] = noise[..., 1, 0] = s * h**2 / 2 + q * h**4 / 8
+    noise[..., 0, 2] = noise[..., 2, 0] = q * h**3 / 6
+    noise[..., 1, 1] = s * h + q * h**3 / 3
+    noise[..., 1, 2] = noise[..., 2, 1] = q * h**2 / 2
+    noise[..., 2, 2] = q * h
+    return noise
+
+
+def measure(prior: _FloatArray, gnss_sigma: float) -> tuple[_FloatArray, _FloatArray]:
+    """Gain (3,) and posterior covariance (3, 3) of a position fix (Joseph's form)."""
+    gain = prior[:, 0] / (prior[0, 0] + gnss_sigma**2)
+    keep = np.eye(3)
+    keep[:, 0] -= gain
+    return gain, keep @ prior @ keep.T + np.outer(gain, gain) * gnss_sigma**2
+
+
+def steady_covariance(model: AxisModel) -> SteadyCovariance:
+    """Steady covariance of the sampled filter [T-8], by the structure-preserving doubling algorithm.
+
+    Chu, Fan, Lin and Wang (2004). Without gyro noise tilt is not excited and its variance is zero.
+    """
+    size = 3 if model.tilt_noise > 0 else 2
+    a = transition(model.fix_interval)[:size, :size].T
+    h = process_noise(model, model.fix_interval)[:size, :size]
+    g = np.zeros((size, size))
+    g[0, 0] = 1 / model.gnss_sigma**2
+    for _ in range(60):
+        keep = np.linalg.inv(np.eye(size) + g @ h)
+        a, g, grown = a @ keep @ a, g + a @ keep @ g @ a.T, h + a.T @ h @ keep @ a
+        settled = np.allclose(grown, h, rtol=1e-13, atol=0)
+        h = (grown + grown.T) / 2
+        if settled:
+            break
+    prior = np.zeros((3, 3))
+    prior[:size, :size] = h
+    return SteadyCovariance(prior, measure(prior, model.gnss_sigma)[1])
+
+
+def draw_state(covariance: _FloatArray, runs: int, random: np.random.Generator) -> _FloatArray:
+    """States (runs, 3) of zero mean and the covariance given; a singular covariance is allowed."""
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    return np.asarray(random.standard_normal((runs, 3)) @ root.T)
+
+
+def noise_path(model: AxisModel, time: _FloatArray, runs: int, random: np.random.Generator) -> _FloatArray:
+    """Error (3, runs, n) that the noise alone builds up from zero at time[0], exact at the times given."""
+    h = np.diff(time)
+    s, r = model.accelerometer_noise**2, model.tilt_noise
+    draws = random.standard_normal((3, runs, len(h)))
+    # Cholesky factor of `process_noise` in the order a, v, p.
+    v_root = np.sqrt(s * h + r**2 * h**3 / 12)
+    p_on_v = (s * h**2 / 2 + r**2 * h**4 / 24) / v_root
+    p_root = np.sqrt(np.maximum(s * h**3 / 3 + r**2 * h**5 / 45 - p_on_v**2, 0.0))
+    path = np.zeros((3, runs, len(time)))
+    p, v, a = path
+    np.cumsum(draws[0] * (r * np.sqrt(h)), axis=1, out=a[:, 1:])
+    gained = a[:, :-1] * h + draws[0] * (r * h**1.5 / 2) + draws[1] * v_root
+    np.cumsum(gained, axis=1, out=v[:, 1:])
+    gained = v[:, :-1] * h + a[:, :-1] * (h**2 / 2)
+    gained += draws[0] * (r * h**2.5 / 6) + draws[1] * p_on_v + draws[2] * p_root
+    np.cumsum(gained, axis=1, out=p[:, 1:])
+    return path

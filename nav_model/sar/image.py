@@ -1,0 +1,257 @@
+"""Images: a point target under a phase history, small scenes, and real phase histories by back-projection.
+
+Phase histories are frequency-domain, range-referenced samples s = sum a exp(-j 4 pi f (R - r0) / c), the form
+of the public AFRL collections. Back-projection is exact in geometry and takes any track; the kernel here is
+small on purpose. The packaged alternatives want a C++ compiler or a GPU on the user's machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nav_model.sar.impulse_response import Taper, Window, aperture_positions, as_taper
+from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
+
+SPEED_OF_LIGHT_M_S = 299_792_458.0
+RANGE_PADDING = 16
+
+_FloatArray = NDArray[np.float64]
+_ComplexArray = NDArray[np.complex128]
+
+# Fields of a phase-history file: name in the npz, shape (K frequencies, P pulses), needed or not.
+_FILE_FIELDS: tuple[tuple[str, str, bool], ...] = (
+    ("fp", "KP", True),
+    ("freq", "K", True),
+    ("x", "P", True),
+    ("y", "P", True),
+    ("z", "P", True),
+    ("r0", "P", True),
+    ("af_r_correct", "P", False),
+    ("af_ph_correct", "P", False),
+)
+
+
+@dataclass(frozen=True)
+class PhaseHistory:
+    """K frequencies of P pulses, SI: ``samples`` (K, P), ``frequency`` (K,) evenly spaced, antenna
+    ``position`` (P, 3) and ``reference_range`` (P,); autofocus terms (P,) where the source gives them.
+    """
+
+    samples: _ComplexArray
+    frequency: _FloatArray
+    position: _FloatArray
+    reference_range: _FloatArray
+    autofocus_range: _FloatArray | None = None
+    autofocus_phase: _FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        steps = np.diff(self.frequency)
+        if len(steps) < 1 or steps.min() <= 0 or np.ptp(steps) > 0.01 * steps.mean():
+            raise ValueError("freq: the frequencies must rise in equal steps, two at least")
+
+    @property
+    def unambiguous_range(self) -> float:
+        """Extent [m] about the reference range that one pulse holds without folding: c / (2 df)."""
+        return float(SPEED_OF_LIGHT_M_S / (2 * np.diff(self.frequency).mean()))
+
+    @property
+    def wavelength(self) -> float:
+        """Wavelength [m] of the middle of the band."""
+        return float(SPEED_OF_LIGHT_M_S / self.frequency.mean())
+
+
+def read_phase_history(*paths: str | Path) -> PhaseHistory:
+    """Read one or more npz files of the same frequencies as one aperture, pulses in the order given.
+
+    Fields: ``fp`` (K, P) complex, ``freq`` [Hz] (K,), antenna ``x``, ``y``, ``z`` [m] (P,), ``r0`` [m] (P,);
+    optionally ``af_r_correct`` [m], ``af_ph_correct`` [rad] (P,). ValueError names the file and the field
+    that is missing, of the wrong shape, or not finite.
+    """
+    if not paths:
+        raise ValueError("phase history: no file given")
+    parts = [_read_one(Path(path)) for path in paths]
+    first = parts[0]
+    for path, part in zip(paths[1:], parts[1:], strict=True):
+        if not np.array_equal(part.frequency, first.frequency):
+            raise ValueError(f"{path}: freq differs from that of {paths[0]}; one aperture has one set")
+
+    def joined(name: str) -> _FloatArray | None:
+        values = [getattr(part, name) for part in parts]
+        return None if any(value is None for value in values) else np.concatenate(values)
+
+    return PhaseHistory(
+        samples=np.concatenate([part.samples for part in parts], axis=1),
+        frequency=first.frequency,
+        position=np.concatenate([part.position for part in parts]),
+        reference_range=np.concatenate([part.reference_range for part in parts]),
+        autofocus_range=joined("autofocus_range"),
+        autofocus_phase=joined("autofocus_phase"),
+    )
+
+
+def _read_one(path: Path) -> PhaseHistory:
+    try:
+        archive = np.load(path, allow_pickle=False)
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{path}: not a readable npz file ({error})") from error
+    if not hasattr(archive, "files"):
+        raise ValueError(f"{path}: a single array; an npz archive with named fields is needed")
+    fields = {}
+    with archive:
+        for name in (name for name, _, _ in _FILE_FIELDS if name in archive.files):
+            try:
+                fields[name] = archive[name]
+            except ValueError as error:
+                raise ValueError(f"{path}: {name} is not an array of numbers ({error})") from error
+    if "fp" not in fields or fields["fp"].ndim != 2:
+        raise ValueError(f"{path}: fp is missing or not a (frequencies, pulses) array")
+    sizes = dict(zip("KP", fields["fp"].shape, strict=True))
+    for name, dimensions, needed in _FILE_FIELDS:
+        if name not in fields:
+            if needed:
+                raise ValueError(f"{path}: field {name} is missing")
+            continue
+        shape = tuple(sizes[letter] for letter in dimensions)
+        if fields[name].shape != shape:
+            raise ValueError(f"{path}: {name} has shape {fields[name].shape}; {shape} is needed")
+        if fields[name].dtype.kind not in "fiuc" or (name != "fp" and fields[name].dtype.kind == "c"):
+            raise ValueError(f"{path}: {name} holds {fields[name].dtype}; numbers are needed")
+        if not np.isfinite(fields[name]).all():
+            raise ValueError(f"{path}: {name} holds values that are not finite")
+    plain = {name: np.asarray(value, float) for name, value in fields.items() if name != "fp"}
+    try:
+        return PhaseHistory(
+            samples=np.asarray(fields["fp"], complex),
+            frequency=plain["freq"],
+            position=np.stack([plain["x"], plain["y"], plain["z"]], axis=1),
+            reference_range=plain["r0"],
+            autofocus_range=plain.get("af_r_correct"),
+            autofocus_phase=plain.get("af_ph_correct"),
+        )
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def apply_autofocus(history: PhaseHistory) -> PhaseHistory:
+    """The history with the autofocus terms of its source applied, and dropped so that they act once.
+
+    exp(j (phase - 4 pi f range / c)): of the four signs, the one that sharpens the public collection.
+    """
+    if history.autofocus_range is None or history.autofocus_phase is None:
+        raise ValueError("phase history: it carries no autofocus terms")
+    turn = 4 * np.pi / SPEED_OF_LIGHT_M_S * np.outer(history.frequency, history.autofocus_range)
+    samples = history.samples * np.exp(1j * (history.autofocus_phase - turn))
+    return replace(history, samples=samples, autofocus_range=None, autofocus_phase=None)
+
+
+def simulate_phase_history(
+    geometry: ApertureGeometry,
+    time: ArrayLike,
+    frequency: ArrayLike,
+    targets: ArrayLike,
+    amplitudes: ArrayLike = 1.0,
+) -> PhaseHistory:
+    """Phase history of point targets (m, 3) [m] about the scene centre, seen from a straight aperture.
+
+    Axes x along track, y away from the track, z down, origin at the scene centre; pulses at ``time`` (P,).
+    """
+    targets = np.atleast_2d(np.asarray(targets, float))
+    frequency = np.asarray(frequency, float)
+    position = -ranges_to_target(geometry, time)
+    reference = np.linalg.norm(position, axis=1)
+    samples = np.zeros((len(frequency), len(position)), complex)
+    for target, amplitude in zip(targets, np.broadcast_to(amplitudes, len(targets)), strict=True):
+        beyond = np.linalg.norm(target - position, axis=1) - reference
+        samples += amplitude * np.exp(-4j * np.pi / SPEED_OF_LIGHT_M_S * np.outer(frequency, beyond))
+    return PhaseHistory(samples, frequency, position, reference)
+
+
+def back_project(
+    history: PhaseHistory,
+    x: ArrayLike,
+    y: ArrayLike,
+    z: float = 0.0,
+    range_error: ArrayLike = 0.0,
+    position_error: ArrayLike = 0.0,
+    window: Window | Taper = "uniform",
+) -> _ComplexArray:
+    """Complex image (len(y), len(x)) on the plane z, mean over pulses and frequencies: amplitude 1 stays 1.
+
+    ``range_error`` (P,) [m] is added to the range assumed for every pixel; ``position_error`` (P, 3) [m]
+    moves the assumed antenna. ``window`` weights both the pulses and the frequencies.
+    Pixels farther than half the
+    unambiguous range from the reference of a pulse get nothing from it.
+    """
+    from nav_model.sar.back_projection import project_pulses
+
+    samples, pulses = history.samples.shape
+    taper = as_taper(window)
+    in_frequency = taper.weights(aperture_positions(samples))
+    in_pulses = taper.weights(aperture_positions(pulses))
+    weighted = history.samples * np.outer(in_frequency / in_frequency.sum(), in_pulses / in_pulses.sum())
+    bins = 1 << int(np.ceil(np.log2(samples * RANGE_PADDING)))
+    # Band about zero, so that the profile varies slowly from bin to bin; the middle's phase is added exactly.
+    middle = samples // 2
+    padded = np.zeros((pulses, bins), complex)
+    padded[:, : samples - middle] = weighted[middle:].T
+    padded[:, bins - middle :] = weighted[:middle].T
+    profiles = np.fft.fftshift(np.fft.ifft(padded, axis=1), axes=1) * bins
+    image = project_pulses(
+        profiles,
+        np.ascontiguousarray(history.position + np.asarray(position_error, float)),
+        history.reference_range - np.broadcast_to(np.asarray(range_error, float), (pulses,)),
+        history.unambiguous_range / bins,
+        4 * np.pi * float(history.frequency[middle]) / SPEED_OF_LIGHT_M_S,
+        np.ascontiguousarray(x, float),
+        np.ascontiguousarray(y, float),
+        float(z),
+    )
+    return np.asarray(image)
+
+
+def point_target_image(
+    range_error: ArrayLike,
+    wavelength: float,
+    range_cell: float,
+    azimuth_cells: ArrayLike,
+    range_cells: ArrayLike,
+    window: Window | Taper = "uniform",
+) -> _FloatArray:
+    """Focused point target in dB over the error-free peak, shape (..., azimuth, range).
+
+    ``range_error`` (..., n) [m] from end to end of the aperture; both the phase it makes and the walk through
+    the range cells of ``range_cell`` = c / (2 B) [m] are kept. Each strategy's errors stacked on the leading
+    axis give images on one scale.
+    """
+    error = np.asarray(range_error, float)
+    taper = as_taper(window)
+    x = np.linspace(-1, 1, error.shape[-1])
+    weights = taper.weights(x)
+    steering = np.exp(-1j * np.pi * np.multiply.outer(np.asarray(azimuth_cells, float), x))
+    pulses = weights / weights.sum() * np.exp(4j * np.pi / wavelength * error)
+    nodes, quadrature = np.polynomial.legendre.leggauss(64)
+    band = quadrature * taper.weights(nodes)
+    turns = np.exp(1j * np.pi * np.multiply.outer(nodes, np.asarray(range_cells, float)))
+    walk = np.exp(-1j * np.pi / range_cell * error[..., None] * nodes) * (band / band.sum())
+    image = (steering * pulses[..., None, :]) @ (walk @ turns)
+    with np.errstate(divide="ignore"):
+        return np.asarray(20 * np.log10(np.abs(image)))
+
+
+def pulse_errors(time: ArrayLike, error: ArrayLike, pulses: int) -> _FloatArray:
+    """An error history (..., n) over an aperture laid over the pulses of a file: (..., pulses)."""
+    time, error = np.asarray(time, float), np.asarray(error, float)
+    place = np.linspace(time[0], time[-1], pulses)
+    flat = error.reshape(-1, error.shape[-1])
+    return np.stack([np.interp(place, time, row) for row in flat]).reshape(*error.shape[:-1], pulses)
+
+
+def strongest(image: NDArray[np.complex128], x: Sequence[float], y: Sequence[float]) -> tuple[float, float]:
+    """Position (x, y) [m] of the brightest pixel."""
+    row, column = np.unravel_index(np.abs(image).argmax(), image.shape)
+    return float(x[int(column)]), float(y[int(row)])

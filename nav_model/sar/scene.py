@@ -1,0 +1,73 @@
+"""A small scene of point targets as the design's radar would image it, for each navigation error."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nav_model.sar.image import SPEED_OF_LIGHT_M_S, back_project, pulse_errors, simulate_phase_history
+from nav_model.sar.impulse_response import Taper, Window
+from nav_model.sar.line_of_sight import ApertureGeometry
+
+_FloatArray = NDArray[np.float64]
+# Beyond the scene by this factor, so that nothing folds back into it.
+_ROOM = 1.5
+_LEAST = 64
+
+
+class Scene(NamedTuple):
+    """Ground axes x along track and y away from the track [m], power (..., y, x) [dB over a unit target]."""
+
+    x: _FloatArray
+    y: _FloatArray
+    power_db: _FloatArray
+
+
+def scene_images(
+    geometry: ApertureGeometry,
+    aperture_time: float,
+    wavelength: float,
+    bandwidth: float,
+    targets: ArrayLike,
+    range_error: ArrayLike = 0.0,
+    amplitudes: ArrayLike = 1.0,
+    half_width: float = 10.0,
+    pixels: int = 128,
+    window: Window | Taper = "taylor",
+) -> Scene:
+    """Images of targets (m, 2) [m] on the ground, one for each ``range_error`` (..., n) [m].
+
+    The errors run from end to end of the aperture. Pulses and frequencies are as many as the scene of
+    +- ``half_width`` [m] needs not to fold. Raises ValueError for a target outside the scene.
+    """
+    targets = np.atleast_2d(np.asarray(targets, float))
+    if targets.shape[1] != 2 or np.abs(targets).max() > half_width:
+        raise ValueError(f"targets: (x, y) pairs within +-{half_width} m are needed")
+    for name, value in (("bandwidth", bandwidth), ("half_width", half_width), ("wavelength", wavelength)):
+        if not (np.isfinite(value) and value > 0):
+            raise ValueError(f"{name}: {value}; a positive, finite number is needed")
+    azimuth_cell = wavelength * geometry.slant_range / (2 * geometry.speed * aperture_time)
+    range_cell = SPEED_OF_LIGHT_M_S / (2 * bandwidth)
+    diagonal = 2 * np.sqrt(2) * half_width * _ROOM
+    pulses = max(_LEAST, int(np.ceil(diagonal / azimuth_cell)))
+    frequencies = max(_LEAST, int(np.ceil(diagonal / range_cell)))
+    time = np.linspace(0.0, aperture_time, pulses)
+    band = (np.arange(frequencies) - frequencies // 2) * bandwidth / frequencies
+    history = simulate_phase_history(
+        geometry,
+        time,
+        SPEED_OF_LIGHT_M_S / wavelength + band,
+        np.column_stack([targets, np.zeros(len(targets))]),
+        amplitudes,
+    )
+    errors = np.asarray(range_error, float)
+    if errors.ndim == 0:
+        errors = np.full(2, errors)
+    laid = pulse_errors(np.linspace(0, aperture_time, errors.shape[-1]), errors, pulses)
+    axis = np.linspace(-half_width, half_width, pixels)
+    images = [back_project(history, axis, axis, range_error=one, window=window) for one in laid.reshape(-1, pulses)]
+    with np.errstate(divide="ignore"):
+        power = 20 * np.log10(np.abs(np.stack(images)))
+    return Scene(axis, axis, power.reshape(*laid.shape[:-1], pixels, pixels))

@@ -1,0 +1,43 @@
+"""Rauch-Tung-Striebel fixed-interval smoother (1965), for estimates or for errors."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+_FloatArray = NDArray[np.float64]
+
+
+def smoother_gain(posterior: _FloatArray, phi: _FloatArray, next_prior: _FloatArray) -> _FloatArray:
+    """Gains C = P Phi^T (P-)^-1, shape (..., m, m); a state without uncertainty is left as it is.
+
+    Solved by the pseudo-inverse of the prior scaled to a unit diagonal: tilt and position differ by many
+    orders of magnitude, and the vertical axis has a third state of no variance at all.
+    """
+    scale = np.sqrt(np.diagonal(next_prior, axis1=-2, axis2=-1))
+    scale = np.where(scale > 0, scale, 1.0)
+    correlation = next_prior / scale[..., :, None] / scale[..., None, :]
+    inverse = np.linalg.pinv(correlation, rcond=1e-13, hermitian=True)
+    inverse = inverse / scale[..., :, None] / scale[..., None, :]
+    return np.asarray(posterior @ np.swapaxes(phi, -1, -2) @ inverse)
+
+
+def rts_smooth(
+    posterior_state: _FloatArray,
+    posterior_covariance: _FloatArray,
+    prior_state: _FloatArray,
+    prior_covariance: _FloatArray,
+    phi: _FloatArray,
+) -> _FloatArray:
+    """Smoothed states (k, ..., m) from the forward pass of a Kalman filter at k fixes.
+
+    ``posterior_state``, ``prior_state``: (k, ..., m) just after and just before each fix, estimates or errors
+    alike (the recursion is linear); covariances (k, m, m); ``phi``: (k - 1, m, m) from fix i to fix i + 1.
+    """
+    if len(phi) != len(posterior_state) - 1:
+        raise ValueError(f"phi: {len(phi)} transitions; {len(posterior_state) - 1} are needed between the fixes")
+    gains = smoother_gain(posterior_covariance[:-1], phi, prior_covariance[1:])
+    smoothed = np.array(posterior_state, float)
+    for i in range(len(phi) - 1, -1, -1):
+        smoothed[i] += (smoothed[i + 1] - prior_state[i + 1]) @ gains[i].T
+    return smoothed

@@ -1,0 +1,235 @@
+"""The ways to navigate through an aperture (sar.md, "Navigation strategies"), on one noise realisation.
+
+Two engines feed the same strategies: the per-axis error model (`fast_engine.simulate_axis`), and full runs of
+the simulator, which hand over their error histories as plain arrays (`NavigationHistories`). All are
+navigation errors of one axis, [m] and [m/s], with the runs on any leading axes and time on the last.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+_FloatArray = NDArray[np.float64]
+
+
+class Strategy(NamedTuple):
+    """What a strategy is called and what may be said of it."""
+
+    key: str
+    name: str
+    causal: bool
+    reconstruction: bool
+    source: str
+
+
+STRATEGIES: tuple[Strategy, ...] = (
+    Strategy("1", "Ideal", False, False, "reference, no error"),
+    Strategy("2", "INS started by the filter", True, False, "[C]; closed form [T-15], [S-5]"),
+    Strategy("3", "INS after a coast", True, False, "[C]; closed form [T-15], [S-5] with T_c"),
+    Strategy("4", "Raw filter output", True, False, "[C]"),
+    Strategy("5", "INS minus a quadratic fitted to INS - GNSS", False, False, "[C]; closed form [T-16], [S-7]"),
+    Strategy("5w", "The same, quadratic shrunk", False, False, "[S-5], [S-7]; optimal linear weight"),
+    Strategy("6", "Tracking filter after the INS", True, True, "after Kim, Fellerhoff and Kohler 2001"),
+    Strategy("7", "Position-error damping loop", True, True, "after Song et al. 2015, 2017"),
+    Strategy("8", "RTS smoother", False, False, "Rauch, Tung and Striebel 1965"),
+)
+STRATEGY_KEYS: tuple[str, ...] = tuple(strategy.key for strategy in STRATEGIES)
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """Gains of the two reconstructions; the literature names the schemes but not their numbers.
+
+    Strategy 6: natural frequency [rad/s] and damping of the tracking filter. Strategy 7: proportional
+    [1/s] and integral [1/s^2] gains by which a position correction is worked off.
+    """
+
+    natural_frequency: float = 0.3
+    damping: float = 0.7071
+    proportional_gain: float = 0.3
+    integral_gain: float = 0.01
+
+    def __post_init__(self) -> None:
+        for name in ("natural_frequency", "damping", "proportional_gain"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
+                raise ValueError(f"{name}: {getattr(self, name)}; a positive, finite number is needed")
+        if not (np.isfinite(self.integral_gain) and self.integral_gain >= 0):
+            raise ValueError(f"integral_gain: {self.integral_gain}; zero or a positive number is needed")
+
+
+@dataclass(frozen=True)
+class NavigationHistories:
+    """Errors of one axis over the aperture, from either engine; runs on the leading axes.
+
+    ``time`` (n,) from 0 to T; ``fix_time`` (k,) the fixes in the aperture, the one at its start included.
+    ``ins_position``, ``ins_velocity`` (..., n): free INS started by the filter at t = 0.
+    ``coasted_position``: INS started earlier. ``filter_position``, ``filter_velocity``: the filter's output.
+    ``filter_correction`` (..., k): what each fix adds to the filter's position error (zero for the fix at the
+    start). ``gnss_error`` (..., k): error of each fix. ``smoothed_position`` (..., n): RTS.
+    """
+
+    time: _FloatArray
+    fix_time: _FloatArray
+    ins_position: _FloatArray
+    ins_velocity: _FloatArray
+    coasted_position: _FloatArray
+    filter_position: _FloatArray
+    filter_velocity: _FloatArray
+    filter_correction: _FloatArray
+    gnss_error: _FloatArray
+    smoothed_position: _FloatArray
+
+    def __post_init__(self) -> None:
+        samples, fixes = len(self.time), len(self.fix_time)
+        for name in self.__dataclass_fields__:
+            if name in ("time", "fix_time"):
+                continue
+            expected = fixes if name in ("filter_correction", "gnss_error") else samples
+            shape = np.shape(getattr(self, name))
+            if not shape or shape[-1] != expected:
+                raise ValueError(f"{name}: shape {shape}; {expected} values on the last axis are needed")
+
+
+@dataclass(frozen=True)
+class StrategyErrors:
+    """Position error of every strategy, (9, ..., n) [m] in the order of STRATEGIES, and what made it."""
+
+    time: _FloatArray
+    error: _FloatArray
+    jump_rms: _FloatArray
+    fixes: int
+    shrunk_weight: float
+    tuning: Tuning
+    strategies: tuple[Strategy, ...] = field(default=STRATEGIES)
+
+    def of(self, key: str) -> _FloatArray:
+        """Error histories (..., n) of one strategy, by its key ("2", "5w", ...)."""
+        if key not in STRATEGY_KEYS:
+            raise ValueError(f"strategy: {key!r}; one of {', '.join(STRATEGY_KEYS)} is needed")
+        return np.asarray(self.error[STRATEGY_KEYS.index(key)])
+
+
+def quadratic_correction(
+    time: _FloatArray,
+    ins_position: _FloatArray,
+    fix_time: _FloatArray,
+    gnss_error: _FloatArray,
+    weight: float = 1.0,
+) -> _FloatArray:
+    """Strategies 5 and 5w: INS minus the quadratic fitted to INS - GNSS, its curvature times `weight`.
+
+    The fit is least squares at the fixes, in the basis that is orthogonal over them, so the weight acts on
+    the quadratic alone. Fewer than three fixes fix no quadratic: ValueError.
+    """
+    if len(fix_time) < 3:
+        raise ValueError(f"fix_time: {len(fix_time)} fixes in the aperture; a quadratic fit needs at least 3")
+    middle, half = (fix_time[0] + fix_time[-1]) / 2, (fix_time[-1] - fix_time[0]) / 2
+    at_fixes = np.vander((fix_time - middle) / half, 3, increasing=True)
+    basis, triangle = np.linalg.qr(at_fixes)
+    over_time = np.vander((time - middle) / half, 3, increasing=True) @ np.linalg.inv(triangle)
+    difference = _at(time, ins_position, fix_time) - gnss_error
+    coefficients = difference @ basis
+    return np.asarray(ins_position - (coefficients * np.array([1.0, 1.0, weight])) @ over_time.T)
+
+
+def tracking_filter(
+    time: _FloatArray,
+    ins_velocity: _FloatArray,
+    filter_position: _FloatArray,
+    filter_velocity: _FloatArray,
+    tuning: Tuning,
+) -> _FloatArray:
+    """Strategy 6 (reconstruction): p'' = a_INS + wn^2 (p_EKF - p) + 2 zeta wn (v_EKF - v), in errors.
+
+    Starts from the filter; a_INS is taken as the velocity increments of the INS. Semi-implicit Euler at the
+    sampling rate, which wants wn times the step well below one.
+    """
+    steps = np.diff(time)
+    stiffness, drag = tuning.natural_frequency**2, 2 * tuning.damping * tuning.natural_frequency
+    if drag * steps.max() > 0.5:
+        raise ValueError(
+            f"natural_frequency: {tuning.natural_frequency} rad/s is too fast for steps of {steps.max():.3g} s"
+        )
+    # Time first: each step then works on contiguous runs.
+    gained = np.ascontiguousarray(np.moveaxis(np.diff(ins_velocity, axis=-1), -1, 0))
+    wanted = np.ascontiguousarray(np.moveaxis(stiffness * filter_position + drag * filter_velocity, -1, 0))
+    position, velocity = filter_position[..., 0].copy(), filter_velocity[..., 0].copy()
+    output = np.empty_like(wanted)
+    output[0] = position
+    for i, step in enumerate(steps):
+        velocity += gained[i] + step * (wanted[i] - stiffness * position - drag * velocity)
+        position += step * velocity
+        output[i + 1] = position
+    return np.moveaxis(output, 0, -1)
+
+
+def damping_loop(
+    time: _FloatArray,
+    filter_position: _FloatArray,
+    fix_time: _FloatArray,
+    filter_correction: _FloatArray,
+    tuning: Tuning,
+) -> _FloatArray:
+    """Strategy 7 (reconstruction): the filter's position correction is worked off by a PI law.
+
+    Velocity and attitude are corrected at once, and what has been applied is fed back, so the output is the
+    filter's error minus the part of its corrections still pending: r' = -kp r - ki integral(r). The loop is
+    settled (nothing pending) at the start of the aperture.
+    """
+    age = time[None, :] - fix_time[:, None]
+    pending = np.where(age >= -1e-9, _pi_decay(np.maximum(age, 0.0), tuning), 0.0)
+    return np.asarray(filter_position - filter_correction @ pending)
+
+
+def apply_strategies(histories: NavigationHistories, weight: float, tuning: Tuning | None = None) -> StrategyErrors:
+    """All nine strategies on the same histories; `weight` is that of 5w (`strategy_forms.shrunk_weight`).
+
+    With fewer than three fixes in the aperture there is no quadratic to fit: 5 and 5w are then the same as 2
+    (the result's ``fixes`` tells).
+    """
+    tuning = tuning or Tuning()
+    h = histories
+
+    def corrected(part: float) -> _FloatArray:
+        if len(h.fix_time) < 3:
+            return h.ins_position
+        return quadratic_correction(h.time, h.ins_position, h.fix_time, h.gnss_error, part)
+
+    error = np.stack(
+        [
+            np.zeros_like(h.ins_position),
+            h.ins_position,
+            h.coasted_position,
+            h.filter_position,
+            corrected(1.0),
+            corrected(weight),
+            tracking_filter(h.time, h.ins_velocity, h.filter_position, h.filter_velocity, tuning),
+            damping_loop(h.time, h.filter_position, h.fix_time, h.filter_correction, tuning),
+            h.smoothed_position,
+        ]
+    )
+    jumps = h.filter_correction[..., 1:]
+    jump_rms = np.sqrt(np.mean(jumps**2, axis=-1)) if jumps.shape[-1] else np.zeros(jumps.shape[:-1])
+    return StrategyErrors(h.time, error, jump_rms, len(h.fix_time), weight, tuning)
+
+
+def _at(time: _FloatArray, values: _FloatArray, moments: _FloatArray) -> _FloatArray:
+    """Linear interpolation of (..., n) at moments (k,)."""
+    place = np.interp(moments, time, np.arange(len(time)))
+    before = np.minimum(place.astype(int), len(time) - 2)
+    part = place - before
+    return np.asarray(values[..., before] * (1 - part) + values[..., before + 1] * part)
+
+
+def _pi_decay(age: _FloatArray, tuning: Tuning) -> _FloatArray:
+    """Response r(t) to r(0) = 1 of r'' + kp r' + ki r = 0 with r'(0) = -kp."""
+    kp, ki = tuning.proportional_gain, tuning.integral_gain
+    root = np.sqrt(complex(kp**2 / 4 - ki))
+    if abs(root) < 1e-6 * kp:
+        return np.asarray(np.exp(-kp * age / 2) * (1 - kp * age / 2))
+    fast, slow = -kp / 2 - root, -kp / 2 + root
+    return np.asarray(((fast * np.exp(fast * age) - slow * np.exp(slow * age)) / (fast - slow)).real)

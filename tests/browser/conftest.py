@@ -1,0 +1,74 @@
+"""The real product in a real browser: `navbudget serve` as a process, Debian's chromium in front of it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page
+
+_FLAGS = [
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+_IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
+
+
+@pytest.fixture(scope="session")
+def browser_type_launch_args(browser_type_launch_args: dict[str, Any]) -> dict[str, Any]:
+    path = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+    assert path, "no chromium: `make test` installs it"
+    root = ["--no-sandbox"] if os.geteuid() == 0 else []
+    return {**browser_type_launch_args, "executable_path": path, "args": [*_FLAGS, *root]}
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[str]:
+    """Address of a running `navbudget serve`."""
+    command = [sys.executable, "-m", "app.cli", "serve", "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        assert line.startswith("NavBudget on http://"), line
+        yield line.split()[-1]
+        process.terminate()
+        assert process.wait(timeout=20) is not None
+
+
+@pytest.fixture
+def visit(page: Page, server: str) -> Iterator[Callable[..., Page]]:
+    """Open the product at a path and wait until it stands still.
+
+    Afterwards nothing must have been asked of any other host, and no script may have failed.
+    """
+    elsewhere: list[str] = []
+    errors: list[str] = []
+    page.on(
+        "request",
+        lambda r: (
+            None
+            if r.url.startswith((server, server.replace("http", "ws"), "data:", "blob:"))
+            else elsewhere.append(r.url)
+        ),
+    )
+    page.on("pageerror", lambda error: errors.append(str(error)))
+
+    def open_(path: str = "/", **size: int) -> Page:
+        page.set_viewport_size({"width": size.get("width", 1440), "height": size.get("height", 900)})
+        page.goto(server + path)
+        page.wait_for_function(_IDLE, timeout=60_000)
+        page.get_by_role("status").first.wait_for()
+        return page
+
+    yield open_
+    assert not elsewhere, elsewhere
+    assert not errors, errors

@@ -1,0 +1,90 @@
+"""Overlapping Allan deviation against NIST SP 1065 and Stable32."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nav_model.allan.deviation import averaging_times, overlapping_allan_deviation
+
+
+def nbs14() -> np.ndarray:
+    """The 1000-point set of SP 1065: a Park-Miller generator."""
+    values, state = [], 1234567890
+    for _ in range(1000):
+        values.append(state / 2147483647)
+        state = 16807 * state % 2147483647
+    return np.array(values)
+
+
+def test_equals_nbs14():
+    found = overlapping_allan_deviation(nbs14(), 1.0, np.array([1.0, 10.0, 100.0]))
+    np.testing.assert_allclose(found.deviation, [2.922319e-01, 9.159953e-02, 3.241343e-02], rtol=1e-6)
+
+
+def test_equals_nbs14_short_set():
+    short = np.array([892.0, 809.0, 823.0, 798.0, 671.0, 644.0, 883.0, 903.0, 677.0])
+    found = overlapping_allan_deviation(short, 1.0, np.array([1.0, 2.0]))
+    np.testing.assert_allclose(found.deviation, [91.22945, 85.95287], rtol=1e-6)
+
+
+@pytest.mark.parametrize("table", ["gps_oadev", "ocxo_oadev"])
+def test_equals_stable32(shared_data: Path, table: str):
+    reference = json.loads((shared_data / "clock_stable32_and_nbs14_reference.json").read_text())
+    with np.load(shared_data / "clock_gps1pps_phase_and_ocxo_freq.npz") as clocks:
+        if table == "gps_oadev":
+            signal = np.diff(clocks["gps_1pps_phase_s"])
+        else:
+            frequency = clocks["ocxo_freq_hz"]
+            signal = frequency / frequency.mean() - 1.0
+    rows = np.array(reference[table])
+    rows = rows[3 * rows[:, 1] <= len(signal)]
+    assert len(rows) >= 10
+    found = overlapping_allan_deviation(signal, 1.0, rows[:, 1], alpha=rows[:, 3], confidence=0.683)
+    np.testing.assert_allclose(found.deviation, rows[:, 5], rtol=2e-3)
+    # Stable32's own limits rest on the same degrees of freedom, computed by another program.
+    np.testing.assert_allclose(found.low, rows[:, 4], rtol=2e-2)
+    np.testing.assert_allclose(found.high, rows[:, 6], rtol=2e-2)
+
+
+def test_limits_cover_white_noise():
+    """95 % limits of 400 white logs: N/√τ lies inside between 91.5 % and 98.5 % of the time."""
+    rng = np.random.default_rng(3)
+    taus = np.array([1.0, 10.0, 100.0])
+    inside = np.zeros(3)
+    for _ in range(400):
+        found = overlapping_allan_deviation(rng.standard_normal(1000), 1.0, taus)
+        inside += (found.low <= 1.0 / np.sqrt(taus)) & (1.0 / np.sqrt(taus) <= found.high)
+    assert np.all(inside >= 0.915 * 400)
+    assert np.all(inside <= 0.985 * 400)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    scale=st.floats(1e-6, 1e6),
+    offset=st.floats(-10.0, 10.0),
+    interval_s=st.floats(1e-3, 10.0),
+    seed=st.integers(0, 99),
+)
+def test_scales_with_the_signal_and_ignores_its_mean(scale: float, offset: float, interval_s: float, seed: int):
+    signal = np.random.default_rng(seed).standard_normal(600)
+    plain = overlapping_allan_deviation(signal, 1.0)
+    other = overlapping_allan_deviation(scale * (signal + offset), interval_s)
+    np.testing.assert_allclose(other.deviation, scale * plain.deviation, rtol=1e-9)
+    np.testing.assert_allclose(other.tau_s, plain.tau_s * interval_s)
+
+
+def test_default_times_are_whole_samples_up_to_a_quarter():
+    taus = averaging_times(100_000, 0.01)
+    np.testing.assert_allclose(taus / 0.01, np.round(taus / 0.01), atol=1e-6)
+    assert taus[0] == pytest.approx(0.01)
+    assert taus[-1] == pytest.approx(250.0)
+
+
+@pytest.mark.parametrize("tau", [0.015, 0.0, 4.0])
+def test_impossible_averaging_time_is_refused(tau: float):
+    with pytest.raises(ValueError, match="tau_s"):
+        overlapping_allan_deviation(np.arange(1000.0), 0.01, np.array([tau]))

@@ -1,0 +1,283 @@
+"""Reading logs: the layouts of the field, and every malformed upload refused by name."""
+
+import io
+import struct
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nav_model.allan.log_file import Limits, LogOptions, read_log
+from nav_model.allan.log_names import LogFormatError, meaning_of, scale_of
+
+RNG = np.random.default_rng(0)
+GYRO = RNG.standard_normal((50, 3)) * 0.01
+FORCE = RNG.standard_normal((50, 3)) + 9.8
+NAMES = [f"{s}_{a}" for s in ("gyro", "accelerometer") for a in "xyz"]
+
+
+def csv(table: np.ndarray, header: str = "", delimiter: str = ",") -> bytes:
+    stream = io.StringIO()
+    if header:
+        stream.write(header + "\n")
+    np.savetxt(stream, table, delimiter=delimiter, fmt="%.17g")
+    return stream.getvalue().encode()
+
+
+def npz(**arrays: np.ndarray | float) -> bytes:
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **{name: np.asarray(value) for name, value in arrays.items()})
+    return stream.getvalue()
+
+
+TIME = np.arange(50)[:, None] * 0.01
+HEADERS = {
+    "SI with units in brackets": (
+        "time [s],gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s^2],acc_y [m/s^2],acc_z [m/s^2]",
+        np.hstack([TIME, GYRO, FORCE]),
+    ),
+    "degrees and g": (
+        "t_ms,gx_dps,gy_dps,gz_dps,ax_g,ay_g,az_g",
+        np.hstack([TIME * 1e3, np.degrees(GYRO), FORCE / 9.80665]),
+    ),
+    "accelerometer first": (
+        "time_s,accel_x (m/s²),accel_y (m/s²),accel_z (m/s²),wx (°/s),wy (°/s),wz (°/s)",
+        np.hstack([TIME, FORCE, np.degrees(GYRO)]),
+    ),
+    "EuRoC": (
+        "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+        "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]",
+        np.hstack([TIME * 1e9, GYRO, FORCE]),
+    ),
+    "ROS": (
+        "time_s,angular_velocity.x,angular_velocity.y,angular_velocity.z,"
+        "linear_acceleration.x,linear_acceleration.y,linear_acceleration.z",
+        np.hstack([TIME, GYRO, FORCE]),
+    ),
+    "increments": (
+        "time_s,dtheta_x [rad],dtheta_y [rad],dtheta_z [rad],dvel_x [m/s],dvel_y [m/s],dvel_z [m/s]",
+        np.hstack([TIME, GYRO * 0.01, FORCE * 0.01]),
+    ),
+}
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+@pytest.mark.parametrize("layout", HEADERS)
+def test_common_layouts(layout: str, delimiter: str):
+    header, table = HEADERS[layout]
+    log = read_log(csv(table, header.replace(",", delimiter), delimiter))
+    np.testing.assert_allclose(log.gyro, GYRO, rtol=1e-9)
+    np.testing.assert_allclose(log.accelerometer, FORCE, rtol=1e-9)
+    assert log.rate_hz == pytest.approx(100.0)
+    assert any("100 Hz from" in note for note in log.reading)
+
+
+def test_headerless_file_needs_columns_units_and_rate():
+    content = csv(np.hstack([GYRO, FORCE]), delimiter=" ")
+    with pytest.raises(LogFormatError, match="give `columns`"):
+        read_log(content)
+    with pytest.raises(LogFormatError, match="give the rate"):
+        read_log(content, LogOptions(columns=NAMES))
+    with pytest.raises(LogFormatError, match=r"unit of 'gyro_x' is not stated.*gyro_unit"):
+        read_log(content, LogOptions(columns=NAMES, rate_hz=100.0))
+    log = read_log(content, LogOptions(columns=NAMES, rate_hz=100.0, gyro_unit="rad/s", accelerometer_unit="m/s²"))
+    np.testing.assert_allclose(log.accelerometer, FORCE)
+
+
+def test_counts_take_a_scale_per_count():
+    counts = np.round(GYRO * 1e4)
+    options = LogOptions(columns=["-", *NAMES[:3], "-"], rate_hz=200.0, gyro_unit="0.05 deg/s")
+    log = read_log(csv(np.hstack([TIME, counts, TIME])), options)
+    np.testing.assert_allclose(log.gyro, counts * np.radians(0.05))
+    assert log.accelerometer is None
+    assert log.rate_hz == 200.0
+
+
+def test_comment_lines_may_state_the_rate():
+    header = "% static log\n% sample rate: 0.1 kHz\n" + ",".join(f"{n} [rad/s]" for n in NAMES[:3])
+    assert read_log(csv(GYRO, header)).rate_hz == 100.0
+
+
+def test_temperature_is_kept():
+    header = "temp_c," + ",".join(f"{n} [rad/s]" for n in NAMES[:3])
+    log = read_log(csv(np.hstack([TIME + 20.0, GYRO]), header), LogOptions(rate_hz=50.0))
+    np.testing.assert_allclose(log.temperature_c, TIME[:, 0] + 20.0)
+
+
+GOOD_HEADER = HEADERS["SI with units in brackets"][0]
+GOOD = csv(HEADERS["SI with units in brackets"][1], GOOD_HEADER).decode().splitlines()
+
+
+def spoilt(line: int, field: int, text: str) -> bytes:
+    """The good file with one field replaced; `line` counts from 1 as an editor does."""
+    lines = GOOD.copy()
+    fields = lines[line - 1].split(",")
+    fields[field] = text
+    lines[line - 1] = ",".join(fields)
+    return "\n".join(lines).encode()
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (spoilt(7, 2, "nan"), r"line 7, column 3: 'nan'"),
+        (spoilt(9, 4, "inf"), r"line 9, column 5: 'inf'"),
+        (spoilt(12, 1, "N/A"), r"line 12, column 2: 'N/A' is not a number"),
+        (spoilt(12, 1, ""), r"line 12, column 2: 'nothing' is not a number"),
+        (spoilt(20, 6, "1.0,2.0"), r"line 20: 8 columns, 7"),
+        (spoilt(20, 6, "=cmd|' /C calc'!A0"), r"line 20, column 7"),
+        (spoilt(31, 0, "0.5"), r"line 3[12]"),
+        (b"", "empty file"),
+        (b"\x89PNG\r\n\x1a\n\x00\x00", "not a text file"),
+        (b"hello\nworld\n", "no numbers"),
+        (b"hello\n" * 500, "first 200 lines"),
+        (b"a" * 50_000, "longer than"),
+        (b"x,y\n1,2\n3,4\n", "rate"),
+    ],
+)
+def test_malformed_text_is_refused_by_name(content: bytes, complaint: str):
+    with pytest.raises(LogFormatError, match=complaint) as refusal:
+        read_log(content, file_name="flight7.csv")
+    assert str(refusal.value).startswith("flight7.csv")
+
+
+def test_wrong_and_irregular_rates_are_refused():
+    with pytest.raises(LogFormatError, match="stated as 200 Hz"):
+        read_log("\n".join(GOOD).encode(), LogOptions(rate_hz=200.0))
+    with pytest.raises(LogFormatError, match=r"line 21: irregular rate, a step of 0.02 s"):
+        read_log("\n".join(GOOD[:20] + GOOD[21:]).encode())
+    with pytest.raises(LogFormatError, match="does not increase"):
+        read_log("\n".join([*GOOD[:20], GOOD[19], *GOOD[20:]]).encode())
+    with pytest.raises(LogFormatError, match="positive"):
+        read_log(csv(GYRO), LogOptions(columns=NAMES[:3], rate_hz=-1.0, gyro_unit="rad/s"))
+
+
+def test_size_limits():
+    content = "\n".join(GOOD).encode()
+    with pytest.raises(LogFormatError, match="larger than"):
+        read_log(content, limits=Limits(file_bytes=1000))
+    with pytest.raises(LogFormatError, match="more than 10 rows"):
+        read_log(content, limits=Limits(rows=10))
+
+
+def test_missing_axis_and_doubled_axis():
+    three = csv(GYRO)
+    with pytest.raises(LogFormatError, match="x, y and z are needed"):
+        read_log(three, LogOptions(columns=["gyro_x", "gyro_y", "-"], rate_hz=1.0, gyro_unit="rad/s"))
+    with pytest.raises(LogFormatError, match="several or unclear"):
+        read_log(three, LogOptions(columns=["gyro_x", "gyro_y", "gyro_y"], rate_hz=1.0, gyro_unit="rad/s"))
+    with pytest.raises(LogFormatError, match="'gyro_q' is not understood"):
+        read_log(three, LogOptions(columns=["gyro_x", "gyro_y", "gyro_q"], rate_hz=1.0, gyro_unit="rad/s"))
+    with pytest.raises(LogFormatError, match="2 column names given, 3 columns"):
+        read_log(three, LogOptions(columns=["gyro_x", "gyro_y"], rate_hz=1.0))
+
+
+def test_npz_layouts():
+    plain = read_log(npz(gyro_dps=np.degrees(GYRO), acc_g=FORCE / 9.80665, fs=100.0))
+    np.testing.assert_allclose(plain.gyro, GYRO)
+    np.testing.assert_allclose(plain.accelerometer, FORCE)
+    counts = read_log(npz(gyro_counts=np.round(GYRO * 1e4), gyro_dps_per_count=0.05, dt=0.01))
+    np.testing.assert_allclose(counts.gyro, np.round(GYRO * 1e4) * np.radians(0.05))
+    increments = read_log(
+        npz(dtheta=GYRO * 0.01, dvel=FORCE * 0.01, imu_t=TIME[:, 0]),
+        LogOptions(gyro_unit="rad", accelerometer_unit="m/s"),
+    )
+    np.testing.assert_allclose(increments.gyro, GYRO)
+    single = read_log(npz(wx=GYRO[:, 0], wy=GYRO[:, 1], wz=GYRO[:, 2], rate=100.0), LogOptions(gyro_unit="rad/s"))
+    np.testing.assert_allclose(single.gyro, GYRO)
+    chosen = read_log(
+        npz(gyro_raw_a=GYRO, gyro_raw_b=GYRO * 2, fs=100.0),
+        LogOptions(arrays={"gyro": "gyro_raw_b"}, gyro_unit="rad/s"),
+    )
+    np.testing.assert_allclose(chosen.gyro, 2 * GYRO)
+
+
+def with_member(name: str, content: bytes) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(name, content)
+    return stream.getvalue()
+
+
+def npy_header(text: str) -> bytes:
+    body = text.ljust(117) + "\n"
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(body)) + body.encode()
+
+
+class Bomb:
+    """Unpickling it would create a file."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __reduce__(self) -> tuple[object, tuple[str]]:
+        return Path.touch, (self.path,)  # type: ignore[return-value]
+
+
+def test_pickles_are_never_opened(tmp_path: Path):
+    target = tmp_path / "owned"
+    stream = io.BytesIO()
+    np.savez(stream, gyro=np.array([Bomb(target)], dtype=object))
+    with pytest.raises(LogFormatError, match="'gyro': holds object"):
+        read_log(stream.getvalue())
+    assert not target.exists()
+
+
+def test_zip_bomb_is_refused_before_it_is_unpacked():
+    bomb = npz(gyro=np.zeros((3_000_000, 3)), fs=100.0)
+    assert len(bomb) < 200_000
+    with pytest.raises(LogFormatError, match="unpacks to 72 MB; at most 50 MB"):
+        read_log(bomb, limits=Limits(unpacked_bytes=50_000_000))
+
+
+def test_header_that_promises_more_than_the_archive_holds():
+    header = npy_header("{'descr': '<f8', 'fortran_order': False, 'shape': (900000000000, 3), }")
+    with pytest.raises(LogFormatError, match="declares 21600000000000 bytes"):
+        read_log(with_member("gyro.npy", header + b"\0" * 100))
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (b"PK\x03\x04 not really", "damaged NPZ"),
+        (npz(gyro=GYRO, fs=100.0)[:-40], "damaged NPZ"),
+        (with_member("evil.py", b"print(1)"), "not a plain .npy"),
+        (with_member("gyro.npy", b"garbage"), "not a readable .npy"),
+        (npz(gyro=np.array(["a", "b"])), "not numbers"),
+        (npz(gyro=GYRO.astype(complex)), "not numbers"),
+        (npz(gyro_dps=GYRO[:, :2], fs=100.0), "three for a triad"),
+        (npz(gyro_dps=GYRO, acc_g=FORCE[:-1], fs=100.0), "50 gyro but 49 accelerometer"),
+        (npz(gyro_dps=np.where(np.arange(50)[:, None] == 17, np.nan, GYRO), fs=100.0), "sample 17: gyro_x"),
+        (npz(gyro_dps=GYRO), "give the rate"),
+        (npz(velocity=GYRO, fs=100.0), "no gyro or accelerometer"),
+    ],
+)
+def test_malformed_archive_is_refused_by_name(content: bytes, complaint: str):
+    with pytest.raises(LogFormatError, match=complaint) as refusal:
+        read_log(content, file_name="flight7.npz")
+    assert str(refusal.value).startswith("flight7.npz")
+
+
+def test_names_and_units():
+    meaning = meaning_of("Gyro Y (mdps)")
+    assert meaning is not None
+    assert (meaning.role, meaning.axis, meaning.unit) == ("gyro", 1, "mdeg/s")
+    assert meaning_of("latitude") is None
+    assert scale_of("accelerometer", "125 ug s").per_sample
+    assert scale_of("gyro", "0.1 arcsec").factor == pytest.approx(np.radians(0.1 / 3600))
+    for text in ("furlong", "", "-1 deg/s", "0 deg/s", "1.2.3 deg/s"):
+        with pytest.raises(LogFormatError, match="gyro unit"):
+            scale_of("gyro", text)
+
+
+def test_path_and_stream_give_the_same_log(tmp_path: Path):
+    content = "\n".join(GOOD).encode()
+    path = tmp_path / "static.csv"
+    path.write_bytes(content)
+    from_path, from_stream = read_log(path), read_log(io.BytesIO(content), file_name="static.csv")
+    assert from_path.file_name == "static.csv"
+    assert from_path.sha256 == from_stream.sha256
+    assert len(from_path.sha256) == 64
+    with pytest.raises(LogFormatError, match="no such file"):
+        read_log(tmp_path / "missing.csv")

@@ -1,0 +1,130 @@
+"""Per-axis model against the discrete Riccati solver, matrix exponentials and a dense Kalman smoother."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm, solve_discrete_are
+
+from nav_model.sar.axis_model import (
+    AxisModel,
+    draw_state,
+    noise_path,
+    process_noise,
+    steady_covariance,
+    transition,
+)
+from nav_model.sar.smoother import rts_smooth
+
+
+def van_loan(model, step):
+    """Transition and noise covariance by the exponential of the doubled matrix."""
+    drift = np.diag([1.0, 1.0], 1)
+    noise = np.diag([0.0, model.accelerometer_noise**2, model.tilt_noise**2])
+    block = expm(np.block([[-drift, noise], [np.zeros((3, 3)), drift.T]]) * step)
+    phi = block[3:, 3:].T
+    return phi, phi @ block[:3, 3:]
+
+
+@pytest.mark.parametrize("step", [0.01, 1.0, 7.5])
+def test_transition_and_noise_are_van_loans(table_designs, step):
+    model, _ = table_designs["GNSS 1 m"]
+    phi, noise = van_loan(model, step)
+    np.testing.assert_allclose(transition(step), phi, rtol=1e-12)
+    np.testing.assert_allclose(process_noise(model, step), noise, rtol=1e-6, atol=1e-16)
+
+
+@pytest.mark.parametrize("name", ["GNSS 1 m", "GNSS 2 cm", "short"])
+def test_steady_state_is_that_of_the_riccati_solver(table_designs, name):
+    model, _ = table_designs[name]
+    phi, noise = transition(model.fix_interval), process_noise(model, model.fix_interval)
+    prior = solve_discrete_are(phi.T, np.eye(3)[:, :1], noise, np.array([[model.gnss_sigma**2]]))
+    np.testing.assert_allclose(steady_covariance(model).prior, prior, rtol=1e-6)
+
+
+def test_steady_state_check_values_of_t8(table_designs):
+    steady = steady_covariance(table_designs["GNSS 1 m"][0])
+    closed = np.array([0.474565, 0.0654609, 9.80665 * np.radians(0.0351388)])
+    np.testing.assert_allclose(np.sqrt(np.diag(steady.posterior)) / closed, [0.946, 0.964, 0.986], atol=1e-3)
+    np.testing.assert_allclose(np.sqrt(np.diag(steady.prior)) / closed, [1.059, 1.039, 1.014], atol=1e-3)
+
+
+def test_a_vertical_axis_has_no_tilt():
+    model = AxisModel(0.05 / 60, 1e-4, 1.0, 0.1, horizontal=False)
+    steady = steady_covariance(model)
+    assert not steady.prior[2].any()
+    # [T-4]: the continuous closed form, approached with frequent fixes.
+    s = np.sqrt(0.1)
+    assert steady.prior[0, 0] == pytest.approx(np.sqrt(2) * s**1.5 * np.sqrt(0.05 / 60), rel=0.02)
+
+
+def test_noise_path_has_the_covariance_of_integrated_noise(table_designs):
+    model, _ = table_designs["GNSS 1 m"]
+    time = np.sort(np.concatenate([np.linspace(0, 5, 26), [3.33]]))
+    path = noise_path(model, time, 20_000, np.random.default_rng(3))
+    for index in (np.searchsorted(time, 3.33), -1):
+        sample = np.cov(path[:, :, index])
+        expected = van_loan(model, time[index])[1]
+        error = np.sqrt((expected**2 + np.outer(np.diag(expected), np.diag(expected))) / 20_000)
+        assert np.all(np.abs(sample - expected) < 4.5 * error)
+
+
+@pytest.mark.parametrize("noises", [(0.02, 0.01), (0.3, 1e-4)])
+def test_one_long_step_is_as_exact_as_many_short_ones(noises):
+    model = AxisModel(*noises, 1.0, 1.0)
+    sample = np.cov(noise_path(model, np.array([0.0, 3.0]), 40_000, np.random.default_rng(5))[:, :, 1])
+    expected = van_loan(model, 3.0)[1]
+    error = np.sqrt((expected**2 + np.outer(np.diag(expected), np.diag(expected))) / 40_000)
+    assert np.all(np.abs(sample - expected) < 4.5 * error)
+
+
+def test_a_singular_covariance_can_be_drawn():
+    states = draw_state(np.diag([4.0, 1.0, 0.0]), 4000, np.random.default_rng(0))
+    assert not states[:, 2].any()
+    assert np.std(states[:, 0]) == pytest.approx(2.0, rel=0.05)
+
+
+def test_smoother_is_the_weighted_least_squares_solution():
+    """Smoothed states of a short track equal the joint Gaussian posterior given all fixes at once."""
+    model = AxisModel(0.3, 0.02, 0.7, 1.0)
+    random = np.random.default_rng(11)
+    count, phi, noise = 6, transition(1.0), process_noise(model, 1.0)
+    first = np.diag([2.0, 1.0, 0.5])
+    joint = np.zeros((3 * count, 3 * count))
+    joint[:3, :3] = first
+    for k in range(1, count):
+        rows = slice(3 * k, 3 * k + 3)
+        before = slice(3 * k - 3, 3 * k)
+        joint[rows, : 3 * k] = phi @ joint[before, : 3 * k]
+        joint[: 3 * k, rows] = joint[rows, : 3 * k].T
+        joint[rows, rows] = phi @ joint[before, before] @ phi.T + noise
+    fixes = random.standard_normal(count)
+    picks = np.zeros((count, 3 * count))
+    picks[range(count), range(0, 3 * count, 3)] = 1
+    gain = joint @ picks.T @ np.linalg.inv(picks @ joint @ picks.T + 0.49 * np.eye(count))
+    expected = (gain @ fixes).reshape(count, 3)
+
+    state, covariance = np.zeros(3), first
+    forward = ([], [], [], [])
+    for k in range(count):
+        if k:
+            state, covariance = phi @ state, phi @ covariance @ phi.T + noise
+        forward[2].append(state)
+        forward[3].append(covariance)
+        weight = covariance[:, 0] / (covariance[0, 0] + 0.49)
+        state = state + weight * (fixes[k] - state[0])
+        covariance = covariance - np.outer(weight, covariance[0])
+        forward[0].append(state)
+        forward[1].append(covariance)
+    smoothed = rts_smooth(*(np.array(part) for part in forward), np.broadcast_to(phi, (count - 1, 3, 3)))
+    np.testing.assert_allclose(smoothed, expected, atol=1e-9)
+    with pytest.raises(ValueError, match="transitions"):
+        rts_smooth(*(np.array(part) for part in forward), np.broadcast_to(phi, (2, 3, 3)))
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("accelerometer_noise", 0.0), ("gyro_noise", -1.0), ("gnss_sigma", np.nan), ("fix_interval", np.inf)],
+)
+def test_bad_models_are_refused_by_name(field, value):
+    good = {"accelerometer_noise": 1e-3, "gyro_noise": 1e-4, "gnss_sigma": 1.0, "fix_interval": 1.0}
+    with pytest.raises(ValueError, match=field):
+        AxisModel(**(good | {field: value}))

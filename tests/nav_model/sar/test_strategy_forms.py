@@ -1,0 +1,198 @@
+"""Closed forms of the strategies against symbolic limits, quadrature and root finding."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import dblquad
+from scipy.optimize import brentq
+
+from nav_model.sar.strategy_forms import (
+    advise,
+    beyond_quadratic_variance,
+    break_even_aperture,
+    corrected_residual_variance,
+    exact_corrected_variance,
+    fit_noise_variance,
+    fit_quadratic_sigma,
+    ins_quadratic_variance,
+    ins_residual_variance,
+    map_of_winners,
+    shrunk_residual_variance,
+    shrunk_weight,
+)
+
+G = 9.80665
+SA, SW = 0.05 / 60, np.radians(0.5) / 60
+TILT = np.radians(0.0351388) ** 2
+
+
+def _detrended(covariance, order):
+    """Mean variance left on [0, 1] of a process, after its projection on Legendre orders 0..order."""
+    total = dblquad(lambda _, s: covariance(s, s), 0, 1, 0, 1)[0]
+    for n in range(order + 1):
+        polynomial = np.polynomial.Legendre.basis(n, domain=[0, 1])
+        nodes, weights = np.polynomial.legendre.leggauss(80)
+        t = (nodes + 1) / 2
+        matrix = np.array([[covariance(a, b) for b in t] for a in t])
+        scaled = polynomial(t) * weights / 2
+        total -= (2 * n + 1) * scaled @ matrix @ scaled
+    return total
+
+
+def test_noise_terms_are_projections_of_the_integrated_noise():
+    def twice(a, b):
+        a, b = min(a, b), max(a, b)
+        return a**2 * (3 * b - a) / 6
+
+    def thrice(a, b):
+        a, b = min(a, b), max(a, b)
+        return a**3 * (10 * b**2 - 5 * a * b + a**2) / 120
+
+    assert ins_residual_variance(1, 1, 0, 0) == pytest.approx(_detrended(twice, 1), rel=1e-3)
+    assert ins_residual_variance(1, 0, 1, 0, gravity=1) == pytest.approx(_detrended(thrice, 1), rel=1e-3)
+    assert beyond_quadratic_variance(1, 1, 0) == pytest.approx(_detrended(twice, 2), rel=1e-2)
+    assert beyond_quadratic_variance(1, 0, 1, gravity=1) == pytest.approx(_detrended(thrice, 2), rel=1e-3)
+
+
+def test_the_quadratic_and_the_rest_add_up_to_the_whole():
+    arguments = (np.array([2.0, 9.0, 33.0]), SA, SW, TILT)
+    biases = {"accelerometer_bias": 3e-4, "gyro_bias": 2e-6}
+    whole = ins_residual_variance(*arguments, 40.0, **biases)
+    quadratic = 4 / 45 * ins_quadratic_variance(*arguments, 40.0, **biases)
+    rest = beyond_quadratic_variance(*arguments[:3], gyro_bias=2e-6)
+    np.testing.assert_allclose(whole, quadratic + rest, rtol=1e-12)
+    # [T-14]: a gyro bias alone leaves g^2 d^2 T^6 / 2800.
+    alone = ins_residual_variance(7.0, 0, 0, 0, gyro_bias=1e-5)
+    assert alone == pytest.approx((G * 1e-5) ** 2 * 7.0**6 / 2800)
+
+
+@pytest.mark.parametrize(("fixes", "interval"), [(6, 1.0), (21, 0.5), (3, 2.0)])
+def test_the_fit_noise_is_least_squares(fixes, interval):
+    time = np.arange(fixes) * interval
+    curvature = np.linalg.inv(np.vander(time, 3).T @ np.vander(time, 3))[0, 0]
+    span = 11.0
+    sigma = fit_quadratic_sigma(0.7, interval, span, fixes)
+    assert sigma == pytest.approx(0.7 * np.sqrt(curvature) * span**2 / 4, rel=1e-9)
+    assert fit_noise_variance(0.7, interval, span, fixes) == pytest.approx(4 / 45 * sigma**2)
+
+
+def test_the_printed_fit_noise():
+    s2, n, span = 0.3**2 * 0.5, 40, 20.0
+    expected = s2 / span * n**4 / ((n**2 - 1) * (n**2 - 4))
+    assert fit_noise_variance(0.3, 0.5, span) == pytest.approx(expected, rel=1e-12)
+    assert np.isinf(fit_noise_variance(0.3, 0.5, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("fixes", "both_ends", "after_start"),
+    [(3, 1.05, 3.6), (6, 1.09, 1.4), (11, 1.04, 1.1), (21, 1.011, 1.03)],
+)
+def test_where_the_continuous_fit_stops_holding(fixes, both_ends, after_start):
+    """[T-16]'s inertial part against the fit at the fixes, which depends on where the fixes are."""
+    continuous = float(beyond_quadratic_variance(10.0, SA, 0.0))
+    at_ends = exact_corrected_variance(10.0, SA, 0.0, 1e-12, np.linspace(0, 10, fixes)) / continuous
+    late = exact_corrected_variance(10.0, SA, 0.0, 1e-12, np.arange(1, fixes + 1) * 10 / fixes) / continuous
+    assert 1.0 < at_ends < both_ends
+    assert after_start < late < 1.2 * after_start
+
+
+def test_exact_variance_against_random_walks():
+    random = np.random.default_rng(9)
+    x = np.linspace(0, 1, 201)
+    rate = np.cumsum(random.standard_normal((4000, 200)), axis=1) / np.sqrt(200)
+    path = np.concatenate([np.zeros((4000, 1)), np.cumsum(rate, axis=1) / 200], axis=1)
+    fixes = np.array([0.25, 0.5, 0.75, 1.0])
+    seen = path[:, [50, 100, 150, 200]] + 0.1 * random.standard_normal((4000, 4))
+    fit = np.array([np.polyval(np.polyfit(fixes, row, 2), x) for row in seen])
+    left = path - fit
+    left -= np.polynomial.polynomial.polyval(x, np.polynomial.polynomial.polyfit(x, left.T, 1))
+    square = np.mean(left**2, axis=1)
+    exact = exact_corrected_variance(1.0, 1.0, 0.0, 0.1, fixes)
+    assert abs(square.mean() - exact) < 4 * square.std() / np.sqrt(4000) + 0.01 * exact
+
+
+def test_exact_variance_without_a_fit_is_t15():
+    args = {"gnss_sigma": 1.0, "fix_times": np.arange(11.0), "weight": 0.0, "tilt_variance": TILT}
+    variance = exact_corrected_variance(10.0, SA, SW, **args)
+    free = float(ins_residual_variance(10.0, SA, SW, TILT))
+    # Weight zero still takes the fitted line, which the removal of the line makes harmless.
+    assert variance == pytest.approx(free, rel=1e-4)
+
+
+@settings(max_examples=60, deadline=None)
+@given(ins=st.floats(1e-8, 1e2), fit=st.floats(1e-8, 1e2), rest=st.floats(0, 1.0))
+def test_the_shrunk_fit_loses_to_neither_and_is_the_best_weight(ins, fit, rest):
+    best = shrunk_residual_variance(ins, fit, rest)
+    assert best <= 4 / 45 * min(ins, fit) + rest + 1e-15
+    weight = float(shrunk_weight(ins, fit))
+    for other in (weight * 0.9, weight * 1.1 + 1e-3):
+        left = 4 / 45 * ((1 - other) ** 2 * ins + other**2 * fit) + rest
+        assert best <= left * (1 + 1e-12)
+
+
+def test_a_fit_that_determines_nothing_has_no_weight():
+    assert shrunk_weight(1.0, np.inf) == 0.0
+    assert shrunk_weight(0.0, 0.0) == 0.0
+    assert shrunk_residual_variance(1.0, np.inf, 0.1) == pytest.approx(4 / 45 + 0.1)
+
+
+@pytest.mark.parametrize("extra", [0.0, 1.0])
+@pytest.mark.parametrize("sigma", [0.02, 0.3, 3.0])
+def test_break_even_is_where_t15_equals_t16(sigma, extra):
+    def excess(span):
+        corrected = corrected_residual_variance(span, SA, SW, sigma, 1.0, fixes=span + extra)
+        return float(ins_residual_variance(span, SA, SW, TILT) - corrected)
+
+    root = brentq(excess, 2.01, 500)
+    found = break_even_aperture(SA, SW, TILT, sigma, 1.0, extra_fixes=extra)
+    assert found == pytest.approx(root, rel=1e-9)
+    assert break_even_aperture(SA, SW, TILT, [sigma, sigma], 1.0, extra_fixes=extra).shape == (2,)
+
+
+def test_the_source_papers_gain_needs_thirteen_centimetres():
+    """sar.md: 30 cm to 6 cm (largest error, two thirds of the QPE) at T = 20 s needs 0.13 m of GNSS noise."""
+    needed = 0.06 / (2 / 3 * fit_quadratic_sigma(1.0, 1.0, 20.0, 21))
+    assert needed == pytest.approx(0.13, abs=0.01)
+
+
+def test_map_of_winners_on_a_grid():
+    spans = np.geomspace(2.5, 60, 100)[None, :]
+    noise = np.geomspace(0.005, 5, 100)[:, None]
+    tilt = TILT * noise ** (1 / 3)
+    result = map_of_winners(spans, noise, SA, SW, tilt, 1.0, coast_time=30.0)
+    assert result.winner.shape == result.best_sigma.shape == (100, 100)
+    names = np.array(result.strategies)[result.winner]
+    assert names[-1, 0] == "2"  # noisy fixes, short aperture
+    assert names[0, -1] == "5"  # good fixes, long aperture
+    assert "5w" in names  # between the two
+    assert "3" not in names  # with a coast, never
+    picked = np.take_along_axis(result.sigma, result.winner[None], 0)[0]
+    assert np.all(picked <= 1.05 * result.best_sigma * (1 + 1e-12))
+    with pytest.raises(ValueError, match="worth"):
+        map_of_winners(spans, noise, SA, SW, tilt, 1.0, worth=1.0)
+
+
+def test_advice_says_which_why_and_what_would_change():
+    short = advise(5.0, 0.02, 1.0, 0.07 / 60, np.radians(0.15) / 60, 1e-8, 0.031)
+    assert short.strategy == "2"
+    assert "Use strategy 2" in short.sentence
+    assert "this one is shorter" in short.would_change
+    good = advise(20.0, 0.02, 1.0, SA, SW, 2e-7, 0.031, coast_time=100.0, required_phase=0.1)
+    assert good.strategy == "5"
+    assert "this one is longer" in good.would_change
+    assert "misses the limit" in good.would_change
+    assert "After 100 s without fixes" in good.because
+    assert good.break_even_gnss_sigma > 0.02
+    # At the noise named, the two are equal.
+    free = ins_residual_variance(20.0, SA, SW, 2e-7)
+    at_limit = corrected_residual_variance(20.0, SA, SW, good.break_even_gnss_sigma, 1.0)
+    assert at_limit == pytest.approx(float(free), rel=1e-9)
+    none = advise(1.5, 0.02, 1.0, SA, SW, TILT, 0.031)
+    assert none.strategy == "2"
+    assert "no quadratic to fit" in none.because
+
+
+def test_too_few_fixes_are_refused():
+    with pytest.raises(ValueError, match="at least 3"):
+        exact_corrected_variance(10.0, SA, SW, 1.0, [0.0, 10.0])
