@@ -50,7 +50,7 @@ def euler_error_map(pitch: FloatArray, yaw: FloatArray) -> FloatArray:
     zero, one = np.zeros_like(cy), np.ones_like(cy)
     rows = [[cy * secant, sy * secant, zero], [-sy, cy, zero], [cy * tangent, sy * tangent, one]]
     result: FloatArray = -np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-    return result
+    return np.ascontiguousarray(result)
 
 
 def quaternion_from_matrix(matrix: FloatArray) -> FloatArray:
