@@ -184,10 +184,12 @@ def _write(
     error[:] = own
     for i in range(n):
         variance[i] = covariance[i, i]
-    error[6:9] = error_map @ own[6:9]
-    spread = error_map @ covariance[6:9, 6:9] @ error_map.T
     for i in range(3):
-        variance[6 + i] = spread[i, i]
+        error[6 + i], variance[6 + i] = 0.0, 0.0
+        for j in range(3):
+            error[6 + i] += error_map[i, j] * own[6 + j]
+            for m in range(3):
+                variance[6 + i] += error_map[i, j] * covariance[6 + j, 6 + m] * error_map[i, m]
     return own
 
 
