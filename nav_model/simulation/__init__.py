@@ -1,7 +1,7 @@
 """The simulator: a strapdown INS with a closed-loop Kalman filter, flown many times.
 
-It confirms the closed forms of `nav_model.analytic` the way the source paper does, and goes on where they stop.
-Import from the modules; this one imports nothing, so that the commands start fast.
+It confirms the closed forms of `nav_model.analytic` the way the source paper does, and goes on where they
+stop. Import from the modules; this one imports nothing, so that the commands start fast.
 
     specification.py    what a study is: SimulationSpec and its parts, in SI, checked
     trajectory.py       the flights, laid on the Earth as one spline; trajectory_file.py reads one from CSV

@@ -69,7 +69,8 @@ def quaternion_from_matrix(matrix: FloatArray) -> FloatArray:
     a, b, c = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
     d, e, f = m[1, 0] + m[0, 1], m[0, 2] + m[2, 0], m[2, 1] + m[1, 2]
     parts = [[r * r, a, b, c], [a, r * r, d, e], [b, d, r * r, f], [c, e, f, r * r]][largest]
-    return np.array(parts) / (2.0 * r)
+    quaternion: FloatArray = np.array(parts) / (2.0 * r)
+    return quaternion
 
 
 @kernel

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from typing import Any
 
 from nav_model.simulation.compiled import room_digest
 
@@ -13,16 +14,19 @@ from nav_model.simulation.compiled import room_digest
 def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor, int]]:
     """A pool for `simulate(pool=..., workers=...)` on the scheduler at `address`, and its number of threads.
 
-    A chunk lost with its worker is flown again by another; a result counts once. Raises ValueError where no scheduler
-    answers or it has no workers, RuntimeError where a worker's simulator is not the same as this one, ImportError
-    where the `cluster` extra is not installed.
+    A chunk lost with its worker is flown again by another; a result counts once. Raises ValueError where no
+    scheduler answers or it has no workers, RuntimeError where a worker's simulator is not the same as this
+    one, ImportError where the `cluster` extra is not installed.
     """
     try:
-        from distributed import Client
+        import distributed
     except ImportError as error:
-        raise ImportError("a scheduler needs the 'cluster' extra: pip install 'navbudget[cluster]'") from error
+        raise ImportError(
+            "a scheduler needs the 'cluster' extra: pip install 'navbudget[cluster]'"
+        ) from error
+    connect: Any = distributed.Client
     try:
-        client = Client(address, timeout=timeout, set_as_default=False)
+        client: Any = connect(address, timeout=timeout, set_as_default=False)
     except (OSError, ValueError) as error:
         raise ValueError(f"scheduler = {address!r}: no Dask scheduler answers there ({error})") from error
     with client:
@@ -31,5 +35,7 @@ def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor
             raise ValueError(f"scheduler = {address!r}: it has no workers")
         strangers = [worker for worker, digest in client.run(room_digest).items() if digest != room_digest()]
         if strangers:
-            raise RuntimeError(f"worker {strangers[0]} has another version of nav_model.simulation; update it")
+            raise RuntimeError(
+                f"worker {strangers[0]} has another version of nav_model.simulation; update it"
+            )
         yield client.get_executor(pure=False, retries=3), threads

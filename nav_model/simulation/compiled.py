@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from numba import njit
 
@@ -35,7 +35,7 @@ def kernel(function: F) -> F:
     except RuntimeError as error:
         if "cannot cache" not in str(error):
             raise
-        return njit(nogil=True, error_model="numpy")(function)  # type: ignore[no-any-return]
+        return cast(F, njit(nogil=True, error_model="numpy")(function))
     index = compiled._cache._cache_file
     index._source_stamp = (index._source_stamp, room_digest())
-    return compiled  # type: ignore[no-any-return]
+    return cast(F, compiled)

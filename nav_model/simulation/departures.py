@@ -21,9 +21,11 @@ REASONS = {
 
 @dataclass(frozen=True)
 class Departure:
-    """One state over one phase of the flight: `ratio` is filter sigma over closed form where they differ most.
+    """One state over one phase of the flight: `ratio` is filter sigma over closed form where they differ
+    most.
 
-    group, axis: as in the JSON; start_s, stop_s: when they differ by more than the tolerance; reason: why, in words.
+    group, axis: as in the JSON; start_s, stop_s: when they differ by more than the tolerance; reason: why, in
+    words.
     """
 
     group: str
@@ -35,10 +37,11 @@ class Departure:
 
 
 def departures(result: SimulationResult, tolerance: float = 0.1, settling_s: float = 60.0) -> list[Departure]:
-    """Where filter sigma and closed form differ by more than `tolerance` (relative), one finding per state and phase.
+    """Where filter sigma and closed form differ by more than `tolerance` (relative), one finding per state
+    and phase.
 
-    Compares the filter's sigma, which has no sampling noise, after the fix. The phases are the first `settling_s`
-    seconds, the time with fixes, and the outages. Empty where no closed form was given.
+    Compares the filter's sigma, which has no sampling noise, after the fix. The phases are the first
+    `settling_s` seconds, the time with fixes, and the outages. Empty where no closed form was given.
     """
     if result.closed_form_sigma is None:
         return []
@@ -54,7 +57,9 @@ def departures(result: SimulationResult, tolerance: float = 0.1, settling_s: flo
             worst = apart[np.argmax(np.abs(np.log(ratio[apart])))]
             reason = REASONS[_reason(phase, group, axis, float(ratio[worst]))]
             times = result.time_s[apart]
-            found.append(Departure(group, axis, float(times[0]), float(times[-1]), float(ratio[worst]), reason))
+            found.append(
+                Departure(group, axis, float(times[0]), float(times[-1]), float(ratio[worst]), reason)
+            )
     return found
 
 

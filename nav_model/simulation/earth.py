@@ -22,9 +22,7 @@ GRAVITATIONAL_CONSTANT: Final = 3.986004418e14
 EQUATOR_GRAVITY: Final = 9.7803253359
 SOMIGLIANA: Final = 1.931852652458e-3
 # Ratio of centrifugal to gravitational acceleration at the equator, TR8350.2's m.
-CENTRIFUGAL_RATIO: Final = (
-    ROTATION_RATE**2 * SEMI_MAJOR_AXIS**3 * (1.0 - FLATTENING) / GRAVITATIONAL_CONSTANT
-)
+CENTRIFUGAL_RATIO: Final = ROTATION_RATE**2 * SEMI_MAJOR_AXIS**3 * (1.0 - FLATTENING) / GRAVITATIONAL_CONSTANT
 
 
 def curvature_radii(sin_latitude: Any) -> Any:
@@ -38,7 +36,8 @@ def normal_gravity(sin_latitude: Any, height: Any) -> Any:
     """Normal gravity [m/s^2], taken along the ellipsoid's normal, at a height [m] (TR8350.2 4-1, 4-3).
 
     Somigliana's formula on the ellipsoid, second order in height above it. The horizontal component that
-    appears with height (8e-9 h sin 2 latitude, 24 micro-m/s^2 at 3 km) is left out of truth and of the INS alike.
+    appears with height (8e-9 h sin 2 latitude, 24 micro-m/s^2 at 3 km) is left out of truth and of the INS
+    alike.
     """
     s2 = sin_latitude * sin_latitude
     surface = EQUATOR_GRAVITY * (1.0 + SOMIGLIANA * s2) / np.sqrt(1.0 - ECCENTRICITY_SQUARED * s2)

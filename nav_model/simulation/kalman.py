@@ -1,8 +1,9 @@
 """The error-state extended Kalman filter: transition, propagation, Joseph update, consistency.
 
 Errors are estimate minus truth: position [m] and velocity [m/s] north, east, down; attitude psi [rad] in
-C_estimate = (I - [psi x]) C; then, with 15 states, accelerometer [m/s^2] and gyro [rad/s] bias. For level flight
-this is [T-1] (with psi of the other sign, which no variance sees) plus the Earth's and transport's terms.
+C_estimate = (I - [psi x]) C; then, with 15 states, accelerometer [m/s^2] and gyro [rad/s] bias. For level
+flight this is [T-1] (with psi of the other sign, which no variance sees) plus the Earth's and transport's
+terms.
 
 Sources: Titterton and Weston, 2nd ed., ch. 12; Groves, *Principles of GNSS, Inertial, and Multisensor
 Integrated Navigation Systems*, 2nd ed., ch. 14; Bucy and Joseph 1968 for the update.
@@ -105,8 +106,8 @@ def propagate(
 
     dynamics: see `error_dynamics`; its exponential is taken to third order, which is exact for the chain
     gyro bias -> attitude -> velocity -> position. Q holds the white noises (densities [m/s/sqrt(s)],
-    [rad/sqrt(s)]) through the same chain, all orders. decay_rate [1/s] and bias_drive [unit^2/s] are those of the six
-    biases. work: (4, n, n) of working space.
+    [rad/sqrt(s)]) through the same chain, all orders. decay_rate [1/s] and bias_drive [unit^2/s] are those of
+    the six biases. work: (4, n, n) of working space.
     """
     n = covariance.shape[0]
     step, square, cube, product = work[0, :9], work[1, :9], work[2, :9], work[3]
@@ -176,12 +177,18 @@ def _add_white_noise(covariance: FloatArray, f: FloatArray, dt: float, qa: float
 
 @kernel
 def update(
-    covariance: FloatArray, row: FloatArray, residual: float, variance: float, estimate: FloatArray, work: FloatArray
+    covariance: FloatArray,
+    row: FloatArray,
+    residual: float,
+    variance: float,
+    estimate: FloatArray,
+    work: FloatArray,
 ) -> float:
     """One scalar measurement, Joseph form; returns its share of the NIS.
 
-    row: H (n); residual: predicted minus measured; estimate: error estimate (n) built up over the measurements of
-    a fix. Taken one after the other, the normalised squares of a fix's measurements sum to its NIS.
+    row: H (n); residual: predicted minus measured; estimate: error estimate (n) built up over the
+    measurements of a fix. Taken one after the other, the normalised squares of a fix's measurements sum to
+    its NIS.
     """
     n = covariance.shape[0]
     cross, gain = work[0, 0], work[0, 1]

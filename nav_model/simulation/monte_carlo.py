@@ -11,7 +11,14 @@ from __future__ import annotations
 import multiprocessing
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
 from concurrent.futures.process import BrokenProcessPool
 from typing import Final, Literal, Protocol
 
@@ -25,7 +32,8 @@ from nav_model.simulation.statistics import Statistics
 
 FloatArray = NDArray[np.float64]
 SAMPLES_PER_CHUNK: Final = 1_500_000
-"""About half a second of work: short enough to cancel at once, long enough that passing it on costs nothing."""
+"""About half a second of work: short enough to cancel at once, long enough that passing it on costs
+nothing."""
 
 
 class Flag(Protocol):
@@ -54,7 +62,8 @@ def run_chunk(spec: SimulationSpec, scale: FloatArray, start: int, stop: int) ->
 
 
 def local_pool(workers: int, kind: Literal["process", "thread"] = "process") -> Executor:
-    """A pool of this machine's processes (spawned, so safe beside threads) or threads. Shut it down after use."""
+    """A pool of this machine's processes (spawned, so safe beside threads) or threads. Shut it down after
+    use."""
     if workers < 1:
         raise ValueError(f"workers = {workers!r}: must be 1 or more")
     if kind == "thread":
@@ -72,7 +81,8 @@ def _here(spec: SimulationSpec, scale: FloatArray, cancel: Flag | None) -> Itera
 def _in_pool(
     spec: SimulationSpec, scale: FloatArray, cancel: Flag | None, pool: Executor, in_flight: int
 ) -> Iterator[Statistics]:
-    """Chunks in run order. At most `in_flight` are out or waiting for an earlier one, so memory stays flat."""
+    """Chunks in run order. At most `in_flight` are out or waiting for an earlier one, so memory stays
+    flat."""
     pieces = chunks(spec)
     pending: dict[Future[Statistics], int] = {}
     arrived: dict[int, Statistics] = {}
@@ -110,11 +120,13 @@ def simulate(
 ) -> SimulationResult:
     """Fly every run of `spec` and compare with the filter and, where given, with the closed form.
 
-    workers: 1 flies in this thread; more start as many processes for this study, unless a `pool` is given, which is
-    used and left open (`workers` is then how many it has). progress: called in this thread with runs done and
-    runs in all. cancel: looked at between chunks, ten times a second with a pool; runs already flying end by themselves.
+    workers: 1 flies in this thread; more start as many processes for this study, unless a `pool` is given,
+    which is used and left open (`workers` is then how many it has). progress: called in this thread with runs
+    done and runs in all. cancel: looked at between chunks, ten times a second with a pool; runs already
+    flying end by themselves.
 
-    Raises SimulationCancelled; ValueError for a study that cannot be flown; RuntimeError where a worker process dies.
+    Raises SimulationCancelled; ValueError for a study that cannot be flown; RuntimeError where a worker
+    process dies.
     """
     began = time.perf_counter()
     if workers < 1:
@@ -125,7 +137,11 @@ def simulate(
     own_pool = local_pool(workers) if pool is None and workers > 1 else None
     chosen = pool or own_pool
     try:
-        parts = _here(spec, scale, cancel) if chosen is None else _in_pool(spec, scale, cancel, chosen, 2 * workers)
+        parts = (
+            _here(spec, scale, cancel)
+            if chosen is None
+            else _in_pool(spec, scale, cancel, chosen, 2 * workers)
+        )
         for part in parts:
             total.merge(part)
             if progress is not None:

@@ -1,4 +1,5 @@
-"""What a study found: error statistics against the filter's covariance and the closed form, and the verdict."""
+"""What a study found: error statistics against the filter's covariance and the closed form, and the
+verdict."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ FloatArray = NDArray[np.float64]
 ClosedForm = Callable[[FloatArray, FloatArray], FloatArray]
 """(coast_s, elapsed_s), both (outputs,), to sigmas (outputs, 9) in the order of `STATES`.
 
-coast_s is the time since the last fix inside an outage and 0 where fixes come; elapsed_s is the time since the start.
+coast_s is the time since the last fix inside an outage and 0 where fixes come; elapsed_s is the time since
+the start.
 """
 CONFIDENCE: Final = 0.95
 PERCENTILES: Final = (50.0, 90.0, 95.0, 99.0)
@@ -62,11 +64,12 @@ class Consistency:
 class SimulationResult:
     """A finished study. Arrays over `time_s` (outputs,); states as in `RunRecord`.
 
-    rms, mean, filter_sigma: (2, outputs, states), before and after the fix at that time. filter_sigma is the root mean
-    of the runs' own variances; nominal_sigma the covariance along the true path. closed_form_sigma: (outputs, 9) or
-    None. percentiles: percent -> |error| after the fix (outputs, states). nees_curve: (outputs,) with its chi-square
-    band `nees_curve_band` for the mean over the runs. rms_band: factors on a true sigma between which the rms of this
-    many runs lies with 95 % probability. kept: (runs, outputs, states) errors after the fix where the study kept them.
+    rms, mean, filter_sigma: (2, outputs, states), before and after the fix at that time. filter_sigma is the
+    root mean of the runs' own variances; nominal_sigma the covariance along the true path. closed_form_sigma:
+    (outputs, 9) or None. percentiles: percent -> |error| after the fix (outputs, states). nees_curve:
+    (outputs,) with its chi-square band `nees_curve_band` for the mean over the runs. rms_band: factors on a
+    true sigma between which the rms of this many runs lies with 95 % probability. kept: (runs, outputs,
+    states) errors after the fix where the study kept them.
     """
 
     spec: SimulationSpec
@@ -109,7 +112,8 @@ class SimulationResult:
     def tilt_share_m(self) -> FloatArray:
         """Position sigma that the tilt at the last fix alone makes in each outage, g theta t^2 / 2 [T-12].
 
-        Shape (outputs, 2), north (from the tilt about east) and east, with the runs' own rms tilt; 0 outside outages.
+        Shape (outputs, 2), north (from the tilt about east) and east, with the runs' own rms tilt; 0 outside
+        outages.
         """
         share = np.zeros((len(self.time_s), 2))
         heading = self.truth.euler[:, 2]
@@ -138,9 +142,9 @@ def chi_square_band(degrees: float) -> tuple[float, float]:
 def nees_consistency(mean: float, mean_square: float, runs: int, outputs: int, states: int) -> Consistency:
     """The mean NEES over runs and times, with a band that knows a run's errors are correlated in time.
 
-    The mean over one run is treated as a scaled chi-square whose degrees of freedom follow from its spread from run
-    to run (Satterthwaite): between `states` (one independent time) and `states` x `outputs`. With fewer than ten runs
-    the spread is not known well enough and the widest band is taken.
+    The mean over one run is treated as a scaled chi-square whose degrees of freedom follow from its spread
+    from run to run (Satterthwaite): between `states` (one independent time) and `states` x `outputs`. With
+    fewer than ten runs the spread is not known well enough and the widest band is taken.
     """
     own = float(states)
     if runs >= 10:
@@ -172,7 +176,7 @@ def summarise(
         low, high = chi_square_band(degrees)
         m = total.nis_states
         nis = Consistency(total.nis / total.fixes, m * low, m * high, m, degrees)
-    sum_nees, sum_nees_square = total.run_nees
+    mean_nees, mean_nees_square = (total.run_nees / runs).tolist()
     low, high = chi_square_band(float(states * runs))
     factors = chi_square_band(float(runs))
     if total.worst is None:
@@ -189,7 +193,7 @@ def summarise(
         closed_form_sigma=sigma,
         percentiles={percent: total.percentile(percent) for percent in PERCENTILES},
         rms_band=(float(np.sqrt(factors[0])), float(np.sqrt(factors[1]))),
-        nees=nees_consistency(sum_nees / runs, sum_nees_square / runs, runs, len(time_s), states),
+        nees=nees_consistency(mean_nees, mean_nees_square, runs, len(time_s), states),
         nis=nis,
         nees_curve=total.nees / runs,
         nees_curve_band=(states * low, states * high),
@@ -202,8 +206,8 @@ def summarise(
 def to_json(result: SimulationResult) -> dict[str, Any]:
     """The study under the contract's names, plain lists and floats.
 
-    `rms_*` and `filter_sigma_*` are just after the fix at that time, `prior_*` just before it; `closed_form_sigma_*` is
-    null where no closed form was given.
+    `rms_*` and `filter_sigma_*` are just after the fix at that time, `prior_*` just before it;
+    `closed_form_sigma_*` is null where no closed form was given.
     """
     document: dict[str, Any] = {
         "runs": result.spec.runs,
@@ -241,7 +245,8 @@ def _consistency_json(value: Consistency) -> dict[str, float | int]:
 
 
 def to_arrays(result: SimulationResult) -> dict[str, FloatArray]:
-    """Everything numeric by name, for `numpy.savez`: statistics, truth, the worst run, and every kept run's errors."""
+    """Everything numeric by name, for `numpy.savez`: statistics, truth, the worst run, and every kept run's
+    errors."""
     arrays = {
         "time_s": result.time_s,
         "coast_s": result.coast_s,
@@ -268,7 +273,8 @@ def to_arrays(result: SimulationResult) -> dict[str, FloatArray]:
 
 
 def to_csv(result: SimulationResult) -> str:
-    """One row per time: rms, filter and closed-form sigma of the nine states after the fix, and the mean NEES."""
+    """One row per time: rms, filter and closed-form sigma of the nine states after the fix, and the mean
+    NEES."""
     columns: list[tuple[str, FloatArray]] = [("time_s", result.time_s), ("nees", result.nees_curve)]
     for column, (group, axis, unit) in enumerate(STATES):
         name = f"{group}_{axis}"

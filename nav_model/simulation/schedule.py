@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final
 
@@ -40,7 +40,8 @@ def _samples_at_multiples(interval: float, spec: SimulationSpec) -> NDArray[np.i
     """IMU samples nearest to interval, 2 interval, ... within the run."""
     count = int(np.floor(spec.duration / interval * (1.0 + 1e-12)))
     samples = np.rint(np.arange(1, count + 1) * interval * spec.imu.rate).astype(np.int64)
-    return samples[samples <= spec.steps]
+    within: NDArray[np.int64] = samples[samples <= spec.steps]
+    return within
 
 
 def output_samples(spec: SimulationSpec) -> NDArray[np.int64]:
@@ -88,6 +89,4 @@ def plan(spec: SimulationSpec) -> Schedule:
 
     Raises ValueError where the trajectory cannot be flown (see `plan_trajectory`).
     """
-    from dataclasses import replace
-
     return _plan(replace(spec, runs=1, seed=0, keep_runs=False))

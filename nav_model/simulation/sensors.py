@@ -15,11 +15,12 @@ FloatArray = NDArray[np.float64]
 
 
 class Triad(NamedTuple):
-    """One triad in one run, discretised at the IMU's rate. `markov`, `walk` and `residual` change as it flies.
+    """One triad in one run, discretised at the IMU's rate. `markov`, `walk` and `residual` change as it
+    flies.
 
     white: sigma of one increment's noise; fixed: turn-on bias (3); markov, walk: the two moving biases (3)
     with their step constants; distortion: identity plus scale factors and misalignments (3, 3);
-    count: size of one output count, residual: what quantisation holds back until the next sample (3).
+    quantum: size of one output count; residual: what quantisation holds back until the next sample (3).
     """
 
     white: float
@@ -31,12 +32,15 @@ class Triad(NamedTuple):
     walk_drive: float
     distorted: bool
     distortion: FloatArray
-    count: float
+    quantum: float
     residual: FloatArray
 
 
-def draw_triad(model: TriadModel, rate: float, vibration_factor: float, generator: np.random.Generator) -> Triad:
-    """The triad of one run: its constants drawn from `generator`, its moving biases started in their stationary state."""
+def draw_triad(
+    model: TriadModel, rate: float, vibration_factor: float, generator: np.random.Generator
+) -> Triad:
+    """The triad of one run: its constants drawn from `generator`, its moving biases started in their
+    stationary state."""
     dt = 1.0 / rate
     decay = math.exp(-dt / model.correlation_time)
     fixed = model.turn_on_bias * generator.standard_normal(3)
@@ -55,14 +59,17 @@ def draw_triad(model: TriadModel, rate: float, vibration_factor: float, generato
         walk_drive=model.rate_random_walk * math.sqrt(dt),
         distorted=model.scale_factor > 0.0 or model.misalignment > 0.0,
         distortion=distortion,
-        count=model.quantisation,
+        quantum=model.quantisation,
         residual=np.zeros(3),
     )
 
 
 @kernel
-def measure(triad: Triad, true: FloatArray, dt: float, generator: np.random.Generator, out: FloatArray) -> None:
-    """Reported increment (3) of one sample from the true one (3); advances the moving biases by the sample."""
+def measure(
+    triad: Triad, true: FloatArray, dt: float, generator: np.random.Generator, out: FloatArray
+) -> None:
+    """Reported increment (3) of one sample from the true one (3); advances the moving biases by the
+    sample."""
     for i in range(3):
         value = true[i]
         if triad.distorted:
@@ -72,19 +79,26 @@ def measure(triad: Triad, true: FloatArray, dt: float, generator: np.random.Gene
         if triad.white > 0.0:
             value += triad.white * generator.standard_normal()
         if triad.markov_drive > 0.0:
-            triad.markov[i] = triad.markov_decay * triad.markov[i] + triad.markov_drive * generator.standard_normal()
+            triad.markov[i] = (
+                triad.markov_decay * triad.markov[i] + triad.markov_drive * generator.standard_normal()
+            )
         if triad.walk_drive > 0.0:
             triad.walk[i] += triad.walk_drive * generator.standard_normal()
-        if triad.count > 0.0:
+        if triad.quantum > 0.0:
             total = value + triad.residual[i]
-            value = np.floor(total / triad.count + 0.5) * triad.count
+            value = np.floor(total / triad.quantum + 0.5) * triad.quantum
             triad.residual[i] = total - value
         out[i] = value
 
 
 @kernel
 def _measure_all(
-    gyro: Triad, accelerometer: Triad, true: FloatArray, dt: float, generator: np.random.Generator, out: FloatArray
+    gyro: Triad,
+    accelerometer: Triad,
+    true: FloatArray,
+    dt: float,
+    generator: np.random.Generator,
+    out: FloatArray,
 ) -> None:
     for k in range(len(true)):
         measure(accelerometer, true[k, :3], dt, generator, out[k, :3])

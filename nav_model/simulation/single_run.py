@@ -33,7 +33,8 @@ class _Truth(NamedTuple):
 
 
 class _Receiver(NamedTuple):
-    """The receiver's noise: white sigmas (3), Gauss-Markov sigmas (3) and time, velocity sigma (0: none), lever arm."""
+    """The receiver's noise: white sigmas (3), Gauss-Markov sigmas (3) and time, velocity sigma (0: none),
+    lever arm."""
 
     white: FloatArray
     markov: FloatArray
@@ -43,7 +44,8 @@ class _Receiver(NamedTuple):
 
 
 class _Tuning(NamedTuple):
-    """What the filter believes: white densities, bias decay [1/s] and drive (6), fix sigmas position (3), velocity."""
+    """What the filter believes: white densities, bias decay [1/s] and drive (6), fix sigmas position (3),
+    velocity."""
 
     accelerometer_density: float
     gyro_density: float
@@ -54,7 +56,8 @@ class _Tuning(NamedTuple):
 
 
 class _Record(NamedTuple):
-    """Where a run writes: errors and variances (2, outputs, states), prior then posterior; NEES per output; NIS per fix."""
+    """Where a run writes: errors and variances (2, outputs, states), prior then posterior; NEES per output;
+    NIS per fix."""
 
     error: FloatArray
     variance: FloatArray
@@ -66,9 +69,9 @@ class _Record(NamedTuple):
 class RunRecord:
     """One run at the output times. Errors are estimate minus truth.
 
-    error, filter_sigma: shape (2, outputs, states), [0] just before the fix at that time and [1] just after (the
-    same where no fix falls); states are position [m] and velocity [m/s] north, east, down, then roll, pitch, yaw
-    [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases.
+    error, filter_sigma: shape (2, outputs, states), [0] just before the fix at that time and [1] just after
+    (the same where no fix falls); states are position [m] and velocity [m/s] north, east, down, then roll,
+    pitch, yaw [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases.
     nees: (outputs,), after the fix. nis: (fixes,), each with `nis_states` degrees of freedom.
     """
 
@@ -167,7 +170,8 @@ def _write(
     error: FloatArray,
     variance: FloatArray,
 ) -> FloatArray:
-    """Errors and variances at output `k`, attitude as roll, pitch, yaw; returns the error in the filter's own states."""
+    """Errors and variances at output `k`, attitude as roll, pitch, yaw; returns the error in the filter's own
+    states."""
     n = covariance.shape[0]
     own = np.empty(n)
     meridian, prime = curvature_radii_kernel(np.sin(truth.position[k, 0]))
@@ -268,14 +272,27 @@ def _fly(
                 last_fix = k
                 rate = now[3:] / dt
                 record.nis[fix] = _take_fix(
-                    state, fixes, fix, receiver, markov, rate, matrix, covariance, tuning, gnss_noise, estimate, work
+                    state,
+                    fixes,
+                    fix,
+                    receiver,
+                    markov,
+                    rate,
+                    matrix,
+                    covariance,
+                    tuning,
+                    gnss_noise,
+                    estimate,
+                    work,
                 )
                 _correct(state, bias, estimate)
                 matrix_from_quaternion(state[6:10], matrix)
                 fix += 1
             if events[k] & OUTPUT:
                 for i in range(3):
-                    bias_error[i] = bias[i] - accelerometer.fixed[i] - accelerometer.markov[i] - accelerometer.walk[i]
+                    bias_error[i] = (
+                        bias[i] - accelerometer.fixed[i] - accelerometer.markov[i] - accelerometer.walk[i]
+                    )
                     bias_error[3 + i] = bias[3 + i] - gyro.fixed[i] - gyro.markov[i] - gyro.walk[i]
                 own = _write(
                     state,
@@ -360,7 +377,10 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     believed[12:15] = np.maximum(believed[12:15], 1e-13)
     outputs = len(truth.time_s)
     record = _Record(
-        np.empty((2, outputs, n)), np.empty((2, outputs, n)), np.empty(outputs), np.empty(len(schedule.fixes.time_s))
+        np.empty((2, outputs, n)),
+        np.empty((2, outputs, n)),
+        np.empty(outputs),
+        np.empty(len(schedule.fixes.time_s)),
     )
     _fly(
         state,
@@ -384,7 +404,12 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         first = float(truth.time_s[int(np.argmin(np.isfinite(record.nees)))])
         raise ArithmeticError(f"run {run}: the filter's covariance is not positive definite at {first:g} s")
     return RunRecord(
-        run, record.error, np.sqrt(record.variance), record.nees, record.nis, 6 if spec.gnss.velocity_noise else 3
+        run,
+        record.error,
+        np.sqrt(record.variance),
+        record.nees,
+        record.nis,
+        6 if spec.gnss.velocity_noise else 3,
     )
 
 
@@ -396,14 +421,15 @@ def _kernel_truth(states: TruthStates) -> _Truth:
 def fly(spec: SimulationSpec, run: int) -> RunRecord:
     """Run number `run` of a study: the same numbers whoever flies it, whenever, in whatever company.
 
-    Raises ArithmeticError where the covariance stops being positive definite, ValueError for a trajectory that
-    cannot be flown.
+    Raises ArithmeticError where the covariance stops being positive definite, ValueError for a trajectory
+    that cannot be flown.
     """
     return _fly_with(spec, spec.imu, run, noisy=True)
 
 
 def fly_without_errors(spec: SimulationSpec) -> RunRecord:
-    """The filter's covariance along the true path: no sensor or initial error, so `filter_sigma` is the answer.
+    """The filter's covariance along the true path: no sensor or initial error, so `filter_sigma` is the
+    answer.
 
     This is a covariance analysis with the full model; its errors are only those of the mechanisation.
     """

@@ -20,9 +20,14 @@ def _refuse(name: str, value: object, allowed: str) -> ValueError:
 
 
 def _check(
-    owner: object, *, positive: tuple[str, ...] = (), non_negative: tuple[str, ...] = (), finite: tuple[str, ...] = ()
+    owner: object,
+    *,
+    positive: tuple[str, ...] = (),
+    non_negative: tuple[str, ...] = (),
+    finite: tuple[str, ...] = (),
 ) -> None:
-    """Raise ValueError naming the first field of `owner` that is not finite, or not positive where it must be."""
+    """Raise ValueError naming the first field of `owner` that is not finite, or not positive where it must
+    be."""
     for names, lowest, allowed in (
         (positive, math.ulp(0.0), "positive and finite"),
         (non_negative, 0.0, "zero or positive, and finite"),
@@ -62,7 +67,8 @@ class TriadModel:
 
 @dataclass(frozen=True)
 class ImuModel:
-    """An inertial measurement unit; `vibration_factor` multiplies both random walks (in motion over bench)."""
+    """An inertial measurement unit; `vibration_factor` multiplies both random walks (in motion over
+    bench)."""
 
     gyro: TriadModel
     accelerometer: TriadModel
@@ -94,7 +100,9 @@ class GnssModel:
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        optional = tuple(n for n in ("vertical_position_noise", "velocity_noise") if getattr(self, n) is not None)
+        optional = tuple(
+            n for n in ("vertical_position_noise", "velocity_noise") if getattr(self, n) is not None
+        )
         _check(
             self,
             positive=("position_noise", "interval", "markov_time", *optional),
@@ -106,7 +114,9 @@ class GnssModel:
     @property
     def axis_noise(self) -> tuple[float, float, float]:
         """White position noise north, east, down [m]."""
-        vertical = self.position_noise if self.vertical_position_noise is None else self.vertical_position_noise
+        vertical = (
+            self.position_noise if self.vertical_position_noise is None else self.vertical_position_noise
+        )
         return self.position_noise, self.position_noise, vertical
 
 
@@ -146,7 +156,9 @@ class TrajectorySpec:
             finite=("latitude", "longitude", "height", "heading"),
         )
         if abs(self.latitude) > HIGHEST_LATITUDE:
-            raise _refuse("TrajectorySpec.latitude", self.latitude, "within 85 deg of the equator (NED mechanisation)")
+            raise _refuse(
+                "TrajectorySpec.latitude", self.latitude, "within 85 deg of the equator (NED mechanisation)"
+            )
         if not -1000.0 <= self.height <= 100_000.0:
             raise _refuse("TrajectorySpec.height", self.height, "between -1 km and 100 km")
         if self.speed > 3000.0:
@@ -156,12 +168,15 @@ class TrajectorySpec:
         if self.attitude_wander > math.radians(15.0):
             raise _refuse("TrajectorySpec.attitude_wander", self.attitude_wander, "at most 15 deg rms")
         if (self.kind == "file") != bool(self.samples):
-            raise _refuse("TrajectorySpec.samples", len(self.samples), "given for kind 'file', and only for it")
+            raise _refuse(
+                "TrajectorySpec.samples", len(self.samples), "given for kind 'file', and only for it"
+            )
 
 
 @dataclass(frozen=True)
 class InitialErrors:
-    """Sigma of the INS's errors at time 0, per axis; each run draws its own, the filter starts from the same."""
+    """Sigma of the INS's errors at time 0, per axis; each run draws its own, the filter starts from the
+    same."""
 
     position: float = 1.0
     velocity: float = 0.1
@@ -192,7 +207,13 @@ class FilterModel:
     def __post_init__(self) -> None:
         _check(
             self,
-            positive=("propagation_rate", "process_noise_scale", "gnss_noise_scale", "bias_scale", "initial_scale"),
+            positive=(
+                "propagation_rate",
+                "process_noise_scale",
+                "gnss_noise_scale",
+                "bias_scale",
+                "initial_scale",
+            ),
         )
         if self.states not in (9, 15):
             raise _refuse("FilterModel.states", self.states, "9 or 15")
@@ -200,7 +221,8 @@ class FilterModel:
 
 @dataclass(frozen=True)
 class SimulationSpec:
-    """One Monte Carlo study. `outages`: fixes with start < t <= stop are lost, so a run coasts stop - start s.
+    """One Monte Carlo study. `outages`: fixes with start < t <= stop are lost, so a run coasts stop - start
+    s.
 
     every: spacing of the result's `time_s` [s]; the times are the IMU samples nearest to its multiples.
     keep_runs: also keep every run's error history (memory then grows with the number of runs).

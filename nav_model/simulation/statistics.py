@@ -1,4 +1,5 @@
-"""Sums over runs: what a Monte Carlo study remembers, in memory that does not grow with the number of runs."""
+"""Sums over runs: what a Monte Carlo study remembers, in memory that does not grow with the number of
+runs."""
 
 from __future__ import annotations
 
@@ -20,11 +21,13 @@ BINS: Final = BINS_PER_DECADE * DECADES + 2
 
 @dataclass(eq=False)
 class Statistics:
-    """Sums over some runs; `scale` (outputs, states) fixes the histogram's units and is the same for all of them.
+    """Sums over some runs; `scale` (outputs, states) fixes the histogram's units and is the same for all of
+    them.
 
-    error, square, variance: shape (2, outputs, states), sums of error, error^2 and the filter's variance, before and
-    after the fix. nees: (outputs,) sum. run_nees: sum and sum of squares over runs of a run's mean NEES. nis: sum and
-    number of fixes. histogram: (outputs, states, BINS) counts of |error| after the fix. kept: run -> error history.
+    error, square, variance: shape (2, outputs, states), sums of error, error^2 and the filter's variance,
+    before and after the fix. nees: (outputs,) sum. run_nees: sum and sum of squares over runs of a run's mean
+    NEES. nis: sum and number of fixes. histogram: (outputs, states, BINS) counts of |error| after the fix.
+    kept: run -> error history.
     """
 
     scale: FloatArray
@@ -46,7 +49,9 @@ class Statistics:
         """No runs yet."""
         shape = (2, *scale.shape)
         histogram = np.zeros((*scale.shape, BINS), dtype=np.uint32)
-        return cls(scale, np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(scale.shape[0]), histogram)
+        return cls(
+            scale, np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(scale.shape[0]), histogram
+        )
 
     def add(self, record: RunRecord, keep: bool) -> None:
         """Take one run in."""
@@ -80,10 +85,11 @@ class Statistics:
         self.kept |= later.kept
 
     def percentile(self, percent: float) -> FloatArray:
-        """Percentile of |error| after the fix, shape (outputs, states); within a bin, 4.7 % wide, interpolated.
+        """Percentile of |error| after the fix, shape (outputs, states); within a bin, 4.7 % wide,
+        interpolated.
 
-        Shares the rank convention of `numpy.percentile` to within a bin. Values above 100 or below 0.01 of `scale`
-        come out as that bound.
+        Shares the rank convention of `numpy.percentile` to within a bin. Values above 100 or below 0.01 of
+        `scale` come out as that bound.
         """
         edges = 10.0 ** (LOWEST_DECADE + np.arange(BINS - 1) / BINS_PER_DECADE)
         edges = np.concatenate([[edges[0]], edges, [edges[-1]]])
@@ -100,7 +106,8 @@ class Statistics:
 def _bin(ratio: FloatArray) -> NDArray[np.intp]:
     logarithm = np.log10(np.maximum(ratio, 1e-12))
     place = np.floor((logarithm - LOWEST_DECADE) * BINS_PER_DECADE).astype(np.intp) + 1
-    return np.clip(place, 0, BINS - 1)
+    clipped: NDArray[np.intp] = np.clip(place, 0, BINS - 1)
+    return clipped
 
 
 def largest_horizontal_error(record: RunRecord) -> float:

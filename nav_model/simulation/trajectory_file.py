@@ -45,10 +45,15 @@ def parse_trajectory(text: str, name: str = "trajectory file") -> bytes:
     for cells in reader:
         if not any(cell.strip() for cell in cells):
             continue
-        row = [_number(cells, place, column, reader.line_num, name) for place, column in zip(places, COLUMNS, strict=True)]
+        row = [
+            _number(cells, place, column, reader.line_num, name)
+            for place, column in zip(places, COLUMNS, strict=True)
+        ]
         _check_range(row, reader.line_num, name)
         if rows and row[0] <= rows[-1][0]:
-            raise ValueError(f"{name}: line {reader.line_num}: time_s = {row[0]!r} must be later than {rows[-1][0]!r}")
+            raise ValueError(
+                f"{name}: line {reader.line_num}: time_s = {row[0]!r} must be later than {rows[-1][0]!r}"
+            )
         rows.append(row)
         lines.append(reader.line_num)
     if len(rows) < FEWEST_ROWS:
@@ -79,7 +84,9 @@ def trajectory_from_samples(samples: bytes, duration: float) -> Trajectory:
     """Spline through the samples of `parse_trajectory`; ValueError where they end before `duration`."""
     table = np.frombuffer(samples).reshape(-1, 7)
     if duration > table[-1, 0] + 1e-9:
-        raise ValueError(f"duration = {duration!r}: must be at most the trajectory file's {table[-1, 0]:.3f} s")
+        raise ValueError(
+            f"duration = {duration!r}: must be at most the trajectory file's {table[-1, 0]:.3f} s"
+        )
     return spline_through(table[:, 0], table[:, 1:])
 
 

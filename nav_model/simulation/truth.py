@@ -28,7 +28,8 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TruthStates:
-    """True states at some epochs, n of them: geodetic position (n, 3), NED velocity (n, 3), body-to-NED (n, 3, 3).
+    """True states at some epochs, n of them: geodetic position (n, 3), NED velocity (n, 3), body-to-NED (n,
+    3, 3).
 
     `position` holds latitude [rad], longitude [rad], height [m]; `euler` roll, pitch, yaw [rad, unwrapped];
     `body_rate` the body's rate against the Earth, body axes [rad/s].
@@ -44,9 +45,11 @@ class TruthStates:
 
 @kernel
 def _force_and_rate(origin: FloatArray, coefficients: FloatArray, u: float, out: FloatArray) -> None:
-    """Specific force (out[0:3], m/s^2) and inertial rate (out[3:6], rad/s), body axes, `u` s into one spline piece.
+    """Specific force (out[0:3], m/s^2) and inertial rate (out[3:6], rad/s), body axes, `u` s into one spline
+    piece.
 
-    origin, coefficients: latitude, longitude, height, roll, pitch, yaw as in `Trajectory`, powers (6, 6) from 5 down.
+    origin, coefficients: latitude, longitude, height, roll, pitch, yaw as in `Trajectory`, powers (6, 6) from
+    5 down.
     """
     value = np.empty(6)
     first = np.empty(6)
@@ -69,7 +72,9 @@ def _force_and_rate(origin: FloatArray, coefficients: FloatArray, u: float, out:
     east_radius = (prime + height) * cos_lat
     east = lon_rate * east_radius
     north_acc = second[0] * (meridian + height) + lat_rate * (meridian_rate + climb)
-    east_acc = second[1] * east_radius + lon_rate * ((prime_rate + climb) * cos_lat - (prime + height) * sin_lat * lat_rate)
+    east_acc = second[1] * east_radius + lon_rate * (
+        (prime_rate + climb) * cos_lat - (prime + height) * sin_lat * lat_rate
+    )
     down_acc = -second[2]
     # Rates of the NED frame: Earth's, and Earth's plus transport's.
     earth_n, earth_d = ROTATION_RATE * cos_lat, -ROTATION_RATE * sin_lat
@@ -131,9 +136,16 @@ def _increments(
 
 
 def specific_force_and_rate(trajectory: Trajectory, time_s: FloatArray) -> FloatArray:
-    """Specific force [m/s^2] and inertial angular rate [rad/s] in body axes at increasing times, shape (n, 6)."""
+    """Specific force [m/s^2] and inertial angular rate [rad/s] in body axes at increasing times, shape (n,
+    6)."""
     out = np.empty((len(time_s), 6))
-    _force_and_rate_at(trajectory.origin, trajectory.breaks, trajectory.coefficients, np.asarray(time_s, dtype=np.float64), out)
+    _force_and_rate_at(
+        trajectory.origin,
+        trajectory.breaks,
+        trajectory.coefficients,
+        np.asarray(time_s, dtype=np.float64),
+        out,
+    )
     return out
 
 

@@ -22,7 +22,8 @@ def test_gravity_on_the_ellipsoid_matches_the_published_values():
 
 
 def normal_field(latitude: float, height: float) -> float:
-    """Magnitude of normal gravity in ellipsoidal coordinates, exact at any height (Heiskanen and Moritz, 2-66)."""
+    """Magnitude of normal gravity in ellipsoidal coordinates, exact at any height (Heiskanen and Moritz,
+    2-66)."""
     a, b = SEMI_MAJOR_AXIS, SEMI_MAJOR_AXIS * (1 - FLATTENING)
     focal = np.sqrt(a * a - b * b)
     n = a / np.sqrt(1 - (focal / a) ** 2 * np.sin(latitude) ** 2)

@@ -62,14 +62,17 @@ def test_biases_decay_and_are_driven():
 
 
 def test_error_dynamics_match_finite_differences_of_the_mechanisation():
-    """Two INSs, one with a small error put in, over 20 s of a turn: the error must follow the linear model."""
+    """Two INSs, one with a small error put in, over 20 s of a turn: the error must follow the linear
+    model."""
     spec = TrajectorySpec("turns", speed=120.0, heading=0.4)
     trajectory = plan_trajectory(spec, 300.0)
     increments = perfect_increments(spec, 300.0, 100.0)
     steps = 2000
     times = np.arange(steps + 1) / 100.0
     truth = true_states(trajectory, times)
-    base = navigate(initial_state(truth.position[0], truth.velocity[0], truth.matrix[0]), increments[: steps + 2], 100.0)
+    base = navigate(
+        initial_state(truth.position[0], truth.velocity[0], truth.matrix[0]), increments[: steps + 2], 100.0
+    )
     transition = np.eye(9)
     dynamics = np.empty((9, 9))
     velocity_rate = np.gradient(truth.velocity, times, axis=0)
@@ -89,12 +92,20 @@ def test_error_dynamics_match_finite_differences_of_the_mechanisation():
         lat, height = position[0], position[2]
         radius = 6378137.0 / math.sqrt(1 - 0.00669437999014 * math.sin(lat) ** 2)
         meridian = radius * (1 - 0.00669437999014) / (1 - 0.00669437999014 * math.sin(lat) ** 2)
-        position += [error[0] / (meridian + height), error[1] / ((radius + height) * math.cos(lat)), -error[2]]
+        position += [
+            error[0] / (meridian + height),
+            error[1] / ((radius + height) * math.cos(lat)),
+            -error[2],
+        ]
         skew = np.array([[0, -error[8], error[7]], [error[8], 0, -error[6]], [-error[7], error[6], 0]])
         matrix = expm(-skew) @ truth.matrix[0]
-        found = navigate(initial_state(position, velocity, matrix), increments[: steps + 2], 100.0)[-1] - base[-1]
+        found = (
+            navigate(initial_state(position, velocity, matrix), increments[: steps + 2], 100.0)[-1] - base[-1]
+        )
         lat, height = base[-1, 0], base[-1, 2]
-        metres = np.array([found[0] * (meridian + height), found[1] * (radius + height) * math.cos(lat), -found[2]])
+        metres = np.array(
+            [found[0] * (meridian + height), found[1] * (radius + height) * math.cos(lat), -found[2]]
+        )
         expected = transition @ error
         assert np.max(np.abs(np.concatenate([metres, found[3:6]]) - expected[:6]) / final[:6]) < 2e-3
 
@@ -114,7 +125,9 @@ def test_the_update_matches_the_textbook():
     assert estimate / sigma == pytest.approx(gain @ residual / sigma, abs=1e-10)
     assert nis == pytest.approx(residual @ np.linalg.solve(innovation, residual))
     error = generator.standard_normal(n) * sigma
-    assert normalised_square(start, error, np.empty((n, n))) == pytest.approx(error @ np.linalg.solve(start, error))
+    assert normalised_square(start, error, np.empty((n, n))) == pytest.approx(
+        error @ np.linalg.solve(start, error)
+    )
     assert math.isnan(normalised_square(-start, error, np.empty((n, n))))
 
 
@@ -151,7 +164,12 @@ def test_the_filter_settles_on_the_discrete_riccati_solution(paper_imu, fix, kin
 def test_the_propagation_rate_does_not_change_the_answer(paper_imu):
     sigmas = [
         fly_without_errors(
-            SimulationSpec(paper_imu, filter=FilterModel(propagation_rate=rate), duration=200.0, outages=((150.0, 200.0),))
+            SimulationSpec(
+                paper_imu,
+                filter=FilterModel(propagation_rate=rate),
+                duration=200.0,
+                outages=((150.0, 200.0),),
+            )
         ).filter_sigma[:, -1]
         for rate in (10.0, 100.0)
     ]
@@ -159,7 +177,8 @@ def test_the_propagation_rate_does_not_change_the_answer(paper_imu):
 
 
 def test_the_covariance_stays_positive_definite_for_hours(make_imu):
-    """Four hours of centimetre fixes with a tactical IMU and an outage: NEES is NaN as soon as Cholesky fails."""
+    """Four hours of centimetre fixes with a tactical IMU and an outage: NEES is NaN as soon as Cholesky
+    fails."""
     spec = SimulationSpec(
         make_imu(0.01, 0.005, gyro=0.1, accelerometer=0.02),
         GnssModel(position_noise=0.01, velocity_noise=0.01),

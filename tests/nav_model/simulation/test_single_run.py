@@ -36,7 +36,7 @@ def test_fixes_come_back_after_the_outage(paper):
 def test_without_errors_the_ins_stays_on_the_path(paper):
     error = fly_without_errors(paper).error
     assert np.max(np.abs(error[..., :3])) < 1e-3
-    assert np.max(np.abs(error[..., 6:9])) < math.radians(1e-8)
+    assert np.max(np.abs(error[..., 6:9])) < math.radians(1e-6)
 
 
 def test_a_run_depends_on_seed_and_run_number_alone(paper):
@@ -69,7 +69,7 @@ def test_velocity_fixes_and_a_lever_arm_make_yaw_observable_in_turns(make_imu):
     )
     record = fly(spec, 0)
     assert record.nis_states == 6
-    assert record.filter_sigma[POSTERIOR, -1, 8] < 0.5 * record.filter_sigma[POSTERIOR, 0, 8]
+    assert record.filter_sigma[POSTERIOR, -1, 8] < 0.7 * record.filter_sigma[POSTERIOR, 0, 8]
     assert np.mean(record.nees) == pytest.approx(15.0, rel=0.4)
     assert np.mean(record.nis) == pytest.approx(6.0, abs=4 * math.sqrt(12 / 300))
 

@@ -28,7 +28,9 @@ def matrices(quaternions: np.ndarray) -> np.ndarray:
 
 def angle_between(one: np.ndarray, other: np.ndarray) -> float:
     turn = one @ np.swapaxes(other, 1, 2)
-    vector = np.stack([turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]])
+    vector = np.stack(
+        [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]]
+    )
     return float(np.degrees(np.max(np.linalg.norm(vector, axis=0) / 2)))
 
 
@@ -95,7 +97,8 @@ def earth_centred(position: np.ndarray) -> np.ndarray:
 def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset):
     """DOP853 over position, velocity and the nine direction cosines in rotating Earth-centred axes, 600 s.
 
-    The wrong start (20 m, 1 m/s, 1 deg) makes the two follow a path that the trajectory's truth knows nothing of.
+    The wrong start (20 m, 1 m/s, 1 deg) makes the two follow a path that the trajectory's truth knows nothing
+    of.
     """
     spec = TrajectorySpec("turns", speed=100.0, heading=0.5)
     trajectory = plan_trajectory(spec, 600.0)
@@ -105,7 +108,9 @@ def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset):
         position += [20.0 / 6.4e6, -20.0 / 4.5e6, 20.0]
         velocity += [1.0, -1.0, 0.3]
         matrix = matrix_from_euler(0.017, -0.017, 0.02) @ matrix
-    found = navigate(initial_state(position, velocity, matrix), perfect_increments(spec, 600.0, 100.0), 100.0, 60_000)
+    found = navigate(
+        initial_state(position, velocity, matrix), perfect_increments(spec, 600.0, 100.0), 100.0, 60_000
+    )
 
     omega = np.array([0.0, 0.0, RATE])
 
@@ -126,7 +131,9 @@ def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset):
     axes = ned_axes(position[0], position[1])
     start = np.concatenate([earth_centred(position), axes @ velocity, (axes @ matrix).ravel()])
     # Steps of 0.25 s that end on the spline's knots, 0.5 s apart: across a knot an eighth-order step loses its order.
-    solution = solve_ivp(motion, (0.0, 600.0), start, method="DOP853", rtol=1e-6, atol=1.0, first_step=0.25, max_step=0.25)
+    solution = solve_ivp(
+        motion, (0.0, 600.0), start, method="DOP853", rtol=1e-6, atol=1.0, first_step=0.25, max_step=0.25
+    )
     assert np.linalg.norm(earth_centred(found[-1, :3]) - solution.y[:3, -1]) < 1e-3
     axes = ned_axes(found[-1, 0], found[-1, 1])
     assert axes @ found[-1, 3:6] == pytest.approx(solution.y[3:6, -1], abs=1e-5)
