@@ -11,6 +11,7 @@ stop. Import from the modules; this one imports nothing, so that the commands st
     sensors.py          what real ones report
     strapdown.py        the mechanisation: increments -> position, velocity, attitude
     kalman.py           the error-state filter: transition, propagation, update, NEES
+    fixes.py            one GNSS fix: receiver noise, update, correction of the INS
     schedule.py         when fixes come and results are kept, the same for every run of a study
     single_run.py       fly(spec, run): one flight; fly_without_errors(spec): covariance along the true path
     statistics.py       sums over runs, in memory that does not grow with them

@@ -11,10 +11,10 @@ from nav_model.simulation.single_run import POSTERIOR
 
 REASONS = {
     "settling": "the filter is still settling from its initial errors; the closed form is the steady state",
-    "fixes": "just after a fix a sampled filter is better than the closed form, its mean over the cycle [T-8]",
-    "filter": "the filter here is not the one of the closed form: other states, tuning, or sensor errors [T-1]",
-    "earth": "gravity with height, Coriolis and transport terms grow in the vertical channel; [T-17] has them",
-    "start": "the outage starts just after a fix, below the closed form's start, and Schuler's term acts [T-17]",
+    "fixes": "just after a fix a sampled filter is better than the closed form, a mean over the cycle [T-8]",
+    "filter": "the filter is not the closed form's: other states, tuning, or sensor errors [T-1]",
+    "earth": "gravity with height, Coriolis and transport terms grow in the vertical channel [T-17]",
+    "start": "the outage starts just after a fix, below the closed form, and Schuler's term acts [T-17]",
     "yaw": "turns and sideways acceleration make yaw observable, or the initial yaw differs, against [T-5]",
 }
 

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.simulation.attitude import matrix_from_quaternion, normalise, rotate
+from nav_model.simulation.attitude import matrix_from_quaternion
 from nav_model.simulation.compiled import kernel
-from nav_model.simulation.earth import ROTATION_RATE, curvature_radii_kernel
-from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate, update
+from nav_model.simulation.earth import curvature_radii_kernel
+from nav_model.simulation.fixes import Receiver, Truth, Tuning, correct, take_fix
+from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate
 from nav_model.simulation.schedule import FIX, OUTPUT, Schedule, plan
 from nav_model.simulation.sensors import Triad, draw_triad, measure
 from nav_model.simulation.specification import GnssModel, ImuModel, SimulationSpec, TriadModel
@@ -21,38 +22,6 @@ from nav_model.simulation.truth import TruthStates
 
 FloatArray = NDArray[np.float64]
 PRIOR, POSTERIOR = 0, 1
-
-
-class _Truth(NamedTuple):
-    """True states at some epochs, as the kernel reads them; see `TruthStates`."""
-
-    position: FloatArray
-    velocity: FloatArray
-    matrix: FloatArray
-    body_rate: FloatArray
-
-
-class _Receiver(NamedTuple):
-    """The receiver's noise: white sigmas (3), Gauss-Markov sigmas (3) and time, velocity sigma (0: none),
-    lever arm."""
-
-    white: FloatArray
-    markov: FloatArray
-    markov_time: float
-    velocity: float
-    lever_arm: FloatArray
-
-
-class _Tuning(NamedTuple):
-    """What the filter believes: white densities, bias decay [1/s] and drive (6), fix sigmas position (3),
-    velocity."""
-
-    accelerometer_density: float
-    gyro_density: float
-    decay_rate: FloatArray
-    bias_drive: FloatArray
-    position_sigma: FloatArray
-    velocity_sigma: float
 
 
 class _Record(NamedTuple):
@@ -84,84 +53,9 @@ class RunRecord:
 
 
 @kernel
-def _take_fix(
-    state: FloatArray,
-    truth: _Truth,
-    fix: int,
-    receiver: _Receiver,
-    markov: FloatArray,
-    rate: FloatArray,
-    matrix: FloatArray,
-    covariance: FloatArray,
-    tuning: _Tuning,
-    generator: np.random.Generator,
-    estimate: FloatArray,
-    work: FloatArray,
-) -> float:
-    """Simulate one fix, update the filter with it; leaves the error estimate in `estimate`, returns the NIS.
-
-    rate: the INS's bias-corrected inertial rate, body axes [rad/s]. Residuals are predicted minus measured.
-    """
-    n = covariance.shape[0]
-    row = np.zeros(n)
-    meridian, prime = curvature_radii_kernel(np.sin(state[0]))
-    cos_lat = np.cos(state[0])
-    true_position, true_matrix = truth.position[fix], truth.matrix[fix]
-    residual = np.empty(3)
-    residual[0] = (state[0] - true_position[0]) * (meridian + state[2])
-    residual[1] = (state[1] - true_position[1]) * (prime + state[2]) * cos_lat
-    residual[2] = true_position[2] - state[2]
-    arm = receiver.lever_arm
-    lever = matrix @ arm
-    residual += lever - true_matrix @ arm
-    estimate[:] = 0.0
-    nis = 0.0
-    for i in range(3):
-        row[:] = 0.0
-        row[i] = 1.0
-        j, k = (i + 1) % 3, (i + 2) % 3
-        row[6 + j], row[6 + k] = -lever[k], lever[j]
-        noise = receiver.white[i] * generator.standard_normal() + markov[i]
-        nis += update(covariance, row, residual[i] - noise, tuning.position_sigma[i] ** 2, estimate, work)
-    if receiver.velocity > 0.0:
-        earth = np.array([ROTATION_RATE * cos_lat, 0.0, -ROTATION_RATE * np.sin(state[0])])
-        swing = matrix @ np.cross(rate - matrix.T @ earth, arm)
-        true_swing = true_matrix @ np.cross(truth.body_rate[fix], arm)
-        for i in range(3):
-            row[:] = 0.0
-            row[3 + i] = 1.0
-            j, k = (i + 1) % 3, (i + 2) % 3
-            row[6 + j], row[6 + k] = -swing[k], swing[j]
-            if n == 15:
-                # Rate error is minus the bias error: C (-db x l) = C [l x] db.
-                row[12] = matrix[i, 1] * arm[2] - matrix[i, 2] * arm[1]
-                row[13] = matrix[i, 2] * arm[0] - matrix[i, 0] * arm[2]
-                row[14] = matrix[i, 0] * arm[1] - matrix[i, 1] * arm[0]
-            difference = state[3 + i] + swing[i] - truth.velocity[fix, i] - true_swing[i]
-            noise = receiver.velocity * generator.standard_normal()
-            nis += update(covariance, row, difference - noise, tuning.velocity_sigma**2, estimate, work)
-    return nis
-
-
-@kernel
-def _correct(state: FloatArray, bias: FloatArray, estimate: FloatArray) -> None:
-    """Take the estimated error out of the navigation state and the bias estimates (6)."""
-    meridian, prime = curvature_radii_kernel(np.sin(state[0]))
-    state[1] -= estimate[1] / ((prime + state[2]) * np.cos(state[0]))
-    state[0] -= estimate[0] / (meridian + state[2])
-    state[2] += estimate[2]
-    for i in range(3):
-        state[3 + i] -= estimate[3 + i]
-    rotate(state[6:10], 0.0, 0.0, 0.0, estimate[6], estimate[7], estimate[8])
-    normalise(state[6:10])
-    for i in range(len(estimate) - 9):
-        bias[i] -= estimate[9 + i]
-
-
-@kernel
 def _write(
     state: FloatArray,
-    truth: _Truth,
+    truth: Truth,
     k: int,
     bias_error: FloatArray,
     error_map: FloatArray,
@@ -208,11 +102,11 @@ def _fly(
     gyro: Triad,
     accelerometer: Triad,
     imu_noise: np.random.Generator,
-    receiver: _Receiver,
+    receiver: Receiver,
     gnss_noise: np.random.Generator,
-    tuning: _Tuning,
-    fixes: _Truth,
-    outputs: _Truth,
+    tuning: Tuning,
+    fixes: Truth,
+    outputs: Truth,
     error_map: FloatArray,
     record: _Record,
 ) -> None:
@@ -271,7 +165,7 @@ def _fly(
                     markov[i] = kept * markov[i] + fresh
                 last_fix = k
                 rate = now[3:] / dt
-                record.nis[fix] = _take_fix(
+                record.nis[fix] = take_fix(
                     state,
                     fixes,
                     fix,
@@ -285,7 +179,7 @@ def _fly(
                     estimate,
                     work,
                 )
-                _correct(state, bias, estimate)
+                correct(state, bias, estimate)
                 matrix_from_quaternion(state[6:10], matrix)
                 fix += 1
             if events[k] & OUTPUT:
@@ -311,7 +205,7 @@ def _fly(
             output += 1
 
 
-def _tuning(spec: SimulationSpec) -> _Tuning:
+def _tuning(spec: SimulationSpec) -> Tuning:
     scale = spec.filter.process_noise_scale
     decay, drive = np.zeros(6), np.zeros(6)
     for first, model in ((0, spec.imu.accelerometer), (3, spec.imu.gyro)):
@@ -324,7 +218,7 @@ def _tuning(spec: SimulationSpec) -> _Tuning:
         drive[first : first + 3] = scale**2 * driven
     vibration = spec.imu.vibration_factor * scale
     axis_noise = np.array(spec.gnss.axis_noise)
-    return _Tuning(
+    return Tuning(
         accelerometer_density=spec.imu.accelerometer.random_walk * vibration,
         gyro_density=spec.imu.gyro.random_walk * vibration,
         decay_rate=decay,
@@ -344,10 +238,10 @@ def _initial_sigma(spec: SimulationSpec) -> FloatArray:
     return sigma
 
 
-def _receiver(model: GnssModel, noisy: bool) -> _Receiver:
+def _receiver(model: GnssModel, noisy: bool) -> Receiver:
     on = 1.0 if noisy else 0.0
     vertical = model.vertical_markov_noise
-    return _Receiver(
+    return Receiver(
         white=on * np.array(model.axis_noise),
         markov=on * np.array([model.markov_noise, model.markov_noise, vertical]),
         markov_time=model.markov_time,
@@ -368,8 +262,8 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     draw = sigma[:9] * start_noise.standard_normal(9) * (1.0 if noisy else 0.0)
     truth = schedule.outputs
     state = initial_state(truth.position[0], truth.velocity[0], truth.matrix[0])
-    # `_correct` takes an error out; its negative puts one in.
-    _correct(state, np.zeros(6), -draw)
+    # `correct` takes an error out; its negative puts one in.
+    correct(state, np.zeros(6), -draw)
     believed = sigma[:n] * spec.filter.initial_scale
     believed[9:] *= spec.filter.bias_scale
     # A bias the model says is zero is known to be zero, as nearly as keeps the covariance regular.
@@ -413,9 +307,9 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     )
 
 
-def _kernel_truth(states: TruthStates) -> _Truth:
+def _kernel_truth(states: TruthStates) -> Truth:
     fields = (states.position, states.velocity, states.matrix, states.body_rate)
-    return _Truth(*(np.ascontiguousarray(field) for field in fields))
+    return Truth(*(np.ascontiguousarray(field) for field in fields))
 
 
 def fly(spec: SimulationSpec, run: int) -> RunRecord:

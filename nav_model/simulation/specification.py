@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
+from itertools import pairwise
 from typing import Final, Literal, get_args
 
 TrajectoryKind = Literal["wandering", "straight", "turns", "climb", "file"]
@@ -250,7 +251,7 @@ class SimulationSpec:
             if not (math.isfinite(start) and math.isfinite(stop) and 0.0 <= start < stop):
                 raise _refuse("outages", (start, stop), "pairs 0 <= start < stop, in seconds")
         ordered = sorted(self.outages)
-        if any(before[1] > after[0] for before, after in zip(ordered, ordered[1:], strict=False)):
+        if any(before[1] > after[0] for before, after in pairwise(ordered)):
             raise _refuse("outages", self.outages, "windows that do not overlap")
         if self.every > self.duration:
             raise _refuse("every", self.every, f"at most the duration, {self.duration!r} s")

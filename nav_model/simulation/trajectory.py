@@ -184,9 +184,7 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
         return trajectory_from_samples(spec.samples, duration)
     step = 0.5
     before, after = round(MARGIN_S / step), int(np.ceil(duration / step)) + round(MARGIN_S / step)
-    t: FloatArray = (
-        np.arange(-round(MARGIN_S / step), int(np.ceil(duration / step)) + round(MARGIN_S / step) + 1) * step
-    )
+    t: FloatArray = np.linspace(-before * step, after * step, before + after + 1)
     plan = _PLANS[spec.kind](spec, t, duration)
     if spec.kind == "turns" and duration < 50.0 + 2.0 * np.pi / spec.turn_rate:
         raise ValueError(
