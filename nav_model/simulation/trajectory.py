@@ -188,7 +188,8 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     plan = _PLANS[spec.kind](spec, t, duration)
     if spec.kind == "turns" and duration < 50.0 + 2.0 * np.pi / spec.turn_rate:
         raise ValueError(
-            f"duration = {duration!r}: the turns take {50.0 + 2.0 * np.pi / spec.turn_rate:.0f} s, allow more than that"
+            f"duration = {duration!r}: the turns take {50.0 + 2.0 * np.pi / spec.turn_rate:.0f} s, "
+            "allow more than that"
         )
     if spec.kind == "climb" and duration < 20.0 + spec.climb_height / spec.climb_rate:
         raise ValueError(
@@ -204,7 +205,8 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     latitude, longitude = _lay_on_earth(spec, t, north_rate, east_rate, height)
     if np.max(np.abs(latitude)) > HIGHEST_LATITUDE:
         raise ValueError(
-            f"trajectory: latitude reaches {np.degrees(np.max(np.abs(latitude))):.1f} deg; must stay within 85 deg "
+            f"trajectory: latitude reaches {np.degrees(np.max(np.abs(latitude))):.1f} deg; "
+            "must stay within 85 deg "
             "of the equator (NED mechanisation)"
         )
     attitude = [turbulence(t, angle, 4.0, 25.0, key) for key in (3, 4, 5)]

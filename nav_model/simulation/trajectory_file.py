@@ -131,6 +131,7 @@ def _check_motion(samples: FloatArray, lines: list[int], name: str) -> None:
         worst = int(np.argmax(values))
         if values[worst] > limit:
             raise ValueError(
-                f"{name}: line {lines[worst + 1]}: the path needs an {what} of {values[worst] * scale:.4g} {unit}; "
+                f"{name}: line {lines[worst + 1]}: the path needs an "
+                f"{what} of {values[worst] * scale:.4g} {unit}; "
                 f"at most {limit * scale:.4g} {unit} can be flown"
             )

@@ -44,7 +44,7 @@ def test_propagation_matches_van_loans_matrix_exponential(n, dt):
     found = start.copy()
     propagate(found, dynamics, force, dt, 1e-3, 2e-4, np.zeros(6), np.zeros(6), np.empty((4, n, n)))
     sigma = np.sqrt(np.diag(expected))
-    # The process noise sees only the main chain; Coriolis' share of it is below 1e-4 of the noise in a second.
+    # Process noise sees only the main chain; Coriolis' share of it is below 1e-4 of the noise in a second.
     assert np.max(np.abs(found - expected) / np.outer(sigma, sigma)) < (2e-8 if dt == 1.0 else 1e-9)
     noise_only = np.zeros((n, n))
     propagate(noise_only, dynamics, force, dt, 1e-3, 2e-4, np.zeros(6), np.zeros(6), np.empty((4, n, n)))

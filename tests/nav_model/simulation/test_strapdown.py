@@ -130,7 +130,7 @@ def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset):
 
     axes = ned_axes(position[0], position[1])
     start = np.concatenate([earth_centred(position), axes @ velocity, (axes @ matrix).ravel()])
-    # Steps of 0.25 s that end on the spline's knots, 0.5 s apart: across a knot an eighth-order step loses its order.
+    # Steps end on the spline's knots, 0.5 s apart: across a knot an eighth-order step loses its order.
     solution = solve_ivp(
         motion, (0.0, 600.0), start, method="DOP853", rtol=1e-6, atol=1.0, first_step=0.25, max_step=0.25
     )
