@@ -17,7 +17,8 @@ began = time.perf_counter()
 from nav_model.simulation.single_run import fly_without_errors
 from nav_model.simulation.specification import ImuModel, SimulationSpec, TriadModel
 imu = ImuModel(TriadModel(random_walk=1e-4), TriadModel(random_walk=1e-3))
-print(fly_without_errors(SimulationSpec(imu, duration=10.0)).filter_sigma[1, -1, 2], time.perf_counter() - began)
+sigma = fly_without_errors(SimulationSpec(imu, duration=10.0)).filter_sigma[1, -1, 2]
+print(sigma, time.perf_counter() - began)
 """
 
 

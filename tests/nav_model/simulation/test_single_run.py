@@ -8,8 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly, fly_without_errors
-from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
+from nav_model.simulation.specification import (
+    FilterModel,
+    GnssModel,
+    InitialErrors,
+    SimulationSpec,
+    TrajectorySpec,
+)
 
 
 @pytest.fixture
@@ -74,12 +81,30 @@ def test_velocity_fixes_and_a_lever_arm_make_yaw_observable_in_turns(make_imu):
     assert np.mean(record.nis) == pytest.approx(6.0, abs=4 * math.sqrt(12 / 300))
 
 
-def test_a_filter_that_ignores_the_lever_arm_would_be_caught(make_imu):
-    # The same flight, the arm's 3 m moved into the receiver's errors: position must shift by the arm.
-    imu = make_imu(0.01, 0.01)
-    near = SimulationSpec(imu, GnssModel(position_noise=0.01), TrajectorySpec("straight"), duration=60.0)
-    far = replace(near, gnss=GnssModel(position_noise=0.01, lever_arm=(3.0, 0.0, 0.0)))
-    assert np.max(np.abs(fly(far, 0).error[POSTERIOR, -1, :3])) < 0.05
+def test_a_long_lever_arm_is_handled_consistently_through_turns(make_imu):
+    # 20 m of arm and 2 deg of yaw are 0.7 m against 2 cm fixes: any slip in the arm's part is hundreds of sigmas.
+    spec = SimulationSpec(
+        make_imu(0.1, 0.05),
+        GnssModel(position_noise=0.02, velocity_noise=0.02, lever_arm=(20.0, -5.0, 8.0)),
+        TrajectorySpec("turns", speed=80.0),
+        initial=InitialErrors(yaw=math.radians(2.0)),
+        duration=180.0,
+        runs=20,
+    )
+    result = simulate(spec)
+    assert result.consistent, result.verdict
+    assert result.nis.mean == pytest.approx(6.0, rel=0.03)
+    assert np.degrees(result.filter_sigma[POSTERIOR, -1, 8]) < 0.2
+
+
+def test_gauss_markov_fix_noise_has_its_sigma_and_correlation_time(make_imu):
+    # An INS this poor follows its 1 cm white fixes, so its error is the correlated noise they carry.
+    gnss = GnssModel(position_noise=0.01, markov_noise=1.0, vertical_markov_noise=2.0, markov_time=10.0)
+    spec = SimulationSpec(make_imu(5.0, 50.0), gnss, duration=4000.0)
+    error = fly(spec, 0).error[POSTERIOR, 100:, :3] / [1.0, 1.0, 2.0]
+    # 3900 s are 195 independent values (2 tau apart) per axis.
+    assert np.var(error) == pytest.approx(1.0, rel=4 * math.sqrt(2 / 585))
+    assert np.mean(error[10:] * error[:-10]) / np.var(error) == pytest.approx(math.exp(-1.0), abs=0.15)
 
 
 @pytest.mark.parametrize(
