@@ -36,11 +36,15 @@ class Receiver(NamedTuple):
 
 
 class Tuning(NamedTuple):
-    """What the filter believes: white densities, bias decay [1/s] and drive (6), fix sigmas position (3),
-    velocity."""
+    """What the filter believes.
+
+    White densities; variance of one sample's rate [rad^2/s^2], which swings the lever arm; bias decay [1/s]
+    and drive (6); sigmas of a fix: position (3), velocity.
+    """
 
     accelerometer_density: float
     gyro_density: float
+    rate_variance: float
     decay_rate: FloatArray
     bias_drive: FloatArray
     position_sigma: FloatArray
@@ -96,14 +100,16 @@ def take_fix(
             row[3 + i] = 1.0
             j, k = (i + 1) % 3, (i + 2) % 3
             row[6 + j], row[6 + k] = -swing[k], swing[j]
+            # A rate error, bias or noise, swings the arm: C (-dw x l) = C [l x] dw, row i.
+            x = matrix[i, 1] * arm[2] - matrix[i, 2] * arm[1]
+            y = matrix[i, 2] * arm[0] - matrix[i, 0] * arm[2]
+            z = matrix[i, 0] * arm[1] - matrix[i, 1] * arm[0]
             if n == 15:
-                # Rate error is minus the bias error: C (-db x l) = C [l x] db.
-                row[12] = matrix[i, 1] * arm[2] - matrix[i, 2] * arm[1]
-                row[13] = matrix[i, 2] * arm[0] - matrix[i, 0] * arm[2]
-                row[14] = matrix[i, 0] * arm[1] - matrix[i, 1] * arm[0]
+                row[12], row[13], row[14] = x, y, z
+            variance = tuning.velocity_sigma**2 + tuning.rate_variance * (x * x + y * y + z * z)
             difference = state[3 + i] + swing[i] - truth.velocity[fix, i] - true_swing[i]
             noise = receiver.velocity * generator.standard_normal()
-            nis += update(covariance, row, difference - noise, tuning.velocity_sigma**2, estimate, work)
+            nis += update(covariance, row, difference - noise, variance, estimate, work)
     return nis
 
 

@@ -217,10 +217,12 @@ def _tuning(spec: SimulationSpec) -> Tuning:
         driven = 2.0 * model.bias_instability**2 / model.correlation_time + model.rate_random_walk**2
         drive[first : first + 3] = scale**2 * driven
     vibration = spec.imu.vibration_factor * scale
+    gyro_density = spec.imu.gyro.random_walk * vibration
     axis_noise = np.array(spec.gnss.axis_noise)
     return Tuning(
         accelerometer_density=spec.imu.accelerometer.random_walk * vibration,
-        gyro_density=spec.imu.gyro.random_walk * vibration,
+        gyro_density=gyro_density,
+        rate_variance=gyro_density**2 * spec.imu.rate,
         decay_rate=decay,
         bias_drive=drive,
         position_sigma=axis_noise * spec.filter.gnss_noise_scale,
