@@ -21,9 +21,7 @@ def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor
     try:
         import distributed
     except ImportError as error:
-        raise ImportError(
-            "a scheduler needs the 'cluster' extra: pip install 'navbudget[cluster]'"
-        ) from error
+        raise ImportError("a scheduler needs the 'cluster' extra: pip install 'navbudget[cluster]'") from error
     connect: Any = distributed.Client
     try:
         client: Any = connect(address, timeout=timeout, set_as_default=False)
@@ -35,7 +33,5 @@ def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor
             raise ValueError(f"scheduler = {address!r}: it has no workers")
         strangers = [worker for worker, digest in client.run(room_digest).items() if digest != room_digest()]
         if strangers:
-            raise RuntimeError(
-                f"worker {strangers[0]} has another version of nav_model.simulation; update it"
-            )
+            raise RuntimeError(f"worker {strangers[0]} has another version of nav_model.simulation; update it")
         yield client.get_executor(pure=False, retries=3), threads

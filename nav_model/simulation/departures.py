@@ -57,9 +57,7 @@ def departures(result: SimulationResult, tolerance: float = 0.1, settling_s: flo
             worst = apart[np.argmax(np.abs(np.log(ratio[apart])))]
             reason = REASONS[_reason(phase, group, axis, float(ratio[worst]))]
             times = result.time_s[apart]
-            found.append(
-                Departure(group, axis, float(times[0]), float(times[-1]), float(ratio[worst]), reason)
-            )
+            found.append(Departure(group, axis, float(times[0]), float(times[-1]), float(ratio[worst]), reason))
     return found
 
 

@@ -137,11 +137,7 @@ def simulate(
     own_pool = local_pool(workers) if pool is None and workers > 1 else None
     chosen = pool or own_pool
     try:
-        parts = (
-            _here(spec, scale, cancel)
-            if chosen is None
-            else _in_pool(spec, scale, cancel, chosen, 2 * workers)
-        )
+        parts = _here(spec, scale, cancel) if chosen is None else _in_pool(spec, scale, cancel, chosen, 2 * workers)
         for part in parts:
             total.merge(part)
             if progress is not None:

@@ -36,9 +36,7 @@ class Triad(NamedTuple):
     residual: FloatArray
 
 
-def draw_triad(
-    model: TriadModel, rate: float, vibration_factor: float, generator: np.random.Generator
-) -> Triad:
+def draw_triad(model: TriadModel, rate: float, vibration_factor: float, generator: np.random.Generator) -> Triad:
     """The triad of one run: its constants drawn from `generator`, its moving biases started in their
     stationary state."""
     dt = 1.0 / rate
@@ -65,9 +63,7 @@ def draw_triad(
 
 
 @kernel
-def measure(
-    triad: Triad, true: FloatArray, dt: float, generator: np.random.Generator, out: FloatArray
-) -> None:
+def measure(triad: Triad, true: FloatArray, dt: float, generator: np.random.Generator, out: FloatArray) -> None:
     """Reported increment (3) of one sample from the true one (3); advances the moving biases by the
     sample."""
     for i in range(3):
@@ -79,9 +75,7 @@ def measure(
         if triad.white > 0.0:
             value += triad.white * generator.standard_normal()
         if triad.markov_drive > 0.0:
-            triad.markov[i] = (
-                triad.markov_decay * triad.markov[i] + triad.markov_drive * generator.standard_normal()
-            )
+            triad.markov[i] = triad.markov_decay * triad.markov[i] + triad.markov_drive * generator.standard_normal()
         if triad.walk_drive > 0.0:
             triad.walk[i] += triad.walk_drive * generator.standard_normal()
         if triad.quantum > 0.0:

@@ -184,9 +184,7 @@ def _fly(
                 fix += 1
             if events[k] & OUTPUT:
                 for i in range(3):
-                    bias_error[i] = (
-                        bias[i] - accelerometer.fixed[i] - accelerometer.markov[i] - accelerometer.walk[i]
-                    )
+                    bias_error[i] = bias[i] - accelerometer.fixed[i] - accelerometer.markov[i] - accelerometer.walk[i]
                     bias_error[3 + i] = bias[3 + i] - gyro.fixed[i] - gyro.markov[i] - gyro.walk[i]
                 own = _write(
                     state,

@@ -101,9 +101,7 @@ class GnssModel:
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        optional = tuple(
-            n for n in ("vertical_position_noise", "velocity_noise") if getattr(self, n) is not None
-        )
+        optional = tuple(n for n in ("vertical_position_noise", "velocity_noise") if getattr(self, n) is not None)
         _check(
             self,
             positive=("position_noise", "interval", "markov_time", *optional),
@@ -115,9 +113,7 @@ class GnssModel:
     @property
     def axis_noise(self) -> tuple[float, float, float]:
         """White position noise north, east, down [m]."""
-        vertical = (
-            self.position_noise if self.vertical_position_noise is None else self.vertical_position_noise
-        )
+        vertical = self.position_noise if self.vertical_position_noise is None else self.vertical_position_noise
         return self.position_noise, self.position_noise, vertical
 
 
@@ -169,9 +165,7 @@ class TrajectorySpec:
         if self.attitude_wander > math.radians(15.0):
             raise _refuse("TrajectorySpec.attitude_wander", self.attitude_wander, "at most 15 deg rms")
         if (self.kind == "file") != bool(self.samples):
-            raise _refuse(
-                "TrajectorySpec.samples", len(self.samples), "given for kind 'file', and only for it"
-            )
+            raise _refuse("TrajectorySpec.samples", len(self.samples), "given for kind 'file', and only for it")
 
 
 @dataclass(frozen=True)

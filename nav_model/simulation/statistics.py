@@ -49,9 +49,7 @@ class Statistics:
         """No runs yet."""
         shape = (2, *scale.shape)
         histogram = np.zeros((*scale.shape, BINS), dtype=np.uint32)
-        return cls(
-            scale, np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(scale.shape[0]), histogram
-        )
+        return cls(scale, np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(scale.shape[0]), histogram)
 
     def add(self, record: RunRecord, keep: bool) -> None:
         """Take one run in."""

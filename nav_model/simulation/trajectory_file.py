@@ -84,9 +84,7 @@ def trajectory_from_samples(samples: bytes, duration: float) -> Trajectory:
     """Spline through the samples of `parse_trajectory`; ValueError where they end before `duration`."""
     table = np.frombuffer(samples).reshape(-1, 7)
     if duration > table[-1, 0] + 1e-9:
-        raise ValueError(
-            f"duration = {duration!r}: must be at most the trajectory file's {table[-1, 0]:.3f} s"
-        )
+        raise ValueError(f"duration = {duration!r}: must be at most the trajectory file's {table[-1, 0]:.3f} s")
     return spline_through(table[:, 0], table[:, 1:])
 
 

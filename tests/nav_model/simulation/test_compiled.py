@@ -50,9 +50,7 @@ def test_a_changed_callee_is_compiled_again(tmp_path):
     """Numba alone would go on using the cached caller: the digest of the room is what forbids it."""
 
     def fall() -> float:
-        done = subprocess.run(
-            [sys.executable, "-c", FALL], cwd=tmp_path, capture_output=True, text=True, check=True
-        )
+        done = subprocess.run([sys.executable, "-c", FALL], cwd=tmp_path, capture_output=True, text=True, check=True)
         return float(done.stdout)
 
     shutil.copytree(ROOM.parent, tmp_path / "nav_model", ignore=shutil.ignore_patterns("__pycache__"))

@@ -99,13 +99,9 @@ def test_error_dynamics_match_finite_differences_of_the_mechanisation():
         ]
         skew = np.array([[0, -error[8], error[7]], [error[8], 0, -error[6]], [-error[7], error[6], 0]])
         matrix = expm(-skew) @ truth.matrix[0]
-        found = (
-            navigate(initial_state(position, velocity, matrix), increments[: steps + 2], 100.0)[-1] - base[-1]
-        )
+        found = navigate(initial_state(position, velocity, matrix), increments[: steps + 2], 100.0)[-1] - base[-1]
         lat, height = base[-1, 0], base[-1, 2]
-        metres = np.array(
-            [found[0] * (meridian + height), found[1] * (radius + height) * math.cos(lat), -found[2]]
-        )
+        metres = np.array([found[0] * (meridian + height), found[1] * (radius + height) * math.cos(lat), -found[2]])
         expected = transition @ error
         assert np.max(np.abs(np.concatenate([metres, found[3:6]]) - expected[:6]) / final[:6]) < 2e-3
 
@@ -125,9 +121,7 @@ def test_the_update_matches_the_textbook():
     assert estimate / sigma == pytest.approx(gain @ residual / sigma, abs=1e-10)
     assert nis == pytest.approx(residual @ np.linalg.solve(innovation, residual))
     error = generator.standard_normal(n) * sigma
-    assert normalised_square(start, error, np.empty((n, n))) == pytest.approx(
-        error @ np.linalg.solve(start, error)
-    )
+    assert normalised_square(start, error, np.empty((n, n))) == pytest.approx(error @ np.linalg.solve(start, error))
     assert math.isnan(normalised_square(-start, error, np.empty((n, n))))
 
 

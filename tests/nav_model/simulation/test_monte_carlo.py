@@ -44,9 +44,7 @@ def closed_form(coast_s: np.ndarray, elapsed_s: np.ndarray) -> np.ndarray:
 @pytest.fixture
 def short(paper_imu) -> SimulationSpec:
     """Small chunks of a quick study with an outage."""
-    return SimulationSpec(
-        paper_imu, runs=80, duration=60.0, outages=((40.0, 60.0),), every=2.0, keep_runs=True
-    )
+    return SimulationSpec(paper_imu, runs=80, duration=60.0, outages=((40.0, 60.0),), every=2.0, keep_runs=True)
 
 
 def test_the_sum_is_the_runs_one_by_one(short):
@@ -162,16 +160,12 @@ def check_against_closed_form(spec: SimulationSpec) -> None:
 
 
 def test_a_few_runs_of_the_papers_case_agree_with_the_closed_form(paper_imu):
-    check_against_closed_form(
-        SimulationSpec(paper_imu, runs=40, every=0.25, outages=((400.0, 500.0),), seed=11)
-    )
+    check_against_closed_form(SimulationSpec(paper_imu, runs=40, every=0.25, outages=((400.0, 500.0),), seed=11))
 
 
 @pytest.mark.slow
 def test_two_hundred_runs_of_the_papers_case_agree_with_the_closed_form(paper_imu):
-    check_against_closed_form(
-        SimulationSpec(paper_imu, runs=200, every=0.25, outages=((400.0, 500.0),), seed=12)
-    )
+    check_against_closed_form(SimulationSpec(paper_imu, runs=200, every=0.25, outages=((400.0, 500.0),), seed=12))
 
 
 FIVE_DESIGNS = {

@@ -13,9 +13,7 @@ from nav_model.simulation.specification import GnssModel, ImuModel, TriadModel
 RATE = 100.0
 
 
-def errors(
-    model: TriadModel, samples: int, seed: int, true: np.ndarray | None = None, vibration: float = 1.0
-):
+def errors(model: TriadModel, samples: int, seed: int, true: np.ndarray | None = None, vibration: float = 1.0):
     """Gyro increments minus the true ones, shape (samples, 3)."""
     generator = np.random.default_rng(seed)
     gyro = draw_triad(model, RATE, vibration, generator)
@@ -25,9 +23,7 @@ def errors(
 
 
 def test_white_noise_walks_by_its_density_times_the_vibration_factor():
-    angle = np.sum(
-        errors(TriadModel(random_walk=2e-4), 1_000_000, 1, vibration=1.5).reshape(-1, 100, 3), axis=1
-    )
+    angle = np.sum(errors(TriadModel(random_walk=2e-4), 1_000_000, 1, vibration=1.5).reshape(-1, 100, 3), axis=1)
     # 30,000 independent one-second angles: sigma of the estimate is 0.41 %.
     assert np.std(angle) == pytest.approx(3e-4, rel=4 * 0.0041)
 
@@ -50,9 +46,7 @@ def test_turn_on_bias_is_constant_within_a_run_and_drawn_for_each():
 
 
 def test_rate_random_walk_grows_with_the_root_of_time():
-    final = np.array(
-        [errors(TriadModel(rate_random_walk=1e-5), 2001, seed)[-1] * RATE for seed in range(300)]
-    )
+    final = np.array([errors(TriadModel(rate_random_walk=1e-5), 2001, seed)[-1] * RATE for seed in range(300)])
     assert np.std(final) == pytest.approx(1e-5 * math.sqrt(20.0), rel=4 / math.sqrt(2 * 900))
 
 

@@ -28,9 +28,7 @@ def matrices(quaternions: np.ndarray) -> np.ndarray:
 
 def angle_between(one: np.ndarray, other: np.ndarray) -> float:
     turn = one @ np.swapaxes(other, 1, 2)
-    vector = np.stack(
-        [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]]
-    )
+    vector = np.stack([turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]])
     return float(np.degrees(np.max(np.linalg.norm(vector, axis=0) / 2)))
 
 
@@ -108,9 +106,7 @@ def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset):
         position += [20.0 / 6.4e6, -20.0 / 4.5e6, 20.0]
         velocity += [1.0, -1.0, 0.3]
         matrix = matrix_from_euler(0.017, -0.017, 0.02) @ matrix
-    found = navigate(
-        initial_state(position, velocity, matrix), perfect_increments(spec, 600.0, 100.0), 100.0, 60_000
-    )
+    found = navigate(initial_state(position, velocity, matrix), perfect_increments(spec, 600.0, 100.0), 100.0, 60_000)
 
     omega = np.array([0.0, 0.0, RATE])
 

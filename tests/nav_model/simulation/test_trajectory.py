@@ -105,8 +105,7 @@ def csv_text(rows: list[list[float]]) -> str:
 
 def gentle_rows(count: int = 40) -> list[list[float]]:
     return [
-        [10.0 + k, 45.0 + 4e-4 * k, 179.99 + 1e-3 * k, 500.0 + k, 1.0, 2.0, 345.0 + 0.3 * k]
-        for k in range(count)
+        [10.0 + k, 45.0 + 4e-4 * k, 179.99 + 1e-3 * k, 500.0 + k, 1.0, 2.0, 345.0 + 0.3 * k] for k in range(count)
     ]
 
 
