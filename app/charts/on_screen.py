@@ -6,6 +6,7 @@ message with the arrays that moved.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -263,6 +264,8 @@ def _bar_legend(plot: figure, chart: BarChart) -> None:
     """What the second kind of bar measures depends on the autofocus, so its name is fed too."""
     first, second = chart.first_label, chart.second_label
     labels = (first, f"limit on {first}, at 1σ", second, f"limit on {second}, at 1σ")
-    for item, label in zip(plot.legend[0].items, labels, strict=True):
+    there = (True, not math.isnan(chart.first_limit), True, not math.isnan(chart.second_limit))
+    for item, label, visible in zip(plot.legend[0].items, labels, there, strict=True):
+        item.visible = visible
         if item.label != value(label):
             item.label = value(label)
