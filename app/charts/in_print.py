@@ -16,7 +16,7 @@ from typing import Any
 from app.charts.description import STYLES, BarChart, Chart
 
 WIDTH = 166.0  # mm: the text width of an A4 page
-PLOT_HEIGHT = 52.0  # mm, axes and their labels; the legend comes below
+PLOT_HEIGHT = 46.0  # mm, axes and their labels; the legend comes below
 _LEGEND_ROW = 4.4  # mm
 FONT = "Libertinus Serif"  # comes with Typst, which sets the text
 _MEASURED_IN = ("STIXGeneral", "DejaVu Serif")  # come with Matplotlib; widths close to those of `FONT`
@@ -29,7 +29,7 @@ _DASHES: dict[str, Any] = {
     "dashdot": (0, (7, 2, 1.2, 2)),
 }
 _MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^"}
-_Y_LABEL_WRAP = 32  # characters that fit beside the axes
+_Y_LABEL_LENGTH = 26  # characters that fit beside the axes
 _LINE_SCALE = 0.62  # a pixel on screen, in points on paper
 _INK, _RULE = "#1c2329", "#c9d0d6"
 _SETTINGS = {
@@ -73,10 +73,7 @@ def to_svg(chart: Chart | BarChart, width: float = WIDTH, plot_height: float = P
         figure.legend(handles=handles, loc="outside lower left", ncols=columns, frameon=False, handlelength=3.4)
         text = io.StringIO()
         canvas.print_svg(text, metadata={"Date": None, "Creator": None})
-    svg = text.getvalue()
-    for family in _MEASURED_IN:
-        svg = svg.replace(f"'{family}'", f"'{FONT}'")
-    return svg
+    return text.getvalue().replace(", ".join(f"'{family}'" for family in _MEASURED_IN), f"'{FONT}'")
 
 
 @contextmanager
@@ -119,13 +116,20 @@ def _log_axis(axis: Any) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
+def _in_lines(label: str) -> str:
+    """A long label of the y axis in two lines of about the same length."""
+    return (
+        label if len(label) <= _Y_LABEL_LENGTH else textwrap.fill(label, len(label) // 2 + 4, break_on_hyphens=False)
+    )
+
+
 def _curves(axes: Any, chart: Chart) -> list[Any]:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     _plain(axes)
     axes.grid(visible=True)
-    axes.set(xlabel=chart.x_label, ylabel=textwrap.fill(chart.y_label, _Y_LABEL_WRAP))
+    axes.set(xlabel=chart.x_label, ylabel=_in_lines(chart.y_label))
     if chart.x_log:
         axes.set_xscale("log")
     if chart.y_log:

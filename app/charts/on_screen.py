@@ -15,6 +15,7 @@ from bokeh.core.properties import value
 from bokeh.models import (
     BoxAnnotation,
     ColumnDataSource,
+    CustomJS,
     CustomJSTickFormatter,
     FactorRange,
     HoverTool,
@@ -37,6 +38,16 @@ const power = (k) => "10" + String(k).split("").map(c => sup[c]).join("")
 if (Math.abs(n - Math.round(n)) < 1e-6) return power(Math.round(n))
 if (tick >= 1e-3 && tick < 1e4) return String(Number(tick.toPrecision(2)))
 return Number((tick / 10 ** Math.floor(n)).toPrecision(2)) + "·" + power(Math.floor(n))
+"""
+
+# A phone has no room for three entries side by side; the rows this adds must not come out of the axes.
+_LEGEND_COLUMNS = """
+const columns = cb_obj.inner_width < 360 ? 1 : cb_obj.inner_width < 560 ? 2 : 3
+if (legend.ncols != columns) {
+  const rows = (n) => Math.ceil(legend.items.length / n)
+  plot.height += 26 * (rows(columns) - rows(legend.ncols))
+  legend.ncols = columns
+}
 """
 
 
@@ -201,6 +212,7 @@ def _finish(plot: figure, items: list[LegendItem]) -> None:
         click_policy="hide",
     )  # fmt: skip
     plot.add_layout(legend, "below")
+    plot.js_on_change("inner_width", CustomJS(args={"legend": legend, "plot": plot}, code=_LEGEND_COLUMNS))
     plot.styles = {"font-size": "13px", "--bokeh-font-size": "13px"}
 
 

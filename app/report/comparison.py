@@ -159,5 +159,5 @@ def _charts(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[ChartBloc
         for draw in (position_comparison, phase_comparison):
             chart = draw(budgets[part], labels[part])
             said = f"{chart.title} of {', '.join(labels[part])}. {chart.knowledge}"
-            blocks.append(ChartBlock(f"c-{chart.key}-{start}", chart, said))
+            blocks.append(ChartBlock(f"c-chart-{chart.key}-{start}", chart, said))
     return tuple(blocks)

@@ -199,7 +199,7 @@ def _chart(chart: Chart | BarChart, key: str) -> ChartBlock:
         chart = replace(chart, limits=tuple(limit for limit in chart.limits if not math.isnan(limit.level)))
         labels = [item.label for group in (chart.bands, chart.lines, chart.points) for item in group]
         series = f"{chart.y_label} against {chart.x_label}: {', '.join(labels)}."
-    return ChartBlock(f"{key}-{chart.key}", chart, f"{chart.title}. {series} {chart.knowledge}")
+    return ChartBlock(f"{key}-chart-{chart.key}", chart, f"{chart.title}. {series} {chart.knowledge}")
 
 
 def _growth(budget: Budget, key: str) -> tuple[ChartBlock | Table, ...]:
