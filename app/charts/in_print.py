@@ -100,7 +100,7 @@ def power_of_ten(value: float, _position: int = 0) -> str:
     if abs(exponent - round(exponent)) < 1e-6:
         return "10" + str(round(exponent)).translate(_SUPERSCRIPTS)
     if 1e-3 <= value < 1e4:
-        return f"{value:.2g}"
+        return f"{float(f'{value:.2g}'):g}"
     below = math.floor(exponent)
     return f"{value / 10.0**below:.2g}·10" + str(below).translate(_SUPERSCRIPTS)
 

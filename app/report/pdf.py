@@ -1,7 +1,7 @@
 """A report as PDF: Typst lays out the page, Matplotlib draws the charts, no browser and no internet.
 
-Everything a person wrote travels as JSON and is set as text, never read as markup. Only the faces inside the
-Typst wheel are used, so pages are the same on every machine. The file is tagged (PDF/UA-1).
+Everything a person wrote travels as JSON and is set as text, never read as markup. The faces
+inside the Typst wheel are used, so pages are the same on every machine. The file is tagged (PDF/UA-1).
 """
 
 from __future__ import annotations
@@ -32,19 +32,34 @@ def to_pdf(report: Report) -> bytes:
         (root / "report.json").write_text(json.dumps(_plain(report), ensure_ascii=False), encoding="utf-8")
         for key, svg in charts.items():
             (root / f"{key}.svg").write_text(svg, encoding="utf-8")
-        return typst.compile(
-            str(root / _TEMPLATE),
-            root=str(root),
-            font_paths=_fonts(),
-            format="pdf",
-            pdf_standards=["ua-1"],
-            timestamp=datetime.fromisoformat(report.written),
-        )
+        return _compiled(root, datetime.fromisoformat(report.written))
+
+
+def _compiled(root: Path, written: datetime) -> bytes:
+    """The page as PDF. What the wheel's faces cannot show, a name in Chinese say, is looked for in the system's.
+
+    Where they cannot show it either, a box stands in its place and the file makes no claim to PDF/UA-1, which
+    forbids boxes (and private code points).
+    """
+    for system_fonts, standards in ((False, ["ua-1"]), (True, ["ua-1"]), (True, [])):
+        try:
+            return typst.compile(
+                str(root / _TEMPLATE),
+                root=str(root),
+                font_paths=_fonts(system_fonts),
+                format="pdf",
+                pdf_standards=standards,
+                timestamp=written,
+            )
+        except typst.TypstError as error:
+            if not standards or "PDF/UA-1 error" not in str(error):
+                raise
+    raise AssertionError("the last try either returns or raises")
 
 
 @cache
-def _fonts() -> typst.Fonts:
-    return typst.Fonts(include_system_fonts=False)
+def _fonts(system: bool) -> typst.Fonts:
+    return typst.Fonts(include_system_fonts=system)
 
 
 def _plain(report: Report) -> dict[str, Any]:

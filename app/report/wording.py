@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import unicodedata
 from collections.abc import Mapping
 
 from nav_model.budget import Budget
@@ -62,7 +63,18 @@ def best_of(shares: Mapping[str, float]) -> tuple[str, float]:
 
 def title_of(design: Design) -> str:
     """What a design is called."""
-    return design.name.strip() or "Untitled design"
+    return printable(design.name).strip() or "Untitled design"
+
+
+def printable(text: str) -> str:
+    """A text without control characters and byte-order marks, which no face can show; line breaks stay."""
+    kept = (" " if unicodedata.category(sign) == "Cc" and sign != "\n" else sign for sign in text)
+    return "".join(kept).replace("\ufeff", "")
+
+
+def shortened(name: str, length: int = 70) -> str:
+    """A name that fits the head of a page."""
+    return name if len(name) <= length else f"{name[: length - 1].rstrip()}…"
 
 
 def labelled(label: str, name: str) -> str:

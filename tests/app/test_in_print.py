@@ -98,7 +98,14 @@ def test_bands_spans_and_points_are_drawn():
 
 def test_log_axes_are_powers_of_ten():
     assert [power_of_ten(x) for x in (1e-12, 0.01, 1.0, 1e5)] == ["10⁻¹²", "10⁻²", "10⁰", "10⁵"]
-    assert [power_of_ten(x) for x in (0.002, 50.0, 5e-7, 2e5)] == ["0.002", "50", "5·10⁻⁷", "2·10⁵"]
+    assert [power_of_ten(x) for x in (0.002, 50.0, 200.0, 5000.0, 5e-7, 2e5)] == [
+        "0.002",
+        "50",
+        "200",
+        "5000",
+        "5·10⁻⁷",
+        "2·10⁵",
+    ]
     words = texts(to_svg(plain_chart(x_log=True, y_log=True)))
     assert {"10⁰", "10¹", "10²"} <= set(words)
 
