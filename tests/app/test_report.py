@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import re
 from datetime import UTC, datetime, timedelta, timezone
@@ -188,6 +189,25 @@ def test_a_slow_gnss_error_brings_its_caution():
     report = report_of([changed(gnss__correlated=True)], NOW)
     assert any("slow GNSS error is switched on" in text for text in sayings(report))
     assert not any("slow GNSS error is switched on" in text for text in sayings(report_of([changed()], NOW)))
+
+
+def test_steady_state_and_outage_stand_in_the_right_columns(mems):
+    report = report_of([mems], NOW)
+    steady = mems.steady_state
+    for row, field in zip(
+        table(report, "d-steady-table").rows, ("position_horizontal", "position_vertical"), strict=False
+    ):
+        moments = (steady.closed, steady.prior, steady.posterior)
+        assert [cell.text for cell in row[1:4]] == [
+            format_quantity(getattr(moment, field), "m", "length", 4) for moment in moments
+        ]
+    last = [float(cell.text) for cell in table(report, "d-coast").rows[-1]]
+    coast = mems.coast
+    curves = (coast.time, coast.position_horizontal, coast.refined_horizontal, coast.position_vertical,
+              coast.refined_vertical, coast.velocity_horizontal, coast.velocity_vertical)  # fmt: skip
+    angles = (coast.tilt, coast.yaw_growth)
+    expected = [float(curve[-1]) for curve in curves] + [math.degrees(float(curve[-1])) for curve in angles]
+    assert last == pytest.approx(expected, rel=1e-3)
 
 
 def test_phase_shares_add_up_and_the_table_is_the_budgets(mems):
