@@ -188,7 +188,7 @@ class Frame:
     async def _report(self, suffix: str) -> io.BytesIO:
         self.session.running = True
         try:
-            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), suffix))
+            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), f".{suffix}"))
         finally:
             self.session.running = False
 

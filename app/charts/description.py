@@ -57,6 +57,13 @@ STYLES: dict[str, Style] = {
     "reference": Style(GREY, "dotted", 1.8),
     "quadratic": Style(BLUE, "solid", 2.5),
     "with cubic": Style(ORANGE, "dashed", 2.0),
+    "design 1": Style(BLUE, "solid", 2.5),
+    "design 2": Style(ORANGE, "dashed", 2.0),
+    "design 3": Style(GREEN, "dotdash", 2.0),
+    "design 4": Style(PURPLE, "dotted", 2.0),
+    "design 5": Style(SKY, "dashdot", 2.0),
+    "design 6": Style(RED, "solid", 1.2),
+    "design 7": Style(GREY, "dashed", 1.2),
 }
 """The same quantity has the same colour and dash everywhere."""
 
