@@ -418,7 +418,7 @@ def test_long_words_stay_on_the_page():
 def test_extreme_and_empty_designs_are_written(suffix):
     budgets = [
         analyse(Design()),
-        changed(name="", requirements__quadratic_phase=1e-9, coast__duration=7200.0),
+        changed(name="", requirements__quadratic_phase=1e-7, coast__duration=7200.0),
         changed(gnss__position_noise=1e-6, imu__angle_random_walk=1e-12, radar__autofocus_order=3),
     ]
     assert report_bytes(budgets, suffix, NOW)
