@@ -56,7 +56,7 @@ def to_html(report: Report) -> str:
         csv=to_csv,
         legend=lambda chart: Markup(legend_html(chart)),
     )
-    return environment.get_template("report.html").render(
+    page = environment.get_template("report.html").render(
         report=report,
         style=Markup(files("app.report").joinpath("report.css").read_text(encoding="utf-8")),
         library=Markup(_library()),
@@ -64,6 +64,7 @@ def to_html(report: Report) -> str:
         places={key: Markup(place) for key, place in places.items()},
         math=_math(report),
     )
+    return page.lstrip()  # the macros' own lines come before the doctype
 
 
 def _height(block: ChartBlock) -> int:
