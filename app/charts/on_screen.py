@@ -134,7 +134,10 @@ def _curves(chart: Chart, height: int) -> Figure:
     spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
     for band in chart.bands:
         style = STYLES[band.style]
-        plot.varea("x", "low", "high", source=sources[f"band {band.key}"], fill_color=style.colour, fill_alpha=0.25)
+        source = sources[f"band {band.key}"]
+        plot.varea("x", "low", "high", source=source, fill_color=style.colour, fill_alpha=0.25)
+        for edge in ("low", "high"):  # a thin band would vanish without them
+            plot.line("x", edge, source=source, line_color=style.colour, line_alpha=0.6)
     lines = []
     for line in chart.lines:
         style = STYLES[line.style]
