@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from nav_model.allan.motion import BenchNoise, MotionAnalysis
+from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis
 from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, Provenance, triad_random_walk
 from nav_model.design import Design, Value
 from nav_model.inputs import BaseQuantity, DesignError
@@ -18,10 +18,6 @@ from nav_model.units import format_quantity, from_si
 
 WALK_KEYS: Final = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
 VIBRATION_KEY: Final = "imu.vibration_factor"
-MOTION_CAVEAT: Final = (
-    "the factor treats vibration above the band's lower edge as white noise of equal power; a line or a narrow band "
-    "integrates to less or more than that, and what lies below the edge is not counted"
-)
 
 _DIGITS = 4
 _LONGEST_NAME = 80

@@ -26,7 +26,7 @@ def noise(seed: int, walk: float, samples: int = 20_000) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def analysis() -> LogAnalysis:
-    gyro, force = noise(1, WALKS["gyro"]), noise(2, WALKS["accelerometer"]) + [0.0, 0.0, 9.8]
+    gyro, force = noise(1, WALKS["gyro"]), noise(2, WALKS["accelerometer"]) + np.array([0.0, 0.0, 9.8])
     return analyse_log(ImuLog(gyro, force, 100.0, file_name="bench 7.csv", sha256="ab" * 32))
 
 
