@@ -192,8 +192,8 @@ def motion_strip(result: MotionAnalysis) -> str:
         f'<div class="strip open" role="status"><h2>{said}</h2>'
         f"<p>{'the larger of ' if len(parts) > 1 else ''}{' and '.join(parts)}, rms over the axes</p>"
         f'<p><span class="mark">⚠ An estimate:</span> {escape(MOTION_CAVEAT)}. '
-        "One factor multiplies both random walks, so the larger is pessimistic for the other sensor. Real drives showed "
-        "errors 8 to 35 times those bench noise predicts; a factor far above that overstates them.</p></div>"
+        "One factor multiplies both random walks, so the larger is pessimistic for the other sensor. Real drives "
+        "showed errors 8 to 35 times those bench noise predicts; a factor far above that overstates them.</p></div>"
     )
 
 
