@@ -10,7 +10,7 @@ from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.remedy import what_would_resolve
 from nav_model.allan.static_log import analyse_log
 
-SAMPLES = 4096
+SAMPLES = 2048
 LOGS = 8
 
 
