@@ -70,6 +70,11 @@ ul.legend { display: flex; flex-wrap: wrap; gap: 2px 16px; list-style: none; mar
 ul.legend svg { vertical-align: -1px; }
 .know { font-size: 12.5px; margin: 0; }
 .mark { font-weight: 700; }
+td.fine, .mark.fine { font-size: 12px; }
+td.fine { min-width: 130px; }
+table.checks th.source { min-width: 260px; }
+.digest { overflow-wrap: anywhere; font-size: 12px; }
+progress { width: min(420px, 100%); height: 8px; accent-color: #2b83c4; }
 ul.cautions { padding-left: 18px; font-size: 13px; }
 h3 { font-size: 15px; font-weight: 600; margin: 0; }
 """

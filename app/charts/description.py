@@ -64,6 +64,19 @@ STYLES: dict[str, Style] = {
     "design 5": Style(SKY, "dashdot", 2.0),
     "design 6": Style(RED, "solid", 1.2),
     "design 7": Style(GREY, "dashed", 1.2),
+    "x": Style(BLUE, "solid", 2.0),
+    "y": Style(ORANGE, "dashed", 2.0),
+    "z": Style(GREEN, "dashdot", 2.0),
+    "fit x": Style(BLUE, "dotted", 1.6),
+    "fit y": Style(ORANGE, "dotted", 1.6),
+    "fit z": Style(GREEN, "dotted", 1.6),
+    "measured": Style(BLUE, "solid", 2.5),
+    "quantization": Style(SKY, "dotted", 1.8),
+    "random_walk": Style(ORANGE, "dashed", 1.8),
+    "bias_instability": Style(GREEN, "dotdash", 1.8),
+    "rate_random_walk": Style(PURPLE, "dashdot", 1.8),
+    "ramp": Style(GREY, "dotted", 1.8),
+    "fit": Style(GREY, "solid", 1.6),
 }
 """The same quantity has the same colour and dash everywhere."""
 

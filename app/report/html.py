@@ -73,8 +73,12 @@ def _height(block: ChartBlock) -> int:
 
 @cache
 def _library() -> str:
-    """BokehJS itself, without the widgets and tables a report has no use for."""
-    return str(Resources(mode="inline", components=["bokeh"]).render())
+    """BokehJS itself, without the widgets and tables a report has no use for.
+
+    Its text, not its rendered tags: in a process that serves pages, those would name the server's own files.
+    """
+    scripts = Resources(mode="inline", components=["bokeh"]).js_raw
+    return "\n".join(f'<script type="text/javascript">\n{script}\n</script>' for script in scripts)
 
 
 def _with_links(text: str, marks: Iterable[str]) -> Markup:
