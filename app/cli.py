@@ -80,6 +80,13 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
     report.set_defaults(run=_report)
 
+    sar = commands.add_parser("sar", help="image quality for every way of navigating through the aperture, as JSON")
+    _design_arguments(sar, one=True)
+    sar.add_argument("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
+    sar.add_argument("--seed", type=int, default=0, help="of the ensemble (default 0)")
+    sar.add_argument("-o", "--output", type=Path, metavar="FILE", help="write there instead of standard output")
+    sar.set_defaults(run=_sar)
+
     presets = commands.add_parser("presets", help="the catalogue, with sources")
     presets.add_argument("kind", choices=("imu", "radar"))
     presets.add_argument("--json", action="store_true", help="as JSON")
@@ -183,6 +190,31 @@ def _report(options: argparse.Namespace) -> int:
     from app.report import write_report
 
     write_report([analyse(_read(path, options.changes)) for path in paths], options.output)
+    print(f"wrote {options.output}", file=sys.stderr)
+    return 0
+
+
+def _sar(options: argparse.Namespace) -> int:
+    (path,) = _paths(options)
+    design = _read(path, options.changes)
+    if options.seed < 0:
+        raise DesignError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+    from nav_model.sar.design_study import chunks, design_study
+    from nav_model.sar.study_json import to_json as study_to_json
+
+    try:
+        chunks(options.runs)
+    except ValueError as error:
+        raise DesignError("--runs", str(error)) from error
+    study = study_to_json(design_study(design, options.runs, options.seed))
+    text = json.dumps(study, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+    if options.output is None:
+        sys.stdout.write(text)
+        return 0
+    try:
+        options.output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise DesignError(str(options.output), f"cannot be written: {error.strerror}") from error
     print(f"wrote {options.output}", file=sys.stderr)
     return 0
 

@@ -144,8 +144,9 @@ class WinnerMap(NamedTuple):
 def map_of_winners(conditions: Conditions, worth: float = 0.05) -> WinnerMap:
     """The strategy that wins among those with a closed form, by detrended sigma along the line of sight.
 
-    5w is never worse than 2 or 5, so it would win everywhere by a hair: the simplest strategy (in the order
-    of `MAP_STRATEGIES`) within the fraction ``worth`` of the best is the one named. ``start`` goes with the
+    On one axis 5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in
+    the order of `MAP_STRATEGIES`) within the fraction ``worth`` of the best is the one named. Along the line of
+    sight it can lose: its fitted line brings the fixes' velocity noise, which the turn bends [S-2]. ``start`` goes with the
     fix noise and the sensors of each point, so give arrays of that shape. ``best_sigma`` is that of the
     strategy named.
     """
