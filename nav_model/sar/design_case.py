@@ -50,9 +50,8 @@ def design_case(budget: Budget) -> DesignCase:
     interval = design.gnss.interval
     for key, span in (("coast.before_aperture", coast), ("gnss.interval", sar.aperture_time)):
         if span / interval > _MOST_FIXES:
-            raise DesignError(
-                key, f"{span:.4g} s hold {span / interval:.4g} fixes; strategies are simulated with {_MOST_FIXES} at most"
-            )
+            held = f"{span:.4g} s hold {span / interval:.4g} fixes"
+            raise DesignError(key, f"{held}; strategies are simulated with {_MOST_FIXES} at most")
     if radar.grazing_angle >= math.radians(89.9):
         raise DesignError("radar.grazing_angle", "strategies are simulated below 89.9°; straight down has no image")
     try:
@@ -144,8 +143,8 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
         )
     if design.coast.before_aperture > 0:
         said.append(
-            f"Only strategy 3 flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all others "
-            "have fixes throughout. If there are none, strategy 3 is the only one left."
+            f"Only strategy 3 flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all "
+            "others have fixes throughout. If there are none, strategy 3 is the only one left."
         )
     else:
         said.append("Without a coast before the aperture strategies 2 and 3 are the same.")
@@ -154,8 +153,8 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
         "seeds for the least residual of this design."
     )
     said.append(
-        "The closed form of 5 takes the quadratic fit as continuous: with few fixes in the aperture its inertial part "
-        "is low, by up to 9 % with a fix at both ends [T-16]."
+        "The closed form of 5 takes the quadratic fit as continuous: with few fixes in the aperture its inertial "
+        "part is low, by up to 9 % with a fix at both ends [T-16]."
     )
     return tuple(said)
 

@@ -16,7 +16,7 @@ from nav_model.sar.geometry import aperture_time
 from nav_model.sar.winners import MAP_STRATEGIES, WinnerMap, map_of_winners
 
 _FloatArray = NDArray[np.float64]
-POINTS = 100
+POINTS = 80
 _GNSS_SPAN = (0.003, 30.0)  # m
 _ARW_SPAN = (math.radians(1e-3) / 60, math.radians(10.0) / 60)
 

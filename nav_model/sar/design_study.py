@@ -1,8 +1,8 @@
 """The strategies for one design: an ensemble of runs beside the closed forms, and what to make of them.
 
-`design_study` does all of it at once. A page that shows progress does the same in steps: `prepare`, then
-`run_chunk` for each of `chunks(runs)`, then `gather`; chunks have seeds of their own, so the result does not
-depend on who runs them or in which order.
+`design_study` does all of it at once. A page that shows progress does the same in steps: `design_case`,
+`choose_tuning`, `run_chunk` for each of `chunks(runs)`, `typical_history`, then `gather`. Chunks have seeds of
+their own, so the result does not depend on who runs them or in which order; what travels is plain data.
 """
 
 from __future__ import annotations
@@ -97,8 +97,8 @@ class DesignStudy:
         residual = dict(zip(STRATEGY_KEYS, self.parts["residual_rms"].median, strict=True))
         causal, offline = self.best(causal=True), self.best(causal=False)
         said = (
-            f"In {self.runs} runs the least median residual is {_millimetres(residual[causal.key])} for a causal strategy "
-            f"({causal.key}, {causal.name}{', a reconstruction' if causal.reconstruction else ''}) and "
+            f"In {self.runs} runs the least median residual is {_millimetres(residual[causal.key])} for a causal "
+            f"strategy ({causal.key}, {causal.name}{', a reconstruction' if causal.reconstruction else ''}) and "
             f"{_millimetres(residual[offline.key])} off-line ({offline.key}, {offline.name})."
         )
         advised = self.closed.advice.strategy
@@ -136,12 +136,6 @@ def chunks(runs: int) -> list[int]:
     return [CHUNK] * (runs // CHUNK) + [runs % CHUNK] * (runs % CHUNK > 0)
 
 
-def prepare(budget: Budget, seed: int) -> tuple[DesignCase, Tuning]:
-    """What the chunks share: the case, and the gains of 6 and 7, chosen on seeds of their own."""
-    case = design_case(budget)
-    return case, choose_tuning(case.models[1], case.aperture_time, seed)
-
-
 def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> Chunk:
     """One chunk; deterministic in (seed, index, runs)."""
     measures = _measured(case, tuning, seed, index, runs)
@@ -149,20 +143,31 @@ def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int
     return Chunk(replace(measures, residual=measures.residual[:, :0]), square, runs)
 
 
+def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
+    """Where the run to draw is: chunk, runs of that chunk, place in it."""
+    run = typical_run(_joined([chunk.measures.parts["detrended_rms"] for chunk in parts]))
+    index, within = divmod(run, CHUNK)
+    return index, parts[index].runs, within
+
+
+def typical_history(
+    case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int
+) -> _FloatArray:
+    """Residual (9, n) [m] of one run, simulated again from its chunk's seed."""
+    return _measured(case, tuning, seed, index, runs).residual[:, within]
+
+
 def gather(
-    budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk]
+    budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk], history: _FloatArray
 ) -> DesignStudy:
-    """The study from all its chunks, in order; the typical run is simulated again from its seed."""
+    """The study from all its chunks, in order, and the `typical_history` of its `typical_place`."""
     runs = sum(chunk.runs for chunk in parts)
     values = {name: _joined([c.measures.parts[name] for c in parts]) for name in parts[0].measures.parts}
     responses = {name: _joined([c.measures.responses[name] for c in parts]) for name in parts[0].measures.responses}
     bands = {name: band(value) for name, value in values.items()}
-    smeared = 4 * np.pi / case.wavelength * bands["quadratic"].high > _NO_IMAGE_RAD
-    if case.autofocus_order > 1:
-        smeared &= 4 * np.pi / case.wavelength * bands["residual_rms"].high > _NO_IMAGE_RAD
-    typical = typical_run(values["detrended_rms"])
-    index, within = divmod(typical, CHUNK)
-    history = _measured(case, tuning, seed, index, parts[index].runs).residual[:, within]
+    to_phase = 4 * np.pi / case.wavelength
+    left = bands["quadratic"] if case.autofocus_order == 1 else bands["residual_rms"]
+    smeared = to_phase * left.high > _NO_IMAGE_RAD
     first = parts[0].measures
     rms, rms_error = _root_mean_square(values["residual_rms"])
     quadratic, quadratic_error = _root_mean_square(values["quadratic"])
@@ -199,8 +204,11 @@ def design_study(design: Design, runs: int = 200, seed: int = 0) -> DesignStudy:
     """
     sizes = chunks(runs)
     budget = analyse(design)
-    case, tuning = prepare(budget, seed)
-    return gather(budget, case, tuning, seed, [run_chunk(case, tuning, seed, i, n) for i, n in enumerate(sizes)])
+    case = design_case(budget)
+    tuning = choose_tuning(case.models[1], case.aperture_time, seed)
+    parts = [run_chunk(case, tuning, seed, index, size) for index, size in enumerate(sizes)]
+    history = typical_history(case, tuning, seed, *typical_place(parts))
+    return gather(budget, case, tuning, seed, parts, history)
 
 
 def _measured(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> RunMeasures:

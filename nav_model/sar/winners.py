@@ -146,9 +146,9 @@ def map_of_winners(conditions: Conditions, worth: float = 0.05) -> WinnerMap:
 
     On one axis 5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in
     the order of `MAP_STRATEGIES`) within the fraction ``worth`` of the best is the one named. Along the line of
-    sight it can lose: its fitted line brings the fixes' velocity noise, which the turn bends [S-2]. ``start`` goes with the
-    fix noise and the sensors of each point, so give arrays of that shape. ``best_sigma`` is that of the
-    strategy named.
+    sight it can lose: its fitted line brings the fixes' velocity noise, which the turn bends [S-2].
+    ``start`` goes with the fix noise and the sensors of each point, so give arrays of that shape.
+    ``best_sigma`` is that of the strategy named.
     """
     if not 0 <= worth < 1:
         raise ValueError(f"worth: {worth}; a fraction from 0 to below 1 is needed")
