@@ -59,27 +59,29 @@ def error_table(budget: Budget, closed: ClosedForms, study: DesignStudy | None, 
         form = closed.detrended.get(strategy.key)
         cells = [_kind(strategy), _NONE if form is None else f"{_number(1000 * form)} mm<br>{_number(own * form)}°"]
         if study is None:
-            cells += ["…"] * 8
+            cells += ["…"] * 9
         else:
             rms = float(study.rms[index])
             parts = study.parts
             cells += [
                 f"{_number(1000 * rms)} mm<br>{_number(degrees * rms)}°",
-                f"{_band(parts['residual_rms'], index, 1000)} mm<br>{_band(parts['residual_rms'], index, degrees)}°",
-                f"{_band(parts['detrended_max'], index, 1000)} mm",
-                f"{_band(parts['quadratic'], index, degrees)}°",
-                f"{_band(parts['cubic'], index, degrees)}°",
-                f"{_band(parts['higher_rms'], index, degrees)}°",
-                f"{_band(parts['high_frequency_rms'], index, degrees)}°",
-                f"{_band(study.jump_rms, ..., 1000)} mm" if strategy.key == "4" else "",
+                _band(parts["residual_rms"], index, 1000, " mm"),
+                _band(parts["residual_rms"], index, degrees, "°"),
+                _band(parts["detrended_max"], index, 1000, " mm"),
+                _band(parts["quadratic"], index, degrees, "°"),
+                _band(parts["cubic"], index, degrees, "°"),
+                _band(parts["higher_rms"], index, degrees, "°"),
+                _band(parts["high_frequency_rms"], index, degrees, "°"),
+                _band(study.jump_rms, ..., 1000, " mm") if strategy.key == "4" else "",
             ]
         rows.append((strategy, cells))
     left = {1: "the line", 2: "the quadratic", 3: "the cubic"}[budget.sar.autofocus_order]
     head = (
-        "Kind", f"Closed form: rms after {left}", f"Runs: rms after {left}", "Median (5 to 95 %)",
-        "Largest after the line", "Quadratic", "Cubic", "Higher, rms", "High frequency, rms", "Jumps, rms",
+        "Kind", "Closed form, rms", "Runs, rms", "Runs, median", "in phase", "Largest", "Quadratic", "Cubic",
+        "Higher orders", "High frequency", "Jumps",
     )  # fmt: skip
-    return _table("Errors by strategy", head, rows, stale)
+    note = f"Rms after {left} is removed; largest after the line; below each median of the runs its 5 to 95 % band."
+    return _table("Errors by strategy", note, head, rows, stale)
 
 
 def response_table(study: DesignStudy | None, stale: bool) -> str:
@@ -93,8 +95,8 @@ def response_table(study: DesignStudy | None, stale: bool) -> str:
         else:
             r, cell = study.responses, study.budget.sar.cell_length
             cells = [
-                f"{_band(r['width_cells'], index, cell)} m",
-                _band(r["width_cells"], index, 1),
+                _band(r["width_cells"], index, cell, " m"),
+                _band(r["width_cells"], index, 1, " cells"),
                 *(
                     _decibels(r[name], index)
                     for name in (
@@ -102,27 +104,32 @@ def response_table(study: DesignStudy | None, stale: bool) -> str:
                         "peak_loss_db",
                     )
                 ),
-                _band(r["shift_cells"], index, 1, signed=True),
+                _signed(r["shift_cells"], index),
             ]  # fmt: skip
         rows.append((strategy, cells))
     head = (
-        "Width −3 dB", "in cells", "PSLR, fixed lobe", "PSLR, to the nulls", "ISLR, fixed, whole line",
+        "Width, −3 dB", "in cells", "PSLR, fixed", "PSLR, nulls", "ISLR, fixed, whole line",
         "ISLR, nulls, whole line", "ISLR, fixed, ten nulls", "Peak loss", "Shift, cells",
     )  # fmt: skip
-    return _table("Impulse response by strategy", head, rows, stale)
+    note = (
+        "Medians of the runs with their 5 to 95 % bands. Fixed: outside the null-to-null lobe of the error-free "
+        "response, where a shoulder counts as a side lobe; nulls: outside the minima found."
+    )
+    return _table("Impulse response by strategy", note, head, rows, stale)
 
 
-def _table(title: str, head: tuple[str, ...], rows: list[tuple[Strategy, list[str]]], stale: bool) -> str:
+def _table(title: str, note: str, head: tuple[str, ...], rows: list[tuple[Strategy, list[str]]], stale: bool) -> str:
     mark = " <span class='stale'>stale: runs are of an earlier design</span>" if stale else ""
     columns = "".join(f'<th scope="col" class="num wrap">{escape(name)}</th>' for name in head)
     body = "".join(
-        f"<tr><th scope='row'>{escape(short_name(strategy.key))}</th>"
+        f"<tr><th scope='row' class='name'>{escape(short_name(strategy.key))}</th>"
         + "".join(f'<td class="num">{cell}</td>' for cell in cells)
         + "</tr>"
         for strategy, cells in rows
     )
     return (
-        f'<h3>{escape(title)}{mark}</h3><div class="scroll" tabindex="0" role="region" aria-label="{escape(title)}">'
+        f'<h3>{escape(title)}{mark}</h3><p class="know quiet">{escape(note)}</p>'
+        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(title)}">'
         f'<table class="checks"><thead><tr><th scope="col">Strategy</th>{columns}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>"
     )
@@ -142,11 +149,14 @@ def _number(value: float) -> str:
     return plain_number(value, 3)
 
 
-def _band(band: Band, index: object, scale: float, *, signed: bool = False) -> str:
+def _band(band: Band, index: object, scale: float, unit: str) -> str:
     median, low, high = (scale * float(np.asarray(part)[index]) for part in (band.median, band.low, band.high))
-    if signed:
-        return f"{median:+.3f} <span class='quiet'>({low:+.3f} to {high:+.3f})</span>".replace("-", "−")
-    return f"{_number(median)} <span class='quiet'>({_number(low)} to {_number(high)})</span>"
+    return f"{_number(median)}{unit}<br><span class='quiet'>({_number(low)} to {_number(high)})</span>"
+
+
+def _signed(band: Band, index: int) -> str:
+    median, low, high = (float(part[index]) for part in (band.median, band.low, band.high))
+    return f"{median:+.2f}<br><span class='quiet'>({low:+.2f} to {high:+.2f})</span>".replace("-", "−")
 
 
 def _decibels(band: Band, index: int) -> str:

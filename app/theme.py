@@ -48,11 +48,12 @@ SHEET = """
 table.checks { border-collapse: collapse; width: 100%; font-size: 13px; }
 table.checks th, table.checks td { text-align: left; padding: 4px 10px 4px 0; vertical-align: top;
   border-bottom: 1px solid; border-color: color-mix(in srgb, currentColor 15%, transparent); }
-table.checks th.wrap { white-space: normal; max-width: 110px; }
+table.checks th.wrap { white-space: normal; }
+table.checks th.name { white-space: nowrap; }
 table.checks th { font-weight: 500; }
 table.checks td.num, table.checks th.num { text-align: right; }
 .scroll { overflow-x: auto; }
-.pics { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(230px, 45%), 1fr)); gap: 10px; }
+.pics { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(200px, 45%), 1fr)); gap: 10px; }
 .pair .pics { grid-template-columns: repeat(auto-fill, minmax(min(320px, 100%), 460px)); }
 .pic { margin: 0; font-size: 12.5px; }
 .pic img { width: 100%; display: block; image-rendering: pixelated; border-radius: 3px; }

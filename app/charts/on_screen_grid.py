@@ -111,7 +111,10 @@ def _middle_of(chart: MapChart, index: int) -> tuple[float, float, str] | None:
     rows, columns = np.nonzero(chart.winner == index)
     if len(rows) < 0.004 * chart.winner.size:
         return None
-    nearest = np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2)
+    width = chart.winner.shape[1]
+    # A name reaches about a sixth of the map to each side of its place: keep it off the edges where it can be.
+    off = 10 * np.maximum(np.abs(columns - width / 2) - width / 3, 0)
+    nearest = np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2 + off**2)
     return float(chart.x[columns[nearest]]), float(chart.y[rows[nearest]]), chart.names[index]
 
 

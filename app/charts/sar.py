@@ -150,8 +150,8 @@ def gnss_winner_chart(budget: Budget) -> MapChart:
     """Who wins over aperture time and fix noise."""
     return _winner_chart(
         budget, gnss_map(budget), "sar-map-gnss", "Which strategy wins: aperture time against fix noise",
-        "fix noise, horizontal, 1σ [m]", 1.0, "radars of the catalogue with this GNSS",
-        "aperture of the catalogue's radar [S-3]",
+        "fix noise, horizontal, 1σ [m]", 1.0, "catalogue's radars",
+        "its aperture [S-3] with this design's GNSS",
     )  # fmt: skip
 
 
@@ -160,7 +160,7 @@ def arw_winner_chart(budget: Budget) -> MapChart:
     return _winner_chart(
         budget, arw_map(budget), "sar-map-arw", "Which strategy wins: aperture time against angle random walk",
         "angle random walk on the bench [°/√h]", float(from_si(1.0, "°/√h", "angle random walk")),
-        "inertial units of the catalogue", "angle random walk of the sheet at this design's aperture",
+        "catalogue's units", "angle random walk of the sheet at this design's aperture",
     )  # fmt: skip
 
 
@@ -189,7 +189,7 @@ def _winner_chart(
         styles=tuple(f"strategy {k}" for k in drawn.strategies),
         points=(Points("catalogue", catalogue, drawn.x, drawn.y * scale, drawn.names, "reference", "circle", source),
                 here),
-        contour=Line("limit", "limit on the detrended phase", contour_x, contour_y, "limit", "requirement"),
+        contour=Line("limit", "phase limit", contour_x, contour_y, "limit", "requirement"),
         knowledge=(
             "Closed forms at every point [T-15], [T-16], [S-7], [S-1], [S-2], each with its own settled filter "
             "[T-8]; white fix noise, broadside. Named is the simplest of 2, 3, 5, 5w within 5 % of the least "

@@ -46,7 +46,7 @@ class SarPage:
         self._run = SarRun(self._told)
         self._answer = html_pane("")
         self._tables = html_pane("")
-        self._state = html_pane("", margin=(12, 10))
+        self._state = html_pane("", margin=(2, 10))
         self._points = html_pane("")
         self._scene = html_pane("")
         self._charts = [(ChartView(describe, session, height), wide) for describe, height, wide in self._layout()]
@@ -116,7 +116,7 @@ class SarPage:
             self._seed,
             self._start,
             self._stop,
-            pn.Column(self._state, min_width=320),
+            pn.Column(self._state, width=340),
             align_items="center",
             sizing_mode="stretch_width",
             margin=(0, 4),
@@ -147,7 +147,8 @@ class SarPage:
         if pictures is None or study is None:
             return f"<h3>{title}</h3><p class='quiet'>Appears with the first run.</p>"
         mark = " <span class='stale'>stale: of an earlier design</span>" if stale else ""
-        captions = [f"brightest {power.max():+.2f} dB".replace("-", "−") for power in pictures.power_db]
+        peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
+        captions = [f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks]
         axes = f"azimuth across ±{pictures.x[-1]:.3g} m, range upwards ±{pictures.y[-1]:.3g} m"
         cell = f"range cell {pictures.range_cell:.3g} m" + (
             ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
