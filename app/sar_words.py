@@ -57,7 +57,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: DesignStudy | None, 
     rows = []
     for index, strategy in enumerate(STRATEGIES):
         form = closed.detrended.get(strategy.key)
-        cells = [_kind(strategy), _NONE if form is None else f"{_number(1000 * form)} mm<br>{_number(own * form)}°"]
+        cells = [_NONE if form is None else f"{_number(1000 * form)} mm<br>{_number(own * form)}°"]
         if study is None:
             cells += ["…"] * 9
         else:
@@ -77,7 +77,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: DesignStudy | None, 
         rows.append((strategy, cells))
     left = {1: "the line", 2: "the quadratic", 3: "the cubic"}[budget.sar.autofocus_order]
     head = (
-        "Kind", "Closed form, rms", "Runs, rms", "Runs, median", "in phase", "Largest", "Quadratic", "Cubic",
+        "Closed form, rms", "Runs, rms", "Runs, median", "in phase", "Largest", "Quadratic", "Cubic",
         "Higher orders", "High frequency", "Jumps",
     )  # fmt: skip
     note = f"Rms after {left} is removed; largest after the line; below each median of the runs its 5 to 95 % band."
@@ -122,7 +122,8 @@ def _table(title: str, note: str, head: tuple[str, ...], rows: list[tuple[Strate
     mark = " <span class='stale'>stale: runs are of an earlier design</span>" if stale else ""
     columns = "".join(f'<th scope="col" class="num wrap">{escape(name)}</th>' for name in head)
     body = "".join(
-        f"<tr><th scope='row' class='name'>{escape(short_name(strategy.key))}</th>"
+        f"<tr><th scope='row' class='name'>{escape(short_name(strategy.key))}"
+        f"<br><span class='quiet'>{_kind(strategy)}</span></th>"
         + "".join(f'<td class="num">{cell}</td>' for cell in cells)
         + "</tr>"
         for strategy, cells in rows
@@ -138,9 +139,7 @@ def _table(title: str, note: str, head: tuple[str, ...], rows: list[tuple[Strate
 def _kind(strategy: Strategy) -> str:
     if strategy.key == "1":
         return "reference"
-    return ("causal" if strategy.causal else "off-line") + (
-        "<br>reconstruction" if strategy.reconstruction else ""
-    )
+    return ("causal" if strategy.causal else "off-line") + (", reconstruction" if strategy.reconstruction else "")
 
 
 def _number(value: float) -> str:

@@ -146,6 +146,7 @@ class Chart:
     x_log: bool = False
     y_log: bool = False
     y_range: tuple[float, float] | None = None
+    legend_columns: int = 3
     knowledge: str = ""
 
     def rows(self) -> Iterator[tuple[str, ...]]:

@@ -81,7 +81,7 @@ def to_bokeh(chart: AnyChart, height: int = 320) -> Figure:
     columns = columns_of(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
     plot, items = draw(chart, sources, height)
-    _finish(plot, items)
+    _finish(plot, items, 2)
     for axis in (plot.xaxis, plot.yaxis):
         if isinstance(axis[0], LogAxis):
             axis.formatter = CustomJSTickFormatter(code=_LOG_TICKS)
@@ -191,7 +191,7 @@ def _curves(chart: Chart, height: int) -> Figure:
         )  # fmt: skip
         items.append(LegendItem(label="limit, brought to 1σ", renderers=[renderer]))
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
-    _finish(plot, items)
+    _finish(plot, items, chart.legend_columns)
     for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
         if is_log:
             axis.formatter = CustomJSTickFormatter(code=_LOG_TICKS)
@@ -214,11 +214,11 @@ def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnota
     return box, label
 
 
-def _finish(plot: figure, items: list[LegendItem]) -> None:
+def _finish(plot: figure, items: list[LegendItem], columns: int = 3) -> None:
     legend = Legend(
-        items=items, orientation="horizontal", ncols=3, location="left", border_line_alpha=0, padding=2, margin=4,
-        label_text_font_size="12px", glyph_width=28, spacing=8, background_fill_alpha=0,
-        click_policy="hide",
+        items=items, orientation="horizontal", ncols=columns, location="left",
+        border_line_alpha=0, padding=2, margin=4, label_text_font_size="12px", glyph_width=28, spacing=8,
+        background_fill_alpha=0, click_policy="hide",
     )  # fmt: skip
     plot.add_layout(legend, "below")
     plot.styles = {"font-size": "13px", "--bokeh-font-size": "13px"}

@@ -148,11 +148,12 @@ def _map(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) 
     items = [LegendItem(label=chart.contour.label, renderers=[contour])]
     for points in chart.points:
         style = STYLES[points.style]
+        look = {"size": 7, "line_width": 0.8, "line_color": "#ffffff"}
+        if points.marker == "cross":
+            look = {"size": 16, "line_width": 3, "line_color": style.colour}
         marks = plot.scatter(
-            "x", "y", source=sources[f"points {points.key}"], marker=points.marker,
-            size=16 if points.marker == "cross" else 7, fill_color=style.colour, line_color="#1b2329",
-            line_width=3 if points.marker == "cross" else 0.8,
-        )  # fmt: skip
+            "x", "y", source=sources[f"points {points.key}"], marker=points.marker, fill_color=style.colour, **look
+        )
         plot.add_tools(HoverTool(renderers=[marks], tooltips=f"<b>@name</b>: {points.source}", visible=False))
         items.append(LegendItem(label=points.label, renderers=[marks]))
     return plot, items

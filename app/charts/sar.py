@@ -33,6 +33,7 @@ _SHORT = {
     "7": "7 damping loop ⁽ʳ⁾",
     "8": "8 RTS smoother",
 }
+_ON_MAP = {"2": "2 INS", "3": "3 coasted", "5": "5 fit", "5w": "5w shrunk"}
 
 
 def short_name(key: str) -> str:
@@ -57,6 +58,7 @@ def navigation_chart(study: DesignStudy | None, keys: tuple[str, ...], title: st
         x_label="time in the aperture [s]",
         y_label="line-of-sight error [mm]",
         lines=lines,
+        legend_columns=2,
         knowledge=_NOT_RUN if study is None else (
             f"One run of {study.runs}: the one whose INS (2) has the median rms; {_removed(study)} removed after "
             "projection on the turning line of sight. Rms over the runs: "
@@ -86,6 +88,7 @@ def responses_chart(study: DesignStudy | None, keys: tuple[str, ...], title: str
             for key, values in zip(shown, power, strict=True)
         ),
         y_range=(-45.0, 2.0),
+        legend_columns=2,
         knowledge=_NOT_RUN if study is None else (
             f"Azimuth response of the same run, {study.budget.sar.window} window, {_removed(study)} removed; the "
             "table has the medians and bands of all runs."
@@ -185,7 +188,7 @@ def _winner_chart(
         y=y,
         winner=drawn.winner,
         values=drawn.phase * _DEG,
-        names=tuple(_SHORT[k] for k in drawn.strategies),
+        names=tuple(_ON_MAP[k] for k in drawn.strategies),
         styles=tuple(f"strategy {k}" for k in drawn.strategies),
         points=(Points("catalogue", catalogue, drawn.x, drawn.y * scale, drawn.names, "reference", "circle", source),
                 here),

@@ -49,8 +49,8 @@ def sar(session: Session) -> SarPage:
 
 def run(sar: SarPage) -> None:
     async def until_done() -> None:
-        await page._begin()
-        while page._run.running:
+        await sar._begin()
+        while sar._run.running:
             await asyncio.sleep(0.01)
 
     asyncio.run(until_done())
