@@ -56,6 +56,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: DesignStudy | None, 
     degrees = own if study is None else phase_of_a_metre(study.budget)
     rows = []
     for index, strategy in enumerate(STRATEGIES):
+        name = f"{escape(short_name(strategy.key))}<br><span class='quiet'>{_kind(strategy)}</span>"
         form = closed.detrended.get(strategy.key)
         cells = [_NONE if form is None else f"{_number(1000 * form)} mm<br>{_number(own * form)}°"]
         if study is None:
@@ -74,7 +75,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: DesignStudy | None, 
                 _band(parts["high_frequency_rms"], index, degrees, "°"),
                 _band(study.jump_rms, ..., 1000, " mm") if strategy.key == "4" else "",
             ]
-        rows.append((strategy, cells))
+        rows.append((name, cells))
     left = {1: "the line", 2: "the quadratic", 3: "the cubic"}[budget.sar.autofocus_order]
     head = (
         "Closed form, rms", "Runs, rms", "Runs, median", "in phase", "Largest", "Quadratic", "Cubic",
@@ -89,14 +90,14 @@ def response_table(study: DesignStudy | None, stale: bool) -> str:
     rows = []
     for index, strategy in enumerate(STRATEGIES):
         if study is None:
-            cells = ["…"] * 9
+            cells = ["…"] * 8
         elif not math.isfinite(study.responses["width_cells"].median[index]):
-            cells = ["no image: smeared over the line", *[""] * 8]
+            cells = ["no image: smeared", *[""] * 7]
         else:
             r, cell = study.responses, study.budget.sar.cell_length
+            width = r["width_cells"]
             cells = [
-                _band(r["width_cells"], index, cell, " m"),
-                _band(r["width_cells"], index, 1, " cells"),
+                f"{_number(float(width.median[index]))} cells = {_band(width, index, cell, ' m')}",
                 *(
                     _decibels(r[name], index)
                     for name in (
@@ -106,9 +107,9 @@ def response_table(study: DesignStudy | None, stale: bool) -> str:
                 ),
                 _signed(r["shift_cells"], index),
             ]  # fmt: skip
-        rows.append((strategy, cells))
+        rows.append((escape(short_name(strategy.key)), cells))
     head = (
-        "Width, −3 dB", "in cells", "PSLR, fixed", "PSLR, nulls", "ISLR, fixed, whole line",
+        "Width, −3 dB", "PSLR, fixed", "PSLR, nulls", "ISLR, fixed, whole line",
         "ISLR, nulls, whole line", "ISLR, fixed, ten nulls", "Peak loss", "Shift, cells",
     )  # fmt: skip
     note = (
@@ -118,15 +119,14 @@ def response_table(study: DesignStudy | None, stale: bool) -> str:
     return _table("Impulse response by strategy", note, head, rows, stale)
 
 
-def _table(title: str, note: str, head: tuple[str, ...], rows: list[tuple[Strategy, list[str]]], stale: bool) -> str:
+def _table(title: str, note: str, head: tuple[str, ...], rows: list[tuple[str, list[str]]], stale: bool) -> str:
     mark = " <span class='stale'>stale: runs are of an earlier design</span>" if stale else ""
     columns = "".join(f'<th scope="col" class="num wrap">{escape(name)}</th>' for name in head)
     body = "".join(
-        f"<tr><th scope='row' class='name'>{escape(short_name(strategy.key))}"
-        f"<br><span class='quiet'>{_kind(strategy)}</span></th>"
+        f"<tr><th scope='row' class='name'>{name}</th>"
         + "".join(f'<td class="num">{cell}</td>' for cell in cells)
         + "</tr>"
-        for strategy, cells in rows
+        for name, cells in rows
     )
     return (
         f'<h3>{escape(title)}{mark}</h3><p class="know quiet">{escape(note)}</p>'

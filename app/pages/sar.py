@@ -47,8 +47,9 @@ class SarPage:
         self._answer = html_pane("")
         self._tables = html_pane("")
         self._state = html_pane("", margin=(2, 10))
-        self._points = html_pane("")
-        self._scene = html_pane("")
+        # Heading and pictures apart: the mark of a stale study must not send the pictures again.
+        self._headings = [html_pane("", margin=(8, 10, 0, 10)) for _ in _PICTURES]
+        self._pictures = [html_pane("<p class='quiet'>Appears with the first run.</p>") for _ in _PICTURES]
         self._charts = [(ChartView(describe, session, height), wide) for describe, height, wide in self._layout()]
         self._upload = UploadedPicture(session, lambda: self._result)
         self.view = pn.Column(
@@ -62,8 +63,7 @@ class SarPage:
                 sizing_mode="stretch_width",
                 margin=(4, 10),
             ),
-            self._points,
-            self._scene,
+            *(pane for pair in zip(self._headings, self._pictures, strict=True) for pane in pair),
             self._upload.view,
             sizing_mode="stretch_width",
         )
@@ -138,25 +138,9 @@ class SarPage:
         )
         if not self._run.running:
             self._state.object = _standing(study, stale)
-        self._points.object = self._picture_html(self._result.points if self._result else None, stale, _POINT)
-        self._scene.object = self._picture_html(self._result.scene if self._result else None, stale, _SCENE)
-
-    def _picture_html(self, pictures: Pictures | None, stale: bool, words: tuple[str, str]) -> str:
-        title, reference = words
-        study = self._study
-        if pictures is None or study is None:
-            return f"<h3>{title}</h3><p class='quiet'>Appears with the first run.</p>"
         mark = " <span class='stale'>stale: of an earlier design</span>" if stale else ""
-        peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
-        captions = [f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks]
-        axes = f"azimuth across ±{pictures.x[-1]:.3g} m, range upwards ±{pictures.y[-1]:.3g} m"
-        cell = f"range cell {pictures.range_cell:.3g} m" + (
-            ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
-            if pictures.bandwidth_cut
-            else ", taken equal to the azimuth resolution"
-        )
-        names = [short_name(key) for key in STRATEGY_KEYS]
-        return f"<h3>{title}{mark}</h3>" + gallery(pictures.power_db, names, captions, axes, f"{reference}; {cell}")
+        for pane, (title, _) in zip(self._headings, _PICTURES, strict=True):
+            pane.object = f"<h3>{title}{mark}</h3>"
 
     # --- the run --------------------------------------------------------------------------------------
 
@@ -175,6 +159,8 @@ class SarPage:
                 return
             self._result = news
             self._write()
+            for pane, pictures, (_, over) in zip(self._pictures, (news.points, news.scene), _PICTURES, strict=True):
+                pane.object = _strategy_gallery(pictures, over)
             stale = news.stale(self._budget)
             self._state.object = _standing(news.study, stale)
             for chart, _ in self._charts:
@@ -186,14 +172,26 @@ class SarPage:
         self._stop.disabled = not running
 
 
-_POINT = (
-    "Point target, azimuth by range",
-    "over the error-free peak; the typical run",
+_PICTURES = (
+    ("Point target, azimuth by range", "over the error-free peak; the typical run"),
+    (
+        "Eight point targets on the ground: pairs four and two cells apart, one at −14 dB beside a strong one",
+        "over a unit target; the typical run",
+    ),
 )
-_SCENE = (
-    "Eight point targets on the ground: pairs four and two cells apart, one at −14 dB beside a strong one",
-    "over a unit target; the typical run",
-)
+
+
+def _strategy_gallery(pictures: Pictures, over: str) -> str:
+    peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
+    captions = [f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks]
+    axes = f"azimuth across ±{pictures.x[-1]:.3g} m, range upwards ±{pictures.y[-1]:.3g} m"
+    cell = f"range cell {pictures.range_cell:.3g} m" + (
+        ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
+        if pictures.bandwidth_cut
+        else ", taken equal to the azimuth resolution"
+    )
+    names = [short_name(key) for key in STRATEGY_KEYS]
+    return gallery(pictures.power_db, names, captions, axes, f"{over}; {cell}")
 
 
 def _standing(study: DesignStudy | None, stale: bool) -> str:

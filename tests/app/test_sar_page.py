@@ -69,13 +69,13 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert not session.running
     assert "The runs match the design" in sar._state.object
     assert "In 100 runs" in sar._answer.object
-    assert sar._points.object.count("<figure") == sar._scene.object.count("<figure") == 9
-    assert "stale" not in sar._tables.object + sar._points.object
+    assert [pane.object.count("<figure") for pane in sar._pictures] == [9, 9]
+    assert "stale" not in sar._tables.object + sar._headings[0].object
     before = sar._answer.object
     session.change({"requirements.quadratic_phase": 0.1})
     assert "stale" not in sar._tables.object  # the ensemble knows no requirement
     session.change({"gnss.position_noise": 0.001})
-    for pane in (sar._answer, sar._tables, sar._state, sar._points, sar._scene):
+    for pane in (sar._answer, sar._tables, sar._state, *sar._headings):
         assert "stale" in pane.object
     assert sar._answer.object != before
     assert "these have 1 mm" in sar._answer.object
