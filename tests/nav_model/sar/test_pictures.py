@@ -54,15 +54,6 @@ def gotcha():
     return GOTCHA.read_bytes()
 
 
-def half_power_width(power, x, column, row):
-    """Width [m] of the scatterer at (row, column) along x, half-power crossings interpolated."""
-    line = power[row] - power[row, column]
-    right = next(i for i in range(column, len(x)) if line[i] < -3.0103)
-    left = next(i for i in range(column, -1, -1) if line[i] < -3.0103)
-    ends = [np.interp(-3.0103, line[[i, i - s]], x[[i, i - s]]) for i, s in ((right, 1), (left, -1))]
-    return ends[0] - ends[1]
-
-
 def test_real_data_without_error_is_itself_and_an_error_costs_what_it_must():
     data = gotcha()
     history = phase_history_of_bytes("az001", data)
