@@ -10,7 +10,7 @@ from html import escape
 import panel as pn
 import panel_material_ui as pmui
 
-from app.charts.description import BarChart, Chart, to_csv
+from app.charts.description import AnyChart, to_csv
 from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
@@ -35,7 +35,7 @@ def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> pn.pane.HTM
 class ChartView:
     """One chart on the page: title, figure, how we know, and its data to take away."""
 
-    def __init__(self, describe: Callable[[Budget], Chart | BarChart], session: Session, height: int) -> None:
+    def __init__(self, describe: Callable[[Budget], AnyChart], session: Session, height: int) -> None:
         self._describe = describe
         self._session = session
         chart = describe(session.budget)
@@ -73,5 +73,5 @@ class ChartView:
         return io.BytesIO(to_csv(self._describe(self._session.budget)).encode("utf-8"))
 
 
-def _know(chart: Chart | BarChart) -> str:
+def _know(chart: AnyChart) -> str:
     return f'{legend_html(chart)}<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'

@@ -13,8 +13,9 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
+from app.files import put_file
 from nav_model.budget import Budget, analyse
 from nav_model.budget_json import to_json
 from nav_model.catalogue import catalogue
@@ -86,6 +87,12 @@ def _parser() -> argparse.ArgumentParser:
     report.set_defaults(run=_report)
 
     _allan_arguments(commands.add_parser("allan", help="noise parameters from a static log (CSV or NPZ) as JSON"))
+    sar = commands.add_parser("sar", help="image quality for every way of navigating through the aperture, as JSON")
+    _design_arguments(sar, one=True)
+    sar.add_argument("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
+    sar.add_argument("--seed", type=int, default=0, help="of the ensemble (default 0)")
+    sar.add_argument("-o", "--output", type=Path, metavar="FILE", help="write there instead of standard output")
+    sar.set_defaults(run=_sar)
 
     presets = commands.add_parser("presets", help="the catalogue, with sources")
     presets.add_argument("kind", choices=("imu", "radar"))
@@ -229,16 +236,7 @@ def _allan(options: argparse.Namespace) -> int:
         result = study_log(request, _say_progress)
     except OSError as error:
         raise DesignError(options.log, f"cannot be read: {error.strerror or error}") from error
-    text = json.dumps(study_to_json(result), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
-    if options.output is None:
-        sys.stdout.write(text)
-        return 0
-    try:
-        options.output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise DesignError(str(options.output), f"cannot be written: {error.strerror or error}") from error
-    print(f"wrote {options.output}", file=sys.stderr)
-    return 0
+    return _put_json(study_to_json(result), options.output)
 
 
 def _say_progress(fraction: float, what: str) -> None:
@@ -254,6 +252,32 @@ def _bench(option: str, key: str, text: str | None) -> float | None:
         return declaration.read(text).value
     except DesignError as error:
         raise DesignError(option, error.reason) from error
+
+
+def _sar(options: argparse.Namespace) -> int:
+    (path,) = _paths(options)
+    design = _read(path, options.changes)
+    if options.seed < 0:
+        raise DesignError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+    from nav_model.sar.design_study import chunks, design_study
+    from nav_model.sar.study_json import to_json as study_to_json
+
+    try:
+        chunks(options.runs)
+    except ValueError as error:
+        raise DesignError("--runs", str(error)) from error
+    return _put_json(study_to_json(design_study(design, options.runs, options.seed)), options.output)
+
+
+def _put_json(data: dict[str, Any], output: Path | None) -> int:
+    """To standard output, or whole into a file."""
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+    if output is None:
+        sys.stdout.write(text)
+        return 0
+    put_file(output, text.encode("utf-8"))
+    print(f"wrote {output}", file=sys.stderr)
+    return 0
 
 
 def _presets(options: argparse.Namespace) -> int:
