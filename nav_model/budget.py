@@ -1,6 +1,6 @@
 """From a design to its budget: one pass through the closed forms.
 
-`analyse` is the only place where a design meets the equations; pages, reports and JSON read its result.
+`analyse` composes the closed forms through `nav_model.figures`; pages, reports and JSON read its result.
 """
 
 from __future__ import annotations
@@ -15,13 +15,21 @@ from numpy.typing import ArrayLike
 
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
-from nav_model.analytic.discrete import Cycle, Sawtooth, SlowError, cycle
-from nav_model.analytic.refined_coast import refined_growth
+from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical
+from nav_model.analytic.steady_state import Array, Horizontal
 from nav_model.design import Design
+from nav_model.figures import (
+    LONGEST_APERTURE,
+    Inputs,
+    along_track_phase,
+    inputs_of,
+    outage,
+    phase_sources,
+    sampled,
+    settled,
+)
 from nav_model.inputs import DesignError
-from nav_model.parts import SPEED_OF_LIGHT
 from nav_model.sar import geometry, phase
 from nav_model.sar.impulse_response import ImpulseResponse, quadratic_response
 from nav_model.verdict import Verdict, judge
@@ -145,19 +153,6 @@ class Budget:
     verdict: Verdict
 
 
-@dataclass(frozen=True)
-class _Noise:
-    """The inputs of the closed forms, vibration applied."""
-
-    sigma_a: float
-    sigma_w: float
-    s: float
-    s_vertical: float
-    g: float
-    bias_a: float
-    bias_w: float
-
-
 def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     """The budget of one design.
 
@@ -177,32 +172,26 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
         If `times` are not finite, negative or beyond the bounds of ``coast.duration``, or if the aperture
         that follows from the radar's figures is longer than ``radar.aperture_time`` may be.
     """
-    noise = _noise(design)
+    inputs = inputs_of(design)
+    _refuse_long_aperture(float(inputs.aperture))
     time = _times(design, times)
-    p = steady.horizontal(noise.sigma_a, noise.sigma_w, noise.s, noise.g)
-    v = steady.vertical(noise.sigma_a, noise.s_vertical)
-    moments = _cycle(design, noise)
-    white = moments if not design.gnss.correlated else _cycle(design, noise, slow=False)
-    steady_state = _steady_state(design, noise, p, v, moments, white)
-    coast = _coast(design, noise, p, v, moments.posterior, time)
+    closed = settled(inputs)
+    moments = sampled(inputs)
+    white = moments if inputs.slow is None else sampled(inputs, slow=False)
+    steady_state = _steady_state(inputs, closed, moments, white)
+    coast = _coast(inputs, closed, moments.posterior, time)
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
-    start = moments.posterior.horizontal if design.gnss.correlated else p
-    sar = _sar(design, noise, start)
+    start = closed.horizontal if inputs.slow is None else moments.posterior.horizontal
+    sar = _sar(design, inputs, start)
     return Budget(design, steady_state, coast, sar, judge(design, steady_state, coast, sar))
 
 
-def _noise(design: Design) -> _Noise:
-    imu, gnss = design.imu, design.gnss
-    vertical = gnss.vertical_position_noise or gnss.position_noise
-    return _Noise(
-        sigma_a=imu.velocity_random_walk * imu.vibration_factor,
-        sigma_w=imu.angle_random_walk * imu.vibration_factor,
-        s=gnss.position_noise * math.sqrt(gnss.interval),
-        s_vertical=vertical * math.sqrt(gnss.interval),
-        g=design.flight.gravity,
-        bias_a=imu.accelerometer_bias,
-        bias_w=imu.gyro_bias,
-    )
+def _refuse_long_aperture(aperture: float) -> None:
+    if aperture > LONGEST_APERTURE:
+        raise DesignError(
+            "radar.azimuth_resolution",
+            f"needs an aperture of {aperture:.4g} s at this range and speed; at most {LONGEST_APERTURE:g} s go",
+        )
 
 
 def _times(design: Design, times: ArrayLike | None) -> Array:
@@ -215,55 +204,40 @@ def _times(design: Design, times: ArrayLike | None) -> Array:
     return time
 
 
-def _cycle(design: Design, noise: _Noise, slow: bool | None = None) -> Cycle:
-    gnss = design.gnss
-    with_slow = gnss.correlated if slow is None else slow
-    return cycle(
-        noise.sigma_a,
-        noise.sigma_w,
-        noise.g,
-        gnss.interval,
-        gnss.position_noise,
-        gnss.vertical_position_noise or gnss.position_noise,
-        SlowError(gnss.correlated_noise, gnss.correlation_time) if with_slow else None,
-    )
-
-
-def _sigmas(p: Horizontal, v: Vertical) -> Sigmas:
+def _sigmas(moment: Sawtooth) -> Sigmas:
+    p, v = moment
     return Sigmas(*(math.sqrt(float(x)) for x in (p.p11, v.v11, p.p22, v.v22, p.p33)))
 
 
-def _steady_state(
-    design: Design, noise: _Noise, p: Horizontal, v: Vertical, moments: Cycle, white: Cycle
-) -> SteadyState:
-    asymptote = steady.gyro_dominated(noise.sigma_w, noise.s, noise.g)
+def _steady_state(inputs: Inputs, closed: Sawtooth, moments: Cycle, white: Cycle) -> SteadyState:
+    x = inputs
+    asymptote = steady.gyro_dominated(x.sigma_w, x.s, x.g)
     lambda_dt = max(
-        float(steady.lambda_dt(variance, s, design.gnss.interval))
-        for variance, s in ((p.p11, noise.s), (v.v11, noise.s_vertical))
+        float(steady.lambda_dt(variance, s, x.interval))
+        for variance, s in ((closed.horizontal.p11, x.s), (closed.vertical.v11, x.s_vertical))
     )
     return SteadyState(
-        closed=_sigmas(p, v),
-        prior=_sigmas(*moments.prior),
-        posterior=_sigmas(*moments.posterior),
-        gyro_dominance=float(steady.gyro_dominance(noise.sigma_a, noise.sigma_w, noise.s, noise.g)),
+        closed=_sigmas(closed),
+        prior=_sigmas(moments.prior),
+        posterior=_sigmas(moments.posterior),
+        gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
-        shares=_steady_shares(noise, p, v, moments.prior, white.prior),
+        shares=_steady_shares(x, closed, moments.prior, white.prior),
     )
 
 
-def _steady_shares(
-    noise: _Noise, p: Horizontal, v: Vertical, prior: Sawtooth, white: Sawtooth
-) -> Mapping[str, Shares]:
+def _steady_shares(x: Inputs, closed: Sawtooth, prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
     by_kind: dict[str, dict[str, float]] = {}
     kinds = ("horizontal_position", "horizontal_velocity", "tilt")
-    for kind, shares in zip(kinds, horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g), strict=True):
+    for kind, shares in zip(kinds, horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g), strict=True):
         by_kind[kind] = {
             ACCELEROMETER_NOISE: float(shares.accelerometer),
             GYRO_NOISE: float(shares.gyro),
             GNSS_NOISE: float(shares.gnss),
         }
-    accelerometer, _ = vertical_parts(noise.sigma_a, noise.s_vertical)
+    accelerometer, _ = vertical_parts(x.sigma_a, x.s_vertical)
+    v = closed.vertical
     for kind, part, whole in (
         ("vertical_position", accelerometer.v11, v.v11),
         ("vertical_velocity", accelerometer.v22, v.v22),
@@ -285,38 +259,24 @@ def _steady_shares(
     return MappingProxyType({kind: MappingProxyType(shares) for kind, shares in by_kind.items()})
 
 
-def _coast(design: Design, noise: _Noise, p: Horizontal, v: Vertical, posterior: Sawtooth, time: Array) -> Coast:
-    a, w, g = noise.sigma_a, noise.sigma_w, noise.g
-    flight = design.flight
-    duration = design.coast.duration
+def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, time: Array) -> Coast:
+    a, w, g = x.sigma_a, x.sigma_w, x.g
+    p, v = closed
+    duration = float(x.duration)
     level = growth.horizontal_growth(p, a, w, g, time)
     upright = growth.vertical_growth(v, a, time)
-    refined = refined_growth(
-        posterior.horizontal,
-        posterior.vertical,
-        a,
-        w,
-        g,
-        np.append(time, duration),
-        speed=flight.speed,
-        latitude=flight.latitude,
-        altitude=flight.altitude,
-        heading=flight.heading,
-    )
-    bias_a, bias_w = growth.bias_position(noise.bias_a, noise.bias_w, g, np.append(time, duration))
-    drift_a, drift_w = growth.bias_velocity(noise.bias_a, noise.bias_w, g, time)
-    refined_horizontal = np.sqrt(refined.horizontal + bias_a**2 + bias_w**2)
-    refined_vertical = np.sqrt(refined.vertical + bias_a**2)
-    bias_a, bias_w = bias_a[:-1], bias_w[:-1]
+    refined_horizontal, refined_vertical = map(np.sqrt, outage(x, posterior, np.append(time, duration)))
+    bias_a, bias_w = growth.bias_position(x.bias_a, x.bias_w, g, time)
+    drift_a, drift_w = growth.bias_velocity(x.bias_a, x.bias_w, g, time)
     perfect = growth.perfect_start(a, w, g, time)
-    shares = _coast_shares(noise, p, v, duration)
+    shares = _coast_shares(x, duration)
     curves = {
         "time": time,
         "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
         "position_vertical": np.sqrt(upright.position + bias_a**2),
         "velocity_horizontal": np.sqrt(level.velocity + drift_a**2 + drift_w**2),
         "velocity_vertical": np.sqrt(upright.velocity + drift_a**2),
-        "tilt": np.sqrt(level.tilt + (noise.bias_w * time) ** 2),
+        "tilt": np.sqrt(level.tilt + (x.bias_w * time) ** 2),
         "yaw_growth": np.sqrt(steady.yaw_variance(w, time)),
         "refined_horizontal": refined_horizontal[:-1],
         "refined_vertical": refined_vertical[:-1],
@@ -336,11 +296,11 @@ def _coast(design: Design, noise: _Noise, p: Horizontal, v: Vertical, posterior:
     )
 
 
-def _coast_shares(noise: _Noise, p: Horizontal, v: Vertical, time: float) -> tuple[Shares, Shares]:
+def _coast_shares(x: Inputs, time: float) -> tuple[Shares, Shares]:
     """Shares in the position variances `time` after the last fix, from the polynomials by linearity."""
-    a, w, g = noise.sigma_a, noise.sigma_w, noise.g
-    parts = horizontal_parts(a, w, noise.s, g)
-    bias_a, bias_w = (float(x) ** 2 for x in growth.bias_position(noise.bias_a, noise.bias_w, g, time))
+    a, w, g = x.sigma_a, x.sigma_w, x.g
+    parts = horizontal_parts(a, w, x.s, g)
+    bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_position(x.bias_a, x.bias_w, g, time))
     level: dict[str, Array | float] = {
         ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time).position,
         GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time).position,
@@ -348,7 +308,7 @@ def _coast_shares(noise: _Noise, p: Horizontal, v: Vertical, time: float) -> tup
         ACCELEROMETER_BIAS: bias_a,
         GYRO_BIAS: bias_w,
     }
-    accelerometer, gnss = vertical_parts(a, noise.s_vertical)
+    accelerometer, gnss = vertical_parts(a, x.s_vertical)
     upright: dict[str, Array | float] = {
         ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
         GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
@@ -363,33 +323,10 @@ def _normalised(variances: Mapping[str, Array | float]) -> Shares:
     return MappingProxyType({source: value / whole for source, value in values.items()})
 
 
-def _sar(design: Design, noise: _Noise, start: Horizontal) -> Sar:
+def _sar(design: Design, x: Inputs, start: Horizontal) -> Sar:
     radar = design.radar
-    wavelength = SPEED_OF_LIGHT / radar.frequency
-    aperture = radar.aperture_time or float(
-        geometry.aperture_time(
-            wavelength, radar.slant_range, design.flight.speed, radar.azimuth_resolution, radar.window
-        )
-    )
-    longest = radar.param["aperture_time"].bounds[1]
-    if aperture > longest:
-        raise DesignError(
-            "radar.azimuth_resolution",
-            f"needs an aperture of {aperture:.4g} s at this range and speed; at most {longest:g} s go",
-        )
-    coast = design.coast.before_aperture
-    budget = phase.phase_budget(
-        start.p33,
-        noise.sigma_a,
-        noise.sigma_w,
-        noise.bias_a,
-        noise.bias_w,
-        noise.g,
-        aperture,
-        coast,
-        radar.grazing_angle,
-        radar.autofocus_order,
-    )
+    wavelength, aperture = float(x.wavelength), float(x.aperture)
+    budget = phase_sources(x, start)
     whole = phase.total(budget)
     to_phase = 4 * math.pi / wavelength
     quadratic = to_phase * math.sqrt(float(whole.quadratic))
@@ -405,14 +342,11 @@ def _sar(design: Design, noise: _Noise, start: Horizontal) -> Sar:
         )
         for source, variances in budget.items()
     )
-    shares = horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g)
+    shares = horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g)
     velocity, tilt = (
         MappingProxyType(dict(zip((ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE), map(float, by), strict=True)))
         for by in shares[1:]
     )
-    speed_error = float(growth.horizontal_growth(start, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity)
-    drift = growth.bias_velocity(noise.bias_a, noise.bias_w, noise.g, coast)
-    speed_error += float(drift[0]) ** 2 + float(drift[1]) ** 2
     response = _response(quadratic, radar.window)
     return Sar(
         wavelength=wavelength,
@@ -424,9 +358,7 @@ def _sar(design: Design, noise: _Noise, start: Horizontal) -> Sar:
         quadratic=quadratic,
         cubic=cubic,
         detrended=to_phase * math.sqrt(float(whole.detrended)),
-        along_track_quadratic=float(
-            phase.along_track_quadratic(speed_error, design.flight.speed, aperture, wavelength, radar.slant_range)
-        ),
+        along_track_quadratic=float(along_track_phase(x, start)),
         lines=lines,
         tilt_shares=tilt,
         velocity_shares=velocity,
