@@ -109,7 +109,7 @@ def inputs_of(design: Design, changes: Mapping[str, Value] | None = None) -> Inp
 
     def value(key: str) -> Array:
         number = changed.get(key, design[key])
-        return as_numbers(number)
+        return as_numbers(number)  # type: ignore[arg-type]
 
     def given(key: str) -> bool:
         return changed.get(key, design[key]) is not None
@@ -160,9 +160,7 @@ def sampled(x: Inputs, slow: bool = True) -> Cycle:
 
 def settled(x: Inputs) -> Sawtooth:
     """Cycle rms of the settled filter in closed form. [T-3], [T-4]"""
-    return Sawtooth(
-        steady.horizontal(x.sigma_a, x.sigma_w, x.s, x.g), steady.vertical(x.sigma_a, x.s_vertical)
-    )
+    return Sawtooth(steady.horizontal(x.sigma_a, x.sigma_w, x.s, x.g), steady.vertical(x.sigma_a, x.s_vertical))
 
 
 def outage(x: Inputs, posterior: Sawtooth, time: ArrayLike) -> tuple[Array, Array]:

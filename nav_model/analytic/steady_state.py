@@ -82,7 +82,7 @@ def position_ratio(kappa: ArrayLike) -> Array:
     Newton's method from a start good to 3 %: five steps reach the last bit for every kappa >= 0.
     """
     kappa = as_numbers(kappa)
-    u: Array = np.sqrt(np.sqrt(1 + np.cbrt(kappa) ** 4))
+    u: Array = np.sqrt(np.sqrt(1 + np.cbrt(kappa.real) ** 4))
     for _ in range(5):
         cube = u * u * u
         u = (3 * cube * u + 1) / (4 * cube - kappa)
