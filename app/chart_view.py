@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable
 from html import escape
 
@@ -10,10 +11,18 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.charts.description import BarChart, Chart, to_csv
+from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
 from app.state import Session
-from app.theme import SHEET
+from app.theme import FRAME, SHEET
 from nav_model.budget import Budget
+
+_MARK = re.compile(r"\[[A-Z]-\d+\]")
+
+
+def prose(text: str) -> str:
+    """Text for our own HTML: escaped, equation marks such as [T-9] kept in one piece."""
+    return _MARK.sub(r'<span class="nw">\g<0></span>', escape(text))
 
 
 def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> pn.pane.HTML:
@@ -39,14 +48,13 @@ class ChartView:
             size="small",
             margin=(0, 8),
         )
-        self.view = pmui.Paper(
+        self.view = pn.Column(
             html_pane(f"<h3>{escape(chart.title)}</h3>", margin=(10, 14, 0, 14)),
             # The figure stands in a native column: directly in a Material layout it breaks when replaced.
             pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
             self._know,
             download,
-            variant="outlined",
-            elevation=0,
+            styles=FRAME,
             sizing_mode="stretch_width",
             margin=0,
         )
@@ -62,4 +70,4 @@ class ChartView:
 
 
 def _know(chart: Chart | BarChart) -> str:
-    return f'<p class="know quiet"><b>How do we know:</b> {escape(chart.knowledge)}</p>'
+    return f'{legend_html(chart)}<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'

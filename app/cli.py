@@ -7,6 +7,7 @@ heavier than the model itself is imported before a command needs it.
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import os
 import sys
@@ -36,6 +37,8 @@ class _Parser(argparse.ArgumentParser):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit code."""
     options = _parser().parse_args(arguments)
+    if isinstance(sys.stdout, io.TextIOWrapper):  # units and names need it, whatever the locale says
+        sys.stdout.reconfigure(encoding="utf-8")
     try:
         return int(options.run(options))
     except DesignError as error:
@@ -46,7 +49,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _refuse(error: DesignError) -> int:
-    print(f"navbudget: {' '.join(str(error).splitlines())}", file=sys.stderr)
+    # One line whatever the file held: line ends and control characters of a key or path are escaped.
+    line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in str(error))
+    print(f"navbudget: {line}", file=sys.stderr)
     return BAD_INPUT
 
 

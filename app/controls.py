@@ -133,8 +133,8 @@ class QuantityControl:
     @property
     def view(self) -> pn.viewable.Viewable:
         """The control as it stands in the column."""
-        row = pmui.Row(self.box, self.unit, margin=0) if self.unit else self.box
-        return pmui.Column(row, self.slider, margin=0) if self.slider else row
+        row = pn.Row(self.box, self.unit, margin=0, sizing_mode="stretch_width") if self.unit else self.box
+        return pn.Column(row, self.slider, margin=0, sizing_mode="stretch_width") if self.slider else row
 
     def show(self, design: Design) -> None:
         """Follow the design in force."""
@@ -307,7 +307,7 @@ class PresetControl:
     @property
     def view(self) -> pn.viewable.Viewable:
         """The control as it stands in the column."""
-        return pmui.Column(self.select, self.restore, margin=0)
+        return pn.Column(self.select, self.restore, margin=0, sizing_mode="stretch_width")
 
     def show(self, design: Design) -> None:
         """Follow the design in force."""

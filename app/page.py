@@ -109,7 +109,7 @@ class Frame:
 
     def _sidebar(self) -> list[Any]:
         self._explained = pmui.Switch(label="Explain every input", description="", margin=(6, 10))
-        self._sections = [pmui.Column(margin=0, sizing_mode="stretch_width") for _ in INPUTS]
+        self._sections = [pn.Column(margin=0, sizing_mode="stretch_width") for _ in INPUTS]
         accordion = pmui.Accordion(
             *zip((SECTION_TITLES[section] for section in INPUTS), self._sections, strict=True),
             active=list(_FIRST_OPEN),
@@ -188,7 +188,7 @@ class Frame:
     async def _report(self, suffix: str) -> io.BytesIO:
         self.session.running = True
         try:
-            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), suffix))
+            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), f".{suffix}"))
         finally:
             self.session.running = False
 

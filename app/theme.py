@@ -6,8 +6,12 @@ from typing import Any
 
 ACCENT = "#0b5c8a"
 
+# The frame's own progress bar has no name; screen readers need one.
+_NAMED: dict[str, Any] = {"MuiLinearProgress": {"defaultProps": {"aria-label": "long work under way"}}}
+
 LIGHT: dict[str, Any] = {
     "chart_style": "standard",
+    "components": _NAMED,
     "palette": {"primary": {"main": ACCENT}, "background": {"default": "#f6f7f8", "paper": "#ffffff"}},
     "shape": {"borderRadius": 6},
 }
@@ -18,14 +22,24 @@ DARK: dict[str, Any] = {
         "background": {"default": "#10151a", "paper": "#161d24"},
     },
     "shape": {"borderRadius": 6},
-    "components": {"MuiAppBar": {"styleOverrides": {"root": {"backgroundColor": "#0d2230", "color": "#e8eef2"}}}},
+    "components": {
+        **_NAMED,
+        "MuiAppBar": {"styleOverrides": {"root": {"backgroundColor": "#0d2230", "color": "#e8eef2"}}},
+    },
 }
+
+FRAME = {
+    "border": "1px solid color-mix(in srgb, currentColor 22%, transparent)",
+    "border-radius": "6px",
+}
+"""Around a chart; follows the page's text colour, so it holds in the dark."""
 
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.
 SHEET = """
 :host { font-family: Roboto, "Segoe UI", system-ui, sans-serif; font-size: 14px; line-height: 1.4; }
 .num { font-variant-numeric: tabular-nums; white-space: nowrap; }
+.nw { white-space: nowrap; }
 .quiet { opacity: .78; }
 .strip { display: flex; flex-wrap: wrap; gap: 6px 28px; align-items: center; padding: 10px 16px;
   border: 1px solid; border-color: color-mix(in srgb, currentColor 25%, transparent);
@@ -51,6 +65,9 @@ table.checks th, table.checks td { text-align: left; padding: 4px 10px 4px 0; ve
 table.checks th { font-weight: 500; }
 table.checks td.num, table.checks th.num { text-align: right; }
 .scroll { overflow-x: auto; }
+ul.legend { display: flex; flex-wrap: wrap; gap: 2px 16px; list-style: none; margin: 0 0 4px; padding: 0;
+  font-size: 12.5px; }
+ul.legend svg { vertical-align: -1px; }
 .know { font-size: 12.5px; margin: 0; }
 .mark { font-weight: 700; }
 ul.cautions { padding-left: 18px; font-size: 13px; }

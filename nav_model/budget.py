@@ -119,7 +119,8 @@ class Sar:
 
     ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
     what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe.
-    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18].
+    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18], ``velocity_shares`` the
+    variance of along-track velocity at the start of the aperture.
     """
 
     wavelength: float
@@ -169,9 +170,19 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     Raises
     ------
     DesignError
-        If `times` are not finite, negative or beyond the bounds of ``coast.duration``, or if the aperture
-        that follows from the radar's figures is longer than ``radar.aperture_time`` may be.
+        If `times` are not finite, negative or beyond the bounds of ``coast.duration``, if the aperture that
+        follows from the radar's figures is longer than ``radar.aperture_time`` may be, or if the design's
+        figures are so far apart that double precision cannot hold them together.
     """
+    try:
+        return _analyse(design, times)
+    except ArithmeticError as error:
+        key = "gnss.correlated_noise" if design.gnss.correlated else "imu.angle_random_walk"
+        reason = f"{design[key]:.3g} (SI) gives no figure beside the other noises: {error}"
+        raise DesignError(key, reason) from error
+
+
+def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     inputs = inputs_of(design)
     _refuse_long_aperture(float(inputs.aperture))
     time = _times(design, times)
@@ -179,10 +190,10 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     moments = sampled(inputs)
     white = moments if inputs.slow is None else sampled(inputs, slow=False)
     steady_state = _steady_state(inputs, closed, moments, white)
-    coast = _coast(inputs, closed, moments.posterior, time)
+    coast = _coast(inputs, closed, moments.posterior, white.posterior, time)
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
     start = closed.horizontal if inputs.slow is None else moments.posterior.horizontal
-    sar = _sar(design, inputs, start)
+    sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
     return Budget(design, steady_state, coast, sar, judge(design, steady_state, coast, sar))
 
 
@@ -259,7 +270,7 @@ def _steady_shares(x: Inputs, closed: Sawtooth, prior: Sawtooth, white: Sawtooth
     return MappingProxyType({kind: MappingProxyType(shares) for kind, shares in by_kind.items()})
 
 
-def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, time: Array) -> Coast:
+def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, time: Array) -> Coast:
     a, w, g = x.sigma_a, x.sigma_w, x.g
     p, v = closed
     duration = float(x.duration)
@@ -269,7 +280,7 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, time: Array) -> Coa
     bias_a, bias_w = growth.bias_position(x.bias_a, x.bias_w, g, time)
     drift_a, drift_w = growth.bias_velocity(x.bias_a, x.bias_w, g, time)
     perfect = growth.perfect_start(a, w, g, time)
-    shares = _coast_shares(x, duration)
+    shares = _coast_shares(x, posterior, white, duration)
     curves = {
         "time": time,
         "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
@@ -296,25 +307,38 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, time: Array) -> Coa
     )
 
 
-def _coast_shares(x: Inputs, time: float) -> tuple[Shares, Shares]:
-    """Shares in the position variances `time` after the last fix, from the polynomials by linearity."""
+def _coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -> tuple[Shares, Shares]:
+    """Shares in the position variances `time` after the last fix, from the polynomials by linearity.
+
+    A slow GNSS error has what the augmented start adds to the `white` one.
+    """
     a, w, g = x.sigma_a, x.sigma_w, x.g
-    parts = horizontal_parts(a, w, x.s, g)
     bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_position(x.bias_a, x.bias_w, g, time))
-    level: dict[str, Array | float] = {
-        ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time).position,
-        GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time).position,
-        GNSS_NOISE: growth.horizontal_growth(parts.gnss, 0.0, 0.0, g, time).position,
-        ACCELEROMETER_BIAS: bias_a,
-        GYRO_BIAS: bias_w,
-    }
+    level: dict[str, Array | float] = {source: grown.position for source, grown in _grown_parts(x, time).items()}
+    level |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
     accelerometer, gnss = vertical_parts(a, x.s_vertical)
     upright: dict[str, Array | float] = {
         ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
         GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
         ACCELEROMETER_BIAS: bias_a,
     }
+    if posterior is not white:
+        slow, fast = (growth.horizontal_growth(m.horizontal, a, w, g, time) for m in (posterior, white))
+        slow_v, fast_v = (growth.vertical_growth(m.vertical, a, time) for m in (posterior, white))
+        level[SLOW_GNSS] = np.maximum(slow.position - fast.position, 0.0)
+        upright[SLOW_GNSS] = np.maximum(slow_v.position - fast_v.position, 0.0)
     return _normalised(level), _normalised(upright)
+
+
+def _grown_parts(x: Inputs, time: ArrayLike) -> dict[str, growth.HorizontalGrowth]:
+    """What each white noise has grown to `time` after the last fix, in a horizontal channel. [T-9], [T-18]"""
+    a, w, g = x.sigma_a, x.sigma_w, x.g
+    parts = horizontal_parts(a, w, x.s, g)
+    return {
+        ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time),
+        GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time),
+        GNSS_NOISE: growth.horizontal_growth(parts.gnss, 0.0, 0.0, g, time),
+    }
 
 
 def _normalised(variances: Mapping[str, Array | float]) -> Shares:
@@ -323,7 +347,7 @@ def _normalised(variances: Mapping[str, Array | float]) -> Shares:
     return MappingProxyType({source: value / whole for source, value in values.items()})
 
 
-def _sar(design: Design, x: Inputs, start: Horizontal) -> Sar:
+def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
     radar = design.radar
     wavelength, aperture = float(x.wavelength), float(x.aperture)
     budget = phase_sources(x, start)
@@ -342,11 +366,6 @@ def _sar(design: Design, x: Inputs, start: Horizontal) -> Sar:
         )
         for source, variances in budget.items()
     )
-    shares = horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g)
-    velocity, tilt = (
-        MappingProxyType(dict(zip((ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE), map(float, by), strict=True)))
-        for by in shares[1:]
-    )
     response = _response(quadratic, radar.window)
     return Sar(
         wavelength=wavelength,
@@ -360,8 +379,8 @@ def _sar(design: Design, x: Inputs, start: Horizontal) -> Sar:
         detrended=to_phase * math.sqrt(float(whole.detrended)),
         along_track_quadratic=float(along_track_phase(x, start)),
         lines=lines,
-        tilt_shares=tilt,
-        velocity_shares=velocity,
+        tilt_shares=tilt_shares,
+        velocity_shares=_velocity_shares(x, p, start),
         impulse_response=response,
         after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, radar.window),
     )
@@ -369,3 +388,15 @@ def _sar(design: Design, x: Inputs, start: Horizontal) -> Sar:
 
 def _response(quadratic: float, window: str) -> ImpulseResponse | None:
     return quadratic_response(quadratic, window) if quadratic <= _NO_IMAGE else None  # type: ignore[arg-type]
+
+
+def _velocity_shares(x: Inputs, p: Horizontal, start: Horizontal) -> Shares:
+    """Whose the variance of along-track velocity is, after the coast before the aperture."""
+    coast = x.before_aperture
+    bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_velocity(x.bias_a, x.bias_w, x.g, coast))
+    parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown_parts(x, coast).items()}
+    parts |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
+    if start is not p:
+        grown, white = (growth.horizontal_growth(m, x.sigma_a, x.sigma_w, x.g, coast).velocity for m in (start, p))
+        parts[SLOW_GNSS] = np.maximum(grown - white, 0.0)
+    return _normalised(parts)

@@ -231,7 +231,7 @@ def regime_chart(budget: Budget) -> Chart:
         key="regime",
         title="Regime: who rules the horizontal position",
         x_label="gyro dominance κ [1]",
-        y_label="horizontal over vertical position variance [1]",
+        y_label="variance, horizontal / vertical [1]",
         lines=(
             Line("exact", "exact, u⁴ = 1 + κu", kappa, exact, "exact", "closed form [T-6]"),
             Line("asymptote", "gyro-dominated, κ^(1/3)", kappa, asymptote, "asymptote", "closed form [T-7]"),

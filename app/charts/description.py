@@ -57,8 +57,21 @@ STYLES: dict[str, Style] = {
     "reference": Style(GREY, "dotted", 1.8),
     "quadratic": Style(BLUE, "solid", 2.5),
     "with cubic": Style(ORANGE, "dashed", 2.0),
+    "design 1": Style(BLUE, "solid", 2.5),
+    "design 2": Style(ORANGE, "dashed", 2.0),
+    "design 3": Style(GREEN, "dotdash", 2.0),
+    "design 4": Style(PURPLE, "dotted", 2.0),
+    "design 5": Style(SKY, "dashdot", 2.0),
+    "design 6": Style(RED, "solid", 1.2),
+    "design 7": Style(GREY, "dashed", 1.2),
 }
 """The same quantity has the same colour and dash everywhere."""
+
+BAR_STYLES: tuple[tuple[str, bool, str], tuple[str, bool, str]] = (
+    ("quadratic", False, "dashdot"),
+    ("with cubic", True, "dotted"),
+)
+"""The two kinds of bar: style, whether hatched, dash of its limit."""
 
 
 @dataclass(frozen=True)

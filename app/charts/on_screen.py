@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from bokeh.core.properties import value
 from bokeh.models import (
     BoxAnnotation,
     ColumnDataSource,
@@ -18,15 +17,15 @@ from bokeh.models import (
     FactorRange,
     HoverTool,
     Label,
-    Legend,
-    LegendItem,
     Range1d,
 )
 from bokeh.plotting import figure
 from bokeh.transform import dodge
 
-from app.charts.description import STYLES, BarChart, Chart, Line
+from app.charts.description import BAR_STYLES, STYLES, BarChart, Chart, Line
 
+# The page's theme sets chart text in em; this is what an em is.
+_TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 # Powers of ten as 10ⁿ; the 2 and 5 between them, which only a narrow axis has, as plain numbers.
 _LOG_TICKS = """
@@ -56,8 +55,6 @@ class Figure:
                 self._sources[name].data = dict(columns)
         if isinstance(chart, Chart):
             self._feed_ranges(chart)
-        else:
-            _bar_legend(self.plot, chart)
 
     def _feed_ranges(self, chart: Chart) -> None:
         for span in chart.spans:
@@ -135,13 +132,9 @@ def _curves(chart: Chart, height: int) -> Figure:
     columns = _columns(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
     spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
-    items = []
     for band in chart.bands:
         style = STYLES[band.style]
-        renderer = plot.varea(
-            "x", "low", "high", source=sources[f"band {band.key}"], fill_color=style.colour, fill_alpha=0.25
-        )
-        items.append(LegendItem(label=band.label, renderers=[renderer]))
+        plot.varea("x", "low", "high", source=sources[f"band {band.key}"], fill_color=style.colour, fill_alpha=0.25)
     lines = []
     for line in chart.lines:
         style = STYLES[line.style]
@@ -154,7 +147,6 @@ def _curves(chart: Chart, height: int) -> Figure:
             line_dash=style.dash,
             line_width=style.width,
         )
-        items.append(LegendItem(label=line.label, renderers=[renderer]))
         lines.append(renderer)
     x_unit, y_unit = _unit(chart.x_label), _unit(chart.y_label)
     _hover(plot, lines, f"<b>$name</b><br>@$name{{0.000e+0}} {y_unit} at @x{{0.000}} {x_unit}")
@@ -164,7 +156,6 @@ def _curves(chart: Chart, height: int) -> Figure:
         renderer = plot.scatter(
             "x", "y", source=source, marker=points.marker, size=9, fill_color=style.colour, line_color=style.colour
         )
-        items.append(LegendItem(label=points.label, renderers=[renderer]))
         _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
     if chart.limits:
         style = STYLES["limit"]
@@ -172,9 +163,8 @@ def _curves(chart: Chart, height: int) -> Figure:
             "x0", "y", "x1", "y", source=sources["limits"],
             line_color=style.colour, line_dash=style.dash, line_width=style.width,
         )  # fmt: skip
-        items.append(LegendItem(label="limit, brought to 1σ", renderers=[renderer]))
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
-    _finish(plot, items)
+    plot.styles = _TEXT_SIZE
     for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
         if is_log:
             axis.formatter = CustomJSTickFormatter(code=_LOG_TICKS)
@@ -197,16 +187,6 @@ def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnota
     return box, label
 
 
-def _finish(plot: figure, items: list[LegendItem]) -> None:
-    legend = Legend(
-        items=items, orientation="horizontal", ncols=3, location="left", border_line_alpha=0, padding=2, margin=4,
-        label_text_font_size="12px", glyph_width=28, spacing=8, background_fill_alpha=0,
-        click_policy="hide",
-    )  # fmt: skip
-    plot.add_layout(legend, "below")
-    plot.styles = {"font-size": "13px", "--bokeh-font-size": "13px"}
-
-
 def _bar_columns(chart: BarChart) -> dict[str, dict[str, Any]]:
     rows = chart.bars[::-1]  # Bokeh counts rows from below
     names = ("label", "first", "second", "first_mm", "second_mm", "source")
@@ -215,10 +195,6 @@ def _bar_columns(chart: BarChart) -> dict[str, dict[str, Any]]:
         "bars": {name: [getattr(bar, name) for bar in rows] for name in names},
         **{f"limit {kind}": {"x": [x], "low": [0.0], "high": [float(len(rows))]} for kind, x in limits.items()},
     }
-
-
-_BAR_KINDS = (("first", STYLES["quadratic"].colour, 0.19, None, "dashdot"),
-              ("second", STYLES["with cubic"].colour, -0.19, "/", "dotted"))  # fmt: skip
 
 
 def _bars(chart: BarChart, height: int) -> Figure:
@@ -237,8 +213,8 @@ def _bars(chart: BarChart, height: int) -> Figure:
     plot.x_range.start = 0
     plot.ygrid.grid_line_color = None
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
-    items = []
-    for kind, colour, offset, hatch, dash in _BAR_KINDS:
+    for kind, offset, (style, hatched, dash) in zip(("first", "second"), (0.19, -0.19), BAR_STYLES, strict=True):
+        colour = STYLES[style].colour
         bars = plot.hbar(
             y=dodge("label", offset, range=plot.y_range),
             left=0,
@@ -247,26 +223,15 @@ def _bars(chart: BarChart, height: int) -> Figure:
             source=sources["bars"],
             fill_color=colour,
             line_color=colour,
-            fill_alpha=0.85 if hatch is None else 0.25,
-            hatch_pattern=hatch,
+            fill_alpha=0.25 if hatched else 0.85,
+            hatch_pattern="/" if hatched else None,
             hatch_color=colour,
         )
-        limit = plot.segment(
+        plot.segment(
             "x", "low", "x", "high", source=sources[f"limit {kind}"],
             line_color=STYLES["limit"].colour, line_dash=dash, line_width=2,
         )  # fmt: skip
-        items += [LegendItem(renderers=[bars]), LegendItem(renderers=[limit])]
         tooltip = f"<b>@label</b><br>@{kind}{{0.000}}° = @{kind}_mm{{0.0000}} mm<br>@source"
         _hover(plot, [bars], tooltip)
-    _finish(plot, items)
-    _bar_legend(plot, chart)
+    plot.styles = _TEXT_SIZE
     return Figure(plot, sources, dict(columns))
-
-
-def _bar_legend(plot: figure, chart: BarChart) -> None:
-    """What the second kind of bar measures depends on the autofocus, so its name is fed too."""
-    first, second = chart.first_label, chart.second_label
-    labels = (first, f"limit on {first}, at 1σ", second, f"limit on {second}, at 1σ")
-    for item, label in zip(plot.legend[0].items, labels, strict=True):
-        if item.label != value(label):
-            item.label = value(label)

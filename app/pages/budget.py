@@ -8,7 +8,7 @@ from html import escape
 import panel as pn
 import panel_material_ui as pmui
 
-from app.chart_view import ChartView, html_pane
+from app.chart_view import ChartView, html_pane, prose
 from app.charts.budget import (
     attitude_chart,
     phase_chart,
@@ -149,7 +149,7 @@ def _card(label: str, value: str, fine: str, check: Check | None) -> str:
         )
     return (
         f'<div class="card"><dt>{escape(label)}</dt><dd class="big num">{value}</dd>'
-        f'<dd class="fine quiet">{escape(fine)}</dd>{limit}</div>'
+        f'<dd class="fine quiet">{prose(fine)}</dd>{limit}</div>'
     )
 
 
@@ -168,7 +168,7 @@ def requirement_table(budget: Budget) -> str:
         f"<td class='num'>{show(check.value, check.dimension)}</td>"
         f"<td class='num'>{show(check.limit, check.dimension)}</td>"
         f"<td class='num'>{signed_percent(check.margin)}</td>"
-        f"<td>{escape(check.figure)} {escape(check.equation)}</td>"
+        f"<td>{escape(check.figure)} {prose(check.equation)}</td>"
         f"<td>{escape(check.sensor)} {percent(check.sensor_share)}</td></tr>"
         for check in verdict.checks
     )
@@ -184,5 +184,5 @@ def requirement_table(budget: Budget) -> str:
 
 def caution_list(budget: Budget) -> str:
     """What a careful reader must know."""
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in cautions(budget))
+    items = "".join(f"<li>{prose(sentence)}</li>" for sentence in cautions(budget))
     return f'<ul class="cautions quiet" aria-label="Assumptions and cautions">{items}</ul>'

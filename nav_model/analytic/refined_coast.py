@@ -63,7 +63,7 @@ def refined_growth(
 
     Raises
     ------
-    ValueError
+    ArithmeticError
         If the Schuler angle sqrt(g/R) time exceeds 20 rad (4.5 hours on Earth).
     """
     qa, qw = as_numbers(sigma_a) ** 2, as_numbers(sigma_w) ** 2
@@ -144,7 +144,9 @@ def _squared_integrals(omega: Array, t: Array) -> _Responses:
     angle = float(np.max(np.abs(omega * t), initial=0.0))
     points = next((points for limit, points in _RULES if angle <= limit), None)
     if points is None:
-        raise ValueError(f"time: a Schuler angle of {angle:.3g} rad is not allowed; at most {_RULES[-1][0]:g}")
+        raise ArithmeticError(
+            f"an outage of {angle:.3g} rad of Schuler angle is beyond the {_RULES[-1][0]:g} integrated to rounding"
+        )
     nodes, weights = _rule(points)
     at = _responses(omega[..., None], t[..., None] * nodes)
     return _Responses(*((response**2 @ weights) * t for response in at))

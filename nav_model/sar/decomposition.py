@@ -96,9 +96,7 @@ def decompose(history: ArrayLike, autofocus_order: int = 1) -> Decomposition:
     )
 
 
-def fix_rate_harmonics(
-    history: ArrayLike, time: ArrayLike, fix_interval: float, harmonics: int = 5
-) -> _FloatArray:
+def fix_rate_harmonics(history: ArrayLike, time: ArrayLike, fix_interval: float, harmonics: int = 5) -> _FloatArray:
     """Amplitude (..., harmonics) of the ripple at 1, 2, ... times the fix rate, smooth part removed.
 
     Amplitude of a sinusoid of the same energy there; an amplitude p [rad] of phase makes paired echoes of
@@ -107,9 +105,7 @@ def fix_rate_harmonics(
     history, time = np.asarray(history, float), np.asarray(time, float)
     step = float(time[1] - time[0])
     if harmonics / fix_interval > 0.5 / step:
-        raise ValueError(
-            f"harmonics: {harmonics} of {1 / fix_interval:.4g} Hz lie above half the sampling rate"
-        )
+        raise ValueError(f"harmonics: {harmonics} of {1 / fix_interval:.4g} Hz lie above half the sampling rate")
     ripple = autofocus(history, HIGHEST_SMOOTH_ORDER)
     turns = np.exp(-2j * np.pi * np.outer(time, np.arange(1, harmonics + 1)) / fix_interval)
     # One end sample closes the period and would be counted twice.
@@ -138,7 +134,5 @@ def ensemble_responses(
     apertures = aperture_of_phase(autofocus(phase, autofocus_order), 1024, keep=False)
     response = impulse_response(apertures, window, ENSEMBLE_PADDING)
     return {
-        name: band(getattr(response, name))
-        for name in response.__dataclass_fields__
-        if name != "ideal_null_cells"
+        name: band(getattr(response, name)) for name in response.__dataclass_fields__ if name != "ideal_null_cells"
     }

@@ -43,18 +43,14 @@ def aperture_time(
     KeyError
         For a window that is not in `WINDOW_WIDTH`.
     """
-    wavelength, slant_range, speed, resolution = (
-        as_numbers(x) for x in (wavelength, slant_range, speed, resolution)
-    )
+    wavelength, slant_range, speed, resolution = (as_numbers(x) for x in (wavelength, slant_range, speed, resolution))
     time: Array = WINDOW_WIDTH[window] * wavelength * slant_range / (2 * resolution * speed)
     return time
 
 
 def cell_length(wavelength: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, aperture: ArrayLike) -> Array:
     """Azimuth cell lambda R/(2 V T) [m]: peak to first null of the unweighted response. [S-3]"""
-    wavelength, slant_range, speed, aperture = (
-        as_numbers(x) for x in (wavelength, slant_range, speed, aperture)
-    )
+    wavelength, slant_range, speed, aperture = (as_numbers(x) for x in (wavelength, slant_range, speed, aperture))
     length: Array = wavelength * slant_range / (2 * speed * aperture)
     return length
 

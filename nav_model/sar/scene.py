@@ -67,9 +67,7 @@ def scene_images(
         errors = np.full(2, errors)
     laid = pulse_errors(np.linspace(0, aperture_time, errors.shape[-1]), errors, pulses)
     axis = np.linspace(-half_width, half_width, pixels)
-    images = [
-        back_project(history, axis, axis, range_error=one, window=window) for one in laid.reshape(-1, pulses)
-    ]
+    images = [back_project(history, axis, axis, range_error=one, window=window) for one in laid.reshape(-1, pulses)]
     with np.errstate(divide="ignore"):
         power = 20 * np.log10(np.abs(np.stack(images)))
     return Scene(axis, axis, power.reshape(*laid.shape[:-1], pixels, pixels))

@@ -31,9 +31,7 @@ STRATEGIES: tuple[Strategy, ...] = (
     Strategy("2", "INS started by the filter", True, False, "[C]; closed form [T-15], [S-5]"),
     Strategy("3", "INS after a coast", True, False, "[C]; closed form [T-15], [S-5] with T_c"),
     Strategy("4", "Raw filter output", True, False, "[C]"),
-    Strategy(
-        "5", "INS minus a quadratic fitted to INS - GNSS", False, False, "[C]; closed form [T-16], [S-7]"
-    ),
+    Strategy("5", "INS minus a quadratic fitted to INS - GNSS", False, False, "[C]; closed form [T-16], [S-7]"),
     Strategy("5w", "The same, quadratic shrunk", False, False, "[S-5], [S-7]; optimal linear weight"),
     Strategy("6", "Tracking filter after the INS", True, True, "after Kim, Fellerhoff and Kohler 2001"),
     Strategy("7", "Position-error damping loop", True, True, "after Song et al. 2015, 2017"),
@@ -154,8 +152,7 @@ def tracking_filter(
     stiffness, drag = tuning.natural_frequency**2, 2 * tuning.damping * tuning.natural_frequency
     if drag * steps.max() > 0.5:
         raise ValueError(
-            f"natural_frequency: {tuning.natural_frequency} rad/s is too fast "
-            f"for steps of {steps.max():.3g} s"
+            f"natural_frequency: {tuning.natural_frequency} rad/s is too fast for steps of {steps.max():.3g} s"
         )
     # Time first: each step then works on contiguous runs.
     gained = np.ascontiguousarray(np.moveaxis(np.diff(ins_velocity, axis=-1), -1, 0))
@@ -188,9 +185,7 @@ def damping_loop(
     return np.asarray(filter_position - filter_correction @ pending)
 
 
-def apply_strategies(
-    histories: NavigationHistories, weight: float, tuning: Tuning | None = None
-) -> StrategyErrors:
+def apply_strategies(histories: NavigationHistories, weight: float, tuning: Tuning | None = None) -> StrategyErrors:
     """All nine strategies on the same histories; `weight` is that of 5w (`strategy_forms.shrunk_weight`).
 
     With fewer than three fixes in the aperture there is no quadratic to fit: 5 and 5w are then the same as 2

@@ -174,9 +174,7 @@ def break_even_aperture(
     for _ in range(70):
         middle = (low + high) / 2
         t = np.exp(middle)
-        held = ins_residual_variance(t, sa, sw, p33, tc, g, ba, bg) - beyond_quadratic_variance(
-            t, sa, sw, g, bg
-        )
+        held = ins_residual_variance(t, sa, sw, p33, tc, g, ba, bg) - beyond_quadratic_variance(t, sa, sw, g, bg)
         worth = held > fit_noise_variance(sigma, dt, t, t / dt + extra_fixes)
         low, high = np.where(worth, low, middle), np.where(worth, middle, high)
     return np.asarray(np.exp((low + high) / 2))
@@ -267,9 +265,7 @@ def exact_corrected_variance(
     detrend = np.eye(nodes) - line.T @ (line * share)
     inertial = detrend @ np.hstack([np.eye(nodes), -fitted])
     noise = detrend @ fitted
-    variance = np.einsum("ij,jk,ik->i", inertial, covariance, inertial) + gnss_sigma**2 * (noise**2).sum(
-        axis=1
-    )
+    variance = np.einsum("ij,jk,ik->i", inertial, covariance, inertial) + gnss_sigma**2 * (noise**2).sum(axis=1)
     return float(share @ variance)
 
 
@@ -318,9 +314,7 @@ def advise(
             accelerometer_bias, gyro_bias, extra_fixes,
         )
     )  # fmt: skip
-    unit = float(
-        fit_noise_variance(1.0, fix_interval, aperture_time, aperture_time / fix_interval + extra_fixes)
-    )
+    unit = float(fit_noise_variance(1.0, fix_interval, aperture_time, aperture_time / fix_interval + extra_fixes))
     rest = beyond_quadratic_variance(aperture_time, accelerometer_noise, gyro_noise, gravity, gyro_bias)
     gnss_limit = float(np.sqrt((sigma["2"] ** 2 - rest) / unit)) if np.isfinite(unit) else 0.0
     phase = 4 * np.pi / wavelength

@@ -156,9 +156,7 @@ def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: i
 
     natural = min(_TRACKING_TURNS, key=track) / aperture_time
     pairs = [
-        (k / aperture_time, part * (k / aperture_time) ** 2 / 4)
-        for k in _DAMPING_RATES
-        for part in _INTEGRAL_PARTS
+        (k / aperture_time, part * (k / aperture_time) ** 2 / 4) for k in _DAMPING_RATES for part in _INTEGRAL_PARTS
     ]
     proportional, integral = min(pairs, key=damp)
     return Tuning(natural_frequency=natural, proportional_gain=proportional, integral_gain=integral)

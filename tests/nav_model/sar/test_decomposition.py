@@ -37,9 +37,7 @@ def test_the_squares_add_up_and_autofocus_takes_orders_away():
     random = np.random.default_rng(4)
     history = np.cumsum(np.cumsum(random.standard_normal((20, 500)), axis=1), axis=1)
     parts = decompose(history)
-    squares = sum(
-        getattr(parts, f"{name}_rms") ** 2 for name in ("quadratic", "cubic", "higher", "high_frequency")
-    )
+    squares = sum(getattr(parts, f"{name}_rms") ** 2 for name in ("quadratic", "cubic", "higher", "high_frequency"))
     np.testing.assert_allclose(squares, parts.detrended_rms**2, rtol=1e-9)
     np.testing.assert_allclose(parts.residual_rms, parts.detrended_rms)
     for order in (2, 3, 5):
@@ -69,9 +67,7 @@ def test_autofocus_of_an_ins_leaves_what_s6_says(table_designs):
 def test_a_saw_of_the_fix_rate_shows_at_its_harmonics():
     time = np.linspace(0, 20, 40_001)
     harmonics = fix_rate_harmonics(0.02 * (time % 1.0), time, 1.0, 3)
-    np.testing.assert_allclose(
-        harmonics, 0.02 / np.pi / np.arange(1, 4), rtol=0.04
-    )  # the smooth part takes 3 %
+    np.testing.assert_allclose(harmonics, 0.02 / np.pi / np.arange(1, 4), rtol=0.04)  # the smooth part takes 3 %
     with pytest.raises(ValueError, match="harmonics"):
         fix_rate_harmonics(time, time[:21] * 1000, 1.0, 3)
 
@@ -106,6 +102,4 @@ def test_ensemble_responses_agree_with_the_full_ones(table_designs):
     bands = ensemble_responses(phase, "taylor")
     full = response_of_phase(autofocus(phase), "taylor")
     np.testing.assert_allclose(bands["width_cells"].median, np.median(full.width_cells, axis=-1), atol=1e-3)
-    np.testing.assert_allclose(
-        bands["pslr_fixed_db"].median, np.median(full.pslr_fixed_db, axis=-1), atol=0.04
-    )
+    np.testing.assert_allclose(bands["pslr_fixed_db"].median, np.median(full.pslr_fixed_db, axis=-1), atol=0.04)

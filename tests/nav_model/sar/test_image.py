@@ -138,9 +138,7 @@ def test_zero_error_changes_nothing_and_autofocus_sharpens(collection):
     axis = np.linspace(-50, 50, 128)
     plain = back_project(collection, axis, axis)
     pulses = len(collection.reference_range)
-    zero = back_project(
-        collection, axis, axis, range_error=np.zeros(pulses), position_error=np.zeros((pulses, 3))
-    )
+    zero = back_project(collection, axis, axis, range_error=np.zeros(pulses), position_error=np.zeros((pulses, 3)))
     np.testing.assert_array_equal(plain, zero)
     raw = back_project(read_phase_history(*COLLECTION), axis, axis)
 

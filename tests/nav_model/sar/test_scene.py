@@ -17,17 +17,13 @@ def test_each_strategy_has_its_image_on_one_scale(squint):
     geometry = ApertureGeometry(6000.0, 100.0, 0.6, squint)
     x = np.linspace(-1, 1, 201)
     errors = np.stack([0 * x, 0.031 / (4 * np.pi) * (np.pi / 2) * x**2]).reshape(2, 1, 201)
-    scene = scene_images(
-        geometry, **RADAR, targets=TARGETS, range_error=errors, amplitudes=[1, 0.5, 0.5], pixels=161
-    )
+    scene = scene_images(geometry, **RADAR, targets=TARGETS, range_error=errors, amplitudes=[1, 0.5, 0.5], pixels=161)
     assert scene.power_db.shape == (2, 1, 161, 161)
     for (tx, ty), level in zip(TARGETS, (0.0, -6.02, -6.02), strict=True):
         row, column = np.argmin(np.abs(scene.y - ty)), np.argmin(np.abs(scene.x - tx))
         clean, smeared = scene.power_db[:, 0, row, column]
         assert clean == pytest.approx(level, abs=0.3)
-        assert smeared - clean == pytest.approx(
-            quadratic_response(np.pi / 2, "taylor").peak_loss_db, abs=0.15
-        )
+        assert smeared - clean == pytest.approx(quadratic_response(np.pi / 2, "taylor").peak_loss_db, abs=0.15)
 
 
 def test_nothing_folds_into_the_scene():

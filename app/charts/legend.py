@@ -1,0 +1,68 @@
+"""A chart's legend as HTML under the figure: it wraps on a phone and reads aloud, which a canvas does not."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+
+from app.charts.description import BAR_STYLES, STYLES, BarChart, Chart, Style
+
+_DASHES = {"solid": "", "dashed": "6 4", "dotted": "2 3", "dotdash": "2 4 6 4", "dashdot": "6 4 2 4"}
+
+
+def legend_html(chart: Chart | BarChart) -> str:
+    """One entry for each series that has something to show."""
+    entries = _bar_entries(chart) if isinstance(chart, BarChart) else _entries(chart)
+    items = "".join(f"<li>{swatch} {escape(label)}</li>" for swatch, label in entries)
+    return f'<ul class="legend" aria-label="Legend">{items}</ul>'
+
+
+def _entries(chart: Chart) -> list[tuple[str, str]]:
+    entries = [(_line(STYLES[line.style]), line.label) for line in chart.lines]
+    entries += [(_box(STYLES[band.style], 0.3), band.label) for band in chart.bands]
+    entries += [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
+    if any(not math.isnan(limit.level) for limit in chart.limits):
+        entries.append((_line(STYLES["limit"]), "limit, brought to 1σ"))
+    return entries
+
+
+def _bar_entries(chart: BarChart) -> list[tuple[str, str]]:
+    entries = []
+    for (style, hatch, limit_dash), label, limit in zip(
+        BAR_STYLES,
+        (chart.first_label, chart.second_label),
+        (chart.first_limit, chart.second_limit),
+        strict=True,
+    ):
+        entries.append((_box(STYLES[style], 0.3 if hatch else 0.9, hatched=hatch), label))
+        if not math.isnan(limit):
+            red = STYLES["limit"]
+            entries.append((_line(Style(red.colour, limit_dash, red.width)), f"limit on {label}, at 1σ"))
+    return entries
+
+
+def _svg(content: str) -> str:
+    return f'<svg width="30" height="11" aria-hidden="true" focusable="false">{content}</svg>'
+
+
+def _line(style: Style) -> str:
+    return _svg(
+        f'<line x1="1" y1="5.5" x2="29" y2="5.5" stroke="{style.colour}" stroke-width="{style.width}" '
+        f'stroke-dasharray="{_DASHES[style.dash]}"/>'
+    )
+
+
+def _box(style: Style, opacity: float, hatched: bool = False) -> str:
+    strokes = "".join(
+        f'<line x1="{x}" y1="11" x2="{x + 8}" y2="0" stroke="{style.colour}"/>' for x in (3, 9, 15, 21) if hatched
+    )
+    edge = f' stroke="{style.colour}"' if hatched else ""
+    return _svg(
+        f'<rect x="3" y="0.5" width="24" height="10" fill="{style.colour}" fill-opacity="{opacity}"{edge}/>{strokes}'
+    )
+
+
+def _dot(style: Style, marker: str) -> str:
+    if marker == "diamond":
+        return _svg(f'<path d="M15 0 L20 5.5 L15 11 L10 5.5 Z" fill="{style.colour}"/>')
+    return _svg(f'<circle cx="15" cy="5.5" r="4" fill="{style.colour}"/>')

@@ -1,0 +1,122 @@
+"""Aiding without a filter [B-7]: the star camera's attitude takes the place of the gyros' at every frame.
+
+The camera sees inertial attitude, so gyro and alignment errors vanish at each frame; between frames the gyros
+carry it on. What stays: accelerometer, initial and gravity errors, and the unstable height, whose forcing the
+tracker reduces but which it does not stabilise.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nav_model.suborbital.errors import Triple
+from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.frames import (
+    Array,
+    require,
+    require_finite,
+    rotation_from_vector,
+    vector_from_rotation,
+)
+from nav_model.suborbital.mechanisation import AttitudeFrames
+
+
+@dataclass(frozen=True)
+class Aiding:
+    """When and how well the star camera gives attitude. The default is the perfect camera of GP-1.
+
+    from_height_m: frames only while the flight is at or above it (80 km is typical; None: from lift-off);
+    frame_interval_s: a multiple of the step; latency_s: age of the attitude when it is taken for current;
+    misalignment_rad: camera to IMU, rotation vector on body axes; dropouts_s: (start, stop) intervals without
+    frames, in which the gyros hold the attitude.
+    """
+
+    from_height_m: float | None = None
+    frame_interval_s: float = 0.1
+    latency_s: float = 0.0
+    misalignment_rad: Triple = (0.0, 0.0, 0.0)
+    dropouts_s: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        require_finite("frame_interval_s", self.frame_interval_s)
+        require_finite("latency_s", self.latency_s)
+        require_finite("misalignment_rad", self.misalignment_rad)
+        require(self.frame_interval_s > 0.0, f"frame_interval_s = {self.frame_interval_s!r}: must be positive")
+        require(self.latency_s >= 0.0, f"latency_s = {self.latency_s!r}: must not be negative")
+        if self.from_height_m is not None:
+            require_finite("from_height_m", self.from_height_m)
+        for pair in self.dropouts_s:
+            require_finite("dropouts_s", pair)
+            require(
+                len(pair) == 2 and pair[0] < pair[1],
+                f"dropouts_s: {pair!r} must be (start, stop) with start before stop",
+            )
+
+    @property
+    def perfect(self) -> bool:
+        """True when the frames carry no error of their own."""
+        return self.latency_s == 0.0 and not any(self.misalignment_rad)
+
+
+def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
+    """Steps at which a frame reaches the INS, (n+1,) bool. ValueError if frames fall between steps."""
+    ratio = aiding.frame_interval_s / flight.step_s
+    stride = round(ratio)
+    require(
+        stride >= 1 and abs(ratio - stride) < 1e-6,
+        f"frame_interval_s = {aiding.frame_interval_s!r}: must be a whole number of steps of {flight.step_s!r} s",
+    )
+    used = np.zeros(flight.steps + 1, dtype=np.bool_)
+    used[::stride] = True
+    if aiding.from_height_m is not None:
+        used &= flight.height_m >= aiding.from_height_m
+    used &= flight.time_s >= aiding.latency_s - 1e-9
+    for start, stop in aiding.dropouts_s:
+        used &= (flight.time_s < start) | (flight.time_s >= stop)
+    return used
+
+
+def attitude_at(flight: Flight, time_s: Array) -> Array:
+    """True body to inertial attitude at any times of the flight, (..., 3, 3): turn at constant rate in a
+    step."""
+    position = np.clip(np.asarray(time_s, dtype=np.float64) / (0.5 * flight.step_s), 0.0, 2.0 * flight.steps)
+    low = np.minimum(position.astype(np.int64), 2 * flight.steps - 1)
+    start, stop = flight.half_attitude_bi[low], flight.half_attitude_bi[low + 1]
+    turn = vector_from_rotation(np.swapaxes(start, -1, -2) @ stop)
+    return np.asarray(start @ rotation_from_vector((position - low)[..., None] * turn))
+
+
+def perfect_frames(flight: Flight, aiding: Aiding) -> AttitudeFrames:
+    """Frames at the aiding's instants, each the true attitude."""
+    return AttitudeFrames(frame_steps(flight, aiding), np.ascontiguousarray(flight.attitude_bi))
+
+
+def camera_frames(
+    flight: Flight,
+    aiding: Aiding,
+    measured: AttitudeFrames | None = None,
+) -> AttitudeFrames:
+    """Frames with latency and misalignment; `measured` brings attitudes from star images, gated frames
+    unused.
+
+    Latency takes the attitude of t - latency for that of t. With measured frames it must be a whole number of
+    steps, because an image exists only at a step.
+    """
+    used, covariance = frame_steps(flight, aiding), None
+    if measured is None:
+        attitude = flight.attitude_bi
+        if aiding.latency_s > 0.0:
+            attitude = attitude_at(flight, flight.time_s - aiding.latency_s)
+    else:
+        late = round(aiding.latency_s / flight.step_s)
+        require(
+            abs(late * flight.step_s - aiding.latency_s) < 1e-6,
+            f"latency_s = {aiding.latency_s!r}: with star images it must be a whole number of steps of "
+            f"{flight.step_s!r} s",
+        )
+        source = np.maximum(np.arange(flight.steps + 1) - late, 0)
+        attitude, used = measured.attitude_bi[source], used & measured.used[source]
+        covariance = None if measured.covariance is None else measured.covariance[source]
+    if any(aiding.misalignment_rad):
+        attitude = attitude @ rotation_from_vector(np.array(aiding.misalignment_rad))
+    return AttitudeFrames(used, np.ascontiguousarray(attitude), covariance)

@@ -1,0 +1,257 @@
+"""Attitude from star directions: five methods, their predicted covariances and the test of consistency.
+
+All functions are batched: body and reference (..., k, 3) unit vectors with b = A r, weight (..., k) zero
+where a scene has fewer stars. A turns reference (inertial) into body components. Noise is sigma rad per
+axis in the tangent plane, the same for every star. Covariances are those of the rotation vector e of A_est
+= exp([e x]) A, on body axes, rad² [B-9].
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from nav_model.suborbital.frames import (
+    Array,
+    require,
+    rotation_from_quaternion,
+    skew,
+    vector_from_rotation,
+)
+
+COLLINEAR = 1e-10
+"""Below this product of the two smallest information eigenvalues over sigma the roll is not observable."""
+
+
+@dataclass(frozen=True)
+class AttitudeEstimate:
+    """rotation (..., 3, 3) from reference to body axes; covariance (..., 3, 3), rad²; the method's name."""
+
+    rotation: Array
+    covariance: Array
+    method: str
+    source: str = "[B-9]"
+
+
+def _prepare(body: Array, reference: Array, weight: Array | None) -> tuple[Array, Array, Array]:
+    b, r = np.asarray(body, dtype=np.float64), np.asarray(reference, dtype=np.float64)
+    require(
+        b.shape == r.shape and b.ndim >= 2 and b.shape[-1] == 3,
+        f"body {b.shape} and reference {r.shape}: must have one shape (..., stars, 3)",
+    )
+    w = np.ones(b.shape[:-1]) if weight is None else np.broadcast_to(weight, b.shape[:-1]).astype(np.float64)
+    require(bool(np.all(w >= 0.0)), "weight: must not be negative")
+    require(bool(np.all(np.isfinite(b)) and np.all(np.isfinite(r))), "star directions: must be finite numbers")
+    return b, r, w
+
+
+def information(body: Array, weight: Array | None = None) -> Array:
+    """sum (I - b b^T), (..., 3, 3): inverse covariance of the optimal methods in units of 1/sigma²."""
+    b, _, w = _prepare(body, body, weight)
+    count = np.sum(w > 0.0, axis=-1)[..., None, None]
+    seen = np.where(w[..., None] > 0.0, b, 0.0)
+    return np.asarray(count * np.eye(3) - np.swapaxes(seen, -1, -2) @ seen)
+
+
+def _refuse_singular(body: Array, weight: Array, least: int, method: str) -> None:
+    count = np.sum(weight > 0.0, axis=-1)
+    if np.any(count < least):
+        raise ValueError(f"{method}: a scene has {int(np.min(count))} stars; it needs at least {least}")
+    weakest = np.linalg.eigvalsh(information(body, weight))[..., 0]
+    if np.any(weakest < COLLINEAR):
+        raise ValueError(
+            f"{method}: the stars of a scene are collinear, so the rotation about their line is not observable"
+        )
+
+
+def _optimal_covariance(body: Array, weight: Array, sigma: float) -> Array:
+    return np.asarray(sigma**2 * np.linalg.inv(information(body, weight)))
+
+
+def _profile(b: Array, r: Array, w: Array) -> Array:
+    """Attitude profile sum a b r^T with weights normalised to one."""
+    a = w / np.sum(w, axis=-1, keepdims=True)
+    return np.asarray(np.swapaxes(a[..., None] * b, -1, -2) @ r)
+
+
+def _nearest_rotation(matrix: Array) -> Array:
+    u, _, vt = np.linalg.svd(matrix)
+    flip = np.ones(matrix.shape[:-1])
+    flip[..., 2] = np.linalg.det(u) * np.linalg.det(vt)
+    return np.asarray((u * flip[..., None, :]) @ vt)
+
+
+def triad(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+    """TRIAD of the first two stars (put the two to be used first). ValueError for two collinear stars."""
+    b, r, w = _prepare(body, reference, weight)
+    require(b.shape[-2] >= 2, f"TRIAD: a scene has {b.shape[-2]} stars; it needs at least 2")
+    _refuse_singular(b[..., :2, :], w[..., :2], 2, "TRIAD")
+
+    def frame(v: Array) -> Array:
+        cross = np.cross(v[..., 0, :], v[..., 1, :])
+        second = cross / np.linalg.norm(cross, axis=-1, keepdims=True)
+        return np.stack([v[..., 0, :], second, np.cross(v[..., 0, :], second)], axis=-1)
+
+    one, two = b[..., 0, :], b[..., 1, :]
+    outer = one[..., :, None] * two[..., None, :]
+    cross = np.sum(np.cross(one, two) ** 2, axis=-1)[..., None, None]
+    dot = np.sum(one * two, axis=-1)[..., None, None]
+    covariance = sigma**2 * (np.eye(3) + dot * (outer + np.swapaxes(outer, -1, -2)) / cross)
+    return AttitudeEstimate(frame(b) @ np.swapaxes(frame(r), -1, -2), covariance, "TRIAD")
+
+
+def n_vector(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+    """N-vector pseudo-inverse C = R_i R_b^T (R_b R_b^T)^-1, projected to the nearest rotation.
+
+    ValueError unless three stars of every scene span space (two stars, or all in one plane, do not).
+    """
+    b, r, w = _prepare(body, reference, weight)
+    _refuse_singular(b, w, 3, "N-vector")
+    seen = np.where(w[..., None] > 0.0, b, 0.0)
+    gram = np.swapaxes(seen, -1, -2) @ seen
+    if np.any(np.linalg.eigvalsh(gram)[..., 0] < COLLINEAR):
+        raise ValueError("N-vector: the stars of a scene lie in one plane; it needs three that span space")
+    inverse = np.linalg.inv(gram)
+    raw = np.swapaxes(np.where(w[..., None] > 0.0, r, 0.0), -1, -2) @ seen @ inverse
+    lever = seen @ inverse
+    cross = skew(lever)
+    tangent = np.eye(3) - b[..., :, None] * b[..., None, :]
+    used = (w > 0.0)[..., None, None]
+    covariance = sigma**2 / 4.0 * np.sum(np.where(used, cross @ tangent @ np.swapaxes(cross, -1, -2), 0.0), axis=-3)
+    return AttitudeEstimate(np.swapaxes(_nearest_rotation(raw), -1, -2), covariance, "N-vector")
+
+
+def _davenport(profile: Array) -> Array:
+    """Davenport's K (..., 4, 4) for quaternions (w, x, y, z) of A (reference to body)."""
+    trace = np.trace(profile, axis1=-2, axis2=-1)
+    z = np.stack(
+        [
+            profile[..., 2, 1] - profile[..., 1, 2],
+            profile[..., 0, 2] - profile[..., 2, 0],
+            profile[..., 1, 0] - profile[..., 0, 1],
+        ],
+        axis=-1,
+    )
+    k = np.empty((*profile.shape[:-2], 4, 4))
+    k[..., 0, 0] = trace
+    k[..., 0, 1:] = k[..., 1:, 0] = z
+    k[..., 1:, 1:] = profile + np.swapaxes(profile, -1, -2) - trace[..., None, None] * np.eye(3)
+    return k
+
+
+def q_method(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+    """Davenport's q-method: the eigenvector of the largest eigenvalue of K. ValueError for collinear
+    stars."""
+    b, r, w = _prepare(body, reference, weight)
+    _refuse_singular(b, w, 2, "q-method")
+    _, vectors = np.linalg.eigh(_davenport(_profile(b, r, w)))
+    rotation = rotation_from_quaternion(vectors[..., :, -1])
+    return AttitudeEstimate(rotation, _optimal_covariance(b, w, sigma), "q-method")
+
+
+def quest(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+    """QUEST: Newton on the quartic of K for its largest eigenvalue, then the quaternion in closed form.
+
+    Of the four sequential rotations (none, or 180° about x, y, z of the reference) each scene takes the one
+    whose quaternion has the largest scalar part, so 180° turns are no exception. ValueError for collinear
+    stars.
+    """
+    b, r, w = _prepare(body, reference, weight)
+    _refuse_singular(b, w, 2, "QUEST")
+    profile = _profile(b, r, w)
+    flips = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
+    turned = profile[..., None, :, :] * flips[:, None, :]
+    s = turned + np.swapaxes(turned, -1, -2)
+    trace = np.trace(turned, axis1=-2, axis2=-1)
+    z = _davenport(turned)[..., 0, 1:]
+    # K's characteristic polynomial does not depend on the sequential rotation; take it from the first.
+    s0, t0, z0 = s[..., 0, :, :], trace[..., 0], z[..., 0, :]
+    kappa = 0.5 * (np.trace(s0, axis1=-2, axis2=-1) ** 2 - np.trace(s0 @ s0, axis1=-2, axis2=-1))
+    delta = np.linalg.det(s0)
+    sz = np.einsum("...ij,...j->...i", s0, z0)
+    a = t0**2 - kappa
+    bb = t0**2 + np.sum(z0 * z0, axis=-1)
+    c = delta + np.sum(z0 * sz, axis=-1)
+    d = np.sum(sz * sz, axis=-1)
+    peak = np.ones_like(t0)
+    for _ in range(30):
+        value = ((peak**2 - a - bb) * peak - c) * peak + a * bb + c * t0 - d
+        slope = (4.0 * peak**2 - 2.0 * (a + bb)) * peak - c
+        step = value / np.where(slope == 0.0, np.inf, slope)
+        peak = peak - step
+        if np.all(np.abs(step) < 1e-15):
+            break
+    eye = np.eye(3)
+    m = (peak[..., None] + trace)[..., None, None] * eye - s
+    scalar = np.linalg.det(m)
+    best = np.argmax(np.abs(scalar), axis=-1)[..., None]
+    m = np.take_along_axis(m, best[..., None, None], axis=-3)[..., 0, :, :]
+    z = np.take_along_axis(z, best[..., None], axis=-2)[..., 0, :]
+    vector = np.linalg.solve(m, z[..., None])[..., 0]
+    q = np.concatenate([np.ones((*vector.shape[:-1], 1)), vector], axis=-1)
+    rotation = rotation_from_quaternion(q / np.linalg.norm(q, axis=-1, keepdims=True))
+    rotation = rotation * flips[best[..., 0]][..., None, :]
+    return AttitudeEstimate(rotation, _optimal_covariance(b, w, sigma), "QUEST")
+
+
+def svd(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+    """Least squares (Wahba's problem) by singular value decomposition. ValueError for collinear stars."""
+    b, r, w = _prepare(body, reference, weight)
+    _refuse_singular(b, w, 2, "SVD")
+    rotation = _nearest_rotation(_profile(b, r, w))
+    return AttitudeEstimate(rotation, _optimal_covariance(b, w, sigma), "SVD")
+
+
+METHODS: dict[str, Callable[..., AttitudeEstimate]] = {
+    "TRIAD": triad,
+    "N-vector": n_vector,
+    "q-method": q_method,
+    "QUEST": quest,
+    "SVD": svd,
+}
+"""The five methods by name; each takes (body, reference, sigma, weight)."""
+
+
+def attitude_error(estimate: Array, truth: Array) -> Array:
+    """Rotation vector e of A_est = exp([e x]) A_true on body axes, (..., 3), rad."""
+    return vector_from_rotation(estimate @ np.swapaxes(truth, -1, -2))
+
+
+def nees(error: Array, covariance: Array) -> Array:
+    """e^T P^-1 e, (...): 3 on average when the predicted covariance is right."""
+    return np.asarray(np.sum(error * np.linalg.solve(covariance, error[..., None])[..., 0], axis=-1))
+
+
+@dataclass(frozen=True)
+class MethodScore:
+    """One method over many scenes: mean total error and rms of each body axis, rad; mean NEES; scenes
+    used."""
+
+    method: str
+    mean_error_rad: float
+    axis_rms_rad: tuple[float, float, float]
+    mean_nees: float
+    scenes: int
+    source: str
+
+
+def compare_methods(
+    body: Array, reference: Array, truth: Array, sigma: float, weight: Array | None = None
+) -> tuple[MethodScore, ...]:
+    """All five methods on the same scenes (n, k, 3) with true attitudes (n, 3, 3)."""
+    scores: list[MethodScore] = []
+    for name, method in METHODS.items():
+        estimate = method(body, reference, sigma, weight)
+        error = attitude_error(estimate.rotation, truth)
+        rms = np.sqrt(np.mean(error**2, axis=0))
+        scores.append(
+            MethodScore(
+                method=name,
+                mean_error_rad=float(np.mean(np.linalg.norm(error, axis=-1))),
+                axis_rms_rad=(float(rms[0]), float(rms[1]), float(rms[2])),
+                mean_nees=float(np.mean(nees(error, estimate.covariance))),
+                scenes=len(error),
+                source=f"{len(error)} scenes, {name}, covariance [B-9]",
+            )
+        )
+    return tuple(scores)

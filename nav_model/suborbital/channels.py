@@ -1,0 +1,173 @@
+"""The decoupled height and horizontal channels [B-5]: closed forms [B-6] and where they stop holding.
+
+    x'' + w^2 x = a_x horizontally,   z'' - 2 w^2 z = a_z vertically,   w^2 = KM / r^3
+They explain the Schuler oscillation and the unstable height, and hold only for a local frame that does not
+rotate. On a long arc they are wrong: displayed numbers come from the integrated INS.
+"""
+
+from dataclasses import dataclass, field
+
+import numba
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nav_model.suborbital.errors import ErrorSet
+from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.frames import EARTH_RADIUS, KM, Array, local_axes, require
+from nav_model.suborbital.mechanisation import oscillations
+
+
+def schuler_rate(height_m: ArrayLike) -> Array:
+    """w = sqrt(KM / r^3), rad/s, at a height above the sphere, m [B-5]."""
+    return np.asarray(np.sqrt(KM / (EARTH_RADIUS + np.asarray(height_m, dtype=np.float64)) ** 3))
+
+
+def height_e_folding_time(height_m: ArrayLike) -> Array:
+    """Time 1/k = 1/(sqrt(2) w) in which the height error grows by e, s [B-6]."""
+    return np.asarray(1.0 / (np.sqrt(2.0) * schuler_rate(height_m)))
+
+
+def horizontal_error(
+    time_s: ArrayLike,
+    height_m: ArrayLike,
+    *,
+    bias: ArrayLike = 0.0,
+    tilt_rate: ArrayLike = 0.0,
+    position: ArrayLike = 0.0,
+    velocity: ArrayLike = 0.0,
+    amplitude: ArrayLike = 0.0,
+    frequency: ArrayLike = 1e-3,
+) -> Array:
+    """Horizontal position error, m [B-6]; broadcasts over every argument.
+
+    bias: accelerometer, m/s²; tilt_rate: f e, specific force times gyro bias, m/s³; position (m) and velocity
+    (m/s) at t = 0; amplitude (m/s²) and frequency (rad/s) of a forcing A sin(O t), resonance included.
+    """
+    t = np.asarray(time_s, dtype=np.float64)
+    w = schuler_rate(height_m)
+    o = np.asarray(frequency, dtype=np.float64)
+    s, c = np.sin(w * t), np.cos(w * t)
+    resonant = np.abs(o - w) < 1e-7 * w
+    gap = np.where(resonant, 1.0, w * w - o * o)
+    forced = np.where(resonant, (s - w * t * c) / (2.0 * w * w), (np.sin(o * t) - o / w * s) / gap)
+    return np.asarray(
+        np.asarray(bias) / w**2 * (1.0 - c)
+        + np.asarray(tilt_rate) / w**2 * (t - s / w)
+        + np.asarray(position) * c
+        + np.asarray(velocity) / w * s
+        + np.asarray(amplitude) * forced
+    )
+
+
+def vertical_error(
+    time_s: ArrayLike,
+    height_m: ArrayLike,
+    *,
+    bias: ArrayLike = 0.0,
+    tilt_rate: ArrayLike = 0.0,
+    position: ArrayLike = 0.0,
+    velocity: ArrayLike = 0.0,
+    amplitude: ArrayLike = 0.0,
+    frequency: ArrayLike = 1e-3,
+) -> Array:
+    """Height error, m [B-6]; the arguments are those of `horizontal_error`."""
+    t = np.asarray(time_s, dtype=np.float64)
+    k = 1.0 / height_e_folding_time(height_m)
+    o = np.asarray(frequency, dtype=np.float64)
+    s, c = np.sinh(k * t), np.cosh(k * t)
+    return np.asarray(
+        np.asarray(bias) / k**2 * (c - 1.0)
+        + np.asarray(tilt_rate) / k**2 * (s / k - t)
+        + np.asarray(position) * c
+        + np.asarray(velocity) / k * s
+        + np.asarray(amplitude) / (k**2 + o**2) * (o / k * s - np.sin(o * t))
+    )
+
+
+def height_growth(flight: Flight) -> Array:
+    """exp of the integral of k along a flight, (n+1,): the factor by which the unstable height grows a start
+    error, whose slope on a log plot is 1/(e-folding time) at the height of the moment [B-6]."""
+    k = 1.0 / height_e_folding_time(flight.height_m)
+    steps = 0.5 * flight.step_s * (k[1:] + k[:-1])
+    return np.asarray(np.exp(np.concatenate([[0.0], np.cumsum(steps)])))
+
+
+@dataclass(frozen=True)
+class ChannelErrors:
+    """Errors the decoupled channels predict for c cases: time_s (m,), position_m north, east, up (c, m,
+    3)."""
+
+    time_s: Array
+    position_m: Array = field(repr=False)
+    source: str = "decoupled channels [B-5] in local axes, for comparison: they fail on a long arc"
+
+
+@numba.njit(cache=True)
+def _channels(x, v, force, w2, h, every, out):  # type: ignore[no-untyped-def]
+    """Exact step of each channel under the mean forcing of the step; x, v (c, 3), force (n, c, 3)."""
+    n, cases = force.shape[0], x.shape[0]
+    for i in range(n + 1):
+        if i % every == 0:
+            out[:, i // every] = x
+        if i == n:
+            break
+        w, k = np.sqrt(w2[i]), np.sqrt(2.0 * w2[i])
+        s, c = np.sin(w * h) / w, np.cos(w * h)
+        sv, cv = np.sinh(k * h) / k, np.cosh(k * h)
+        for a in range(cases):
+            for b in range(3):
+                x0, v0, f = x[a, b], v[a, b], force[i, a, b]
+                if b < 2:
+                    x[a, b] = x0 * c + v0 * s + f * (1.0 - c) / w2[i]
+                    v[a, b] = v0 * c - x0 * w2[i] * s + f * s
+                else:
+                    x[a, b] = x0 * cv + v0 * sv + f * (cv - 1.0) / (2.0 * w2[i])
+                    v[a, b] = v0 * cv + x0 * 2.0 * w2[i] * sv + f * sv
+
+
+def decoupled_errors(
+    flight: Flight, parameters: Array, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
+) -> ChannelErrors:
+    """[B-5] driven along a real flight by the parameter vectors (c, 61), for comparison with the INS.
+
+    The forcing C df + psi x f is that of [B-4], resolved in the moving local axes; Coriolis and transport
+    terms are dropped, as in [B]. used marks star frames, at which psi vanishes (a perfect camera).
+    """
+    p = np.atleast_2d(parameters)
+    n, h = flight.steps, flight.step_s
+    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+    force, rate = flight.specific_force_b[:, 1], flight.angular_rate_b[:, 1]
+    s = oscillations(flight, errors)[1::2]
+    c = flight.half_attitude_bi[1::2]
+
+    def triad(start: int, measured: Array, slow: Array, fast: Array) -> Array:
+        constant = p[:, start + 6 : start + 15].reshape(-1, 3, 3)
+        oscillating = p[:, start + 15 : start + 24].reshape(-1, 3, 3)
+        bias = p[:, start : start + 3] + slow[:, None, None] * p[:, start + 3 : start + 6]
+        turned = np.einsum("cab,tb->tca", constant, measured)
+        turned += fast[:, None, None] * np.einsum("cab,tb->tca", oscillating, measured)
+        return np.asarray(np.einsum("tij,tcj->tci", c, bias + turned))
+
+    launch = local_axes(flight.position_i[0])
+    step_turn = triad(24, rate, s[:, 2], s[:, 3]) * h
+    psi = np.concatenate([np.broadcast_to(p[:, 54:57] @ launch.T, (1, len(p), 3)), step_turn])
+    psi = np.cumsum(psi, axis=0)[:-1]
+    if used is not None and np.any(used):
+        last = np.maximum.accumulate(np.where(used[:-1], np.arange(n), -1))
+        psi = np.where((last >= 0)[:, None, None], psi - psi[np.maximum(last, 0)], psi)
+    force_i = np.einsum("tij,tj->ti", c, force)
+    acceleration = triad(0, force, s[:, 0], s[:, 1]) + np.cross(psi + 0.5 * step_turn, force_i[:, None])
+    middle = 0.5 * (flight.position_i[1:] + flight.position_i[:-1])
+    local = np.einsum("tji,tcj->tci", local_axes(middle), acceleration)
+    up = np.array([1.0, 1.0, -1.0])
+    out = np.empty((len(p), n // every + 1, 3))
+    _channels(
+        p[:, 48:51] * up,
+        p[:, 51:54] * up,
+        np.ascontiguousarray(local * up),
+        KM / np.linalg.norm(middle, axis=1) ** 3,
+        h,
+        every,
+        out,
+    )
+    return ChannelErrors(time_s=flight.time_s[::every], position_m=out)

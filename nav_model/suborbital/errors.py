@@ -1,0 +1,191 @@
+"""Sensor errors [B-1] and initial errors of the suborbital INS, as plain inputs and as one vector.
+
+    df = B_a + (S_a + N_a) f + w_a,   domega = B_g + (S_g + N_g) omega + w_g
+    each parameter = constant + oscillation X_o sin(2 pi t / T)
+
+The deterministic part is linear in its numbers, which `parameter_vector` lists in one order. An error source
+is a group of entries of that vector (`SOURCES`), a class of the study a union of groups (`CLASSES`), so one
+case differs from another only by a mask, and a slider is a factor on some entries.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nav_model.suborbital.frames import (
+    ARCSEC,
+    DEGREE_PER_HOUR,
+    STANDARD_GRAVITY,
+    Array,
+    require,
+    require_finite,
+)
+
+Triple = tuple[float, float, float]
+Matrix = tuple[Triple, Triple, Triple]
+
+MISALIGNMENT_PATTERN: Matrix = ((0.0, 1.0, -1.0), (-1.0, 0.0, 1.0), (1.0, -1.0, 0.0))
+"""The antisymmetric pattern "mis" of the set GP-1."""
+
+
+def scale_and_misalignment(scale: float, misalignment: float | None = None) -> Matrix:
+    """S + N as scale I + misalignment * pattern (dimensionless; misalignment defaults to scale, as in
+    GP-1)."""
+    off = scale if misalignment is None else misalignment
+    m = scale * np.eye(3) + off * np.array(MISALIGNMENT_PATTERN)
+    rows = [(float(row[0]), float(row[1]), float(row[2])) for row in m]
+    return rows[0], rows[1], rows[2]
+
+
+@dataclass(frozen=True)
+class SensorErrors:
+    """Errors of one triad [B-1], SI (m/s² or rad/s for biases, dimensionless matrices acting on the input).
+
+    white_noise is the one-sided root spectral density: m/s²/√Hz = m/s/√s, or rad/√s.
+    """
+
+    constant_bias: Triple = (0.0, 0.0, 0.0)
+    oscillating_bias: Triple = (0.0, 0.0, 0.0)
+    bias_period_s: float = 1500.0
+    constant_matrix: Matrix = ((0.0, 0.0, 0.0),) * 3
+    oscillating_matrix: Matrix = ((0.0, 0.0, 0.0),) * 3
+    matrix_period_s: float = 1500.0
+    white_noise: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            require_finite(name, value)
+        for name in ("bias_period_s", "matrix_period_s"):
+            require(getattr(self, name) > 0.0, f"{name} = {getattr(self, name)!r}: must be positive")
+        require(self.white_noise >= 0.0, f"white_noise = {self.white_noise!r}: must not be negative")
+
+
+@dataclass(frozen=True)
+class InitialErrors:
+    """Errors at lift-off, estimate minus truth, components in the launch site's north, east, down axes.
+
+    Position and velocity are errors of the inertial position and velocity vectors; attitude is the rotation
+    vector psi of C_est = exp([psi x]) C.
+    """
+
+    position_m: Triple = (0.0, 0.0, 0.0)
+    velocity_m_s: Triple = (0.0, 0.0, 0.0)
+    attitude_rad: Triple = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            require_finite(name, value)
+
+
+def _triple(values: tuple[float, float, float], unit: float) -> Triple:
+    return values[0] * unit, values[1] * unit, values[2] * unit
+
+
+GP1_ACCELEROMETERS = SensorErrors(
+    constant_bias=_triple((1.0, 0.9, -1.1), 1e-3 * STANDARD_GRAVITY),
+    oscillating_bias=_triple((-0.8, 0.4, 0.8), 1e-3 * STANDARD_GRAVITY),
+    bias_period_s=1500.0,
+    constant_matrix=scale_and_misalignment(1e-4),
+    oscillating_matrix=scale_and_misalignment(3e-5),
+    matrix_period_s=1500.0,
+    white_noise=1e-3,
+)
+GP1_GYROS = SensorErrors(
+    constant_bias=_triple((3.0, 4.0, 2.0), DEGREE_PER_HOUR),
+    oscillating_bias=_triple((0.3, 0.3, 0.3), DEGREE_PER_HOUR),
+    bias_period_s=600.0,
+    constant_matrix=scale_and_misalignment(1e-4),
+    oscillating_matrix=scale_and_misalignment(3e-5),
+    matrix_period_s=600.0,
+    white_noise=float(np.radians(0.02) / 60.0),
+)
+GP1_INITIAL = InitialErrors(
+    position_m=(20.0, -20.0, -50.0),
+    velocity_m_s=(0.1, 0.1, -0.1),
+    attitude_rad=_triple((60.0, 60.0, 60.0), ARCSEC),
+)
+
+
+@dataclass(frozen=True)
+class ErrorSet:
+    """Everything that is wrong with the INS. The default is the set GP-1 (X) of star_tracker.md."""
+
+    accelerometers: SensorErrors = GP1_ACCELEROMETERS
+    gyros: SensorErrors = GP1_GYROS
+    initial: InitialErrors = GP1_INITIAL
+
+
+def parameter_vector(errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0) -> Array:
+    """The deterministic errors as one vector, (61,), in the order of `PARAMETERS`; star tracker entries
+    last."""
+    parts: list[Array] = []
+    for sensor in (errors.accelerometers, errors.gyros):
+        parts += [
+            np.array(sensor.constant_bias),
+            np.array(sensor.oscillating_bias),
+            np.array(sensor.constant_matrix).ravel(),
+            np.array(sensor.oscillating_matrix).ravel(),
+        ]
+    initial = errors.initial
+    parts += [np.array(initial.position_m), np.array(initial.velocity_m_s), np.array(initial.attitude_rad)]
+    return np.concatenate([*parts, np.array(misalignment_rad), [latency_s]])
+
+
+def _names() -> list[str]:
+    names: list[str] = []
+    for sensor in ("accelerometer", "gyro"):
+        for kind in ("constant", "oscillating"):
+            names += [f"{sensor} {axis} bias, {kind}" for axis in "xyz"]
+        for kind in ("constant", "oscillating"):
+            names += [
+                f"{sensor} {row} scale factor, {kind}"
+                if row == column
+                else f"{sensor} {row} misalignment to {column}, {kind}"
+                for row in "xyz"
+                for column in "xyz"
+            ]
+    for what in ("position", "velocity", "attitude"):
+        names += [f"initial {what}, {axis}" for axis in ("north", "east", "down")]
+    return [*names, *(f"camera misalignment about {axis}" for axis in "xyz"), "frame latency"]
+
+
+PARAMETERS: tuple[str, ...] = tuple(_names())
+"""Name of each entry of the parameter vector."""
+
+SOURCES: dict[str, tuple[slice, ...]] = {
+    "accelerometer constant bias": (slice(0, 3),),
+    "accelerometer constant scale factor and misalignment": (slice(6, 15),),
+    "accelerometer oscillating bias": (slice(3, 6),),
+    "accelerometer oscillating scale factor and misalignment": (slice(15, 24),),
+    "gyro constant bias": (slice(24, 27),),
+    "gyro constant scale factor and misalignment": (slice(30, 39),),
+    "gyro oscillating bias": (slice(27, 30),),
+    "gyro oscillating scale factor and misalignment": (slice(39, 48),),
+    "initial position": (slice(48, 51),),
+    "initial velocity": (slice(51, 54),),
+    "star tracker misalignment": (slice(57, 60),),
+    "star tracker latency": (slice(60, 61),),
+}
+"""Error sources one at a time (initial attitude is a class of its own)."""
+
+CLASSES: dict[str, tuple[slice, ...]] = {
+    "accelerometer bias": (slice(0, 3), slice(6, 15)),
+    "accelerometer instability": (slice(3, 6), slice(15, 24)),
+    "accelerometer total": (slice(0, 24),),
+    "gyro bias": (slice(24, 27), slice(30, 39)),
+    "gyro instability": (slice(27, 30), slice(39, 48)),
+    "gyro total": (slice(24, 48),),
+    "initial position and velocity": (slice(48, 54),),
+    "initial attitude": (slice(54, 57),),
+    "all": (slice(0, 61),),
+}
+"""Classes of the study: "bias" is every constant term, "instability" every time-dependent one (the white
+noise, which is random, is reported beside it as a standard deviation)."""
+
+
+def mask(group: tuple[slice, ...]) -> Array:
+    """Ones at the entries of a group, zeros elsewhere, (61,)."""
+    out = np.zeros(len(PARAMETERS))
+    for part in group:
+        out[part] = 1.0
+    return out

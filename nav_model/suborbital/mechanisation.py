@@ -1,0 +1,345 @@
+"""Strapdown INS in inertial axes [B-3] and in north-east-down axes [B-2], many cases in one call.
+
+Conventions that reproduce star_tracker.md's printed final errors to 0.01 m: RK4 with the flight's step on the
+nine direction cosines, velocity and position together; sensor errors evaluated at the RK4 nodes; initial
+position and velocity errors are those of the inertial vectors, resolved in the launch site's north, east,
+down; the initial attitude error is the rotation exp([psi x]); a final error is the difference of the inertial
+position vectors resolved in north, east, up at the true position. The aided INS takes the star camera's
+attitude at the start of a step and carries it through that step with its gyros.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numba
+import numpy as np
+
+from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.frames import (
+    EARTH_RADIUS,
+    EARTH_RATE,
+    Array,
+    earth_velocity,
+    local_axes,
+    ned_to_inertial,
+    require,
+    rotation_from_vector,
+    spherical_position,
+    vector_from_rotation,
+)
+from nav_model.suborbital.gravity import field_kernel, zonals
+
+
+class Cancelled(Exception):
+    """A long run was told to stop by its `cancel` callback."""
+
+
+@dataclass(frozen=True)
+class AttitudeFrames:
+    """Star-camera attitude for the INS to take: used (n+1,) bool, attitude_bi (n+1, 3, 3) body to inertial,
+    and where the camera is noisy the covariance of its error on body axes (n+1, 3, 3), rad²."""
+
+    used: np.ndarray
+    attitude_bi: Array = field(repr=False)
+    covariance: Array | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True)
+class InsRun:
+    """INS output of c cases at m instants: time_s (m,), position_i and velocity_i (c, m, 3), attitude_bi
+    (c, m, 3, 3), all in inertial axes, SI; `index` are the flight's steps at those instants."""
+
+    time_s: Array
+    index: np.ndarray
+    position_i: Array = field(repr=False)
+    velocity_i: Array = field(repr=False)
+    attitude_bi: Array = field(repr=False)
+    source: str
+
+
+@dataclass(frozen=True)
+class NavigationErrors:
+    """Estimate minus truth of c cases at m instants, resolved at the true position.
+
+    position_m: north, east, up (c, m, 3); velocity_m_s: inertial velocity error in north, east, up (c, m,
+    3); down_range_m, cross_range_m (c, m), cross-range positive to the right of the track;
+    attitude_inertial_rad: rotation vector of C_est C_true^T on inertial axes (c, m, 3);
+    attitude_navigation_rad: the same of the body to north-east-down attitude, on those axes (c, m, 3),
+    which contains the error of the estimated position.
+    """
+
+    time_s: Array
+    position_m: Array = field(repr=False)
+    velocity_m_s: Array = field(repr=False)
+    down_range_m: Array = field(repr=False)
+    cross_range_m: Array = field(repr=False)
+    attitude_inertial_rad: Array = field(repr=False)
+    attitude_navigation_rad: Array = field(repr=False)
+    source: str
+
+
+@numba.njit(cache=True)
+def _measured(p, force, rate, sines, noise, f, w):  # type: ignore[no-untyped-def]
+    """Specific force and angular rate a faulty unit measures, into f and w [B-1]."""
+    for a in range(3):
+        fa = force[a] + noise[a] + p[a] + p[3 + a] * sines[0]
+        wa = rate[a] + noise[3 + a] + p[24 + a] + p[27 + a] * sines[2]
+        for b in range(3):
+            k = 3 * a + b
+            fa += (p[6 + k] + p[15 + k] * sines[1]) * force[b]
+            wa += (p[30 + k] + p[39 + k] * sines[3]) * rate[b]
+        f[a] = fa
+        w[a] = wa
+
+
+@numba.njit(cache=True)
+def _inertial_rates(y, f, w, j, dy):  # type: ignore[no-untyped-def]
+    """[B-3]; state: direction cosines C_bi by rows (9), inertial velocity (3), inertial position (3)."""
+    x, yy, z = y[12], y[13], y[14]
+    radius = np.sqrt(x * x + yy * yy + z * z)
+    sine = z / radius
+    radial, axial = field_kernel(radius, sine, j)
+    toward = (radial - axial * sine) / radius
+    for a in range(3):
+        c0, c1, c2 = y[3 * a], y[3 * a + 1], y[3 * a + 2]
+        dy[3 * a] = c1 * w[2] - c2 * w[1]
+        dy[3 * a + 1] = c2 * w[0] - c0 * w[2]
+        dy[3 * a + 2] = c0 * w[1] - c1 * w[0]
+        dy[9 + a] = c0 * f[0] + c1 * f[1] + c2 * f[2] + toward * y[12 + a]
+        dy[12 + a] = y[9 + a]
+    dy[11] += axial
+
+
+@numba.njit(cache=True)
+def _local_rates(y, f, w, j, dy):  # type: ignore[no-untyped-def]
+    """[B-2]; state: C_bn by rows (9), velocity over the Earth NED (3), latitude, longitude, height."""
+    vn, ve, vd = y[9], y[10], y[11]
+    sl, cl, radius = np.sin(y[12]), np.cos(y[12]), EARTH_RADIUS + y[14]
+    en, ed = EARTH_RATE * cl, -EARTH_RATE * sl
+    tn, te, td = ve / radius, -vn / radius, -ve * sl / (cl * radius)
+    on, oe, od = en + tn, te, ed + td
+    radial, axial = field_kernel(radius, sl, j)
+    for b in range(3):
+        cn, ce, cd = y[b], y[3 + b], y[6 + b]
+        dy[b] = -(oe * cd - od * ce)
+        dy[3 + b] = -(od * cn - on * cd)
+        dy[6 + b] = -(on * ce - oe * cn)
+    for a in range(3):
+        c0, c1, c2 = y[3 * a], y[3 * a + 1], y[3 * a + 2]
+        dy[3 * a] += c1 * w[2] - c2 * w[1]
+        dy[3 * a + 1] += c2 * w[0] - c0 * w[2]
+        dy[3 * a + 2] += c0 * w[1] - c1 * w[0]
+        dy[9 + a] = c0 * f[0] + c1 * f[1] + c2 * f[2]
+    # Coriolis and transport (2 w_ie + w_en) x v, then the centrifugal part and gravitation along N and D.
+    an, ae, ad = 2.0 * en + tn, te, 2.0 * ed + td
+    spin = EARTH_RATE * EARTH_RATE * radius * cl
+    dy[9] += -(ae * vd - ad * ve) + axial * cl - spin * sl
+    dy[10] += -(ad * vn - an * vd)
+    dy[11] += -(an * ve - ae * vn) - radial - spin * cl
+    dy[12] = vn / radius
+    dy[13] = ve / (radius * cl)
+    dy[14] = -vd
+
+
+@numba.njit(cache=True)
+def _star_attitude(y, frame, local, time):  # type: ignore[no-untyped-def]
+    """Put the camera's body-to-inertial attitude into the state [B-7]; in local axes through the INS
+    position."""
+    if not local:
+        for a in range(3):
+            for b in range(3):
+                y[3 * a + b] = frame[a, b]
+        return
+    sl, cl = np.sin(y[12]), np.cos(y[12])
+    angle = y[13] + EARTH_RATE * time
+    so, co = np.sin(angle), np.cos(angle)
+    for b in range(3):
+        x, yy, z = frame[0, b], frame[1, b], frame[2, b]
+        y[b] = -sl * co * x - sl * so * yy + cl * z
+        y[3 + b] = -so * x + co * yy
+        y[6 + b] = -cl * co * x - cl * so * yy - sl * z
+
+
+@numba.njit(cache=True, nogil=True)
+def _run(start, local, p, force, rate, sines, noise, noisy, used, frames, aided, j, h, every, out):  # type: ignore[no-untyped-def]
+    """One case over the whole flight; `out` (m, 15) takes the state at every `every`-th step."""
+    n = force.shape[0]
+    y, stage = start.copy(), np.empty(15)
+    k = np.empty((4, 15))
+    f, w = np.empty((3, 3)), np.empty((3, 3))
+    still = np.zeros(6)
+    for i in range(n):
+        if aided and used[i]:
+            _star_attitude(y, frames[i], local, i * h)
+        if i % every == 0:
+            out[i // every] = y
+        for node in range(3):
+            _measured(
+                p,
+                force[i, node],
+                rate[i, node],
+                sines[2 * i + node],
+                noise[i] if noisy else still,
+                f[node],
+                w[node],
+            )
+        for s in range(4):
+            node = (s + 1) // 2
+            if s == 0:
+                stage[:] = y
+            else:
+                step = h if s == 3 else 0.5 * h
+                for a in range(15):
+                    stage[a] = y[a] + step * k[s - 1, a]
+            if local:
+                _local_rates(stage, f[node], w[node], j, k[s])
+            else:
+                _inertial_rates(stage, f[node], w[node], j, k[s])
+        for a in range(15):
+            y[a] += h / 6.0 * (k[0, a] + 2.0 * k[1, a] + 2.0 * k[2, a] + k[3, a])
+    if aided and used[n]:
+        _star_attitude(y, frames[n], local, n * h)
+    if n % every == 0:
+        out[n // every] = y
+
+
+def oscillations(flight: Flight, errors: ErrorSet) -> Array:
+    """sin(2 pi t / T) at every half step, (2n+1, 4): accelerometer bias, matrix, gyro bias, matrix [B-1]."""
+    periods = np.array(
+        [
+            errors.accelerometers.bias_period_s,
+            errors.accelerometers.matrix_period_s,
+            errors.gyros.bias_period_s,
+            errors.gyros.matrix_period_s,
+        ]
+    )
+    half_time = 0.5 * flight.step_s * np.arange(2 * flight.steps + 1)
+    return np.asarray(np.sin(2.0 * np.pi * half_time[:, None] / periods))
+
+
+def _initial_states(flight: Flight, parameters: Array, local: bool) -> Array:
+    launch = local_axes(flight.position_i[0])
+    position = flight.position_i[0] + parameters[:, 48:51] @ launch.T
+    velocity = flight.velocity_i[0] + parameters[:, 51:54] @ launch.T
+    attitude = rotation_from_vector(parameters[:, 54:57] @ launch.T) @ flight.attitude_bi[0]
+    if local:
+        latitude, longitude, height = spherical_position(position)
+        axes = ned_to_inertial(latitude, longitude)
+        velocity = np.einsum("cji,cj->ci", axes, velocity - earth_velocity(position))
+        attitude = np.swapaxes(axes, -1, -2) @ attitude
+        position = np.stack([latitude, longitude, height], axis=-1)
+    return np.concatenate([attitude.reshape(-1, 9), velocity, position], axis=1)
+
+
+def mechanise(
+    flight: Flight,
+    parameters: Array,
+    errors: ErrorSet,
+    *,
+    frames: tuple[AttitudeFrames | None, ...] | None = None,
+    noise: Array | None = None,
+    gravity: str = "spherical",
+    axes: str = "inertial",
+    every: int = 10,
+    progress: Callable[[float], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> InsRun:
+    """Run the INS over a flight for c cases.
+
+    parameters: (c, 61) in the order of `errors.PARAMETERS` (its star tracker entries are not read here:
+    they are already in the frames); errors supplies the periods of the oscillating terms; frames: one entry
+    per case, None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each
+    step; gravity: the model the INS believes in; axes: "inertial" [B-3] or "ned" [B-2]; every: output
+    spacing in steps, which must divide the flight. Raises ValueError for wrong shapes or names, Cancelled
+    when `cancel()` turns true.
+    """
+    parameters = np.ascontiguousarray(np.atleast_2d(parameters), dtype=np.float64)
+    count, n = len(parameters), flight.steps
+    require(
+        parameters.shape[1] == len(PARAMETERS),
+        f"parameters has shape {parameters.shape}: must be (cases, {len(PARAMETERS)})",
+    )
+    require(axes in ("inertial", "ned"), f"axes = {axes!r}: must be inertial or ned")
+    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+    if frames is not None:
+        require(len(frames) == count, f"frames has {len(frames)} entries: must be one per case, {count}")
+    if noise is not None:
+        require(noise.shape == (count, n, 6), f"noise has shape {noise.shape}: must be {(count, n, 6)}")
+    local = axes == "ned"
+    if local:
+        steepest = np.max(np.abs(flight.latitude_rad))
+        require(
+            bool(steepest < np.radians(89.5)),
+            f"axes = 'ned': the flight comes within {np.degrees(np.pi / 2 - steepest):.2f}° of a pole, where "
+            "north is not defined; use inertial axes",
+        )
+    j, sines = zonals(gravity), oscillations(flight, errors)
+    starts = _initial_states(flight, parameters, local)
+    out = np.empty((count, n // every + 1, 15))
+    no_noise, no_use, no_frames = np.zeros((1, 6)), np.zeros(1, dtype=np.bool_), np.zeros((1, 3, 3))
+    for case in range(count):
+        if cancel is not None and cancel():
+            raise Cancelled(f"stopped after {case} of {count} cases")
+        aid = None if frames is None else frames[case]
+        _run(
+            starts[case],
+            local,
+            parameters[case],
+            flight.specific_force_b,
+            flight.angular_rate_b,
+            sines,
+            no_noise if noise is None else noise[case],
+            noise is not None,
+            no_use if aid is None else aid.used,
+            no_frames if aid is None else aid.attitude_bi,
+            aid is not None,
+            j,
+            flight.step_s,
+            every,
+            out[case],
+        )
+        if progress is not None:
+            progress((case + 1) / count)
+    index = np.arange(0, n + 1, every)
+    time = flight.time_s[index]
+    attitude, velocity, position = out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:12], out[..., 12:]
+    if local:
+        turn = ned_to_inertial(position[..., 0], position[..., 1] + EARTH_RATE * time)
+        attitude = turn @ attitude
+        place = -turn[..., 2] * (EARTH_RADIUS + position[..., 2:])
+        velocity = np.einsum("cmij,cmj->cmi", turn, velocity) + earth_velocity(place)
+        position = place
+    mark = "[B-2]" if local else "[B-3]"
+    return InsRun(
+        time_s=time,
+        index=index,
+        position_i=position,
+        velocity_i=velocity,
+        attitude_bi=attitude,
+        source=f"INS in {axes} axes {mark}, sensor errors [B-1], {gravity} gravity; {flight.source}",
+    )
+
+
+def navigation_errors(flight: Flight, run: InsRun) -> NavigationErrors:
+    """Errors of a run against the true flight; the position error is the one star_tracker.md prints."""
+    truth = flight.position_i[run.index]
+    turn = local_axes(truth)
+    up = np.array([1.0, 1.0, -1.0])
+    position = np.einsum("mji,cmj->cmi", turn, run.position_i - truth) * up
+    velocity = np.einsum("mji,cmj->cmi", turn, run.velocity_i - flight.velocity_i[run.index]) * up
+    track = flight.track_rad[run.index]
+    north, east = position[..., 0], position[..., 1]
+    true_attitude = flight.attitude_bi[run.index]
+    transposed = np.swapaxes(true_attitude, -1, -2)
+    est_nav = np.swapaxes(local_axes(run.position_i), -1, -2) @ run.attitude_bi
+    return NavigationErrors(
+        time_s=run.time_s,
+        position_m=position,
+        velocity_m_s=velocity,
+        down_range_m=north * np.cos(track) + east * np.sin(track),
+        cross_range_m=-north * np.sin(track) + east * np.cos(track),
+        attitude_inertial_rad=vector_from_rotation(run.attitude_bi @ transposed),
+        attitude_navigation_rad=vector_from_rotation(est_nav @ transposed @ turn),
+        source=run.source,
+    )

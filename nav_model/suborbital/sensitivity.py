@@ -1,0 +1,267 @@
+"""Linear error model [B-4]: one batch run gives every slider its curve, and white noise its standard
+deviation.
+
+    psi' = C domega ;   dr'' = C df + psi x f + w^2 (3 u u^T - I) dr
+With psi the error rotation on inertial axes (C_est = (I + [psi x]) C), u the unit radius, w^2 = KM/r^3. The
+errors of [B-1] are linear in their 61 numbers, so the error history is S p. With a star tracker psi starts
+anew at each frame from the camera's own error: body-fixed misalignment C m and latency -C omega tau.
+"""
+
+from dataclasses import dataclass, field
+
+import numba
+import numpy as np
+
+from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.frames import KM, Array, local_axes, require
+from nav_model.suborbital.mechanisation import oscillations
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Sensitivity of the error history to the parameter vector.
+
+    position (m, 3, 61): north, east, up in metres per unit of each parameter, at time_s (m,); velocity
+    (m, 3, 61): north, east, up of the inertial velocity error; attitude (m, 3, 61): psi on inertial axes.
+    """
+
+    time_s: Array
+    position: Array = field(repr=False)
+    velocity: Array = field(repr=False)
+    attitude: Array = field(repr=False)
+    aided: bool
+    source: str = "linear error equations [B-4], one batch run"
+
+    def position_m(self, parameters: Array) -> Array:
+        """Position errors (cases, m, 3), m, of parameter vectors (cases, 61) or (61,): the product S p."""
+        p = np.atleast_2d(parameters)
+        flat = self.position.reshape(-1, len(PARAMETERS)) @ p.T
+        return np.ascontiguousarray(flat.T).reshape(len(p), len(self.time_s), 3)
+
+    def final_m(self, parameters: Array) -> Array:
+        """Final position errors (cases, 3), north, east, up, m."""
+        return np.asarray(np.atleast_2d(parameters) @ self.position[-1].T)
+
+
+@dataclass(frozen=True)
+class NoiseSpread:
+    """Standard deviation of the error that white sensor noise (and, aided, star noise) leaves.
+
+    time_s (m,); position_sigma_m (m, 3): north, east, up; attitude_sigma_rad (m, 3), inertial axes;
+    covariance (m, 9, 9) of psi, velocity and position on inertial axes.
+    """
+
+    time_s: Array
+    position_sigma_m: Array
+    attitude_sigma_rad: Array
+    covariance: Array = field(repr=False)
+    source: str = "covariance of the linear error equations [B-4] under white noise [B-1]"
+
+
+@numba.njit(cache=True)
+def _forcing(c, f, w, s, acc, turn):  # type: ignore[no-untyped-def]
+    """Columns of C df and C domega for a unit of each sensor parameter, into acc and turn (3, 61)."""
+    for a in range(3):
+        for b in range(3):
+            acc[a, b] = c[a, b]
+            acc[a, 3 + b] = c[a, b] * s[0]
+            turn[a, 24 + b] = c[a, b]
+            turn[a, 27 + b] = c[a, b] * s[2]
+            for d in range(3):
+                k = 3 * b + d
+                acc[a, 6 + k] = c[a, b] * f[d]
+                acc[a, 15 + k] = c[a, b] * f[d] * s[1]
+                turn[a, 30 + k] = c[a, b] * w[d]
+                turn[a, 39 + k] = c[a, b] * w[d] * s[3]
+
+
+@numba.njit(cache=True, nogil=True)
+def _propagate(state, attitude, force, rate, path, sines, used, h, every, out):  # type: ignore[no-untyped-def]
+    """RK4 of [B-4] for all columns at once; state (9, P) holds psi, velocity and position errors."""
+    n, columns = force.shape[0], state.shape[1]
+    acc, turn = np.zeros((3, 3, columns)), np.zeros((3, 3, columns))
+    fi, pull = np.empty((3, 3)), np.empty((3, 3, 3))
+    k = np.empty((4, 9))
+    y = np.empty(9)
+    for i in range(n):
+        if used[i]:
+            state[:3] = 0.0
+            c, w = attitude[2 * i], rate[i, 0]
+            for a in range(3):
+                for b in range(3):
+                    state[a, 57 + b] = c[a, b]
+                    state[a, 60] -= c[a, b] * w[b]
+        if i % every == 0:
+            out[i // every] = state
+        for node in range(3):
+            c = attitude[2 * i + node]
+            _forcing(c, force[i, node], rate[i, node], sines[2 * i + node], acc[node], turn[node])
+            r = path[2 * i + node]
+            r2 = r[0] ** 2 + r[1] ** 2 + r[2] ** 2
+            w2 = KM / (r2 * np.sqrt(r2))
+            for a in range(3):
+                fi[node, a] = c[a, 0] * force[i, node, 0] + c[a, 1] * force[i, node, 1] + c[a, 2] * force[i, node, 2]
+                for b in range(3):
+                    pull[node, a, b] = w2 * (3.0 * r[a] * r[b] / r2 - (1.0 if a == b else 0.0))
+        for p in range(columns):
+            for s in range(4):
+                node = (s + 1) // 2
+                step = 0.0 if s == 0 else (h if s == 3 else 0.5 * h)
+                for a in range(9):
+                    y[a] = state[a, p] + (step * k[s - 1, a] if s else 0.0)
+                g, u = pull[node], fi[node]
+                for a in range(3):
+                    k[s, a] = turn[node, a, p]
+                    k[s, 3 + a] = acc[node, a, p] + g[a, 0] * y[6] + g[a, 1] * y[7] + g[a, 2] * y[8]
+                    k[s, 6 + a] = y[3 + a]
+                k[s, 3] += y[1] * u[2] - y[2] * u[1]
+                k[s, 4] += y[2] * u[0] - y[0] * u[2]
+                k[s, 5] += y[0] * u[1] - y[1] * u[0]
+            for a in range(9):
+                state[a, p] += h / 6.0 * (k[0, a] + 2.0 * k[1, a] + 2.0 * k[2, a] + k[3, a])
+    if used[n]:
+        state[:3] = 0.0
+        c, w = attitude[2 * n], rate[n - 1, 2]
+        for a in range(3):
+            for b in range(3):
+                state[a, 57 + b] = c[a, b]
+                state[a, 60] -= c[a, b] * w[b]
+    if n % every == 0:
+        out[n // every] = state
+
+
+def _half_path(flight: Flight) -> Array:
+    """True position at every half step, (2n+1, 3): Hermite midpoint of position and velocity."""
+    r, v = flight.position_i, flight.velocity_i
+    path = np.empty((2 * flight.steps + 1, 3))
+    path[::2] = r
+    path[1::2] = 0.5 * (r[:-1] + r[1:]) + flight.step_s / 8.0 * (v[:-1] - v[1:])
+    return path
+
+
+def sensitivity(flight: Flight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10) -> Sensitivity:
+    """Sensitivity matrix of a flight [B-4].
+
+    errors supplies the oscillation periods only; used (n+1,) bool marks the steps with a star frame (None:
+    pure INS); every: output spacing in steps, a divisor of their number. The gravity gradient is the
+    spherical one.
+    """
+    n = flight.steps
+    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+    taken = np.zeros(n + 1, dtype=np.bool_) if used is None else np.ascontiguousarray(used, dtype=np.bool_)
+    require(taken.shape == (n + 1,), f"used has shape {taken.shape}: must be ({n + 1},)")
+    launch = local_axes(flight.position_i[0])
+    state = np.zeros((9, len(PARAMETERS)))
+    state[6:, 48:51] = launch
+    state[3:6, 51:54] = launch
+    state[:3, 54:57] = launch
+    out = np.empty((n // every + 1, 9, len(PARAMETERS)))
+    _propagate(
+        state,
+        flight.half_attitude_bi,
+        flight.specific_force_b,
+        flight.angular_rate_b,
+        _half_path(flight),
+        oscillations(flight, errors),
+        taken,
+        flight.step_s,
+        every,
+        out,
+    )
+    to_local = np.swapaxes(local_axes(flight.position_i[::every]), -1, -2).copy()
+    to_local[:, 2] *= -1.0
+    return Sensitivity(
+        time_s=flight.time_s[::every],
+        position=to_local @ out[:, 6:],
+        velocity=to_local @ out[:, 3:6],
+        attitude=out[:, :3].copy(),
+        aided=used is not None,
+    )
+
+
+def _gradient(position: Array) -> Array:
+    radius = np.linalg.norm(position, axis=-1)[..., None, None]
+    u = position[..., :, None]
+    outer = u * np.swapaxes(u, -1, -2) / radius**2
+    return np.asarray(KM / radius**3 * (3.0 * outer - np.eye(3)))
+
+
+def white_noise_spread(
+    flight: Flight,
+    errors: ErrorSet,
+    used: np.ndarray | None = None,
+    frame_covariance: Array | None = None,
+    every: int = 10,
+) -> NoiseSpread:
+    """Standard deviation from white noise alone, against time [B-4].
+
+    used (n+1,) marks star frames; frame_covariance (n+1, 3, 3) or (3, 3) is the covariance of the camera's
+    attitude error in body axes, rad² (None: a perfect camera). Each step is one transition with the
+    noise added at its end, which is exact to the step over the flight time.
+    """
+    n, h = flight.steps, flight.step_s
+    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+    half = flight.half_attitude_bi
+    middle = half[1::2]
+    force = np.einsum("tij,tj->ti", middle, flight.specific_force_b[:, 1])
+    taken = np.zeros(n + 1, dtype=np.bool_) if used is None else np.asarray(used, dtype=np.bool_)
+    star = np.zeros((n + 1, 3, 3))
+    if frame_covariance is not None:
+        c = flight.attitude_bi
+        star = c @ np.broadcast_to(frame_covariance, (n + 1, 3, 3)) @ np.swapaxes(c, -1, -2)
+    out = np.empty((n // every + 1, 9, 9))
+    _covariance(
+        force,
+        _gradient(_half_path(flight)[1::2]),
+        taken,
+        np.ascontiguousarray(star),
+        errors.gyros.white_noise**2,
+        errors.accelerometers.white_noise**2,
+        h,
+        every,
+        out,
+    )
+    turn = np.swapaxes(local_axes(flight.position_i[::every]), -1, -2)
+    place = turn @ out[:, 6:, 6:] @ np.swapaxes(turn, -1, -2)
+    return NoiseSpread(
+        time_s=flight.time_s[::every],
+        position_sigma_m=np.sqrt(np.diagonal(place, axis1=1, axis2=2)),
+        attitude_sigma_rad=np.sqrt(np.diagonal(out[:, :3, :3], axis1=1, axis2=2)),
+        covariance=out,
+    )
+
+
+@numba.njit(cache=True, nogil=True)
+def _covariance(force, gradient, used, star, gyro, accelerometer, h, every, out):  # type: ignore[no-untyped-def]
+    """Discrete covariance propagation; isotropic noise of densities gyro and accelerometer."""
+    n = force.shape[0]
+    p, phi = np.zeros((9, 9)), np.eye(9)
+    for i in range(n + 1):
+        if used[i]:
+            p[:3, :] = 0.0
+            p[:, :3] = 0.0
+            p[:3, :3] = star[i]
+        if i % every == 0:
+            out[i // every] = p
+        if i == n:
+            break
+        f = force[i]
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            # (psi x f)_a = psi_b f_c - psi_c f_b, integrated over the step to velocity and position.
+            phi[3 + a, b], phi[3 + a, c] = h * f[c], -h * f[b]
+            phi[6 + a, b], phi[6 + a, c] = 0.5 * h * h * f[c], -0.5 * h * h * f[b]
+            for d in range(3):
+                g, one = gradient[i, a, d], 1.0 if a == d else 0.0
+                phi[3 + a, 6 + d] = h * g
+                phi[6 + a, 3 + d] = h * one
+                phi[6 + a, 6 + d] = one + 0.5 * h * h * g
+                phi[3 + a, 3 + d] = one + 0.5 * h * h * g
+        p = phi @ p @ phi.T
+        for a in range(3):
+            p[a, a] += gyro * h
+            p[3 + a, 3 + a] += accelerometer * h
+            p[6 + a, 6 + a] += accelerometer * h**3 / 3.0
+            p[3 + a, 6 + a] += accelerometer * h * h / 2.0
+            p[6 + a, 3 + a] += accelerometer * h * h / 2.0

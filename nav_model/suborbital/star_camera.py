@@ -1,0 +1,283 @@
+"""Star camera [B-8]: which stars stand where on the detector, and what attitude they give along a flight.
+
+Camera axes: Z along the boresight, which is -z of the body, X along x of the body, Y along -y of the body.
+The camera measures directions with `centroid_sigma_rad` per axis in the tangent plane.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numba
+import numpy as np
+
+from nav_model.suborbital.aiding import attitude_at
+from nav_model.suborbital.attitude import COLLINEAR, METHODS, attitude_error, information, nees
+from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.frames import ARCSEC, Array, require, require_finite
+from nav_model.suborbital.mechanisation import AttitudeFrames, Cancelled
+from nav_model.suborbital.sky import Sky
+
+CAMERA_TO_BODY = np.diag([1.0, -1.0, -1.0])
+"""Rotation from camera to body axes: the boresight is -z of the body."""
+
+
+@dataclass(frozen=True)
+class StarCamera:
+    """Pin-hole camera [B-8]: square detector, SI. Frames are gated on the number of stars and on the
+    predicted standard deviation of the rotation about the boresight."""
+
+    pixels: int = 1024
+    pixel_pitch_m: float = 16e-6
+    focal_length_m: float = 1024 * 16e-6 / (2.0 * np.tan(np.radians(4.0)))
+    centroid_sigma_rad: float = 10.0 * ARCSEC
+    brightest: int = 10
+    least_stars: int = 3
+    roll_limit_rad: float = 600.0 * ARCSEC
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            require_finite(name, value)
+            require(value > 0, f"{name} = {value!r}: must be positive")
+        require(self.least_stars >= 2, f"least_stars = {self.least_stars!r}: attitude needs at least 2 stars")
+        require(
+            self.brightest >= self.least_stars,
+            f"brightest = {self.brightest!r}: must not be below least_stars = {self.least_stars!r}",
+        )
+
+    @property
+    def field_of_view_rad(self) -> float:
+        """Full angle across the square, 2 atan(N p / 2 f) [B-8]."""
+        return float(2.0 * np.arctan(self.pixels * self.pixel_pitch_m / (2.0 * self.focal_length_m)))
+
+
+def focal_length(field_of_view_rad: float, pixels: int = 1024, pixel_pitch_m: float = 16e-6) -> float:
+    """Focal length, m, that gives a field of view (full angle across the square) [B-8]."""
+    require(
+        0.0 < field_of_view_rad < np.pi,
+        f"field_of_view_rad = {field_of_view_rad!r}: must be between 0 and pi",
+    )
+    return float(pixels * pixel_pitch_m / (2.0 * np.tan(0.5 * field_of_view_rad)))
+
+
+def project(camera: StarCamera, direction_c: Array) -> tuple[Array, Array]:
+    """Pixel coordinates x/p + (N-1)/2 of directions on camera axes (..., 3) [B-8]; NaN behind the camera."""
+    z = direction_c[..., 2]
+    depth = np.where(z > 0.0, z, np.nan)
+    scale, middle = camera.focal_length_m / camera.pixel_pitch_m, 0.5 * (camera.pixels - 1)
+    return scale * direction_c[..., 0] / depth + middle, scale * direction_c[..., 1] / depth + middle
+
+
+@numba.njit(cache=True, nogil=True)
+def _select(attitude_ci, stars, half_tangent, most, chosen, count):  # type: ignore[no-untyped-def]
+    """Brightest stars in each square field: cone first, then the square. stars run from bright to faint."""
+    cone = 1.0 / np.sqrt(1.0 + 2.0 * half_tangent * half_tangent)
+    for i in range(attitude_ci.shape[0]):
+        a = attitude_ci[i]
+        found = 0
+        for k in range(stars.shape[0]):
+            x, y, z = stars[k, 0], stars[k, 1], stars[k, 2]
+            depth = a[2, 0] * x + a[2, 1] * y + a[2, 2] * z
+            if depth < cone:
+                continue
+            limit = half_tangent * depth
+            if abs(a[0, 0] * x + a[0, 1] * y + a[0, 2] * z) > limit:
+                continue
+            if abs(a[1, 0] * x + a[1, 1] * y + a[1, 2] * z) > limit:
+                continue
+            if found < most:
+                chosen[i, found] = k
+            found += 1
+        count[i] = found
+
+
+def select_stars(
+    camera: StarCamera, sky: Sky, attitude_bi: Array, most: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Brightest stars in the field for attitudes (n, 3, 3) body to inertial.
+
+    Returns indices into the sky (n, most), -1 where there are fewer, and the number of all stars in the field
+    (n,). most defaults to the camera's `brightest`.
+    """
+    limit = camera.brightest if most is None else most
+    ci = np.ascontiguousarray(np.swapaxes(attitude_bi @ CAMERA_TO_BODY, -1, -2))
+    chosen = np.full((len(ci), limit), -1, dtype=np.int64)
+    count = np.zeros(len(ci), dtype=np.int64)
+    _select(ci, sky.direction, np.tan(0.5 * camera.field_of_view_rad), limit, chosen, count)
+    return chosen, count
+
+
+def measure(
+    camera: StarCamera, sky: Sky, attitude_bi: Array, chosen: np.ndarray, generator: np.random.Generator
+) -> tuple[Array, Array, Array]:
+    """Noisy body directions, catalogue directions (n, k, 3) and weights (n, k), zero where there is no
+    star."""
+    weight = (chosen >= 0).astype(np.float64)
+    reference = sky.direction[np.maximum(chosen, 0)]
+    body = reference @ attitude_bi
+    noise = camera.centroid_sigma_rad * generator.standard_normal(body.shape)
+    body = body + noise - np.sum(noise * body, axis=-1, keepdims=True) * body
+    return body / np.linalg.norm(body, axis=-1, keepdims=True), reference, weight
+
+
+def roll_sigma(camera: StarCamera, body: Array, weight: Array) -> Array:
+    """Predicted standard deviation about the boresight, rad (...,); infinite where it is not observable
+    [B-9]."""
+    full = information(body, weight)
+    sound = (np.linalg.eigvalsh(full)[..., 0] > COLLINEAR) & (np.sum(weight > 0.0, axis=-1) >= 2)
+    covariance = np.linalg.inv(np.where(sound[..., None, None], full, np.eye(3)))
+    return np.where(sound, camera.centroid_sigma_rad * np.sqrt(covariance[..., 2, 2]), np.inf)
+
+
+def gate(camera: StarCamera, body: Array, weight: Array) -> tuple[np.ndarray, np.ndarray]:
+    """Which frames may be used, (n,) bool, and why not, (n,) text (empty where used)."""
+    stars, roll = np.sum(weight > 0.0, axis=-1), roll_sigma(camera, body, weight)
+    few, flat = stars < camera.least_stars, roll > camera.roll_limit_rad
+    reason = np.where(
+        few,
+        f"fewer than {camera.least_stars} stars",
+        np.where(flat, "stars too close together or near a line: rotation about the boresight too uncertain", ""),
+    )
+    return ~(few | flat), reason
+
+
+@dataclass(frozen=True)
+class StarFrame:
+    """One image: catalogue numbers, magnitudes, pixel positions (true and measured), the attitude they give.
+
+    estimate_bi, error_rad and sigma_rad (body axes) are None when the frame is gated; reason then says why.
+    """
+
+    time_s: float
+    identifier: np.ndarray
+    magnitude: Array
+    pixel_x: Array
+    pixel_y: Array
+    measured_x: Array
+    measured_y: Array
+    stars_in_field: int
+    boresight_ra_rad: float
+    boresight_dec_rad: float
+    used: bool
+    reason: str
+    estimate_bi: Array | None
+    error_rad: Array | None
+    sigma_rad: Array | None
+    source: str
+
+
+def star_frame(
+    flight: Flight, camera: StarCamera, sky: Sky, time_s: float, seed: int = 1, method: str = "SVD"
+) -> StarFrame:
+    """The star image at any time of the flight. ValueError for a time outside it or an unknown method."""
+    end = float(flight.time_s[-1])
+    require(0.0 <= time_s <= end, f"time_s = {time_s!r}: must be between 0 and {end:g} s")
+    require(method in METHODS, f"method = {method!r}: must be one of {', '.join(METHODS)}")
+    attitude = attitude_at(flight, np.array([time_s]))
+    chosen, count = select_stars(camera, sky, attitude)
+    body, _, weight = measured = measure(camera, sky, attitude, chosen, np.random.default_rng(seed))
+    used, reason = gate(camera, body, weight)
+    seen = chosen[0][chosen[0] >= 0]
+    x, y = project(camera, sky.direction[seen] @ attitude[0] @ CAMERA_TO_BODY)
+    mx, my = project(camera, body[0, : len(seen)] @ CAMERA_TO_BODY)
+    boresight = -attitude[0, :, 2]
+    estimate = error = sigma = None
+    if used[0]:
+        answer = METHODS[method](*measured[:2], camera.centroid_sigma_rad, weight)
+        estimate = answer.rotation[0].T
+        error = attitude_error(answer.rotation[0], attitude[0].T)
+        sigma = np.sqrt(np.diagonal(answer.covariance[0]))
+    return StarFrame(
+        time_s=float(time_s),
+        identifier=sky.identifier[seen],
+        magnitude=sky.magnitude[seen],
+        pixel_x=x,
+        pixel_y=y,
+        measured_x=mx,
+        measured_y=my,
+        stars_in_field=int(count[0]),
+        boresight_ra_rad=float(np.arctan2(boresight[1], boresight[0]) % (2.0 * np.pi)),
+        boresight_dec_rad=float(np.arcsin(np.clip(boresight[2], -1.0, 1.0))),
+        used=bool(used[0]),
+        reason=str(reason[0]),
+        estimate_bi=estimate,
+        error_rad=error,
+        sigma_rad=sigma,
+        source=f"{sky.source}; camera [B-8], {method} [B-9], seed {seed}",
+    )
+
+
+@dataclass(frozen=True)
+class StarTrack:
+    """Star frames of a whole flight, one per step (n+1): use them as `measured` of `study.run_study`.
+
+    frames.used is false where the geometry was gated; stars_in_field, roll_sigma_rad (n+1,); error_rad
+    (n+1, 3) on body axes, NaN where gated; covariance (n+1, 3, 3), zero where gated; mean_nees over used
+    frames.
+    """
+
+    frames: AttitudeFrames
+    stars_in_field: np.ndarray = field(repr=False)
+    roll_sigma_rad: Array = field(repr=False)
+    error_rad: Array = field(repr=False)
+    covariance: Array = field(repr=False)
+    mean_nees: float
+    method: str
+    source: str
+
+
+def track_stars(
+    flight: Flight,
+    camera: StarCamera,
+    sky: Sky,
+    *,
+    method: str = "SVD",
+    seed: int = 1,
+    progress: Callable[[float], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+    chunk: int = 500,
+) -> StarTrack:
+    """Image, identify and solve every step of a flight (15000 frames on the golden one), in chunks.
+
+    progress takes the share done after each chunk; Cancelled is raised when cancel() turns true. ValueError
+    for an unknown method. A frame refused by the gate leaves the gyro attitude in force.
+    """
+    require(method in METHODS, f"method = {method!r}: must be one of {', '.join(METHODS)}")
+    require(
+        method != "N-vector" or camera.least_stars >= 3,
+        f"least_stars = {camera.least_stars!r}: the N-vector method needs at least 3",
+    )
+    generator = np.random.default_rng(seed)
+    total = flight.steps + 1
+    truth = flight.attitude_bi
+    used = np.zeros(total, dtype=np.bool_)
+    estimate = np.ascontiguousarray(truth)
+    error, covariance = np.full((total, 3), np.nan), np.zeros((total, 3, 3))
+    roll, stars = np.empty(total), np.empty(total, dtype=np.int64)
+    for start in range(0, total, chunk):
+        if cancel is not None and cancel():
+            raise Cancelled(f"stopped after {start} of {total} star frames")
+        part = slice(start, min(start + chunk, total))
+        attitude = truth[part]
+        chosen, stars[part] = select_stars(camera, sky, attitude)
+        body, reference, weight = measure(camera, sky, attitude, chosen, generator)
+        good, _ = gate(camera, body, weight)
+        roll[part] = roll_sigma(camera, body, weight)
+        used[part] = good
+        if good.any():
+            answer = METHODS[method](body[good], reference[good], camera.centroid_sigma_rad, weight[good])
+            where = np.flatnonzero(good) + start
+            estimate[where] = np.swapaxes(answer.rotation, -1, -2)
+            error[where] = attitude_error(answer.rotation, np.swapaxes(truth[where], -1, -2))
+            covariance[where] = answer.covariance
+        if progress is not None:
+            progress(part.stop / total)
+    return StarTrack(
+        frames=AttitudeFrames(used, estimate, covariance),
+        stars_in_field=stars,
+        roll_sigma_rad=roll,
+        error_rad=error,
+        covariance=covariance,
+        mean_nees=float(np.mean(nees(error[used], covariance[used]))) if used.any() else float("nan"),
+        method=method,
+        source=f"{sky.source}; camera [B-8], {method} [B-9], seed {seed}, {total} frames",
+    )

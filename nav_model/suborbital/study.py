@@ -1,0 +1,359 @@
+"""The whole study: every error source and class, pure INS and aided, with what the sliders need beside it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, perfect_frames
+from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
+from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
+from nav_model.suborbital.flight import Flight, FlightParameters, golden_flight
+from nav_model.suborbital.frames import Array, require
+from nav_model.suborbital.gravity import ZONALS
+from nav_model.suborbital.mechanisation import (
+    AttitudeFrames,
+    NavigationErrors,
+    mechanise,
+    navigation_errors,
+)
+from nav_model.suborbital.sensitivity import (
+    NoiseSpread,
+    Sensitivity,
+    sensitivity,
+    white_noise_spread,
+)
+
+GRAVITY_ROW = "gravity model"
+TRACKER_ROWS = ("star tracker misalignment", "star tracker latency")
+
+
+@dataclass(frozen=True)
+class StudyInputs:
+    """What a person can set. The default is the golden flight with GP-1 and a perfect camera.
+
+    ins_gravity is what the INS believes; the true field is flight.gravity. output_interval_s must be a
+    multiple of the flight's step.
+    """
+
+    flight: FlightParameters = field(default_factory=FlightParameters)
+    errors: ErrorSet = field(default_factory=ErrorSet)
+    aiding: Aiding = field(default_factory=Aiding)
+    ins_gravity: str = "spherical"
+    output_interval_s: float = 1.0
+
+    def __post_init__(self) -> None:
+        require(
+            self.ins_gravity in ZONALS,
+            f"ins_gravity = {self.ins_gravity!r}: must be one of {', '.join(ZONALS)}",
+        )
+
+
+@dataclass(frozen=True)
+class Study:
+    """Result of `run_study`. Case k of `names` is row k of `parameters` and of every error array.
+
+    kinds: "source", "class" or "gravity" per case; marks: the equation or run each number came from; pure
+    and aided: error histories (cases first); channels: [B-5] for the same cases; *_noise: spread of the
+    white noise.
+    """
+
+    inputs: StudyInputs
+    flight: Flight = field(repr=False)
+    names: tuple[str, ...]
+    kinds: tuple[str, ...]
+    marks: tuple[str, ...] = field(repr=False)
+    parameters: Array = field(repr=False)
+    used: np.ndarray = field(repr=False)
+    pure: NavigationErrors = field(repr=False)
+    aided: NavigationErrors = field(repr=False)
+    channels: ChannelErrors = field(repr=False)
+    pure_sensitivity: Sensitivity = field(repr=False)
+    aided_sensitivity: Sensitivity = field(repr=False)
+    pure_noise: NoiseSpread = field(repr=False)
+    aided_noise: NoiseSpread = field(repr=False)
+
+    def case(self, name: str) -> int:
+        """Index of a case; ValueError naming it when there is none."""
+        require(name in self.names, f"case {name!r}: must be one of {', '.join(self.names)}")
+        return self.names.index(name)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the final-error table, m: (north, east, up), then down-range and cross-range."""
+
+    name: str
+    kind: str
+    pure_m: tuple[float, float, float]
+    aided_m: tuple[float, float, float]
+    pure_down_range_m: float
+    pure_cross_range_m: float
+    aided_down_range_m: float
+    aided_cross_range_m: float
+    source: str
+
+    @property
+    def improvement_m(self) -> tuple[float, float, float]:
+        """How much smaller the tracker made the size of the error, per channel (negative: larger)."""
+        north, east, up = (abs(p) - abs(a) for p, a in zip(self.pure_m, self.aided_m, strict=True))
+        return north, east, up
+
+
+def _parameters(errors: ErrorSet, aiding: Aiding) -> tuple[tuple[str, ...], Array]:
+    p = parameter_vector(errors, aiding.misalignment_rad, aiding.latency_s)
+    groups = {**SOURCES, **CLASSES}
+    names = (*groups, GRAVITY_ROW)
+    return names, np.stack([*(p * mask(group) for group in groups.values()), np.zeros_like(p)])
+
+
+def run_study(
+    inputs: StudyInputs | None = None,
+    *,
+    flight: Flight | None = None,
+    measured: AttitudeFrames | None = None,
+    progress: Callable[[float], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> Study:
+    """Integrate every case, with and without star tracker.
+
+    flight: a loaded trajectory instead of inputs.flight; measured: attitudes from star images
+    (`star_camera.track_stars`), taken by the case "all" in place of perfect frames. The row "gravity model"
+    is an INS without any other error whose gravity is not the true one; when both are the same it asks what
+    a truth with J2 would cost, flying the golden flight again in that field (for a loaded trajectory it is
+    then zero). Raises ValueError for bad input, Cancelled when `cancel()` turns true.
+    """
+    given = inputs or StudyInputs()
+    truth = flight or golden_flight(given.flight)
+    ratio = given.output_interval_s / truth.step_s
+    every = round(ratio)
+    require(
+        every >= 1 and abs(ratio - every) < 1e-6 and truth.steps % every == 0,
+        f"output_interval_s = {given.output_interval_s!r}: must be a multiple of the step of "
+        f"{truth.step_s!r} s and divide the flight",
+    )
+    names, parameters = _parameters(given.errors, given.aiding)
+    worn = {
+        "star tracker misalignment": camera_frames(truth, replace(given.aiding, latency_s=0.0)),
+        "star tracker latency": camera_frames(truth, replace(given.aiding, misalignment_rad=(0.0, 0.0, 0.0))),
+        "all": camera_frames(truth, given.aiding, measured),
+    }
+    # Every case has its frames at the instants of "all", so that the rows add up.
+    used = worn["all"].used
+    worn = {name: replace(frames, used=used) for name, frames in worn.items()}
+    ideal = replace(perfect_frames(truth, given.aiding), used=used)
+    mismatch, believed = truth, given.ins_gravity
+    if truth.gravity == believed and flight is None:
+        other = "j2" if believed == "spherical" else "spherical"
+        mismatch = golden_flight(replace(given.flight, gravity=other))
+    done = 0
+    total = 2 * len(names)
+
+    def one(name: str, row: int, aided: bool) -> NavigationErrors:
+        nonlocal done
+        path = mismatch if name == GRAVITY_ROW else truth
+        frames = None
+        if aided:
+            frames = worn.get(name, ideal)
+            if name == GRAVITY_ROW:
+                frames = replace(ideal, attitude_bi=np.ascontiguousarray(mismatch.attitude_bi))
+        run = mechanise(
+            path,
+            parameters[row],
+            given.errors,
+            frames=(frames,),
+            gravity=believed if name in (GRAVITY_ROW, "all") else truth.gravity,
+            every=every,
+            cancel=cancel,
+        )
+        done += 1
+        if progress is not None:
+            progress(done / total)
+        return navigation_errors(path, run)
+
+    pure, aided = (
+        _stack([one(name, row, with_camera) for row, name in enumerate(names)]) for with_camera in (False, True)
+    )
+    return Study(
+        inputs=given,
+        flight=truth,
+        names=names,
+        kinds=tuple("class" if n in CLASSES else "gravity" if n == GRAVITY_ROW else "source" for n in names),
+        marks=tuple(
+            f"run: INS {believed} gravity [B-3] on a {mismatch.gravity} truth, RK4 {truth.step_s:g} s"
+            if n == GRAVITY_ROW
+            else f"run: INS [B-3] with errors [B-1], RK4 {truth.step_s:g} s; aided [B-7]"
+            for n in names
+        ),
+        parameters=parameters,
+        used=used,
+        pure=pure,
+        aided=aided,
+        channels=decoupled_errors(truth, parameters, given.errors, every=every),
+        pure_sensitivity=sensitivity(truth, given.errors, every=every),
+        aided_sensitivity=sensitivity(truth, given.errors, used, every),
+        pure_noise=white_noise_spread(truth, given.errors, every=every),
+        aided_noise=white_noise_spread(truth, given.errors, used, worn["all"].covariance, every),
+    )
+
+
+def _stack(parts: list[NavigationErrors]) -> NavigationErrors:
+    joined = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in vars(parts[0])
+        if name not in ("time_s", "source")
+    }
+    return NavigationErrors(time_s=parts[0].time_s, source=parts[0].source, **joined)
+
+
+def _triple(values: Array) -> tuple[float, float, float]:
+    return float(values[0]), float(values[1]), float(values[2])
+
+
+def table(study: Study) -> tuple[Row, ...]:
+    """Final errors of every case, one row each."""
+    p, a = study.pure, study.aided
+    return tuple(
+        Row(
+            name=name,
+            kind=study.kinds[k],
+            pure_m=_triple(p.position_m[k, -1]),
+            aided_m=_triple(a.position_m[k, -1]),
+            pure_down_range_m=float(p.down_range_m[k, -1]),
+            pure_cross_range_m=float(p.cross_range_m[k, -1]),
+            aided_down_range_m=float(a.down_range_m[k, -1]),
+            aided_cross_range_m=float(a.cross_range_m[k, -1]),
+            source=study.marks[k],
+        )
+        for k, name in enumerate(study.names)
+    )
+
+
+@dataclass(frozen=True)
+class Slid:
+    """Curves at slider positions: last exact run + S p - S_0 p_0. Arrays (cases, m, 3), north, east, up,
+    m."""
+
+    names: tuple[str, ...]
+    time_s: Array
+    pure_m: Array = field(repr=False)
+    aided_m: Array = field(repr=False)
+    source: str = "last exact run, moved by the linear sensitivity matrix [B-4]"
+
+
+def slide(study: Study, errors: ErrorSet, aiding: Aiding | None = None) -> Slid:
+    """Move every curve of a study to new sensor, initial and tracker errors without integrating it again.
+
+    At the study's own inputs the answer is the exact one; away from them the gap is of second order, and
+    `linear_gap` shows it once the study has been run again. Changed periods or frames renew the sensitivity
+    matrix (tens of milliseconds); another flight needs a new study. The gravity row does not move.
+    """
+    wanted = study.inputs.aiding if aiding is None else aiding
+    flight, every = study.flight, round(study.inputs.output_interval_s / study.flight.step_s)
+    _, parameters = _parameters(errors, wanted)
+    periods = [
+        (
+            e.accelerometers.bias_period_s,
+            e.accelerometers.matrix_period_s,
+            e.gyros.bias_period_s,
+            e.gyros.matrix_period_s,
+        )
+        for e in (errors, study.inputs.errors)
+    ]
+    used = study.used if wanted == study.inputs.aiding else frame_steps(flight, wanted)
+    same_periods = periods[0] == periods[1]
+    pure, aided = study.pure_sensitivity, study.aided_sensitivity
+    if not same_periods:
+        pure = sensitivity(flight, errors, every=every)
+    if not same_periods or not np.array_equal(used, study.used):
+        aided = sensitivity(flight, errors, used, every)
+
+    def moved(exact: Array, new: Sensitivity, old: Sensitivity) -> Array:
+        if new is old:
+            return exact + new.position_m(parameters - study.parameters)
+        return exact + new.position_m(parameters) - old.position_m(study.parameters)
+
+    return Slid(
+        names=study.names,
+        time_s=study.pure.time_s,
+        pure_m=moved(study.pure.position_m, pure, study.pure_sensitivity),
+        aided_m=moved(study.aided.position_m, aided, study.aided_sensitivity),
+    )
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Linear answer against the exact one at the end of the flight: (cases,) distance in m and as a share of
+    the exact error (0 where that is below a metre)."""
+
+    names: tuple[str, ...]
+    pure_m: Array
+    aided_m: Array
+    pure_share: Array
+    aided_share: Array
+
+
+def linear_gap(slid: Slid, exact: Study) -> Gap:
+    """Gap between slid curves and the study recomputed exactly at the same inputs."""
+
+    def compare(linear: Array, truth: Array) -> tuple[Array, Array]:
+        distance = np.linalg.norm(linear[:, -1] - truth[:, -1], axis=-1)
+        size = np.linalg.norm(truth[:, -1], axis=-1)
+        return distance, np.where(size >= 1.0, distance / np.maximum(size, 1.0), 0.0)
+
+    pure_m, pure_share = compare(slid.pure_m, exact.pure.position_m)
+    aided_m, aided_share = compare(slid.aided_m, exact.aided.position_m)
+    return Gap(slid.names, pure_m, aided_m, pure_share, aided_share)
+
+
+def gravity_rows(inputs: StudyInputs | None = None) -> tuple[tuple[str, str, Array], ...]:
+    """Final north, east, up error (m) of an otherwise perfect INS for every pair (true model, INS model)."""
+    given = inputs or StudyInputs()
+    rows: list[tuple[str, str, Array]] = []
+    for true_model in ZONALS:
+        flight = golden_flight(replace(given.flight, gravity=true_model))
+        nothing = np.zeros_like(parameter_vector(given.errors))
+        for model in ZONALS:
+            run = mechanise(flight, nothing, given.errors, gravity=model, every=flight.steps)
+            rows.append((true_model, model, navigation_errors(flight, run).position_m[0, -1]))
+    return tuple(rows)
+
+
+def noise_ensemble(
+    study: Study,
+    runs: int = 100,
+    seed: int = 1,
+    *,
+    aided: bool = False,
+    progress: Callable[[float], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> Array:
+    """Position error histories (runs, m, 3), north, east, up, of an INS with white noise alone, by Monte
+    Carlo.
+
+    Each step holds one draw of density white_noise per axis. Compare with `Study.pure_noise`, its prediction.
+    """
+    require(runs >= 1, f"runs = {runs!r}: must be at least 1")
+    flight, errors = study.flight, study.inputs.errors
+    sigma = np.repeat([errors.accelerometers.white_noise, errors.gyros.white_noise], 3)
+    generator = np.random.default_rng(seed)
+    every = round(study.inputs.output_interval_s / flight.step_s)
+    frames = (perfect_frames(flight, study.inputs.aiding) if aided else None,)
+    nothing = np.zeros(study.parameters.shape[1])
+    out = np.empty((runs, len(study.pure.time_s), 3))
+    for member in range(runs):
+        noise = generator.standard_normal((1, flight.steps, 6)) * sigma / np.sqrt(flight.step_s)
+        run = mechanise(
+            flight,
+            nothing,
+            errors,
+            frames=frames,
+            noise=noise,
+            gravity=flight.gravity,
+            every=every,
+            cancel=cancel,
+        )
+        out[member] = navigation_errors(flight, run).position_m[0]
+        if progress is not None:
+            progress((member + 1) / runs)
+    return out

@@ -1,0 +1,145 @@
+"""The study in words and as JSON, and the paper's readable numbers to set beside it."""
+
+import numpy as np
+
+from nav_model.suborbital.channels import height_e_folding_time
+from nav_model.suborbital.errors import CLASSES
+from nav_model.suborbital.frames import Array
+from nav_model.suborbital.study import GRAVITY_ROW, Study, table
+
+PAPER_FINAL_M: dict[str, dict[str, tuple[float, float]]] = {
+    "accelerometer bias": {"height": (20000, 20000), "y": (8000, 8000), "x": (10500, 10500)},
+    "accelerometer instability": {"height": (6000, 6000), "y": (4000, 4000), "x": (3700, 3700)},
+    "accelerometer total": {"height": (14000, 14000), "y": (12000, 12000), "x": (7300, 7300)},
+    "gyro bias": {"height": (20000, 20000), "y": (7500, 7500), "x": (10500, 10500)},
+    "gyro instability": {"height": (500, 500), "y": (200, 500), "x": (600, 600)},
+    "gyro total": {"height": (20500, 20500), "y": (7500, 7500), "x": (11100, 11100)},
+    "initial position and velocity": {"height": (460, 480), "y": (260, 280), "x": (220, 250)},
+    "improvement by the star tracker": {"height": (9000, 9000), "y": (3000, 3000), "x": (3000, 3000)},
+}
+"""Final error sizes as read from [B], (low, high) m. Its sensors and trajectory are lost: for comparison
+only."""
+
+
+def _size(vector: Array) -> float:
+    return float(np.linalg.norm(vector))
+
+
+def _metres(value: float) -> str:
+    if abs(value) >= 1000.0:
+        return f"{value / 1000.0:.1f} km"
+    return f"{value:.0f} m" if abs(value) >= 10.0 else f"{value:.1f} m"
+
+
+def explain(study: Study) -> str:
+    """What the tracker did and did not repair, in plain words formed from the numbers of the study."""
+    flight, end = study.flight, study.flight.time_s[-1]
+    pure = {n: study.pure.position_m[k, -1] for k, n in enumerate(study.names)}
+    aided = {n: study.aided.position_m[k, -1] for k, n in enumerate(study.names)}
+    before, after = _size(pure["all"]), _size(aided["all"])
+    if not np.any(study.used):
+        return (
+            f"The star tracker never gives a frame on this flight, so nothing is repaired: after "
+            f"{end:.0f} s the "
+            f"INS is off by {_metres(before)}, {_metres(abs(float(pure['all'][2])))} of it in height."
+        )
+    parts: list[str] = []
+    ratio = after / before if before > 0.0 else 1.0
+    change = "brings it to" if ratio < 0.98 else "leaves it at" if ratio < 1.02 else "makes it worse,"
+    parts.append(
+        f"After {end:.0f} s the INS alone is off by {_metres(before)} "
+        f"({_metres(abs(float(pure['all'][2])))} in height); the star tracker {change} {_metres(after)} "
+        f"({_metres(abs(float(aided['all'][2])))} in height)."
+    )
+    forcing = [_size(pure[n]) for n in ("gyro total", "initial attitude")]
+    left = [_size(aided[n]) for n in ("gyro total", "initial attitude")]
+    if max(forcing) < 1.0:
+        parts.append("There was no attitude forcing of weight for it to remove.")
+    else:
+        share = sum(left) / sum(forcing)
+        verbs = ((0.05, "removes"), (0.98, "reduces"), (1.02, "does not change"), (np.inf, "adds to"))
+        verb = next(word for limit, word in verbs if share < limit)
+        parts.append(
+            f"It {verb} the forcing through attitude: gyro errors go from {_metres(forcing[0])} to "
+            f"{_metres(left[0])}, initial alignment from {_metres(forcing[1])} to {_metres(left[1])}."
+        )
+    first = float(flight.time_s[int(np.argmax(study.used))])
+    if flight.burnout_s is not None and first > flight.step_s:
+        if first >= flight.burnout_s:
+            parts.append(
+                f"Its first frame comes at {first:.0f} s, after burn-out at {flight.burnout_s:.0f} s: "
+                "without thrust "
+                "attitude does not matter, so it comes too late to help."
+            )
+        else:
+            parts.append(
+                f"Its first frame comes at {first:.0f} s of a boost of {flight.burnout_s:.0f} s; what "
+                "attitude did "
+                "before that stays."
+            )
+    own = _size(sum((aided[n] for n in ("star tracker misalignment", "star tracker latency")), np.zeros(3)))
+    if own >= 1.0:
+        parts.append(f"Its own misalignment and latency cost {_metres(own)}.")
+    stays = [
+        (name, _size(aided[name]))
+        for name in ("accelerometer total", "initial position and velocity")
+        if _size(aided[name]) >= 1.0
+    ]
+    mismatch = study.inputs.ins_gravity != flight.gravity
+    if mismatch:
+        stays.append(
+            (
+                f"{GRAVITY_ROW} ({flight.gravity} truth, {study.inputs.ins_gravity} INS)",
+                _size(aided[GRAVITY_ROW]),
+            )
+        )
+    if stays:
+        parts.append(
+            "It cannot touch what does not come through attitude: "
+            + ", ".join(f"{name} {_metres(size)}" for name, size in stays)
+            + "."
+        )
+    slow = float(height_e_folding_time(np.mean(flight.height_m)))
+    parts.append(
+        f"It does not stabilise the height: left to itself an error there grows by e about every {slow:.0f} s."
+    )
+    return " ".join(parts)
+
+
+def _channels(values: Array) -> dict[str, float]:
+    return {"north": float(values[0]), "east": float(values[1]), "up": float(values[2])}
+
+
+def to_json(study: Study) -> dict[str, object]:
+    """The contract's JSON of `navbudget suborbital`: final errors by class in metres, pure and aided; with
+    the single sources, the gravity row, white noise, the flight and where each number came from beside
+    them."""
+    rows = {row.name: row for row in table(study)}
+    flight = study.flight
+    apogee_time, apogee_height = flight.apogee
+    other = [name for name in study.names if name not in CLASSES]
+    return {
+        "final_m": {name: _channels(np.array(rows[name].pure_m)) for name in CLASSES},
+        "aided_final_m": {name: _channels(np.array(rows[name].aided_m)) for name in CLASSES},
+        "sources": {
+            name: {
+                "final_m": _channels(np.array(rows[name].pure_m)),
+                "aided_final_m": _channels(np.array(rows[name].aided_m)),
+            }
+            for name in other
+        },
+        "white_noise_sigma_m": {
+            "final_m": _channels(study.pure_noise.position_sigma_m[-1]),
+            "aided_final_m": _channels(study.aided_noise.position_sigma_m[-1]),
+        },
+        "flight": {
+            "name": flight.name,
+            "duration_s": float(flight.time_s[-1]),
+            "apogee_time_s": apogee_time,
+            "apogee_height_m": apogee_height,
+            "burnout_s": flight.burnout_s,
+            "source": flight.source,
+        },
+        "summary": explain(study),
+        "provenance": {name: rows[name].source for name in study.names},
+    }

@@ -1,0 +1,144 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from nav_model.suborbital.attitude import (
+    METHODS,
+    attitude_error,
+    compare_methods,
+    n_vector,
+    nees,
+    triad,
+)
+from nav_model.suborbital.frames import (
+    ARCSEC,
+    quaternion_from_rotation,
+    rotation_from_quaternion,
+    rotation_from_vector,
+    vector_from_rotation,
+)
+
+SIGMA = 10.0 * ARCSEC
+OPTIMAL = ("q-method", "QUEST", "SVD")
+
+
+def scenes(count, stars, seed, sigma=SIGMA, attitude=None):
+    """Random scenes in an 8 degree square field, noise in the tangent plane."""
+    rng = np.random.default_rng(seed)
+    half = np.tan(np.radians(4.0))
+    body = np.concatenate([rng.uniform(-half, half, (count, stars, 2)), np.ones((count, stars, 1))], axis=-1)
+    body /= np.linalg.norm(body, axis=-1, keepdims=True)
+    a = Rotation.random(count, rng=rng).as_matrix() if attitude is None else attitude
+    reference = body @ a
+    noise = sigma * rng.standard_normal(body.shape)
+    noise -= np.sum(noise * body, axis=-1, keepdims=True) * body
+    seen = body + noise
+    return seen / np.linalg.norm(seen, axis=-1, keepdims=True), reference, a
+
+
+def test_optimal_methods_agree_with_scipy():
+    """To 1e-4 arcsec with Rotation.align_vectors on 1000 scenes of 5 stars."""
+    body, reference, _ = scenes(1000, 5, 0)
+    truth = np.array([Rotation.align_vectors(b, r)[0].as_matrix() for b, r in zip(body, reference, strict=True)])
+    for name in OPTIMAL:
+        gap = attitude_error(METHODS[name](body, reference, SIGMA).rotation, truth)
+        assert np.linalg.norm(gap, axis=-1).max() < 1e-4 * ARCSEC, name
+
+
+def test_mean_errors_and_consistency_over_1000_scenes():
+    """star_tracker.md: 238 (20 %), 105 (15 %), 74.5 (10 %) arcsec; NEES 3 +- 0.25. Seed fixed."""
+    body, reference, truth = scenes(1000, 5, 1)
+    scores = {s.method: s for s in compare_methods(body, reference, truth, SIGMA)}
+    printed = {"TRIAD": (238.0, 0.2), "N-vector": (105.0, 0.15), **dict.fromkeys(OPTIMAL, (74.5, 0.1))}
+    for name, (value, tolerance) in printed.items():
+        assert scores[name].mean_error_rad / ARCSEC == pytest.approx(value, rel=tolerance), name
+        assert scores[name].mean_nees == pytest.approx(3.0, abs=0.25), name
+        assert scores[name].scenes == 1000
+
+
+def test_rules_of_thumb():
+    """Cross-boresight sigma/sqrt(N), roll 17.5 sigma/sqrt(N-1), for stars filling the field (10 %)."""
+    body, reference, truth = scenes(2000, 30, 3)
+    error = attitude_error(METHODS["SVD"](body, reference, SIGMA).rotation, truth)
+    rms = np.sqrt(np.mean(error**2, axis=0)) / SIGMA
+    np.testing.assert_allclose(rms[:2], 1.0 / np.sqrt(30.0), rtol=0.1)
+    assert rms[2] == pytest.approx(17.5 / np.sqrt(29.0), rel=0.1)
+
+
+HALF_TURNS = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 2, 3], [1e-9, 0, 1]], dtype=float)
+
+
+@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("angle", [0.0, np.pi, np.pi - 1e-7])
+def test_half_turns_are_no_exception(name, angle):
+    axes = HALF_TURNS / np.linalg.norm(HALF_TURNS, axis=-1, keepdims=True)
+    truth = Rotation.from_rotvec(angle * axes).as_matrix()
+    body, reference, _ = scenes(len(axes), 6, 5, sigma=0.0, attitude=truth)
+    error = attitude_error(METHODS[name](body, reference, SIGMA).rotation, truth)
+    assert np.abs(error).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["TRIAD", *OPTIMAL])
+def test_two_stars_are_enough(name):
+    body, reference, truth = scenes(50, 2, 7, sigma=1e-9)
+    estimate = METHODS[name](body, reference, 1e-9)
+    error = attitude_error(estimate.rotation, truth)
+    assert np.mean(nees(error, estimate.covariance)) == pytest.approx(3.0, abs=1.5)
+
+
+def test_singular_scenes_are_refused_by_name():
+    body, reference, _ = scenes(3, 2, 8)
+    with pytest.raises(ValueError, match="N-vector: a scene has 2 stars"):
+        n_vector(body, reference, SIGMA)
+    plane = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.6, 0.8, 0.0]])
+    with pytest.raises(ValueError, match="one plane"):
+        n_vector(plane, plane, SIGMA)
+    line = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    for name, method in METHODS.items():
+        with pytest.raises(ValueError, match=f"{name}: the stars of a scene are collinear"):
+            method(line, line, SIGMA)
+        with pytest.raises(ValueError, match=name):
+            method(line[:1], line[:1], SIGMA)
+    with pytest.raises(ValueError, match="one shape"):
+        triad(body, reference[:1], SIGMA)
+    with pytest.raises(ValueError, match="finite"):
+        triad(np.full((2, 3), np.nan), np.full((2, 3), 1.0), SIGMA)
+
+
+def test_stars_of_weight_zero_do_not_count():
+    body, reference, _ = scenes(20, 8, 9)
+    weight = np.ones((20, 8))
+    weight[:, 5:] = 0.0
+    junk = body.copy()
+    junk[:, 5:] = junk[:, ::-1][:, 5:]
+    for name in METHODS:
+        padded = METHODS[name](junk, reference, SIGMA, weight)
+        alone = METHODS[name](body[:, :5], reference[:, :5], SIGMA)
+        np.testing.assert_allclose(padded.rotation, alone.rotation, atol=1e-9)
+        np.testing.assert_allclose(padded.covariance, alone.covariance, rtol=1e-9, atol=1e-22)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 10**6), name=st.sampled_from(list(METHODS)))
+def test_turning_the_sky_turns_the_answer(seed, name):
+    """Equivariance: reference turned by Q gives A Q^T, and every answer is a rotation."""
+    body, reference, _ = scenes(4, 6, seed)
+    turn = Rotation.random(rng=np.random.default_rng(seed + 1)).as_matrix()
+    plain = METHODS[name](body, reference, SIGMA).rotation
+    turned = METHODS[name](body, reference @ turn.T, SIGMA).rotation
+    np.testing.assert_allclose(turned, plain @ turn.T, atol=1e-8)
+    np.testing.assert_allclose(plain @ np.swapaxes(plain, -1, -2), np.broadcast_to(np.eye(3), plain.shape), atol=1e-9)
+    np.testing.assert_allclose(np.linalg.det(plain), 1.0, atol=1e-9)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.floats(-1.8, 1.8), min_size=3, max_size=3))
+def test_rotation_conversions_agree_with_scipy(vector):
+    v = np.array(vector)
+    matrix = rotation_from_vector(v)
+    np.testing.assert_allclose(matrix, Rotation.from_rotvec(v).as_matrix(), atol=1e-12)
+    if np.linalg.norm(v) < np.pi:
+        np.testing.assert_allclose(vector_from_rotation(matrix), v, atol=1e-7)
+    np.testing.assert_allclose(rotation_from_quaternion(quaternion_from_rotation(matrix)), matrix, atol=1e-12)

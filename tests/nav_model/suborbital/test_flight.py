@@ -1,0 +1,146 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nav_model.suborbital.flight import FlightParameters, golden_flight
+from nav_model.suborbital.gravity import ZONALS, compare_gravity, gravitation, normal_gravity
+from nav_model.suborbital.trajectory_file import load_trajectory, save_trajectory
+
+
+def test_golden_flight_has_the_printed_milestones(flight):
+    """star_tracker.md, "Golden flight (X)"."""
+    time, height = flight.apogee
+    assert time == pytest.approx(815.6, abs=0.05)
+    assert height == pytest.approx(991.44e3, abs=5.0)
+    assert flight.height_m[1950] == pytest.approx(232.33e3, abs=5.0)
+    assert np.linalg.norm(flight.velocity_i[1950]) == pytest.approx(6172.88, abs=5e-3)
+    assert flight.time_s[flight.height_m > 80e3][0] == pytest.approx(111.3, abs=0.05)
+    assert flight.height_m[-1] == pytest.approx(64.70e3, abs=5.0)
+
+
+def test_starts_at_rest_on_the_pad_along_the_azimuth(flight):
+    assert np.degrees(flight.latitude_rad[0]) == pytest.approx(37.94, abs=1e-9)
+    assert np.degrees(flight.longitude_rad[0]) == pytest.approx(-75.46, abs=1e-9)
+    assert np.abs(flight.velocity_ned[0]).max() < 1e-9
+    assert flight.ground_range_m[0] == 0.0
+    # During boost the flight heads down the launch azimuth to within a few degrees.
+    assert math.degrees(flight.track_rad[1000]) == pytest.approx(110.0, abs=5.0)
+
+
+def test_energy_and_angular_momentum_are_kept_in_coast(flight):
+    """After burn-out the motion is Keplerian: both constants of the two-body problem must stand still."""
+    r, v = flight.position_i[1950:], flight.velocity_i[1950:]
+    energy = 0.5 * np.sum(v * v, axis=1) - 3.986004418e14 / np.linalg.norm(r, axis=1)
+    momentum = np.cross(r, v)
+    assert np.ptp(energy) / abs(energy[0]) < 1e-12
+    assert np.abs(momentum - momentum[0]).max() / np.linalg.norm(momentum[0]) < 1e-12
+
+
+def test_angular_rate_is_the_derivative_of_the_attitude(flight):
+    c, h = flight.half_attitude_bi, 0.5 * flight.step_s
+    cross = np.swapaxes(c[1:-1], -1, -2) @ (c[2:] - c[:-2]) / (2.0 * h)
+    rate = np.stack([cross[:, 2, 1], cross[:, 0, 2], cross[:, 1, 0]], axis=-1)[::2]
+    # The central difference itself is off by h^2/6 of the rate's second derivative, about 1e-8 rad/s here.
+    assert np.abs(rate - flight.angular_rate_b[:, 1]).max() < 3e-8
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"burn_time_s": 195.05}, "burn_time_s"),
+        ({"duration_s": 1500.03}, "duration_s"),
+        ({"step_s": 0.0}, "step_s"),
+        ({"gravity": "flat"}, "gravity"),
+        ({"latitude_rad": math.pi / 2}, "latitude_rad"),
+        ({"burn_time_s": 120.0}, "pitch_program_end_s"),
+        ({"initial_thrust_m_s2": math.nan}, "initial_thrust_m_s2"),
+    ],
+)
+def test_bad_parameters_are_refused_by_name(change, words):
+    with pytest.raises(ValueError, match=words):
+        FlightParameters(**change)
+
+
+def test_a_flight_into_the_ground_is_refused():
+    with pytest.raises(ValueError, match="reaches the ground"):
+        golden_flight(FlightParameters(duration_s=1700.0))
+    with pytest.raises(ValueError, match="reaches the ground"):
+        golden_flight(FlightParameters(initial_thrust_m_s2=5.0))
+
+
+def test_trajectory_file_round_trip(tmp_path, flight):
+    path = tmp_path / "flight.csv"
+    save_trajectory(flight, path)
+    loaded = load_trajectory(path)
+    assert np.abs(loaded.position_i - flight.position_i).max() < 1e-4
+    assert np.abs(loaded.angular_rate_b - flight.angular_rate_b).max() < 1e-6
+    # Away from burn-out, which a spline smears over a few rows.
+    assert np.abs(loaded.specific_force_b[:1900] - flight.specific_force_b[:1900]).max() < 2e-3
+    assert np.abs(loaded.specific_force_b[2000:]).max() < 2e-3
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("time_s,latitude_deg\n0,1\n", "missing"),
+        (
+            "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg\n" + "0,1,2,3,4,5,6\n" * 2,
+            "at least 4",
+        ),
+        (
+            "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg\n" + "0,1,2,3,4,5,6\n" * 5,
+            "rise",
+        ),
+        (
+            "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg\n" + "0,a,2,3,4,5,6\n" * 5,
+            "numbers",
+        ),
+    ],
+)
+def test_bad_files_are_refused(tmp_path, text, words):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=words):
+        load_trajectory(path)
+
+
+def test_normal_gravity_has_the_published_values_of_wgs84():
+    """NIMA TR8350.2, table 3.6: 9.7803253359 at the equator, 9.8321849378 at the poles."""
+    axial, outward = normal_gravity(np.array([0.0, np.pi / 2]), 0.0)
+    magnitude = np.hypot(axial, outward)
+    np.testing.assert_allclose(magnitude, [9.7803253359, 9.8321849378], atol=2e-9)
+
+
+@pytest.mark.parametrize("height", [0.0, 1e5, 5e5, 1e6])
+def test_zonals_agree_with_the_closed_normal_field(height):
+    latitude = np.radians(np.linspace(-85.0, 85.0, 35))
+    a, f = 6378137.0, 1 / 298.257223563
+    n = a / np.sqrt(1.0 - f * (2 - f) * np.sin(latitude) ** 2)
+    x, z = (n + height) * np.cos(latitude), (n * (1 - f) ** 2 + height) * np.sin(latitude)
+    field = gravitation(np.stack([x, 0 * x, z], axis=-1), "ellipsoidal")
+    axial, outward = normal_gravity(latitude, height)
+    np.testing.assert_allclose(field[:, 2], axial, atol=5e-9)
+    np.testing.assert_allclose(field[:, 0] + 7.2921150e-5**2 * x, outward, atol=5e-9)
+
+
+@pytest.mark.parametrize("model", ZONALS)
+def test_gravitation_is_the_gradient_of_a_harmonic_potential(model):
+    """Its divergence and curl vanish outside the Earth (central differences)."""
+    point, step = np.array([3.1e6, -2.4e6, 5.6e6]), 200.0
+    shift = step * np.eye(3)
+    jacobian = (gravitation(point + shift, model) - gravitation(point - shift, model)) / (2.0 * step)
+    assert abs(np.trace(jacobian)) < 1e-13
+    assert np.abs(jacobian - jacobian.T).max() < 1e-13
+
+
+def test_gravity_comparison_falls_with_height_and_knows_its_models():
+    table = compare_gravity(np.radians(38.0), np.linspace(0.0, 1e6, 11))
+    assert np.all(np.diff(table.spherical_m_s2) < 0.0)
+    # J2 makes all but a few 1e-5 m/s² of what separates the ellipsoid from the sphere.
+    assert np.abs(table.j2_m_s2 - table.ellipsoidal_m_s2).max() < 2e-4
+    assert np.abs(table.spherical_m_s2 - table.ellipsoidal_m_s2).min() > 1e-3
+    assert np.all(table.horizontal_j2_m_s2 < 0.0)
+    with pytest.raises(ValueError, match="gravity"):
+        golden_flight(replace(FlightParameters(), gravity="EGM"))

