@@ -36,6 +36,7 @@ from nav_model.inputs import BaseQuantity, Choice, DesignError
 from nav_model.parts import PRESET_KEYS, declaration_of
 
 MOST_ROWS = 50_000_000
+MOST_POINTS = 100_000  # of one range
 _ROWS_PER_PART = 2000
 _FORMAT = 1  # of the parts; part of a plan's identity
 _KEYS = ("design", "combine", "results", "rows_per_part", "vary")
@@ -205,8 +206,8 @@ def _range(key: str, spec: Mapping[str, Any]) -> list[float]:
     declaration = quantity(key)
     low, high = declaration.read(spec["from"]).value, declaration.read(spec["to"]).value
     points, spacing = spec["points"], spec.get("spacing", "linear")
-    if not isinstance(points, int) or isinstance(points, bool) or not 2 <= points <= MOST_ROWS:
-        raise DesignError(key, f"points = {points!r} is not a whole number from 2")
+    if not isinstance(points, int) or isinstance(points, bool) or not 2 <= points <= MOST_POINTS:
+        raise DesignError(key, f"points = {points!r} is not a whole number from 2 to {MOST_POINTS}")
     if spacing not in ("log", "linear"):
         raise DesignError(key, f"spacing {spacing!r} is not one of log, linear")
     if spacing == "log" and min(low, high) <= 0:

@@ -34,9 +34,7 @@ def test_slow_error_too(closed_design):
 
 def test_arrays_are_designs_side_by_side(closed_design):
     x, y = np.geomspace(1e-6, 1e-3, 5), np.geomspace(0.01, 5, 4)
-    grid = figures(
-        inputs_of(closed_design, {"imu.angle_random_walk": x[None, :], "gnss.position_noise": y[:, None]})
-    )
+    grid = figures(inputs_of(closed_design, {"imu.angle_random_walk": x[None, :], "gnss.position_noise": y[:, None]}))
     for j, noise in enumerate(y):
         for i, walk in enumerate(x):
             one = closed_design.replace({"imu.angle_random_walk": float(walk), "gnss.position_noise": float(noise)})

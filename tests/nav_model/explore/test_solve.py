@@ -2,12 +2,13 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nav_model.budget import analyse
-from nav_model.explore.margins import ALL
+from nav_model.explore.margins import ALL, quantity, ratios
 from nav_model.explore.solve import SOLVED, remedies, resolution_for, round_down, solve
 from nav_model.inputs import DesignError
 
@@ -17,7 +18,7 @@ def _margin(design, key, value, requirement):
     return next(check.margin for check in checks if check.name == requirement)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(data=st.data())
 def test_every_solved_value_put_back_gives_margin_zero(data, designs):
     design = data.draw(designs)
@@ -25,15 +26,11 @@ def test_every_solved_value_put_back_gives_margin_zero(data, designs):
         for answer in solution.each:
             if answer.value is not None:
                 assert abs(_margin(design, answer.key, answer.value, answer.requirement)) <= 1e-9
-                assert _margin(design, answer.key, 1.02 * answer.value, answer.requirement) < 0 or (
-                    answer.key == "coast.before_aperture"
-                )
-                assert _margin(design, answer.key, 0.98 * answer.value, answer.requirement) > 0 or (
-                    answer.key == "coast.before_aperture"
-                )
+                around = ratios(design, {answer.key: answer.value * np.array([0.98, 1.02])})[answer.requirement]
+                assert around[0] <= 1 <= around[1]
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(data=st.data())
 def test_all_together_is_the_least_and_closes(data, designs):
     design = data.draw(designs)
@@ -48,22 +45,20 @@ def test_all_together_is_the_least_and_closes(data, designs):
             assert any(answer.outcome == "no value" for answer in solution.each)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(data=st.data())
 def test_no_value_and_any_value_mean_it(data, designs):
     design = data.draw(designs)
     for solution in solve(design, verify=False):
         for answer in solution.each:
-            low, high = design_bounds(answer.key)
+            low, high = _bounds(answer.key)
             if answer.outcome == "no value":
                 assert _margin(design, answer.key, low, answer.requirement) < 0
             elif answer.outcome == "any value" and answer.key != "radar.aperture_time":
                 assert _margin(design, answer.key, high, answer.requirement) >= 0
 
 
-def design_bounds(key):
-    from nav_model.explore.margins import quantity
-
+def _bounds(key):
     low, high = quantity(key).limits
     return max(low, 1e-9 * high), high
 
