@@ -86,7 +86,7 @@ def _parser() -> argparse.ArgumentParser:
     report.set_defaults(run=_report)
 
     presets = commands.add_parser("presets", help="the catalogue, with sources")
-    presets.add_argument("kind", choices=("imu", "radar"))
+    presets.add_argument("kind", choices=("imu", "radar", "gnss"))
     presets.add_argument("--json", action="store_true", help="as JSON")
     presets.set_defaults(run=_presets)
     _explore_arguments(commands)
