@@ -58,6 +58,7 @@ class SearchPanel:
             sizing_mode="stretch_width",
             header_filters={"IMU": True, "Receiver": True, "Verdict": True},
             theme="simple",
+            stylesheets=[":host .tabulator { font-size: 12.5px; }"],
             margin=(4, 14),
         )
         self._adopt = pmui.Button(
