@@ -38,6 +38,7 @@ class Page(Protocol):
 PAGES: tuple[tuple[str, str], ...] = (
     ("Budget", "app.pages.budget:BudgetPage"),
     ("SAR", "app.pages.sar:SarPage"),
+    ("Explore", "app.pages.explore:ExplorePage"),
     ("Sensors", "app.pages.sensors:SensorsPage"),
 )
 """The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
