@@ -181,7 +181,7 @@ def test_presets(capsys, kind, names):
     "arguments",
     [
         [], ["evaluate"], ["evaluate", MEMS, TACTICAL], ["check"], ["bogus"], ["presets"],
-        ["presets", "gnss"],
+        ["presets", "stars"],
         ["evaluate", MEMS, "--bogus"], ["evaluate", MEMS, "--times"], ["report", MEMS],
     ],
 )  # fmt: skip

@@ -184,7 +184,7 @@ def test_sar_command_writes_the_study(
         (["--seed", "-1"], "--seed"),
         (["--set", "radar.squint_angle=70°"], "radar.squint_angle"),
         (["--set", "radar.grazing_angle=90°"], "radar.grazing_angle"),
-        (["-o", "/nonexistent/x.json", "--runs", "20"], "/nonexistent/x.json"),
+        (["-o", "/nonexistent/x.json", "--runs", "20"], "/nonexistent"),
     ],
 )
 def test_sar_command_refuses_in_one_line(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Iterator
+from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -172,7 +173,7 @@ def test_catalogue_marks_what_is_not_confirmed():
             cells = re.findall(r'<td class="num.*?</td>', row)
             doubtful = [item for item in (*entry.values.values(), *entry.extra.values()) if not item.confirmed]
             assert sum("⚠" in cell for cell in cells) == len(doubtful)
-            assert all(item.source in row.replace("&#x27;", "'") for item in entry.values.values())
+            assert all(item.source in unescape(row) for item in entry.values.values())
     assert "● in the design" in catalogue_table("imu", "STIM300")
 
 
