@@ -6,6 +6,7 @@ import io
 import re
 from collections.abc import Callable
 from html import escape
+from typing import Generic, TypeVar
 
 import panel as pn
 import panel_material_ui as pmui
@@ -17,6 +18,7 @@ from app.state import Session
 from app.theme import FRAME, SHEET
 from nav_model.budget import Budget
 
+_T = TypeVar("_T")
 _MARK = re.compile(r"\[[A-Z]-\d+\]")
 
 
@@ -30,14 +32,16 @@ def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> pn.pane.HTM
     return pn.pane.HTML(text, stylesheets=[SHEET], sizing_mode="stretch_width", margin=margin)
 
 
-class ChartView:
-    """One chart on the page: title, figure, how we know, and its data to take away."""
+class ChartPane(Generic[_T]):
+    """One chart on a page, drawn from whatever its description takes: title, figure, how we know, and its data to
+    take away."""
 
-    def __init__(self, describe: Callable[[Budget], Chart | BarChart], session: Session, height: int) -> None:
+    def __init__(self, describe: Callable[[_T], Chart | BarChart], current: Callable[[], _T], height: int) -> None:
         self._describe = describe
-        self._session = session
-        chart = describe(session.budget)
+        self._current = current
+        chart = describe(current())
         self.figure = to_bokeh(chart, height)
+        self._title = html_pane(_heading(chart), margin=(10, 14, 0, 14))
         self._know = html_pane(_know(chart))
         download = pmui.FileDownload(
             callback=self._csv,
@@ -49,7 +53,7 @@ class ChartView:
             margin=(0, 8),
         )
         self.view = pn.Column(
-            html_pane(f"<h3>{escape(chart.title)}</h3>", margin=(10, 14, 0, 14)),
+            self._title,
             # The figure stands in a native column: directly in a Material layout it breaks when replaced.
             pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
             self._know,
@@ -59,14 +63,26 @@ class ChartView:
             margin=0,
         )
 
-    def show(self, budget: Budget) -> None:
+    def show(self, data: _T) -> None:
         """Feed the figure."""
-        chart = self._describe(budget)
+        chart = self._describe(data)
         self.figure.feed(chart)
+        self._title.object = _heading(chart)
         self._know.object = _know(chart)
 
     def _csv(self) -> io.BytesIO:
-        return io.BytesIO(to_csv(self._describe(self._session.budget)).encode("utf-8"))
+        return io.BytesIO(to_csv(self._describe(self._current())).encode("utf-8"))
+
+
+class ChartView(ChartPane[Budget]):
+    """A chart of the budget in force."""
+
+    def __init__(self, describe: Callable[[Budget], Chart | BarChart], session: Session, height: int) -> None:
+        super().__init__(describe, lambda: session.budget, height)
+
+
+def _heading(chart: Chart | BarChart) -> str:
+    return f"<h3>{escape(chart.title)}</h3>"
 
 
 def _know(chart: Chart | BarChart) -> str:

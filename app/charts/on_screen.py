@@ -82,7 +82,8 @@ def _columns(chart: Chart | BarChart) -> dict[str, dict[str, Any]]:
     for band in chart.bands:
         columns[f"band {band.key}"] = {"x": band.x, "low": band.low, "high": band.high}
     for points in chart.points:
-        columns[f"points {points.key}"] = {"x": points.x, "y": points.y, "name": list(points.names)}
+        sizes = {} if points.sizes is None else {"size": points.sizes}
+        columns[f"points {points.key}"] = {"x": points.x, "y": points.y, "name": list(points.names), **sizes}
     if chart.limits:
         columns["limits"] = {
             "x0": [limit.start for limit in chart.limits],
@@ -127,7 +128,10 @@ def _curves(chart: Chart, height: int) -> Figure:
         toolbar_location="right",
         active_drag=None,
         **({"y_range": Range1d(*chart.y_range)} if chart.y_range else {}),
+        **({"x_range": Range1d(*chart.x_range)} if chart.x_range else {}),
     )
+    if chart.square:
+        plot.update(width=height, max_width=height, aspect_ratio=1.0, height_policy="auto")
     plot.toolbar.logo = None
     columns = _columns(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
@@ -154,8 +158,9 @@ def _curves(chart: Chart, height: int) -> Figure:
         style = STYLES[points.style]
         source = sources[f"points {points.key}"]
         renderer = plot.scatter(
-            "x", "y", source=source, marker=points.marker, size=9, fill_color=style.colour, line_color=style.colour
-        )
+            "x", "y", source=source, marker=points.marker, size=9 if points.sizes is None else "size",
+            fill_color=style.colour, line_color=style.colour,
+        )  # fmt: skip
         _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
     if chart.limits:
         style = STYLES["limit"]

@@ -75,7 +75,8 @@ class Setting:
             for pair in value:
                 assert isinstance(pair, tuple)
                 if not (0 <= pair[0] < pair[1] < math.inf):
-                    raise DesignError(self.key, f"{pair[0]:g}-{pair[1]:g} s must start at 0 or later, before it stops")
+                    said = f"{pair[0]:g}-{pair[1]:g} s"
+                    raise DesignError(self.key, f"{said} must start at 0 or later, and before it stops")
             return value
         numbers = value if isinstance(value, tuple) else (value,)
         for number in numbers:
@@ -227,7 +228,8 @@ GROUPS: dict[str, tuple[Setting, ...]] = {
                 "number", _AIDING.latency_s, "time", "ms", 0.0, 10.0, 1e-4),
         Setting("tracker.misalignment", "Camera to IMU misalignment", "Rotation about the body axes x, y, z.",
                 "triple", _AIDING.misalignment_rad, "angle", "arcsec", 0.0, math.radians(5), 0.1 * _ARCSEC),
-        Setting("tracker.dropouts", "Dropouts", 'Times without frames, such as "200-260 s, 400-410 s"; the gyros hold.',
+        Setting("tracker.dropouts", "Dropouts",
+                'Times without frames, such as "200-260 s, 400-410 s"; the gyros hold.',
                 "intervals", _AIDING.dropouts_s),
     ),
     "Camera and sky": (
@@ -245,8 +247,8 @@ GROUPS: dict[str, tuple[Setting, ...]] = {
         Setting("camera.roll_limit", "Gate on roll about the boresight",
                 "A frame whose predicted sigma exceeds it is not used; the gyros hold.", "number",
                 _CAMERA.roll_limit_rad, "angle", "arcsec", _ARCSEC, math.radians(90)),
-        Setting("sky.stars", "Sky", "The Hipparcos catalogue, or a seeded synthetic sky of the same density.", "choice",
-                "Hipparcos", choices=("Hipparcos", "synthetic")),
+        Setting("sky.stars", "Sky", "The Hipparcos catalogue, or a seeded synthetic sky of the same density.",
+                "choice", "Hipparcos", choices=("Hipparcos", "synthetic")),
         Setting("sky.magnitude_limit", "Magnitude limit", "Faintest star identified, Hp.", "number", 6.5,
                 low=2.0, high=9.0),
         Setting("seed", "Seed", "Of the centroid noise and of the synthetic sky.", "whole", 1.0, low=0, high=2**31),
@@ -375,7 +377,7 @@ def from_design(settings: Settings, design: Design) -> Settings:
     imu = design.imu
 
     def signed(key: str, size: float) -> Triple:
-        x, y, z = (float(s) * size for s in np.sign(np.array(SETTINGS[key].default, dtype=np.float64)))
+        x, y, z = (float(s) * size + 0.0 for s in np.sign(np.array(SETTINGS[key].default, dtype=np.float64)))
         return x, y, z
 
     return settings.change(

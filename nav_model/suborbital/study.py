@@ -326,15 +326,20 @@ class Gap:
 
 def linear_gap(slid: Slid, exact: Study) -> Gap:
     """Gap between slid curves and the study recomputed exactly at the same inputs."""
+    return position_gap(slid.pure_m, slid.aided_m, exact)
+
+
+def position_gap(pure_m: Array, aided_m: Array, exact: Study) -> Gap:
+    """Gap between position histories (cases, m, 3), pure and aided, and an exact study of the same cases."""
 
     def compare(linear: Array, truth: Array) -> tuple[Array, Array]:
         distance = np.linalg.norm(linear[:, -1] - truth[:, -1], axis=-1)
         size = np.linalg.norm(truth[:, -1], axis=-1)
         return distance, np.where(size >= 1.0, distance / np.maximum(size, 1.0), 0.0)
 
-    pure_m, pure_share = compare(slid.pure_m, exact.pure.position_m)
-    aided_m, aided_share = compare(slid.aided_m, exact.aided.position_m)
-    return Gap(slid.names, pure_m, aided_m, pure_share, aided_share)
+    pure_gap, pure_share = compare(pure_m, exact.pure.position_m)
+    aided_gap, aided_share = compare(aided_m, exact.aided.position_m)
+    return Gap(exact.names, pure_gap, aided_gap, pure_share, aided_share)
 
 
 def gravity_rows(inputs: StudyInputs | None = None) -> tuple[tuple[str, str, Array], ...]:

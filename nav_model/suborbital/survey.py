@@ -217,10 +217,11 @@ def needs_other_matrices(survey: Survey, settings: Settings) -> bool:
 
 @dataclass(frozen=True)
 class Renewed:
-    """What other periods or frame instants change: matrices, decoupled channels, noise with the tracker."""
+    """What other periods or frame instants change: matrices, decoupled channels (None: as they were), noise with
+    the tracker."""
 
     matrices: Renewal
-    channel_response: Array = field(repr=False)
+    channel_response: Array | None = field(repr=False)
     aided_noise: NoiseParts = field(repr=False)
 
 
@@ -228,9 +229,12 @@ def renewed(study: Study, settings: Settings) -> Renewed:
     """Compute a `Renewed` for a study with a perfect camera (a fraction of a second)."""
     inputs = settings.study_inputs()
     flight, every = study.flight, round(study.inputs.output_interval_s / study.flight.step_s)
+    matrices = renew(study, inputs.errors, inputs.aiding)
+    same_periods = matrices.pure is study.pure_sensitivity
+    unit = np.eye(len(PARAMETERS))
     return Renewed(
-        renew(study, inputs.errors, inputs.aiding),
-        decoupled_errors(flight, np.eye(len(PARAMETERS)), inputs.errors, every=every).position_m,
+        matrices,
+        None if same_periods else decoupled_errors(flight, unit, inputs.errors, every=every).position_m,
         _noise_parts(flight, inputs.errors, frame_steps(flight, inputs.aiding), None, every),
     )
 
@@ -246,7 +250,9 @@ def moved(survey: Survey, settings: Settings, renewal: Renewed | None = None) ->
     if renewal is None and needs_renewal(study, inputs.errors, inputs.aiding):
         renewal = renewed(study, settings)
     slid = slide(study, inputs.errors, inputs.aiding, renewal.matrices if renewal else None)
-    response = renewal.channel_response if renewal else survey.channel_response
+    response = survey.channel_response
+    if renewal is not None and renewal.channel_response is not None:
+        response = renewal.channel_response
     noise = renewal.aided_noise if renewal else survey.aided_noise
     new = slid.renewal
     every = round(study.inputs.output_interval_s / study.flight.step_s)

@@ -52,6 +52,7 @@ def save_trajectory(flight: Flight, path: str | Path, every: int = 1) -> None:
     )
 
 
+MAX_BYTES = 16_000_000
 MAX_ROWS = 200_000
 MAX_STEPS = 100_000
 """Limits of a trajectory: what a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
@@ -77,6 +78,7 @@ def parse_trajectory(
     from scipy.interpolate import CubicSpline
     from scipy.spatial.transform import Rotation, RotationSpline
 
+    require(len(content) <= MAX_BYTES, f"{name}: larger than {MAX_BYTES // 1_000_000} MB; not a trajectory")
     try:
         first_line, *lines = content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
