@@ -43,7 +43,7 @@ class ChartPane(Generic[_T]):
         self.figure = to_bokeh(chart, height)
         self._title = html_pane(_heading(chart), margin=(10, 14, 0, 14))
         self._know = html_pane(_know(chart))
-        download = pmui.FileDownload(
+        self._download = pmui.FileDownload(
             callback=self._csv,
             filename=f"{chart.key}.csv",
             label=f"{chart.title}: data (CSV)",
@@ -57,7 +57,7 @@ class ChartPane(Generic[_T]):
             # The figure stands in a native column: directly in a Material layout it breaks when replaced.
             pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
             self._know,
-            download,
+            self._download,
             styles=FRAME,
             sizing_mode="stretch_width",
             margin=0,
@@ -67,7 +67,9 @@ class ChartPane(Generic[_T]):
         """Feed the figure."""
         chart = self._describe(data)
         self.figure.feed(chart)
-        self._title.object = _heading(chart)
+        if self._title.object != _heading(chart):
+            self._title.object = _heading(chart)
+            self._download.label = f"{chart.title}: data (CSV)"
         self._know.object = _know(chart)
 
     def _csv(self) -> io.BytesIO:

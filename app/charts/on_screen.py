@@ -26,6 +26,7 @@ from app.charts.description import BAR_STYLES, STYLES, BarChart, Chart, Line
 
 # The page's theme sets chart text in em; this is what an em is.
 _TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
+_BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 # Powers of ten as 10ⁿ; the 2 and 5 between them, which only a narrow axis has, as plain numbers.
 _LOG_TICKS = """
@@ -131,7 +132,8 @@ def _curves(chart: Chart, height: int) -> Figure:
         **({"x_range": Range1d(*chart.x_range)} if chart.x_range else {}),
     )
     if chart.square:
-        plot.update(width=height, max_width=height, aspect_ratio=1.0, height_policy="auto")
+        wide = height + _BESIDE  # so that the frame itself is square
+        plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)
     plot.toolbar.logo = None
     columns = _columns(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
@@ -159,7 +161,7 @@ def _curves(chart: Chart, height: int) -> Figure:
         source = sources[f"points {points.key}"]
         renderer = plot.scatter(
             "x", "y", source=source, marker=points.marker, size=9 if points.sizes is None else "size",
-            fill_color=style.colour, line_color=style.colour,
+            fill_color=style.colour, line_color=style.colour, line_width=style.width if points.marker == "x" else 1.0,
         )  # fmt: skip
         _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
     if chart.limits:

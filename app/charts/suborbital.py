@@ -53,7 +53,7 @@ class Shown:
     def how(self) -> str:
         """Which answer the curves are."""
         step = self.study.flight.step_s
-        run = f"integrated INS [B-3] with sensor errors [B-1], RK4 at {step:g} s; with tracker [B-7]"
+        run = f"Integrated INS [B-3] with sensor errors [B-1], RK4 at {step:g} s; with tracker [B-7]"
         return run if self.exact else f"{run}; then moved by the linear sensitivity matrix [B-4]"
 
     @property
@@ -191,8 +191,11 @@ def _log(values: Array) -> Array:
 
 
 def _log_range(*curves: Array) -> tuple[float, float]:
-    top = max(float(np.nanmax(curve)) for curve in curves)
-    return (max(1e-2, top * 1e-6), top * 3) if top > 0 else (1e-2, 1.0)
+    top = max(float(np.max(curve)) for curve in curves)
+    if top <= 0:
+        return 1e-2, 1.0
+    small = [float(np.min(curve[curve > 0])) for curve in curves if np.any(curve > 0)]
+    return max(min(small) / 2, top * 1e-6), top * 3
 
 
 def _slope(study: Study, ins: Array) -> Array:
@@ -274,7 +277,7 @@ def star_chart(shown: Shown) -> Chart:
             Points("true", "identified star, larger is brighter", frame.pixel_x, frame.pixel_y, names, "star",
                    source="catalogue place, pin-hole [B-8]", sizes=sizes),
             Points("measured", "measured centroid", frame.measured_x, frame.measured_y, names, "measured star",
-                   "x", "with centroid noise"),
+                   "x", "with centroid noise", np.full(len(names), 15.0)),
         ),
         x_range=(-margin, camera.pixels + margin),
         y_range=(-margin, camera.pixels + margin),

@@ -53,18 +53,20 @@ class _Tab:
 
     name: str
     charts: tuple[tuple[Describe, int, int], ...]
+    beside: str = "xl"  # width of the screen from which charts stand beside each other
     tables: tuple[Callable[[Shown], Table], ...] = ()
 
 
 _TABS: tuple[_Tab, ...] = (
     _Tab("Errors", tuple((make(c), 300, 6) for c in (2, 1, 0) for make in (charts.source_chart, charts.aided_chart))),
     _Tab("Unstable height", ((charts.growth_chart, 440, 12),)),
-    _Tab("Tables", (), (*(lambda shown, i=i: paper_tables(shown)[i] for i in range(4)), source_table)),
+    _Tab("Tables", (), "xl", (*(lambda shown, i=i: paper_tables(shown)[i] for i in range(4)), source_table)),
     _Tab("Attitude", ((charts.inertial_attitude_chart, 340, 6), (charts.navigation_attitude_chart, 340, 6)),
-         (method_table,)),
-    _Tab("Stars", ((charts.star_chart, 460, 6), (charts.star_count_chart, 340, 6)), (star_table,)),
+         "md", (method_table,)),
+    _Tab("Stars", ((charts.star_chart, 460, 6), (charts.star_count_chart, 340, 6)), "xl",
+         (star_table,)),
     _Tab("Flight", ((charts.map_chart, 320, 6), (charts.height_chart, 320, 6), (charts.force_chart, 280, 6),
-                    (charts.rate_chart, 280, 6), (charts.gravity_chart, 320, 12)), (gravity_table,)),
+                    (charts.rate_chart, 280, 6), (charts.gravity_chart, 320, 12)), "xl", (gravity_table,)),
 )  # fmt: skip
 _CASES = {"everything": "all"} | {
     name: name
@@ -177,15 +179,18 @@ class SuborbitalPage:
     def _inputs(self) -> pn.viewable.Viewable:
         sections = [pn.Column(margin=0, sizing_mode="stretch_width") for _ in GROUPS]
         self._sections = sections
+        narrow = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
+        opened = [] if narrow else [_GROUP_OPEN]  # on a phone the inputs stand above the charts
         accordion = pmui.Accordion(
             *zip(GROUPS, sections, strict=True),
-            active=[_GROUP_OPEN],
+            active=opened,
             title_variant="subtitle1",
             sizing_mode="stretch_width",
             margin=0,
         )
         accordion.param.watch(lambda event: [self._fill(index) for index in event.new], "active")
-        self._fill(_GROUP_OPEN)
+        for index in opened:
+            self._fill(index)
         take = pmui.Button(label="Take the design's IMU", icon="input", variant="text", **_LOOK)
         back = pmui.Button(label="GP-1 again", icon="restart_alt", variant="text", **_LOOK)
         take.on_click(lambda _: self._adopt(lambda: from_design(self.settings, self._session.design)))
@@ -240,10 +245,13 @@ class SuborbitalPage:
             self._fly((str(self._file.filename or "file"), event.new))
 
     def _fly(self, trajectory: tuple[str, bytes] | None) -> None:
+        self._take(trajectory)
+        self.run()
+
+    def _take(self, trajectory: tuple[str, bytes] | None) -> None:
         self.trajectory = trajectory
         self._golden.visible = trajectory is not None
         self._file_said.object = FILE_HELP if trajectory is None else _said(f"Flown: {trajectory[0]}")
-        self.run()
 
     def _look(self, name: str, value: Any) -> None:
         self._looks[name] = value
@@ -306,6 +314,8 @@ class SuborbitalPage:
         try:
             survey: Survey = await run_alone(run_survey, settings, trajectory, progress=self._progressed)
         except (ValueError, RunLost) as error:
+            if trajectory is not None and trajectory != self._flown:  # the file is refused, not kept
+                self._take(self._flown)
             self._finish(task, f'<span class="mark">✗ Not computed.</span> {prose(str(error))}')
             return
         except asyncio.CancelledError:
@@ -379,7 +389,7 @@ class SuborbitalPage:
         ]
         self._panes[index], self._tables[index] = panes, tables
         cells = [
-            pmui.Grid(pane.view, size={"xs": 12, "xl": columns} if columns == 6 else {"xs": 12})
+            pmui.Grid(pane.view, size={"xs": 12, tab.beside: columns})
             for pane, (_, _, columns) in zip(panes, tab.charts, strict=True)
         ]
         cells += [pmui.Grid(self._table_view(place, build, shown), size={"xs": 12}) for place, build in tables]

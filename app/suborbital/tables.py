@@ -46,7 +46,7 @@ class Table:
             column = self.heads.index(sort_by)
             rows = tuple(sorted(rows, key=lambda row: _rank(row[column]), reverse=True))
         head = "".join(
-            f'<th scope="col"{"" if i == 0 else " class=num"}{_sorted(name == sort_by)}>{escape(name)}</th>'
+            f'<th scope="col" style="{_NAMES if i == 0 else _NUMBERS}"{_sorted(name == sort_by)}>{escape(name)}</th>'
             for i, name in enumerate(self.heads)
         )
         body = "".join(
@@ -64,8 +64,16 @@ class Table:
             return f"<th scope='row'>{escape(str(cell))}</th>"
         if cell is None:
             return "<td class='num quiet'>–</td>"
-        text = cell if isinstance(cell, str) else f"{cell:,.{self.digits}f}".replace(",", "\u202f").replace("-", "−")
+        text = cell if isinstance(cell, str) else _number(cell, self.digits)
         return f"<td class='num'>{escape(text)}</td>"
+
+
+_NAMES, _NUMBERS = "min-width:150px", "text-align:right;min-width:52px"
+
+
+def _number(value: float, digits: int) -> str:
+    """Digits in groups of three, a typeset minus, and no sign on what rounds to zero."""
+    return f"{round(value, digits) + 0.0:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
 
 
 def _rank(cell: Cell) -> float:

@@ -402,9 +402,9 @@ def read_changes(settings: Settings, changes: Mapping[str, str], origin: str) ->
 
 
 def output_every(steps: int) -> int:
-    """Steps between two points of the error histories: a divisor that leaves at most 320 points, or 1000 where
-    320 would mean fewer than 100. ValueError when the number of steps has no such divisor."""
-    for most in (320, 1000):
+    """Steps between two points of the error histories: a divisor that leaves at most 320 points, or up to
+    2000 where that would mean fewer than 100. ValueError when the number of steps has no such divisor."""
+    for most in (320, 1000, 2000):
         every = next(d for d in range(1, steps + 1) if steps % d == 0 and steps // d <= most)
         if steps // every >= 100 or steps <= most:
             return every
