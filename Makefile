@@ -26,8 +26,10 @@ browser:
 
 lint: .venv/.test
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/hadolint Dockerfile
 
 test: .venv/.test browser lint
 	$(BIN)/python -m pytest -n 2 --dist loadfile -p no:benchmark

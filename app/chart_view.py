@@ -11,11 +11,13 @@ from typing import Generic, TypeVar
 import panel as pn
 import panel_material_ui as pmui
 
-from app.charts.description import BarChart, Chart, to_csv
+from app.charts.description import AnyChart, to_csv
+from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
 from app.state import Session
 from app.theme import FRAME, SHEET
+from app.workers import elsewhere
 from nav_model.budget import Budget
 
 _T = TypeVar("_T")
@@ -36,28 +38,24 @@ class ChartPane(Generic[_T]):
     """One chart on a page, drawn from whatever its description takes: title, figure, how we know, and its data to
     take away."""
 
-    def __init__(self, describe: Callable[[_T], Chart | BarChart], current: Callable[[], _T], height: int) -> None:
+    def __init__(self, describe: Callable[[_T], AnyChart], current: Callable[[], _T], height: int) -> None:
         self._describe = describe
         self._current = current
         chart = describe(current())
         self.figure = to_bokeh(chart, height)
         self._title = html_pane(_heading(chart), margin=(10, 14, 0, 14))
         self._know = html_pane(_know(chart))
-        self._download = pmui.FileDownload(
-            callback=self._csv,
-            filename=f"{chart.key}.csv",
-            label=f"{chart.title}: data (CSV)",
-            description="",
-            variant="text",
-            size="small",
-            margin=(0, 8),
-        )
+        look = {"description": "", "variant": "text", "size": "small", "margin": (0, 8)}
+        self._takes = [
+            pmui.FileDownload(callback=make, filename=f"{chart.key}.{suffix}", label=label, **look)
+            for make, suffix, label in zip((self._csv, self._svg), ("csv", "svg"), _labels(chart), strict=True)
+        ]
         self.view = pn.Column(
             self._title,
             # The figure stands in a native column: directly in a Material layout it breaks when replaced.
             pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
             self._know,
-            self._download,
+            pn.FlexBox(*self._takes, margin=0, sizing_mode="stretch_width"),
             styles=FRAME,
             sizing_mode="stretch_width",
             margin=0,
@@ -69,8 +67,13 @@ class ChartPane(Generic[_T]):
         self.figure.feed(chart)
         if self._title.object != _heading(chart):
             self._title.object = _heading(chart)
-            self._download.label = f"{chart.title}: data (CSV)"
+            for take, label in zip(self._takes, _labels(chart), strict=True):
+                take.label = label
         self._know.object = _know(chart)
+
+    async def _svg(self) -> io.BytesIO:
+        """The chart as it prints, drawn in a worker: the plotting library would hold up every slider."""
+        return io.BytesIO((await elsewhere(to_svg, self._describe(self._current()))).encode("utf-8"))
 
     def _csv(self) -> io.BytesIO:
         return io.BytesIO(to_csv(self._describe(self._current())).encode("utf-8"))
@@ -79,13 +82,17 @@ class ChartPane(Generic[_T]):
 class ChartView(ChartPane[Budget]):
     """A chart of the budget in force."""
 
-    def __init__(self, describe: Callable[[Budget], Chart | BarChart], session: Session, height: int) -> None:
+    def __init__(self, describe: Callable[[Budget], AnyChart], session: Session, height: int) -> None:
         super().__init__(describe, lambda: session.budget, height)
 
 
-def _heading(chart: Chart | BarChart) -> str:
+def _heading(chart: AnyChart) -> str:
     return f"<h3>{escape(chart.title)}</h3>"
 
 
-def _know(chart: Chart | BarChart) -> str:
+def _labels(chart: AnyChart) -> tuple[str, str]:
+    return f"{chart.title}: data (CSV)", f"{chart.title}: picture (SVG)"
+
+
+def _know(chart: AnyChart) -> str:
     return f'{legend_html(chart)}<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'

@@ -37,7 +37,9 @@ class Page(Protocol):
 
 PAGES: tuple[tuple[str, str], ...] = (
     ("Budget", "app.pages.budget:BudgetPage"),
+    ("SAR", "app.pages.sar:SarPage"),
     ("Suborbital", "app.pages.suborbital:SuborbitalPage"),
+    ("Sensors", "app.pages.sensors:SensorsPage"),
 )
 """The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
 
@@ -191,7 +193,7 @@ class Frame:
     async def _report(self, suffix: str) -> io.BytesIO:
         self.session.running = True
         try:
-            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), suffix))
+            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), f".{suffix}"))
         finally:
             self.session.running = False
 

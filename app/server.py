@@ -76,5 +76,6 @@ def _free_port(address: str) -> int:
 
 
 def _origins(address: str, port: int, allowed: list[str]) -> list[str]:
-    hosts = {"127.0.0.1", "localhost"} if address in _LOOPBACK else {address}
+    """Loopback names always; an address that is a name of this machine as well."""
+    hosts = {"127.0.0.1", "localhost"} | ({address} - _LOOPBACK - {"0.0.0.0", "::"})
     return [*(f"{host}:{port}" for host in sorted(hosts)), *allowed]

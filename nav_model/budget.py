@@ -111,7 +111,8 @@ class Sar:
 
     ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
     what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe.
-    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18].
+    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18], ``velocity_shares`` the
+    variance of along-track velocity at the start of the aperture.
     """
 
     wavelength: float
@@ -174,9 +175,19 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     Raises
     ------
     DesignError
-        If `times` are not finite, negative or beyond the bounds of ``coast.duration``, or if the aperture
-        that follows from the radar's figures is longer than ``radar.aperture_time`` may be.
+        If `times` are not finite, negative or beyond the bounds of ``coast.duration``, if the aperture that
+        follows from the radar's figures is longer than ``radar.aperture_time`` may be, or if the design's
+        figures are so far apart that double precision cannot hold them together.
     """
+    try:
+        return _analyse(design, times)
+    except ArithmeticError as error:
+        key = "gnss.correlated_noise" if design.gnss.correlated else "imu.angle_random_walk"
+        reason = f"{design[key]:.3g} (SI) gives no figure beside the other noises: {error}"
+        raise DesignError(key, reason) from error
+
+
+def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     noise = _noise(design)
     time = _times(design, times)
     p = steady.horizontal(noise.sigma_a, noise.sigma_w, noise.s, noise.g)
@@ -184,10 +195,10 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     moments = _cycle(design, noise)
     white = moments if not design.gnss.correlated else _cycle(design, noise, slow=False)
     steady_state = _steady_state(design, noise, p, v, moments, white)
-    coast = _coast(design, noise, p, v, moments.posterior, time)
+    coast = _coast(design, noise, p, v, moments.posterior, white.posterior, time)
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
     start = moments.posterior.horizontal if design.gnss.correlated else p
-    sar = _sar(design, noise, start)
+    sar = _sar(design, noise, p, start, steady_state.shares["tilt"])
     return Budget(design, steady_state, coast, sar, judge(design, steady_state, coast, sar))
 
 
@@ -285,7 +296,15 @@ def _steady_shares(
     return MappingProxyType({kind: MappingProxyType(shares) for kind, shares in by_kind.items()})
 
 
-def _coast(design: Design, noise: _Noise, p: Horizontal, v: Vertical, posterior: Sawtooth, time: Array) -> Coast:
+def _coast(
+    design: Design,
+    noise: _Noise,
+    p: Horizontal,
+    v: Vertical,
+    posterior: Sawtooth,
+    white: Sawtooth,
+    time: Array,
+) -> Coast:
     a, w, g = noise.sigma_a, noise.sigma_w, noise.g
     flight = design.flight
     duration = design.coast.duration
@@ -309,7 +328,7 @@ def _coast(design: Design, noise: _Noise, p: Horizontal, v: Vertical, posterior:
     refined_vertical = np.sqrt(refined.vertical + bias_a**2)
     bias_a, bias_w = bias_a[:-1], bias_w[:-1]
     perfect = growth.perfect_start(a, w, g, time)
-    shares = _coast_shares(noise, p, v, duration)
+    shares = _coast_shares(noise, posterior, white, duration)
     curves = {
         "time": time,
         "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
@@ -336,25 +355,38 @@ def _coast(design: Design, noise: _Noise, p: Horizontal, v: Vertical, posterior:
     )
 
 
-def _coast_shares(noise: _Noise, p: Horizontal, v: Vertical, time: float) -> tuple[Shares, Shares]:
-    """Shares in the position variances `time` after the last fix, from the polynomials by linearity."""
-    a, w, g = noise.sigma_a, noise.sigma_w, noise.g
-    parts = horizontal_parts(a, w, noise.s, g)
+def _coast_shares(noise: _Noise, posterior: Sawtooth, white: Sawtooth, time: float) -> tuple[Shares, Shares]:
+    """Shares in the position variances `time` after the last fix, from the polynomials by linearity.
+
+    A slow GNSS error has what the augmented start adds to the `white` one.
+    """
+    a, g = noise.sigma_a, noise.g
     bias_a, bias_w = (float(x) ** 2 for x in growth.bias_position(noise.bias_a, noise.bias_w, g, time))
-    level: dict[str, Array | float] = {
-        ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time).position,
-        GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time).position,
-        GNSS_NOISE: growth.horizontal_growth(parts.gnss, 0.0, 0.0, g, time).position,
-        ACCELEROMETER_BIAS: bias_a,
-        GYRO_BIAS: bias_w,
-    }
+    level: dict[str, Array | float] = {source: grown.position for source, grown in _grown_parts(noise, time).items()}
+    level |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
     accelerometer, gnss = vertical_parts(a, noise.s_vertical)
     upright: dict[str, Array | float] = {
         ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
         GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
         ACCELEROMETER_BIAS: bias_a,
     }
+    if posterior is not white:
+        slow, fast = (growth.horizontal_growth(m.horizontal, a, noise.sigma_w, g, time) for m in (posterior, white))
+        slow_v, fast_v = (growth.vertical_growth(m.vertical, a, time) for m in (posterior, white))
+        level[SLOW_GNSS] = np.maximum(slow.position - fast.position, 0.0)
+        upright[SLOW_GNSS] = np.maximum(slow_v.position - fast_v.position, 0.0)
     return _normalised(level), _normalised(upright)
+
+
+def _grown_parts(noise: _Noise, time: float) -> dict[str, growth.HorizontalGrowth]:
+    """What each white noise has grown to `time` after the last fix, in a horizontal channel. [T-9], [T-18]"""
+    a, w, g = noise.sigma_a, noise.sigma_w, noise.g
+    parts = horizontal_parts(a, w, noise.s, g)
+    return {
+        ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time),
+        GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time),
+        GNSS_NOISE: growth.horizontal_growth(parts.gnss, 0.0, 0.0, g, time),
+    }
 
 
 def _normalised(variances: Mapping[str, Array | float]) -> Shares:
@@ -363,7 +395,7 @@ def _normalised(variances: Mapping[str, Array | float]) -> Shares:
     return MappingProxyType({source: value / whole for source, value in values.items()})
 
 
-def _sar(design: Design, noise: _Noise, start: Horizontal) -> Sar:
+def _sar(design: Design, noise: _Noise, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
     radar = design.radar
     wavelength = SPEED_OF_LIGHT / radar.frequency
     aperture = radar.aperture_time or float(
@@ -405,14 +437,7 @@ def _sar(design: Design, noise: _Noise, start: Horizontal) -> Sar:
         )
         for source, variances in budget.items()
     )
-    shares = horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g)
-    velocity, tilt = (
-        MappingProxyType(dict(zip((ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE), map(float, by), strict=True)))
-        for by in shares[1:]
-    )
-    speed_error = float(growth.horizontal_growth(start, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity)
-    drift = growth.bias_velocity(noise.bias_a, noise.bias_w, noise.g, coast)
-    speed_error += float(drift[0]) ** 2 + float(drift[1]) ** 2
+    along, along_shares = _along_track_velocity(noise, p, start, coast)
     response = _response(quadratic, radar.window)
     return Sar(
         wavelength=wavelength,
@@ -425,14 +450,26 @@ def _sar(design: Design, noise: _Noise, start: Horizontal) -> Sar:
         cubic=cubic,
         detrended=to_phase * math.sqrt(float(whole.detrended)),
         along_track_quadratic=float(
-            phase.along_track_quadratic(speed_error, design.flight.speed, aperture, wavelength, radar.slant_range)
+            phase.along_track_quadratic(along, design.flight.speed, aperture, wavelength, radar.slant_range)
         ),
         lines=lines,
-        tilt_shares=tilt,
-        velocity_shares=velocity,
+        tilt_shares=tilt_shares,
+        velocity_shares=along_shares,
         impulse_response=response,
         after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, radar.window),
     )
+
+
+def _along_track_velocity(noise: _Noise, p: Horizontal, start: Horizontal, coast: float) -> tuple[float, Shares]:
+    """Variance of along-track velocity [m²/s²] after `coast` without fixes, and whose it is."""
+    grown = growth.horizontal_growth(start, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity
+    bias_a, bias_w = (float(x) ** 2 for x in growth.bias_velocity(noise.bias_a, noise.bias_w, noise.g, coast))
+    parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown_parts(noise, coast).items()}
+    parts |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
+    if start is not p:
+        white = growth.horizontal_growth(p, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity
+        parts[SLOW_GNSS] = np.maximum(grown - white, 0.0)
+    return float(grown) + bias_a + bias_w, _normalised(parts)
 
 
 def _response(quadratic: float, window: str) -> ImpulseResponse | None:

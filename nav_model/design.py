@@ -141,7 +141,8 @@ class Design:
     def content_hash(self) -> str:
         """SHA-256 over every key and value, in hexadecimal; stable across runs, machines and units."""
         lines = (
-            f"{key}={float(value).hex() if isinstance(value, float | int) else repr(value)}"
+            # Adding zero makes -0.0 the 0.0 it is equal to.
+            f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(value)}"
             for key, value in self._values.items()
         )
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()

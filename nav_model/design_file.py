@@ -16,7 +16,7 @@ import tomli_w
 
 from nav_model.catalogue import Kind, find
 from nav_model.design import Design, Value
-from nav_model.inputs import BaseQuantity, Choice, DesignError
+from nav_model.inputs import BaseQuantity, Choice, DesignError, shown
 from nav_model.parts import INPUTS, PRESET_KEYS, TOP_KEYS
 
 MAX_BYTES = 1_000_000  # a design is two kilobytes; anything far larger is another kind of file
@@ -84,6 +84,8 @@ def _load(data: bytes | str, where: str) -> dict[str, Any]:
         raise _toml_error(str(error), data, where) from error
     except RecursionError as error:
         raise DesignError(where, "not a design file: nested too deeply") from error
+    except ValueError as error:  # an integer beyond what Python reads
+        raise DesignError(where, f"not a design file: {str(error).partition(';')[0]}") from error
     if not tables:
         raise DesignError(where, f"states nothing; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}")
     return tables
@@ -110,7 +112,8 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         if not equals:
             raise DesignError(change, 'not an assignment; write for example imu.angle_random_walk="0.3 °/√h"')
         stated[key.strip()] = text.strip()
-    for key, text in stated.items():
+    # Presets first: a value stated beside a preset comes on top of it, whatever the order.
+    for key, text in sorted(stated.items(), key=lambda change: change[0] not in PRESET_KEYS):
         section, _, name = key.rpartition(".")
         if key in TOP_KEYS:
             tables[key] = text
@@ -120,7 +123,7 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         table = tables.setdefault(section, {})
         if not isinstance(table, dict):
             raise DesignError(section, f"must be a section, [{section}]")
-        if key in PRESET_KEYS:  # the new unit's figures replace the file's; other changes come on top
+        if key in PRESET_KEYS:  # the new unit's figures replace the file's
             for filled in find(_kind(section), text).values:
                 _drop(table, section, filled)
         else:
@@ -146,7 +149,7 @@ def _build(tables: dict[str, Any]) -> Design:
         elif key not in INPUTS:
             raise DesignError(key, _unknown(""))
         elif not isinstance(content, dict):
-            raise DesignError(key, f"must be a section, [{key}], not {content!r}")
+            raise DesignError(key, f"must be a section, [{key}], not {shown(content)}")
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
     return Design(values, written)
@@ -208,9 +211,13 @@ def _kind(section: str) -> Kind:
 
 def _text(key: str, content: Any) -> str:
     if not isinstance(content, str):
-        raise DesignError(key, f"{content!r} is not text in quotes")
+        raise DesignError(key, f"{shown(content)} is not text in quotes")
     if len(content) > _MAX_TEXT:
         raise DesignError(key, f"longer than {_MAX_TEXT} characters")
+    try:
+        content.encode()
+    except UnicodeEncodeError as error:  # bytes of a command line that are no text
+        raise DesignError(key, f"{shown(content)} is not Unicode text") from error
     return content
 
 

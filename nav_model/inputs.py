@@ -42,6 +42,15 @@ class DesignError(ValueError):
         self.reason = reason
 
 
+def shown(content: Any) -> str:
+    """What was given, short enough for a one-line message, however long or deep it is."""
+    try:
+        text = repr(content)
+    except (RecursionError, ValueError):  # nested too deeply; an integer with too many digits to print
+        return f"what is given ({type(content).__name__})"
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
 @dataclass(frozen=True)
 class Alternative:
     """A second key for the same input, its reciprocal up to a constant.
@@ -113,7 +122,7 @@ class BaseQuantity(param.Number[_T]):
         if val is None and self.allow_None:
             return
         if isinstance(val, bool) or not isinstance(val, int | float):
-            raise DesignError(self.key, f"{val!r} is not a number")
+            raise DesignError(self.key, f"{shown(val)} is not a number")
         low, high = self.limits
         include_low, include_high = self.inclusive_bounds
         inside = (val >= low if include_low else val > low) and (val <= high if include_high else val < high)
@@ -128,13 +137,21 @@ class BaseQuantity(param.Number[_T]):
             return f"{value:g}"
         return format_quantity(value, self.unit, self.dimension, digits=6)
 
-    def allowed(self) -> str:
-        """The bounds in words, in this input's usual unit."""
+    def allowed(self, reciprocal: bool = False) -> str:
+        """The bounds in words, in this input's usual unit or, if `reciprocal`, as its alternative."""
         low, high = self.limits
         include_low, include_high = self.inclusive_bounds
+        at_low, at_high = self.show(low), self.show(high)
+        if reciprocal and self.alternative:
+            other = self.alternative
+            include_low, include_high = include_high, include_low
+            at_low, at_high = (
+                format_quantity(other.constant / bound, other.unit, other.dimension, digits=6)
+                for bound in (high, low)
+            )
         below = "at least" if include_low else "more than"
         above = "at most" if include_high else "less than"
-        return f"it must be {below} {self.show(low)} and {above} {self.show(high)}"
+        return f"it must be {below} {at_low} and {above} {at_high}"
 
     def read(self, text: Any, key: str | None = None) -> Parsed:
         """A value written in a file, a link or a box -> SI and the unit to show it in.
@@ -156,7 +173,7 @@ class BaseQuantity(param.Number[_T]):
         dimension = alternative.dimension if reciprocal and alternative else self.dimension
         if not isinstance(text, str):
             examples = ", ".join(f'"{example}"' for example in DIMENSIONS[dimension].examples)
-            raise DesignError(where, f"{text!r} is not a quantity in quotes; write for example {examples}")
+            raise DesignError(where, f"{shown(text)} is not a quantity in quotes; write for example {examples}")
         try:
             exact, unit = parse_exact(text, dimension)
             if reciprocal and alternative:
@@ -167,7 +184,7 @@ class BaseQuantity(param.Number[_T]):
         except QuantityError as error:
             raise DesignError(where, str(error)) from error
         except (DesignError, OverflowError, ZeroDivisionError) as error:
-            raise DesignError(where, f"{text.strip()!r} is not allowed; {self.allowed()}") from error
+            raise DesignError(where, f"{text.strip()!r} is not allowed; {self.allowed(reciprocal)}") from error
         return parsed
 
     def _plain(self, text: Any, where: str) -> float:
@@ -175,11 +192,11 @@ class BaseQuantity(param.Number[_T]):
             try:
                 number = float(text)
             except ValueError as error:
-                raise DesignError(where, f"{text!r} is not a number; {self.allowed()}") from error
+                raise DesignError(where, f"{shown(text)} is not a number; {self.allowed()}") from error
         elif isinstance(text, bool) or not isinstance(text, int | float):
-            raise DesignError(where, f"{text!r} is not a number; {self.allowed()}")
+            raise DesignError(where, f"{shown(text)} is not a number; {self.allowed()}")
         else:
-            number = float(text) if abs(text) < 1e300 else math.inf
+            number = math.inf if abs(text) >= 1e300 else float(text)  # no float holds a huge integer
         self._validate(number)
         return number
 
@@ -250,7 +267,7 @@ class Choice(param.Selector[Any]):
 
     def _validate(self, val: Any) -> None:
         if not any(val == option and type(val) is type(option) for option in self.objects):
-            raise DesignError(self.key, f"{val!r} is not one of {', '.join(map(_spelled, self.objects))}")
+            raise DesignError(self.key, f"{shown(val)} is not one of {', '.join(map(_spelled, self.objects))}")
 
     def read(self, text: Any) -> Any:
         """The option `text` names.
@@ -266,7 +283,7 @@ class Choice(param.Selector[Any]):
                 return option
             if isinstance(text, str) and not isinstance(option, str) and text.strip().lower() == _spelled(option):
                 return option
-        raise DesignError(self.key, f"{text!r} is not one of {', '.join(map(_spelled, options))}")
+        raise DesignError(self.key, f"{shown(text)} is not one of {', '.join(map(_spelled, options))}")
 
 
 def _spelled(option: Any) -> str:

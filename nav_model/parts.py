@@ -1,4 +1,8 @@
-"""The inputs of a design, section by section: bounds, units, defaults, help. A table of declarations."""
+"""The inputs of a design, section by section: bounds, units, defaults, help. A table of declarations.
+
+What must be positive has a lowest value, far below any hardware, above which no equation leaves the range of
+floats.
+"""
 
 from __future__ import annotations
 
@@ -54,8 +58,7 @@ class Imu(Part):
         dimension="velocity random walk",
         unit="m/s/√h",
         short="vrw",
-        bounds=(0, 60 * _VRW),
-        inclusive_bounds=(False, True),
+        bounds=(1e-9 * _VRW, 60 * _VRW),
         softbounds=(1e-3 * _VRW, 1.0 * _VRW),
         label="Velocity random walk",
         doc="White noise of the accelerometers, per axis.",
@@ -67,8 +70,7 @@ class Imu(Part):
         dimension="angle random walk",
         unit="°/√h",
         short="arw",
-        bounds=(0, 360 * _ARW),
-        inclusive_bounds=(False, True),
+        bounds=(1e-9 * _ARW, 360 * _ARW),
         softbounds=(1e-3 * _ARW, 10.0 * _ARW),
         label="Angle random walk",
         doc="White noise of the gyros, per axis.",
@@ -139,8 +141,7 @@ class Gnss(Part):
         dimension="length",
         unit="m",
         short="gn",
-        bounds=(0, 1e4),
-        inclusive_bounds=(False, True),
+        bounds=(1e-6, 1e4),
         softbounds=(1e-3, 30.0),
         label="Position noise",
         doc="One fix, per axis, 1σ, independent from fix to fix.",
@@ -151,8 +152,7 @@ class Gnss(Part):
         dimension="length",
         unit="m",
         short="gnv",
-        bounds=(0, 1e4),
-        inclusive_bounds=(False, True),
+        bounds=(1e-6, 1e4),
         softbounds=(1e-3, 30.0),
         label="Vertical position noise",
         doc="If it differs from the horizontal one.",
@@ -184,8 +184,7 @@ class Gnss(Part):
         dimension="length",
         unit="m",
         short="gms",
-        bounds=(0, 1e4),
-        inclusive_bounds=(False, True),
+        bounds=(1e-6, 1e4),
         softbounds=(1e-2, 30.0),
         label="Slow error, 1σ",
         doc="Standard deviation of the slow error, per axis, on top of the noise; used when switched on.",
@@ -300,7 +299,7 @@ class Coast(Part):
 
 
 class Radar(Part):
-    """Synthetic-aperture radar, broadside."""
+    """Synthetic-aperture radar."""
 
     section = "radar"
     title = "Radar"
@@ -359,6 +358,18 @@ class Radar(Part):
         label="Window",
         doc="Azimuth weighting: uniform, Hamming, or Taylor (-35 dB, n̄ = 5).",
     )
+    squint_angle = Quantity(
+        default=0.0,
+        dimension="angle",
+        unit="°",
+        short="sq",
+        bounds=(-60 * _DEGREE, 60 * _DEGREE),
+        softbounds=(-60 * _DEGREE, 60 * _DEGREE),
+        label="Squint angle",
+        doc="Of the line of sight in the slant plane, forward positive. Used by the simulated strategies and "
+        "pictures of the SAR page; closed forms and the aperture time are broadside.",
+        typical="0° strip map, up to 45° spotlight",
+    )
     aperture_time = OptionalQuantity(
         dimension="time",
         unit="s",
@@ -378,6 +389,9 @@ class Radar(Part):
     )
 
 
+_LEAST_LIMIT = {"angle": 1e-6 * _DEGREE, "length": 1e-6, "speed": 1e-6}
+
+
 def _limit(
     dimension: str, unit: str, short: str, upper: float, soft: tuple[float, float], label: str, doc: str
 ) -> Any:
@@ -385,8 +399,7 @@ def _limit(
         dimension=dimension,
         unit=unit,
         short=short,
-        bounds=(0, upper),
-        inclusive_bounds=(False, True),
+        bounds=(_LEAST_LIMIT[dimension], upper),
         softbounds=soft,
         label=label,
         doc=doc,

@@ -15,7 +15,8 @@ from nav_model.design import Design
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
 
-CLOSED, DISCRETE, SERIES, RESPONSE = (
+INPUT, CLOSED, DISCRETE, SERIES, RESPONSE = (
+    "input",
     "closed form",
     "discrete Riccati equation",
     "linear covariance propagation",
@@ -44,6 +45,7 @@ _TABLE: dict[str, Provenance] = {
     "steady_state.lambda_dt": Provenance("[T-8]", CLOSED),
     "steady_state.discrete.prior": Provenance("[T-8]", DISCRETE, "just before a fix"),
     "steady_state.discrete.posterior": Provenance("[T-8]", DISCRETE, "just after a fix"),
+    "coast.time_s": Provenance("", INPUT, "seconds since the last fix"),
     "coast.position_sigma_m": Provenance("[T-9], [T-10]", CLOSED, "biases in quadrature"),
     "coast.velocity_sigma_m_s": Provenance("[T-9], [T-10]", CLOSED, "biases in quadrature"),
     "coast.tilt_sigma_rad": Provenance("[T-9]", CLOSED, "gyro bias in quadrature"),
@@ -51,17 +53,26 @@ _TABLE: dict[str, Provenance] = {
     "coast.refined_position_sigma_m": Provenance("[T-17]", SERIES, "biases in quadrature"),
     "coast.perfect_start_position_sigma_m": Provenance("[T-11]", CLOSED),
     "coast.initial_tilt_position_sigma_m": Provenance("[T-12]", CLOSED),
+    "coast.end.time_s": Provenance("", INPUT, "coast.duration"),
+    "coast.end.refined_position_sigma_m": Provenance("[T-17]", SERIES, "biases in quadrature"),
+    "coast.end.shares": Provenance("[T-9], [T-10], [T-18]", CLOSED, "shares of the polynomials"),
     "sar.wavelength_m": Provenance("[T-13]", CLOSED),
     "sar.aperture_time_s": Provenance("[S-3]", CLOSED),
     "sar.aperture_length_m": Provenance("[S-3]", CLOSED),
+    "sar.cell_length_m": Provenance("[S-3]", CLOSED, "first null of the unweighted response"),
+    "sar.autofocus_order": Provenance("", INPUT),
     "sar.quadratic_phase_sigma_rad": Provenance("[S-5]", CLOSED, "before autofocus"),
     "sar.cubic_phase_sigma_rad": Provenance("[S-6]", CLOSED, "before autofocus"),
     "sar.detrended_phase_sigma_rad": Provenance("[T-15], [S-6]", CLOSED, "after autofocus"),
     "sar.lines": Provenance("[S-5], [S-6]", CLOSED),
+    "sar.initial_tilt_shares": Provenance("[T-18]", CLOSED),
     "sar.along_track_quadratic_phase_sigma_rad": Provenance(
         "[S-2]", CLOSED, "of its own; not part of the quadratic phase total"
     ),
     "sar.impulse_response": Provenance("[S-3], [S-5]", RESPONSE, "1σ quadratic phase, before autofocus"),
+    "sar.impulse_response_after_autofocus": Provenance(
+        "[S-3], [S-5]", RESPONSE, "1σ quadratic phase if autofocus_order is 1, else no quadratic phase"
+    ),
     "verdict": Provenance("[T-8], [T-17], [S-2], [S-5]", "comparison with the limits"),
 }
 
@@ -78,8 +89,14 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
         return MappingProxyType(_TABLE)
     table = dict(_TABLE)
     for key, entry in _TABLE.items():
-        if key.startswith(("steady_state", "coast")) and entry.method == CLOSED:
+        if key.endswith("shares"):
+            table[key] = Provenance(entry.equation, entry.method, "slow GNSS error from the augmented filter")
+        elif key.startswith(("steady_state", "coast")) and entry.method == CLOSED:
             table[key] = Provenance(entry.equation, entry.method, _AUGMENTED_NOTE)
+        elif entry.method == SERIES:
+            table[key] = Provenance(
+                entry.equation, entry.method, f"{entry.note}; from the augmented filter's posterior"
+            )
         elif entry.method == DISCRETE:
             table[key] = Provenance(
                 entry.equation,
@@ -121,6 +138,11 @@ def cautions(budget: Budget) -> tuple[str, ...]:
 
 
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
+    (
+        lambda design: design.radar.squint_angle != 0,
+        "The phase budget and the aperture time are broadside; squint enters the simulated strategies of the SAR "
+        "page alone.",
+    ),
     (
         lambda design: design.imu.vibration_factor == 1,
         "Vibration factor 1 is bench noise; real drives show errors 8 to 35 times those it predicts.",

@@ -178,10 +178,13 @@ _REWRITES: tuple[tuple[str, str], ...] = (
 )
 _SQRT = re.compile(r"sqrt\((\w+)\)|sqrt(Hz|h|s)\b|(Hz|h|s)\^(?:0\.5|\(?1/2\)?)")
 _NUMBER = re.compile(r"[+\-−]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+\-−]?\d+)?")
+_APART = re.compile(r"\w\s+\w")
 _MAX_EXPONENT = 400  # beyond this an exact rational would only cost memory: no float has it
 
 
 def _canonical_spelling(unit: str) -> str:
+    if _APART.search(unit.strip()):  # "1 m m" must not pass for millimetres
+        return unit
     text = "".join(unit.split()).replace("arcsec", "\0")  # "sec" below must not touch it
     for old, new in _REWRITES:
         text = text.replace(old, new)

@@ -19,11 +19,11 @@ from app.charts import suborbital as charts
 from app.charts.description import Chart
 from app.charts.suborbital import CHANNELS, Shown
 from app.long_run import RunLost, run_alone
+from app.sortable_table import SortableTable
 from app.state import Session
 from app.suborbital.answer import answer, waiting
 from app.suborbital.controls import SettingControl, setting_controls
 from app.suborbital.tables import (
-    ORDER,
     Table,
     gravity_table,
     method_table,
@@ -92,7 +92,7 @@ class SuborbitalPage:
         self._started = 0.0
         self._controls: list[SettingControl] = []
         self._panes: dict[int, list[ChartPane[Shown]]] = {}
-        self._tables: dict[int, list[tuple[pn.pane.HTML, Callable[[Shown], Table]]]] = {}
+        self._tables: dict[int, list[tuple[SortableTable, Callable[[Shown], Table]]]] = {}
         self._answer = html_pane(waiting())
         self.view = self._layout()
         if pn.state.curdoc:
@@ -153,22 +153,17 @@ class SuborbitalPage:
             label="Errors by source of", options={"INS alone": False, "INS with star tracker": True}, value=False,
             width=200, **_LOOK_SELECT,
         )  # fmt: skip
-        self._sort = pmui.Select(
-            label="Sort tables by size of", options=[ORDER, "INS height", "INS north", "INS east", "tracker height"],
-            value=ORDER, width=190, **_LOOK_SELECT,
-        )  # fmt: skip
         self._moment = pmui.IntSlider(
             label="Star frame at [s]", description="", start=0, end=1500, step=2, value=100, size="small", width=260,
             margin=(4, 16),
         )  # fmt: skip
         for name, widget in (("case", case), ("channel", channel), ("aided_sources", aided)):
             widget.param.watch(lambda event, name=name: self._look(name, event.new), "value")
-        self._sort.param.watch(lambda _: self._draw(), "value")
         self._moment.param.watch(lambda event: self._look("star_index", event.new // 2), "value")
         self._choosers = {
             "Errors": [case, aided],
             "Unstable height": [case, channel],
-            "Tables": [self._sort],
+            "Tables": [],
             "Attitude": [case],
             "Stars": [self._moment],
             "Flight": [],
@@ -377,15 +372,14 @@ class SuborbitalPage:
         for pane in self._panes[index]:
             pane.show(shown)
         for place, build in self._tables[index]:
-            place.object = build(shown).html(self._sort_column(build(shown)))
+            place.html = build(shown).html
 
     def _build(self, index: int, shown: Shown) -> None:
         tab = _TABS[index]
         panes = [ChartPane(describe, self._current, height) for describe, height, _ in tab.charts]
         tables = [
-            (html_pane(table.html(self._sort_column(table)), margin=(8, 12)), build)
+            (SortableTable(html=build(shown).html, sizing_mode="stretch_width", margin=(8, 12)), build)
             for build in tab.tables
-            for table in (build(shown),)
         ]
         self._panes[index], self._tables[index] = panes, tables
         cells = [
@@ -397,7 +391,7 @@ class SuborbitalPage:
             pmui.Grid(*cells, container=True, spacing=1, sizing_mode="stretch_width", margin=(4, 0))
         ]
 
-    def _table_view(self, place: pn.pane.HTML, build: Callable[[Shown], Table], shown: Shown) -> pn.Column:
+    def _table_view(self, place: SortableTable, build: Callable[[Shown], Table], shown: Shown) -> pn.Column:
         table = build(shown)
         download = pmui.FileDownload(
             callback=lambda: io.BytesIO(build(self._current()).csv().encode("utf-8")),
@@ -405,12 +399,6 @@ class SuborbitalPage:
             description="", **_LOOK,
         )  # fmt: skip
         return pn.Column(place, download, styles=FRAME, sizing_mode="stretch_width", margin=0)
-
-    def _sort_column(self, table: Table) -> str:
-        """The head the chooser means in a table that has it."""
-        wanted = f"{self._sort.value} [m]"
-        short = wanted.removeprefix("INS ")
-        return wanted if wanted in table.heads else short if short in table.heads else ORDER
 
     def _current(self) -> Shown:
         assert self.shown is not None

@@ -1,6 +1,75 @@
-"""Design reports."""
+"""Design reports: one content, two faces.
+
+- `document`: what a report is made of, as plain data.
+- `content`, `inputs`, `comparison`, `equations`, `wording`: what it says.
+- `html`, `pdf`: how it is drawn, each with its template.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+
+from app.files import whole_file
+from nav_model.budget import Budget, analyse
+from nav_model.design_file import parse_design
+from nav_model.inputs import DesignError
+
+SUFFIXES = (".html", ".pdf")
+"""The kinds of file a report comes in."""
 
 
-def report_of_text(text: str, suffix: str) -> bytes:
-    """placeholder until the report room lands."""
-    return text.encode()
+def write_report(budgets: Sequence[Budget], path: str | Path, now: datetime | None = None) -> None:
+    """Write the report of some budgets; the file is there whole or not at all.
+
+    Parameters
+    ----------
+    budgets : sequence of Budget
+        At least one; several make a comparison.
+    path : str or Path
+        Its suffix, .html or .pdf, chooses the kind.
+    now : datetime, optional
+        Date of the report, with its time zone; by default this moment.
+
+    Raises
+    ------
+    DesignError
+        For another suffix, or when the file cannot be written.
+    """
+    target = Path(path)
+    kind = _kind(target)
+    with whole_file(target) as file:
+        file.write(report_bytes(budgets, kind, now))
+
+
+def report_bytes(budgets: Sequence[Budget], kind: str, now: datetime | None = None) -> bytes:
+    """The report as the bytes of a file of `kind`, one of `SUFFIXES`; for pages that offer it for download."""
+    from app.report.content import report_of
+
+    report = report_of(budgets, now)
+    if kind == ".pdf":
+        from app.report.pdf import to_pdf
+
+        return to_pdf(report)
+    from app.report.html import to_html
+
+    return to_html(report).encode()
+
+
+def report_of_text(text: str, kind: str) -> bytes:
+    """The report of the one design in a file's text: what a worker process is asked for.
+
+    Raises
+    ------
+    DesignError
+        If the text is not a design.
+    """
+    return report_bytes([analyse(parse_design(text))], kind)
+
+
+def _kind(target: Path) -> str:
+    kind = target.suffix.lower()
+    if kind not in SUFFIXES:
+        raise DesignError("-o", f"{str(target)!r} does not end in {' or '.join(SUFFIXES)}")
+    return kind

@@ -16,10 +16,6 @@ from nav_model.suborbital.summary import PAPER_FINAL_M
 
 Cell = str | float | None
 
-ORDER = "as in the paper"
-"""Rows as they are made, beside the numeric columns to sort by."""
-
-
 @dataclass(frozen=True)
 class Table:
     """A table as plain data: numbers in the unit of their column's head, None where there is nothing."""
@@ -39,18 +35,15 @@ class Table:
         writer.writerows(["" if cell is None else cell for cell in row] for row in self.rows)
         return text.getvalue()
 
-    def html(self, sort_by: str = ORDER) -> str:
-        """The table as HTML, rows sorted by the size of a column (largest first)."""
-        rows = self.rows
-        if sort_by in self.heads:
-            column = self.heads.index(sort_by)
-            rows = tuple(sorted(rows, key=lambda row: _rank(row[column]), reverse=True))
+    @property
+    def html(self) -> str:
+        """The table for `SortableTable`: numbers sort by their size, whatever their sign."""
         head = "".join(
-            f'<th scope="col" style="{_NAMES if i == 0 else _NUMBERS}"{_sorted(name == sort_by)}>{escape(name)}</th>'
+            f'<th scope="col" style="{_NUMBERS if i else _NAMES}"><button>{escape(name)}</button></th>'
             for i, name in enumerate(self.heads)
         )
         body = "".join(
-            "<tr>" + "".join(self._cell(i, cell) for i, cell in enumerate(row)) + "</tr>" for row in rows
+            "<tr>" + "".join(self._cell(i, cell) for i, cell in enumerate(row)) + "</tr>" for row in self.rows
         )
         return (
             f'<h3>{escape(self.title)}</h3><div class="scroll" tabindex="0" role="region" '
@@ -63,9 +56,10 @@ class Table:
         if index == 0:
             return f"<th scope='row'>{escape(str(cell))}</th>"
         if cell is None:
-            return "<td class='num quiet'>–</td>"
+            return "<td class='num quiet' data-sort=''>–</td>"
         text = cell if isinstance(cell, str) else _number(cell, self.digits)
-        return f"<td class='num'>{escape(text)}</td>"
+        size = "" if isinstance(cell, str) else f" data-sort='{abs(cell)!r}'"
+        return f"<td class='num'{size}>{escape(text)}</td>"
 
 
 _NAMES, _NUMBERS = "min-width:150px", "text-align:right;min-width:52px"
@@ -74,14 +68,6 @@ _NAMES, _NUMBERS = "min-width:150px", "text-align:right;min-width:52px"
 def _number(value: float, digits: int) -> str:
     """Digits in groups of three, a typeset minus, and no sign on what rounds to zero."""
     return f"{round(value, digits) + 0.0:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
-
-
-def _rank(cell: Cell) -> float:
-    return abs(cell) if isinstance(cell, float) else -1.0
-
-
-def _sorted(here: bool) -> str:
-    return ' aria-sort="descending"' if here else ""
 
 
 _PAPER_GROUPS: tuple[tuple[str, str, tuple[str, ...]], ...] = (

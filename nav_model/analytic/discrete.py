@@ -86,7 +86,8 @@ def steady_prior(phi: Array, q: Array, row: Array, r: Array) -> Array:
     Raises
     ------
     ArithmeticError
-        If the doubling does not settle (an unobservable unstable state).
+        If the doubling does not settle on a covariance: an unobservable unstable state, or noises so far
+        apart that double precision cannot hold both.
 
     Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
     """
@@ -95,16 +96,20 @@ def steady_prior(phi: Array, q: Array, row: Array, r: Array) -> Array:
     gain = row[..., :, None] * row[..., None, :] / r[..., None, None]
     x = q
     identity = np.eye(n)
-    for _ in range(_MAX_DOUBLINGS):
-        both = np.linalg.solve(identity + gain @ x, np.concatenate((a, gain), axis=-1))
-        w_a, w_g = both[..., :n], both[..., n:]
-        a_t = np.swapaxes(a, -1, -2)
-        step = a_t @ x @ w_a
-        gain = gain + a @ w_g @ a_t
-        x = x + (step + np.swapaxes(step, -1, -2)) / 2
-        a = a @ w_a
-        if np.all(np.abs(step) <= 1e-16 * np.abs(x)) or not np.any(step):
-            return x
+    with np.errstate(over="ignore", invalid="ignore"):  # what does not settle overflows first
+        for _ in range(_MAX_DOUBLINGS):
+            try:
+                both = np.linalg.solve(identity + gain @ x, np.concatenate((a, gain), axis=-1))
+            except np.linalg.LinAlgError as error:
+                raise ArithmeticError("the discrete Riccati equation is singular") from error
+            w_a, w_g = both[..., :n], both[..., n:]
+            a_t = np.swapaxes(a, -1, -2)
+            step = a_t @ x @ w_a
+            gain = gain + a @ w_g @ a_t
+            x = x + (step + np.swapaxes(step, -1, -2)) / 2
+            a = a @ w_a
+            if np.all(np.abs(step) <= 1e-16 * np.abs(x)) or not np.any(step):
+                return x
     raise ArithmeticError("the discrete Riccati equation did not settle")
 
 
@@ -145,6 +150,11 @@ def cycle(
 
     Both channels are solved in one batch, each in units of its own closed-form sigmas and of the fix
     interval, so that the numbers stay near one from MEMS to navigation grade.
+
+    Raises
+    ------
+    ArithmeticError
+        If the noises are too far apart for double precision.
     """
     a, w, g, dt, r_h, r_v = np.broadcast_arrays(
         *(np.asarray(x, float) for x in (sigma_a, sigma_w, g, interval, sigma_fix, sigma_fix_vertical))
@@ -174,8 +184,10 @@ def cycle(
     if slow is not None:
         phi, q, row = _augmented(phi, q, row, slow, dt, scale[..., 0])
     prior = steady_prior(phi, q, row, r)
-    moments = (_split(matrix[..., :3, :3], scale) for matrix in (prior, after_fix(prior, row, r)))
-    return Cycle(*moments)
+    posterior = after_fix(prior, row, r)
+    if not all(np.all(np.diagonal(matrix, axis1=-2, axis2=-1) > 0) for matrix in (prior, posterior)):
+        raise ArithmeticError("the discrete Riccati equation lost the covariance to rounding")
+    return Cycle(*(_split(matrix[..., :3, :3], scale) for matrix in (prior, posterior)))
 
 
 def _augmented(

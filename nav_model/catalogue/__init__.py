@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from nav_model.inputs import BaseQuantity, DesignError
 from nav_model.parts import INPUTS
-from nav_model.units import parse_quantity
+from nav_model.units import QuantityError, parse_quantity
 
 Kind = Literal["imu", "radar"]
 STATUSES = ("confirmed", "secondary", "assumed", "unconfirmed")
@@ -115,7 +115,10 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
         if not isinstance(item.get("source"), str) or not item["source"]:
             raise DesignError(where, "has no source")
         if key in _EXTRA[kind]:
-            parsed, target = parse_quantity(item["value"], _EXTRA[kind][key]), extra
+            try:
+                parsed, target = parse_quantity(item["value"], _EXTRA[kind][key]), extra
+            except QuantityError as error:
+                raise DesignError(where, str(error)) from error
         else:
             name_of_input, declaration = _input(kind, key, where)
             parsed, target = declaration.read(item["value"], key), values

@@ -41,9 +41,7 @@ class Aiding:
         require_finite("frame_interval_s", self.frame_interval_s)
         require_finite("latency_s", self.latency_s)
         require_finite("misalignment_rad", self.misalignment_rad)
-        require(
-            self.frame_interval_s > 0.0, f"frame_interval_s = {self.frame_interval_s!r}: must be positive"
-        )
+        require(self.frame_interval_s > 0.0, f"frame_interval_s = {self.frame_interval_s!r}: must be positive")
         require(self.latency_s >= 0.0, f"latency_s = {self.latency_s!r}: must not be negative")
         if self.from_height_m is not None:
             require_finite("from_height_m", self.from_height_m)
@@ -66,8 +64,7 @@ def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
     stride = round(ratio)
     require(
         stride >= 1 and abs(ratio - stride) < 1e-6,
-        f"frame_interval_s = {aiding.frame_interval_s!r}: must be a whole number of steps of "
-        f"{flight.step_s!r} s",
+        f"frame_interval_s = {aiding.frame_interval_s!r}: must be a whole number of steps of {flight.step_s!r} s",
     )
     used = np.zeros(flight.steps + 1, dtype=np.bool_)
     used[::stride] = True

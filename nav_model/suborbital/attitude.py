@@ -41,9 +41,7 @@ def _prepare(body: Array, reference: Array, weight: Array | None) -> tuple[Array
     )
     w = np.ones(b.shape[:-1]) if weight is None else np.broadcast_to(weight, b.shape[:-1]).astype(np.float64)
     require(bool(np.all(w >= 0.0)), "weight: must not be negative")
-    require(
-        bool(np.all(np.isfinite(b)) and np.all(np.isfinite(r))), "star directions: must be finite numbers"
-    )
+    require(bool(np.all(np.isfinite(b)) and np.all(np.isfinite(r))), "star directions: must be finite numbers")
     return b, r, w
 
 
@@ -62,8 +60,7 @@ def _refuse_singular(body: Array, weight: Array, least: int, method: str) -> Non
     weakest = np.linalg.eigvalsh(information(body, weight))[..., 0]
     if np.any(weakest < COLLINEAR):
         raise ValueError(
-            f"{method}: the stars of a scene are collinear, so the rotation about their line is not "
-            "observable"
+            f"{method}: the stars of a scene are collinear, so the rotation about their line is not observable"
         )
 
 
@@ -120,9 +117,7 @@ def n_vector(body: Array, reference: Array, sigma: float, weight: Array | None =
     cross = skew(lever)
     tangent = np.eye(3) - b[..., :, None] * b[..., None, :]
     used = (w > 0.0)[..., None, None]
-    covariance = (
-        sigma**2 / 4.0 * np.sum(np.where(used, cross @ tangent @ np.swapaxes(cross, -1, -2), 0.0), axis=-3)
-    )
+    covariance = sigma**2 / 4.0 * np.sum(np.where(used, cross @ tangent @ np.swapaxes(cross, -1, -2), 0.0), axis=-3)
     return AttitudeEstimate(np.swapaxes(_nearest_rotation(raw), -1, -2), covariance, "N-vector")
 
 

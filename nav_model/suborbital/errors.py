@@ -115,9 +115,7 @@ class ErrorSet:
     initial: InitialErrors = GP1_INITIAL
 
 
-def parameter_vector(
-    errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0
-) -> Array:
+def parameter_vector(errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0) -> Array:
     """The deterministic errors as one vector, (61,), in the order of `PARAMETERS`; star tracker entries
     last."""
     parts: list[Array] = []

@@ -67,11 +67,7 @@ class FlightParameters:
             f"latitude_rad = {self.latitude_rad!r}: must lie between the poles, -pi/2 to pi/2",
         )
         require(
-            0.0
-            <= self.pitch_program_start_s
-            < self.pitch_program_end_s
-            <= self.burn_time_s
-            < self.duration_s,
+            0.0 <= self.pitch_program_start_s < self.pitch_program_end_s <= self.burn_time_s < self.duration_s,
             f"pitch_program_start_s = {self.pitch_program_start_s!r}, pitch_program_end_s = "
             f"{self.pitch_program_end_s!r}, burn_time_s = {self.burn_time_s!r}, duration_s = "
             f"{self.duration_s!r}: must rise in this order",

@@ -101,9 +101,7 @@ def _propagate(state, attitude, force, rate, path, sines, used, h, every, out): 
             r2 = r[0] ** 2 + r[1] ** 2 + r[2] ** 2
             w2 = KM / (r2 * np.sqrt(r2))
             for a in range(3):
-                fi[node, a] = (
-                    c[a, 0] * force[i, node, 0] + c[a, 1] * force[i, node, 1] + c[a, 2] * force[i, node, 2]
-                )
+                fi[node, a] = c[a, 0] * force[i, node, 0] + c[a, 1] * force[i, node, 1] + c[a, 2] * force[i, node, 2]
                 for b in range(3):
                     pull[node, a, b] = w2 * (3.0 * r[a] * r[b] / r2 - (1.0 if a == b else 0.0))
         for p in range(columns):
@@ -142,9 +140,7 @@ def _half_path(flight: Flight) -> Array:
     return path
 
 
-def sensitivity(
-    flight: Flight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
-) -> Sensitivity:
+def sensitivity(flight: Flight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10) -> Sensitivity:
     """Sensitivity matrix of a flight [B-4].
 
     errors supplies the oscillation periods only; used (n+1,) bool marks the steps with a star frame (None:

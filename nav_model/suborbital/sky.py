@@ -52,9 +52,7 @@ def _catalogue() -> dict[str, Array]:
 
 
 @lru_cache(maxsize=4)
-def hipparcos_sky(
-    magnitude_limit: float = 6.5, epoch_year: float = 2025.0, sidereal_angle_rad: float = 0.0
-) -> Sky:
+def hipparcos_sky(magnitude_limit: float = 6.5, epoch_year: float = 2025.0, sidereal_angle_rad: float = 0.0) -> Sky:
     """Hipparcos stars with Hp at or below the limit, moved by proper motion from 1991.25 to the epoch.
 
     sidereal_angle_rad: Greenwich sidereal angle at lift-off; the directions are turned by it from the

@@ -135,9 +135,7 @@ def gate(camera: StarCamera, body: Array, weight: Array) -> tuple[np.ndarray, np
     reason = np.where(
         few,
         f"fewer than {camera.least_stars} stars",
-        np.where(
-            flat, "stars too close together or near a line: rotation about the boresight too uncertain", ""
-        ),
+        np.where(flat, "stars too close together or near a line: rotation about the boresight too uncertain", ""),
     )
     return ~(few | flat), reason
 

@@ -172,8 +172,7 @@ def run_study(
         return navigation_errors(path, run)
 
     pure, aided = (
-        _stack([one(name, row, with_camera) for row, name in enumerate(names)])
-        for with_camera in (False, True)
+        _stack([one(name, row, with_camera) for row, name in enumerate(names)]) for with_camera in (False, True)
     )
     return Study(
         inputs=given,

@@ -101,8 +101,7 @@ def explain(study: Study) -> str:
         )
     slow = float(height_e_folding_time(np.mean(flight.height_m)))
     parts.append(
-        "It does not stabilise the height: left to itself an error there grows by e about every "
-        f"{slow:.0f} s."
+        f"It does not stabilise the height: left to itself an error there grows by e about every {slow:.0f} s."
     )
     return " ".join(parts)
 

@@ -30,9 +30,7 @@ def save_trajectory(flight: Flight, path: str | Path, every: int = 1) -> None:
     # Straight up or down only the sum of roll and yaw means anything: give all of it to yaw.
     vertical = np.hypot(c_bn[:, 0, 0], c_bn[:, 1, 0]) < 1e-9
     roll = np.where(vertical, 0.0, np.arctan2(c_bn[:, 2, 1], c_bn[:, 2, 2]))
-    yaw = np.where(
-        vertical, np.arctan2(-c_bn[:, 0, 1], c_bn[:, 1, 1]), np.arctan2(c_bn[:, 1, 0], c_bn[:, 0, 0])
-    )
+    yaw = np.where(vertical, np.arctan2(-c_bn[:, 0, 1], c_bn[:, 1, 1]), np.arctan2(c_bn[:, 1, 0], c_bn[:, 0, 0]))
     columns = [
         flight.time_s,
         np.degrees(flight.latitude_rad),

@@ -39,6 +39,12 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(visit: Visit, tmp_pa
     box.press("Enter")
     expect(page.get_by_text("is not a unit of angular rate")).to_be_visible()
 
+    page.locator(".bk-tab", has_text="Tables").click()
+    table = page.get_by_role("region", name="Accelerometer errors")
+    table.get_by_role("button", name="INS height [m]").click()
+    expect(table.get_by_role("rowheader")).to_have_text(
+        ["accelerometer instability", "accelerometer total", "accelerometer bias"]
+    )
     page.locator(".bk-tab", has_text="Stars").click()
     expect(page.get_by_role("heading", name="Star frame at 100 s")).to_be_visible()
     page.get_by_role("slider", name=re.compile("Star frame at")).focus()

@@ -19,9 +19,9 @@ from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise, naviga
 def final(flight, aiding, parameters=None, frames=None):
     p = np.zeros(len(PARAMETERS)) if parameters is None else parameters
     aid = camera_frames(flight, aiding) if frames is None else frames
-    return navigation_errors(
-        flight, mechanise(flight, p, ErrorSet(), frames=(aid,), every=flight.steps)
-    ).position_m[0, -1]
+    return navigation_errors(flight, mechanise(flight, p, ErrorSet(), frames=(aid,), every=flight.steps)).position_m[
+        0, -1
+    ]
 
 
 def test_latency_of_ten_milliseconds_costs_about_390_m(flight):

@@ -41,9 +41,7 @@ def scenes(count, stars, seed, sigma=SIGMA, attitude=None):
 def test_optimal_methods_agree_with_scipy():
     """To 1e-4 arcsec with Rotation.align_vectors on 1000 scenes of 5 stars."""
     body, reference, _ = scenes(1000, 5, 0)
-    truth = np.array(
-        [Rotation.align_vectors(b, r)[0].as_matrix() for b, r in zip(body, reference, strict=True)]
-    )
+    truth = np.array([Rotation.align_vectors(b, r)[0].as_matrix() for b, r in zip(body, reference, strict=True)])
     for name in OPTIMAL:
         gap = attitude_error(METHODS[name](body, reference, SIGMA).rotation, truth)
         assert np.linalg.norm(gap, axis=-1).max() < 1e-4 * ARCSEC, name
@@ -131,9 +129,7 @@ def test_turning_the_sky_turns_the_answer(seed, name):
     plain = METHODS[name](body, reference, SIGMA).rotation
     turned = METHODS[name](body, reference @ turn.T, SIGMA).rotation
     np.testing.assert_allclose(turned, plain @ turn.T, atol=1e-8)
-    np.testing.assert_allclose(
-        plain @ np.swapaxes(plain, -1, -2), np.broadcast_to(np.eye(3), plain.shape), atol=1e-9
-    )
+    np.testing.assert_allclose(plain @ np.swapaxes(plain, -1, -2), np.broadcast_to(np.eye(3), plain.shape), atol=1e-9)
     np.testing.assert_allclose(np.linalg.det(plain), 1.0, atol=1e-9)
 
 

@@ -59,8 +59,7 @@ def test_ned_agrees_with_inertial(flight, gravity, aided):
         used[500:900] = False
         frames = (AttitudeFrames(used, np.ascontiguousarray(flight.attitude_bi)),)
     runs = [
-        mechanise(flight, p, ErrorSet(), axes=axes, gravity=gravity, frames=frames)
-        for axes in ("inertial", "ned")
+        mechanise(flight, p, ErrorSet(), axes=axes, gravity=gravity, frames=frames) for axes in ("inertial", "ned")
     ]
     assert np.linalg.norm(runs[0].position_i - runs[1].position_i, axis=-1).max() < 1e-2
     assert np.abs(runs[0].velocity_i - runs[1].velocity_i).max() < 1e-4
@@ -199,9 +198,7 @@ def test_ned_is_refused_near_a_pole():
 def test_navigation_error_of_a_pure_shift(flight):
     """A run displaced by a known local vector must report just that."""
     run = mechanise(flight, np.zeros(len(PARAMETERS)), ErrorSet(), every=flight.steps)
-    axes = ned_to_inertial(
-        flight.latitude_rad[-1], np.arctan2(flight.position_i[-1, 1], flight.position_i[-1, 0])
-    )
+    axes = ned_to_inertial(flight.latitude_rad[-1], np.arctan2(flight.position_i[-1, 1], flight.position_i[-1, 0]))
     shifted = run.position_i.copy()
     shifted[0, -1] = flight.position_i[-1] + axes @ np.array([3.0, -4.0, -12.0])
     from dataclasses import replace

@@ -66,9 +66,7 @@ def test_words_follow_the_numbers(study):
     late = explain(run_study(replace(study.inputs, aiding=Aiding(from_height_m=250e3))))
     assert "comes too late" in late
     assert "does not change the forcing" in late
-    assert "never gives a frame" in explain(
-        run_study(replace(study.inputs, aiding=Aiding(from_height_m=2e6)))
-    )
+    assert "never gives a frame" in explain(run_study(replace(study.inputs, aiding=Aiding(from_height_m=2e6))))
     worse = explain(run_study(replace(study.inputs, aiding=Aiding(misalignment_rad=(0.0, 0.02, 0.0)))))
     assert "makes it worse" in worse
     assert "misalignment and latency cost" in worse

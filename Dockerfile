@@ -1,0 +1,21 @@
+FROM python:3.11-slim AS build
+WORKDIR /src
+COPY pyproject.toml README.md LICENSE ./
+COPY nav_model nav_model
+COPY app app
+RUN python -m venv /opt/navbudget \
+ && /opt/navbudget/bin/pip install --no-cache-dir .
+
+FROM python:3.11-slim
+RUN useradd --create-home --uid 10001 navbudget
+COPY --from=build /opt/navbudget /opt/navbudget
+USER 10001
+WORKDIR /home/navbudget
+# Compiled kernels are cached here; the package itself is not writable for this user.
+ENV NUMBA_CACHE_DIR=/home/navbudget/.cache/numba
+EXPOSE 5006
+HEALTHCHECK --interval=30s --timeout=5s --start-period=20s --retries=3 \
+  CMD ["/opt/navbudget/bin/python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:5006/liveness', timeout=4)"]
+# Browsers reach the page under the host they typed: name it with --allow-origin HOST:PORT.
+ENTRYPOINT ["/opt/navbudget/bin/navbudget"]
+CMD ["serve", "--address", "0.0.0.0", "--port", "5006"]

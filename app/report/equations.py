@@ -1,0 +1,190 @@
+"""The equations a report rests on, their symbols and the literature: a table of data.
+
+Written once, in Typst's math notation; the PDF sets it and the HTML carries it as MathML. Marks are those of the
+product: T for the navigation theory, S for the radar.
+"""
+
+from __future__ import annotations
+
+from app.report.document import Equation, Symbol
+
+EQUATIONS: tuple[Equation, ...] = (
+    Equation(
+        "T-1",
+        "Error dynamics, straight and level flight",
+        "dot(delta bold(r)) = delta bold(v), quad dot(delta bold(v)) = bold(G) bold(psi) + bold(w)_a, quad "
+        "dot(bold(psi)) = bold(w)_omega, quad bold(G) = mat(0, -g, 0; g, 0, 0; 0, 0, 0)",
+        "Position, velocity and attitude errors; white noise of the accelerometers and gyros, independent per axis.",
+    ),
+    Equation(
+        "T-2",
+        "Density of the fixes",
+        'R = sigma_"GNSS"^2 delta(t) thick arrow.r.double thick s = sigma_"GNSS" sqrt(Delta t)',
+        "A fix every Δt seconds is, to the continuous filter, white noise of this density.",
+    ),
+    Equation(
+        "T-3",
+        "Steady state, horizontal channel",
+        "p_11^4 / 4 = 2 g sigma_omega s^5 p_11 + s^6 sigma_a^2, quad p_22 = p_11^3 / (2 s^4) - g sigma_omega s, "
+        "quad p_33 = (p_11^2 sigma_omega) / (2 g s^3)",
+        "Variances of position, velocity and tilt over a cycle of the filter.",
+    ),
+    Equation(
+        "T-4",
+        "Steady state, vertical channel",
+        "v_11 = sqrt(2) thin s^(3 slash 2) sigma_a^(1 slash 2), quad v_12 = sigma_a s, quad v_22 = v_11 sigma_a / s",
+        "Variances of height and vertical velocity.",
+    ),
+    Equation(
+        "T-5",
+        "Yaw",
+        "sigma_psi^2 (t) = psi_0^2 + sigma_omega^2 t",
+        "ψ is the yaw error here: unobservable on a straight path, it only grows.",
+    ),
+    Equation(
+        "T-6",
+        "Gyro dominance",
+        "u^4 = 1 + kappa u, quad u = p_11 / v_11, quad kappa = (2 sqrt(2) thin g sigma_omega s^(1 slash 2)) / "
+        "sigma_a^(3 slash 2)",
+        "One number says which sensor rules the horizontal channel.",
+    ),
+    Equation(
+        "T-7",
+        "Gyro-dominated limit",
+        "p_11 -> 2 s^(5 slash 3) (g sigma_omega)^(1 slash 3), quad p_22 -> 3 g sigma_omega s, quad "
+        "p_33 -> 2 (s sigma_omega^5 / g)^(1 slash 3)",
+        "Holds for gyro dominance far above one.",
+    ),
+    Equation(
+        "T-8",
+        "Discrete filter",
+        "bold(P)^- = bold(Phi) bold(P)^+ bold(Phi)^upright(T) + bold(Q), quad bold(P)^+ = bold(P)^- - "
+        "(bold(P)^- bold(H)^upright(T) bold(H) bold(P)^-) / (bold(H) bold(P)^- bold(H)^upright(T) + "
+        'sigma_"GNSS"^2), quad lambda Delta t = (p_11 Delta t) / s^2',
+        "Prior, just before a fix, and posterior, just after it: the ends of the sawtooth. Above λ Δt = 0.5 the "
+        "closed form is far from both.",
+    ),
+    Equation(
+        "T-9",
+        "Outage, horizontal channel",
+        "sigma_x^2 (t) &= p_11 + 2 p_12 t + (p_22 + g p_13) t^2 + (sigma_a^2 / 3 + g p_23) t^3 + (g^2 p_33) / 4 t^4 "
+        "+ (g^2 sigma_omega^2) / 20 t^5 \\ "
+        "sigma_v^2 (t) &= p_22 + (sigma_a^2 + 2 g p_23) t + g^2 p_33 t^2 + (g^2 sigma_omega^2) / 3 t^3, quad "
+        "sigma_theta^2 (t) = p_33 + sigma_omega^2 t",
+        "From the closed form at the last fix. Residual biases add in quadrature, with t²/2 and g t³/6.",
+    ),
+    Equation(
+        "T-10",
+        "Outage, vertical channel",
+        "sigma_z^2 (t) = v_11 + 2 v_12 t + v_22 t^2 + sigma_a^2 / 3 t^3",
+        "Optimistic after about 45 s; see [T-17].",
+    ),
+    Equation(
+        "T-11",
+        "Outage from a perfect start",
+        "sigma_x^2 (t) = sigma_a^2 / 3 t^3 + (g^2 sigma_omega^2) / 20 t^5, quad sigma_z^2 (t) = sigma_a^2 / 3 t^3",
+        "What the sensors alone do.",
+    ),
+    Equation(
+        "T-12",
+        "Share of the initial tilt",
+        "sigma_x (t) = g / 2 sqrt(p_33) thin t^2",
+        "Horizontal only.",
+    ),
+    Equation(
+        "T-13",
+        "Phase of a line-of-sight error",
+        "phi = (4 pi) / lambda thin delta r",
+        "Two-way.",
+    ),
+    Equation(
+        "T-15",
+        "Phase left after the line",
+        "sigma_phi^2 = ((4 pi) / lambda)^2 [cos^2 psi thin (g^2 p_33) / 720 T^4 + sigma_a^2 / 420 T^3 + "
+        "cos^2 psi thin (17 g^2 sigma_omega^2) / 30240 T^5]",
+        "Mean square over the aperture. Biases and a coast before the aperture add the terms of [S-6].",
+    ),
+    Equation(
+        "T-17",
+        "Refined outage",
+        "dot(delta v)_x = -g / R_e delta x + dots.h, quad dot(delta v)_z = (2 g) / R_e delta z + 2 Omega cos phi.alt "
+        "thin delta v_E + (2 V) / R_e delta v_x, quad dot(bold(P)) = bold(F) bold(P) + bold(P) bold(F)^upright(T) + "
+        "bold(Q), quad bold(P)(0) = bold(P)^+",
+        "Schuler, gravity-gradient and Coriolis terms, from the posterior covariance of [T-8]; residual biases in "
+        "quadrature. Requirements after the last fix are held against this curve.",
+    ),
+    Equation(
+        "T-18",
+        "Shares in steady state",
+        '(partial ln p_(i j)) / (partial ln q_k) = ("part of " q_k " in " p_(i j)) / p_(i j), quad '
+        'q_k in {sigma_a^2, sigma_omega^2, sigma_"GNSS"^2}',
+        "The gain is optimal, so the share of a source is the sensitivity to it.",
+    ),
+    Equation(
+        "S-1",
+        "Line of sight, broadside",
+        'sigma_"LOS"^2 = cos^2 psi thin sigma_y^2 + sin^2 psi thin sigma_z^2',
+        "Grazing angle ψ weighs cross-track against vertical errors.",
+    ),
+    Equation(
+        "S-2",
+        "Quadratic phase from along-track velocity",
+        "phi = (pi V T^2 thin delta V) / (lambda R)",
+        "The line of sight turns over the aperture, so a velocity error does more than shift the image. Checked of "
+        "its own against the limit on quadratic phase.",
+    ),
+    Equation(
+        "S-3",
+        "Aperture and cell",
+        'T = (k lambda R) / (2 rho_a V), quad rho_"cell" = (lambda R) / (2 V T)',
+        "k is the half-power width of the window in cells: 0.8859 uniform, 1.1875 Taylor (−35 dB, n̄ = 5), "
+        "1.3030 Hamming.",
+    ),
+    Equation(
+        "S-5",
+        "Quadratic phase over the aperture",
+        'sigma_"QPE"^2 = ((4 pi) / lambda)^2 T^4 / 64 [cos^2 psi thin g^2 (p_33 + b_g^2 (T_c + T / 2)^2 + '
+        "sigma_omega^2 T_c + 181 / 462 sigma_omega^2 T) + b_a^2 + 10 / 7 sigma_a^2 / T]",
+        "Phase at the ends of the aperture, source by source, before autofocus.",
+    ),
+    Equation(
+        "S-6",
+        "Phase left after autofocus, and cubic phase",
+        'm = 1: quad &"[T-15]" + ((4 pi) / lambda)^2 [T^4 / 720 (b_a^2 + cos^2 psi thin g^2 (sigma_omega^2 T_c + '
+        "b_g^2 (T_c + T / 2)^2)) + cos^2 psi thin (g^2 b_g^2) / 100800 T^6] \\ "
+        "m = 2: quad &((4 pi) / lambda)^2 [sigma_a^2 / 2520 T^3 + cos^2 psi thin g^2 ( sigma_omega^2 / 55440 T^5 + "
+        "b_g^2 / 100800 T^6)] \\ "
+        "m = 3: quad &((4 pi) / lambda)^2 [sigma_a^2 / 6930 T^3 + cos^2 psi thin (g^2 sigma_omega^2) / 540540 T^5] "
+        "\\ "
+        'sigma_"CPE"^2 = &((4 pi) / lambda)^2 [25 / 4 (7 / 3960 sigma_a^2 T^3 + 7 / 61776 cos^2 psi thin '
+        "g^2 sigma_omega^2 T^5) + cos^2 psi thin (g^2 b_g^2) / 2304 T^6]",
+        "m is the highest order of phase that autofocus removes; 1 is the line only.",
+    ),
+)
+
+SYMBOLS: tuple[Symbol, ...] = (
+    Symbol("sigma_a", "velocity random walk, times the vibration factor", "m/s/√s"),
+    Symbol("sigma_omega", "angle random walk, times the vibration factor", "rad/√s"),
+    Symbol("b_a, b_g", "residual biases of accelerometer and gyro at the last fix, 1σ", "m/s², rad/s"),
+    Symbol('sigma_"GNSS", Delta t, s', "noise of one fix, fix interval, density of the fixes", "m, s, m·√s"),
+    Symbol("p_(i j), v_(i j)", "covariance of (position, velocity, tilt), horizontal and vertical", "m, m/s, rad"),
+    Symbol("bold(P)^-, bold(P)^+", "covariance just before and just after a fix", "as above"),
+    Symbol("kappa, u", "gyro dominance; horizontal over vertical position variance", "1"),
+    Symbol("lambda Delta t", "filter bandwidth times fix interval", "1"),
+    Symbol("g, R_e, Omega", "gravity, Earth radius plus altitude, Earth rate", "m/s², m, rad/s"),
+    Symbol("t, T, T_c", "time since the last fix, aperture time, coast before the aperture", "s"),
+    Symbol("lambda, R, V, rho_a", "wavelength, slant range, ground speed, azimuth resolution", "m, m, m/s, m"),
+    Symbol("psi, phi.alt", "grazing angle, but yaw in [T-5]; latitude in [T-17]", "rad"),
+)
+
+REFERENCES: tuple[str, ...] = (
+    "[A] Makarem and Cheraghi Mahmudabadi, Accuracy analysis of integrated INS/GNSS navigation in a straight path "
+    "with constant velocity for airborne SAR. Journal of Radar 7(2), 2019. Source of [T-1] to [T-7] and [T-9] to "
+    "[T-12].",
+    "[C] Cheraghi Mahmudabadi, Makarem and Hatam, Challenges of inertial and integrated navigation systems in SAR "
+    "application. Source of [T-13] and of the correction limits; its gyro term is printed with √21 where the "
+    "integral gives √20, which is used here.",
+    "[T-8], [T-15], [T-17], [T-18] and [S-1] to [S-6] are derived in NavBudget and verified against Riccati and "
+    "covariance solutions and Monte Carlo runs in its test suite.",
+    "Sources of sensor and radar values stand beside each value in the table of inputs.",
+)

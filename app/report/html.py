@@ -1,0 +1,137 @@
+"""A report as one HTML file: interactive charts, nothing fetched from anywhere, opens from disk.
+
+Jinja escapes every text; equations become MathML through Typst, so that they are written once for both faces.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Iterable
+from functools import cache
+from importlib.resources import files
+
+import typst
+from bokeh.embed import components
+from bokeh.resources import Resources
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from app.charts.description import BarChart, Chart, to_csv
+from app.charts.legend import legend_html
+from app.charts.on_screen import to_bokeh
+from app.report.document import ChartBlock, Equations, Report, Symbols
+
+_MARK = re.compile(r"\[([TS]-\d+)\]")
+_MATH = re.compile(r"<math.*?</math>", re.DOTALL)
+_TYPST_MATH = """
+#for item in json(bytes(sys.inputs.items)) { math.equation(block: item.block, eval(item.math, mode: "math")) }
+"""
+_TABLE_ROWS = 11  # of a curve's table of data
+_HEIGHT = 340
+_ROW_HEIGHT = 42
+
+
+def to_html(report: Report) -> str:
+    """The report as the text of an HTML file."""
+    blocks = report.charts()
+    plots = {block.key: to_bokeh(block.chart, _height(block)).plot for block in blocks}
+    for block in blocks:
+        plots[block.key].name = block.key
+    script, places = components(plots)
+    equations = {item.mark for block in report.blocks() if isinstance(block, Equations) for item in block.items}
+    environment = Environment(
+        loader=PackageLoader("app", "report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(
+        said=lambda text: _with_links(text, equations),
+        rows=lambda chart: _data_rows(chart),
+        kind=lambda block: type(block).__name__,
+        data=_data_url,
+        csv=to_csv,
+        legend=lambda chart: Markup(legend_html(chart)),
+    )
+    page = environment.get_template("report.html").render(
+        report=report,
+        style=Markup(files("app.report").joinpath("report.css").read_text(encoding="utf-8")),
+        library=Markup(_library()),
+        script=Markup(script),
+        places={key: Markup(place) for key, place in places.items()},
+        math=_math(report),
+    )
+    return page.lstrip()  # the macros' own lines come before the doctype
+
+
+def _height(block: ChartBlock) -> int:
+    return _HEIGHT if isinstance(block.chart, Chart) else 130 + _ROW_HEIGHT * len(block.chart.bars)
+
+
+@cache
+def _library() -> str:
+    """BokehJS itself, without the widgets and tables a report has no use for.
+
+    Its text, not its rendered tags: in a process that serves pages, those would name the server's own files.
+    """
+    scripts = Resources(mode="inline", components=["bokeh"]).js_raw
+    return "\n".join(f'<script type="text/javascript">\n{script}\n</script>' for script in scripts)
+
+
+def _with_links(text: str, marks: Iterable[str]) -> Markup:
+    """Escaped text with its equation marks as links."""
+    known = set(marks)
+
+    def link(found: re.Match[str]) -> str:
+        mark = found[1]
+        return f'<a href="#{mark}">[{mark}]</a>' if mark in known else found[0]
+
+    return Markup(_MARK.sub(link, str(escape(text))))
+
+
+def _math(report: Report) -> dict[str, Markup]:
+    """Typst math of the report's equations and symbols -> MathML."""
+    wanted: dict[str, bool] = {}
+    for block in report.blocks():
+        if isinstance(block, Equations | Symbols):
+            wanted |= {item.math: isinstance(block, Equations) for item in block.items}
+    return dict(zip(wanted, map(Markup, _mathml(tuple(wanted.items()))), strict=True))
+
+
+@cache
+def _mathml(items: tuple[tuple[str, bool], ...]) -> tuple[str, ...]:
+    data = json.dumps([{"math": math, "block": block} for math, block in items], ensure_ascii=False)
+    page = typst.compile(_TYPST_MATH.encode(), format="html", sys_inputs={"items": data}).decode()
+    return tuple(_MATH.findall(page))
+
+
+def _data_url(text: str, kind: str) -> str:
+    return f"data:{kind};charset=utf-8;base64,{base64.b64encode(text.encode()).decode()}"
+
+
+def _data_rows(chart: Chart | BarChart) -> list[tuple[str, ...]]:
+    """A chart's numbers for reading: bars whole, curves at a few places; the first row is the head."""
+    if isinstance(chart, BarChart):
+        return [tuple(_short(cell) for cell in row) for row in chart.rows()]
+    rows = [("series", chart.x_label, chart.y_label)]
+    for line in chart.lines:
+        seen = [i for i, y in enumerate(line.y) if y == y]
+        step = max(1, (len(seen) - 1) // (_TABLE_ROWS - 1))
+        rows += [(line.label, f"{line.x[i]:.4g}", f"{line.y[i]:.4g}") for i in seen[::step]]
+    for points in chart.points:
+        rows += [(name, f"{x:.4g}", f"{y:.4g}") for name, x, y in zip(points.names, points.x, points.y, strict=True)]
+    rows += [
+        (x.label, f"{x.start:.4g} to {x.stop:.4g}", f"{x.level:.4g}") for x in chart.limits if x.level == x.level
+    ]
+    return rows
+
+
+def _short(cell: str) -> str:
+    try:
+        value = float(cell)
+    except ValueError:
+        return cell
+    return f"{value:.4g}" if value == value else "–"

@@ -1,0 +1,121 @@
+"""The table of inputs: every value with its origin, and a mark on what is not confirmed or was changed."""
+
+from __future__ import annotations
+
+from app.report.document import Cell
+from app.report.wording import number
+from nav_model.catalogue import Entry, SourcedValue, find
+from nav_model.design import Design
+from nav_model.design_file import deviations, preset_of
+from nav_model.inputs import BaseQuantity
+from nav_model.parts import INPUTS, PARTS
+
+MARKS_EXPLAINED = (
+    "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
+    "unconfirmed: from memory, no source reached. changed: not the value of the preset. Biases and platform figures "
+    "of the catalogue fill no input; they stand here for information."
+)
+_EXTRA_LABELS = {
+    "gyro_bias": "Gyro bias on the sheet",
+    "accelerometer_bias": "Accelerometer bias on the sheet",
+    "speed": "Usual speed of the platform",
+    "altitude": "Usual altitude of the platform",
+}
+
+
+def input_rows(design: Design, aperture_time: float) -> tuple[tuple[Cell, ...], ...]:
+    """Rows of name, value and origin for every input, headed by section."""
+    rows: list[tuple[Cell, ...]] = []
+    for part in PARTS:
+        entry = preset_entry(design, part.section)
+        rows.append((Cell(part.title if entry is None else f"{part.title}: {_preset(entry)}"),))
+        rows += (_row(design, part.section, name, entry, aperture_time) for name in INPUTS[part.section])
+        if entry is not None:
+            rows += (
+                (Cell(_EXTRA_LABELS[name]), _valued(value.text, value), Cell(_sheet(value)))
+                for name, value in entry.extra.items()
+            )
+            if entry.note:
+                rows.append((Cell("Note"), Cell(""), Cell(entry.note)))
+    return tuple(rows)
+
+
+def doubtful_inputs(design: Design) -> list[str]:
+    """Inputs in force whose catalogue value is not confirmed, with their status."""
+    return [
+        f"{INPUTS[section][name].label.lower()} ({sourced.status})"
+        for section in INPUTS
+        for name in INPUTS[section]
+        if (sourced := sourced_value(design, section, name)) is not None and not sourced.confirmed
+    ]
+
+
+def preset_entry(design: Design, section: str) -> Entry | None:
+    """The catalogue's entry behind a section."""
+    name = preset_of(design, section)
+    return None if name is None else find("imu" if section == "imu" else "radar", name)
+
+
+def sourced_value(design: Design, section: str, name: str) -> SourcedValue | None:
+    """The catalogue's value behind an input, if that is the value in force."""
+    entry = preset_entry(design, section)
+    if entry is None or name in deviations(design, section):
+        return None
+    return entry.values.get(name)
+
+
+def shown_value(design: Design, section: str, name: str) -> str:
+    """An input's value, exact, in the unit it was written in; empty when it is not given."""
+    key = f"{section}.{name}"
+    declaration, value = INPUTS[section][name], design[key]
+    if value is None:
+        return ""
+    if not isinstance(declaration, BaseQuantity):
+        return {True: "yes", False: "no"}.get(value, str(value)) if isinstance(value, bool) else str(value)
+    assert isinstance(value, float | int)
+    if not declaration.dimension:
+        return f"{value:g}"
+    written_as, text = declaration.write(float(value), design.written.get(key, ""))
+    if written_as == name:
+        return str(text)
+    return f"{declaration.show(float(value))} ({written_as} {text})"
+
+
+def _preset(entry: Entry) -> str:
+    return f"preset {entry.name}" + (f", {entry.grade}" if entry.grade else "")
+
+
+def _valued(text: str, sourced: SourcedValue) -> Cell:
+    kind = f", {sourced.kind}" if sourced.kind else ""
+    return Cell(text + kind, "" if sourced.confirmed else sourced.status, "" if sourced.confirmed else "warn")
+
+
+def _sheet(sourced: SourcedValue) -> str:
+    return f"{sourced.source} (for information)"
+
+
+def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_time: float) -> tuple[Cell, ...]:
+    declaration = INPUTS[section][name]
+    key = f"{section}.{name}"
+    label = Cell(str(declaration.label))
+    text = shown_value(design, section, name)
+    if not text:
+        return label, Cell("not given", tone="quiet"), Cell(_absent(key, aperture_time), tone="quiet")
+    sourced = sourced_value(design, section, name)
+    if sourced is not None:
+        return label, _valued(text, sourced), Cell(sourced.source)
+    if entry is not None and name in entry.values:
+        sheet = entry.values[name]
+        return label, Cell(text, "changed", "warn"), Cell(f"stated; the preset has {sheet.text} ({sheet.status})")
+    idle = name.startswith("correl") and name != "correlated" and not design.gnss.correlated
+    is_default = key not in design.written and design[key] == declaration.default
+    origin = "default" if is_default else "stated in the design"
+    return label, Cell(text), Cell(f"{origin}; not in use" if idle else origin, tone="quiet" if is_default else "")
+
+
+def _absent(key: str, aperture_time: float) -> str:
+    if key == "gnss.vertical_position_noise":
+        return "as the position noise"
+    if key == "radar.aperture_time":
+        return f"{number(aperture_time)} s, from range, speed, resolution and window [S-3]"
+    return "not checked"

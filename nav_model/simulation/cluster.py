@@ -1,0 +1,37 @@
+"""The same chunks on a Dask distributed cluster (the `cluster` extra)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from typing import Any
+
+from nav_model.simulation.compiled import room_digest
+
+
+@contextmanager
+def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor, int]]:
+    """A pool for `simulate(pool=..., workers=...)` on the scheduler at `address`, and its number of threads.
+
+    A chunk lost with its worker is flown again by another; a result counts once. Raises ValueError where no
+    scheduler answers or it has no workers, RuntimeError where a worker's simulator is not the same as this
+    one, ImportError where the `cluster` extra is not installed.
+    """
+    try:
+        import distributed
+    except ImportError as error:
+        raise ImportError("a scheduler needs the 'cluster' extra: pip install 'navbudget[cluster]'") from error
+    connect: Any = distributed.Client
+    try:
+        client: Any = connect(address, timeout=timeout, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise ValueError(f"scheduler = {address!r}: no Dask scheduler answers there ({error})") from error
+    with client:
+        threads = sum(client.nthreads().values())
+        if threads == 0:
+            raise ValueError(f"scheduler = {address!r}: it has no workers")
+        strangers = [worker for worker, digest in client.run(room_digest).items() if digest != room_digest()]
+        if strangers:
+            raise RuntimeError(f"worker {strangers[0]} has another version of nav_model.simulation; update it")
+        yield client.get_executor(pure=False, retries=3), threads

@@ -1,0 +1,249 @@
+"""The error-state extended Kalman filter: transition, propagation, Joseph update, consistency.
+
+Errors are estimate minus truth: position [m] and velocity [m/s] north, east, down; attitude psi [rad] in
+C_estimate = (I - [psi x]) C; then, with 15 states, accelerometer [m/s^2] and gyro [rad/s] bias. For level
+flight this is [T-1] (with psi of the other sign, which no variance sees) plus the Earth's and transport's
+terms.
+
+Sources: Titterton and Weston, 2nd ed., ch. 12; Groves, *Principles of GNSS, Inertial, and Multisensor
+Integrated Navigation Systems*, 2nd ed., ch. 14; Bucy and Joseph 1968 for the update.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.simulation.compiled import kernel
+from nav_model.simulation.earth import ROTATION_RATE, curvature_radii_kernel, normal_gravity_kernel
+
+FloatArray = NDArray[np.float64]
+
+
+@kernel
+def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out: FloatArray) -> None:
+    """Write the first nine rows of the continuous error dynamics F into `out`, shape (9, 9) or (9, 15).
+
+    state: navigation state; force: specific force, NED [m/s^2]; matrix: body to NED.
+    """
+    out[:] = 0.0
+    sin_lat, cos_lat = np.sin(state[0]), np.cos(state[0])
+    tangent = sin_lat / cos_lat
+    meridian, prime = curvature_radii_kernel(sin_lat)
+    rn, re = meridian + state[2], prime + state[2]
+    vn, ve, vd = state[3], state[4], state[5]
+    # Position: NED metres at the moving point.
+    out[0, 0], out[0, 2], out[0, 3] = -vd / rn, vn / rn, 1.0
+    out[1, 0], out[1, 1], out[1, 2], out[1, 4] = ve * tangent / rn, -vd / re - tangent * vn / rn, ve / re, 1.0
+    out[2, 5] = 1.0
+    # How transport and Earth rates change with position (columns 0, 2) and velocity (3, 4).
+    for column in (0, 2, 3, 4):
+        tn, te, td, en, ed = 0.0, 0.0, 0.0, 0.0, 0.0
+        if column == 0:
+            td = -ve * (1.0 + tangent * tangent) / (re * rn)
+            en, ed = -ROTATION_RATE * sin_lat / rn, -ROTATION_RATE * cos_lat / rn
+        elif column == 2:
+            tn, te, td = ve / (re * re), -vn / (rn * rn), -ve * tangent / (re * re)
+        elif column == 3:
+            te = -1.0 / rn
+        else:
+            tn, td = 1.0 / re, -tangent / re
+        wn, we, wd = 2.0 * en + tn, te, 2.0 * ed + td
+        out[3, column] -= we * vd - wd * ve
+        out[4, column] -= wd * vn - wn * vd
+        out[5, column] -= wn * ve - we * vn
+        out[6, column] = en + tn
+        out[7, column] = te
+        out[8, column] = ed + td
+    out[5, 2] += 2.0 * normal_gravity_kernel(sin_lat, state[2]) / np.sqrt(rn * re)
+    earth_n, earth_d = ROTATION_RATE * cos_lat, -ROTATION_RATE * sin_lat
+    tn, te, td = ve / re, -vn / rn, -ve * tangent / re
+    _subtract_cross(out, 3, 3, 2.0 * earth_n + tn, te, 2.0 * earth_d + td)
+    _subtract_cross(out, 6, 6, earth_n + tn, te, earth_d + td)
+    _subtract_cross(out, 3, 6, -force[0], -force[1], -force[2])
+    if out.shape[1] == 15:
+        for i in range(3):
+            for j in range(3):
+                out[3 + i, 9 + j] = -matrix[i, j]
+                out[6 + i, 12 + j] = matrix[i, j]
+
+
+@kernel
+def _subtract_cross(out: FloatArray, row: int, column: int, x: float, y: float, z: float) -> None:
+    out[row, column + 1] += z
+    out[row, column + 2] -= y
+    out[row + 1, column] -= z
+    out[row + 1, column + 2] += x
+    out[row + 2, column] += y
+    out[row + 2, column + 1] -= x
+
+
+@kernel
+def _times(left: FloatArray, right: FloatArray, scale: float, out: FloatArray) -> None:
+    """out = scale * left[:, :9] @ right, skipping zeros of `left`: the dynamics are sparse."""
+    for i in range(9):
+        out[i] = 0.0
+        for k in range(9):
+            weight = scale * left[i, k]
+            if weight != 0.0:
+                for j in range(right.shape[1]):
+                    out[i, j] += weight * right[k, j]
+
+
+@kernel
+def propagate(
+    covariance: FloatArray,
+    dynamics: FloatArray,
+    force: FloatArray,
+    dt: float,
+    accelerometer_density: float,
+    gyro_density: float,
+    decay_rate: FloatArray,
+    bias_drive: FloatArray,
+    work: FloatArray,
+) -> None:
+    """P <- Phi P Phi' + Q over `dt` seconds, in place, exactly symmetric.
+
+    dynamics: see `error_dynamics`; its exponential is taken to third order, which is exact for the chain
+    gyro bias -> attitude -> velocity -> position. Q holds the white noises (densities [m/s/sqrt(s)],
+    [rad/sqrt(s)]) through the same chain, all orders. decay_rate [1/s] and bias_drive [unit^2/s] are those of
+    the six biases. work: (4, n, n) of working space.
+    """
+    n = covariance.shape[0]
+    step, square, cube, product = work[0, :9], work[1, :9], work[2, :9], work[3]
+    for i in range(9):
+        for j in range(n):
+            step[i, j] = dynamics[i, j] * dt
+    _times(step, step, 0.5, square)
+    _times(step, square, 1.0 / 3.0, cube)
+    for i in range(9):
+        for j in range(n):
+            step[i, j] += square[i, j] + cube[i, j]
+        step[i, i] += 1.0
+    # product = Phi P; the bias rows of Phi are diagonal.
+    for i in range(9):
+        product[i] = 0.0
+        for k in range(n):
+            weight = step[i, k]
+            if weight != 0.0:
+                for j in range(n):
+                    product[i, j] += weight * covariance[k, j]
+    for i in range(9):
+        for j in range(i, 9):
+            total = 0.0
+            for k in range(n):
+                total += product[i, k] * step[j, k]
+            covariance[i, j] = total
+            covariance[j, i] = total
+    for j in range(9, n):
+        kept = np.exp(-decay_rate[j - 9] * dt)
+        for i in range(9):
+            covariance[i, j] = kept * product[i, j]
+            covariance[j, i] = covariance[i, j]
+        for i in range(9, j + 1):
+            covariance[i, j] *= kept * np.exp(-decay_rate[i - 9] * dt)
+            covariance[j, i] = covariance[i, j]
+        covariance[j, j] += bias_drive[j - 9] * dt
+    _add_white_noise(covariance, force, dt, accelerometer_density**2, gyro_density**2)
+
+
+@kernel
+def _add_white_noise(covariance: FloatArray, f: FloatArray, dt: float, qa: float, qg: float) -> None:
+    d2, d3 = dt * dt, dt * dt * dt
+    norm = f[0] * f[0] + f[1] * f[1] + f[2] * f[2]
+    for i in range(3):
+        covariance[i, i] += qa * d3 / 3.0
+        covariance[3 + i, 3 + i] += qa * dt
+        covariance[6 + i, 6 + i] += qg * dt
+        covariance[i, 3 + i] += qa * d2 / 2.0
+        covariance[3 + i, i] += qa * d2 / 2.0
+        for j in range(3):
+            spread = -f[i] * f[j]
+            if i == j:
+                spread += norm
+            covariance[i, j] += qg * spread * d3 * d2 / 20.0
+            covariance[i, 3 + j] += qg * spread * d2 * d2 / 8.0
+            covariance[3 + j, i] += qg * spread * d2 * d2 / 8.0
+            covariance[3 + i, 3 + j] += qg * spread * d3 / 3.0
+    for i in range(3):
+        # [f x], row i: columns i + 1 and i + 2 hold -f[i + 2] and f[i + 1].
+        j, k = (i + 1) % 3, (i + 2) % 3
+        for column, value in ((j, -f[k]), (k, f[j])):
+            covariance[i, 6 + column] += qg * value * d3 / 6.0
+            covariance[6 + column, i] += qg * value * d3 / 6.0
+            covariance[3 + i, 6 + column] += qg * value * d2 / 2.0
+            covariance[6 + column, 3 + i] += qg * value * d2 / 2.0
+
+
+@kernel
+def update(
+    covariance: FloatArray,
+    row: FloatArray,
+    residual: float,
+    variance: float,
+    estimate: FloatArray,
+    work: FloatArray,
+) -> float:
+    """One scalar measurement, Joseph form; returns its share of the NIS.
+
+    row: H (n); residual: predicted minus measured; estimate: error estimate (n) built up over the
+    measurements of a fix. Taken one after the other, the normalised squares of a fix's measurements sum to
+    its NIS.
+    """
+    n = covariance.shape[0]
+    cross, gain = work[0, 0], work[0, 1]
+    predicted, innovation = variance, residual
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            total += covariance[i, j] * row[j]
+        cross[i] = total
+    for i in range(n):
+        predicted += row[i] * cross[i]
+        innovation -= row[i] * estimate[i]
+    for i in range(n):
+        gain[i] = cross[i] / predicted
+        estimate[i] += gain[i] * innovation
+    # (I - K H) P first, then (...)(I - K H)' + K R K', each product carried out.
+    half = work[1]
+    for i in range(n):
+        for j in range(n):
+            half[i, j] = covariance[i, j] - gain[i] * cross[j]
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            total += half[i, j] * row[j]
+        cross[i] = total
+    for i in range(n):
+        for j in range(i, n):
+            value = 0.5 * (half[i, j] - cross[i] * gain[j] + half[j, i] - cross[j] * gain[i])
+            value += gain[i] * variance * gain[j]
+            covariance[i, j] = value
+            covariance[j, i] = value
+    return innovation * innovation / predicted
+
+
+@kernel
+def normalised_square(covariance: FloatArray, error: FloatArray, work: FloatArray) -> float:
+    """error' P^-1 error by Cholesky; NaN where P is not positive definite. work: (n, n) at least."""
+    n = covariance.shape[0]
+    total = 0.0
+    for i in range(n):
+        for j in range(i + 1):
+            value = covariance[i, j]
+            for k in range(j):
+                value -= work[i, k] * work[j, k]
+            if i == j:
+                if not value > 0.0:
+                    return np.nan
+                work[i, i] = np.sqrt(value)
+            else:
+                work[i, j] = value / work[j, j]
+    solution = np.empty(n)
+    for i in range(n):
+        value = error[i]
+        for k in range(i):
+            value -= work[i, k] * solution[k]
+        solution[i] = value / work[i, i]
+        total += solution[i] * solution[i]
+    return total

@@ -1,0 +1,150 @@
+"""Many runs: cut into chunks, flown here, in other processes or on a cluster, and summed in run order.
+
+A chunk is one call of `run_chunk`, a top-level function of picklable arguments, so any
+`concurrent.futures.Executor` can take it: a spawned process pool, a thread pool (the kernels release the
+interpreter lock), or a Dask cluster's (`cluster.cluster_pool`). Where the chunks are cut depends on the study
+alone and they are merged in order, so the result is the same to the last bit whatever flew them.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from concurrent.futures.process import BrokenProcessPool
+from typing import Final, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.simulation.result import ClosedForm, SimulationResult, summarise
+from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
+from nav_model.simulation.specification import SimulationSpec
+from nav_model.simulation.statistics import Statistics
+
+FloatArray = NDArray[np.float64]
+SAMPLES_PER_CHUNK: Final = 1_500_000
+"""About half a second of work: short enough to cancel at once, long enough that passing it on costs
+nothing."""
+
+
+class Flag(Protocol):
+    """Anything with `is_set`, such as `threading.Event`."""
+
+    def is_set(self) -> bool:
+        """True once the study should stop."""
+
+
+class SimulationCancelled(Exception):
+    """The study was cancelled before its last run."""
+
+
+def chunks(spec: SimulationSpec) -> list[tuple[int, int]]:
+    """The runs as (first, one past last), the same for a study whoever flies it."""
+    size = max(1, min(64, SAMPLES_PER_CHUNK // spec.steps))
+    return [(start, min(start + size, spec.runs)) for start in range(0, spec.runs, size)]
+
+
+def run_chunk(spec: SimulationSpec, scale: FloatArray, start: int, stop: int) -> Statistics:
+    """Fly runs start .. stop - 1 and sum them; `scale` as in `Statistics`."""
+    statistics = Statistics.empty(scale)
+    for run in range(start, stop):
+        statistics.add(fly(spec, run), spec.keep_runs)
+    return statistics
+
+
+def local_pool(workers: int, kind: Literal["process", "thread"] = "process") -> Executor:
+    """A pool of this machine's processes (spawned, so safe beside threads) or threads. Shut it down after
+    use."""
+    if workers < 1:
+        raise ValueError(f"workers = {workers!r}: must be 1 or more")
+    if kind == "thread":
+        return ThreadPoolExecutor(workers, thread_name_prefix="simulation")
+    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+
+
+def _here(spec: SimulationSpec, scale: FloatArray, cancel: Flag | None) -> Iterator[Statistics]:
+    for start, stop in chunks(spec):
+        if cancel is not None and cancel.is_set():
+            raise SimulationCancelled
+        yield run_chunk(spec, scale, start, stop)
+
+
+def _in_pool(
+    spec: SimulationSpec, scale: FloatArray, cancel: Flag | None, pool: Executor, in_flight: int
+) -> Iterator[Statistics]:
+    """Chunks in run order. At most `in_flight` are out or waiting for an earlier one, so memory stays
+    flat."""
+    pieces = chunks(spec)
+    pending: dict[Future[Statistics], int] = {}
+    arrived: dict[int, Statistics] = {}
+    sent = wanted = 0
+    try:
+        while wanted < len(pieces):
+            while sent < len(pieces) and sent - wanted < in_flight:
+                pending[pool.submit(run_chunk, spec, scale, *pieces[sent])] = sent
+                sent += 1
+            done, _ = wait(pending, timeout=0.1, return_when=FIRST_COMPLETED)
+            if cancel is not None and cancel.is_set():
+                raise SimulationCancelled
+            for future in done:
+                arrived[pending.pop(future)] = future.result()
+            while wanted in arrived:
+                yield arrived.pop(wanted)
+                wanted += 1
+    except BrokenProcessPool as error:
+        raise RuntimeError(
+            "a worker process ended before its runs were done; the system may be short of memory"
+        ) from error
+    finally:
+        for future in pending:
+            future.cancel()
+
+
+def simulate(
+    spec: SimulationSpec,
+    *,
+    workers: int = 1,
+    pool: Executor | None = None,
+    closed_form: ClosedForm | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    cancel: Flag | None = None,
+) -> SimulationResult:
+    """Fly every run of `spec` and compare with the filter and, where given, with the closed form.
+
+    workers: 1 flies in this thread; more start as many processes for this study, unless a `pool` is given,
+    which is used and left open (`workers` is then how many it has). progress: called in this thread with runs
+    done and runs in all. cancel: looked at between chunks, ten times a second with a pool; runs already
+    flying end by themselves.
+
+    Raises SimulationCancelled; ValueError for a study that cannot be flown; RuntimeError where a worker
+    process dies.
+    """
+    began = time.perf_counter()
+    if workers < 1:
+        raise ValueError(f"workers = {workers!r}: must be 1 or more")
+    nominal = fly_without_errors(spec)
+    scale = nominal.filter_sigma[POSTERIOR]
+    total = Statistics.empty(scale)
+    own_pool = local_pool(workers) if pool is None and workers > 1 else None
+    chosen = pool or own_pool
+    try:
+        parts = _here(spec, scale, cancel) if chosen is None else _in_pool(spec, scale, cancel, chosen, 2 * workers)
+        for part in parts:
+            total.merge(part)
+            if progress is not None:
+                progress(total.runs, spec.runs)
+    finally:
+        if own_pool is not None:
+            own_pool.shutdown(wait=False, cancel_futures=True)
+    if total.runs != spec.runs:
+        raise RuntimeError(f"{total.runs} runs arrived of {spec.runs}")
+    return summarise(spec, total, nominal, closed_form, time.perf_counter() - began)

@@ -1,0 +1,92 @@
+"""When things happen in a run: the same IMU samples for every run of a study, and the truth at them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.simulation.attitude import euler_error_map
+from nav_model.simulation.specification import SimulationSpec
+from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.simulation.truth import TruthStates, perfect_increments, true_states
+
+FloatArray = NDArray[np.float64]
+PROPAGATE: Final = 1
+FIX: Final = 2
+OUTPUT: Final = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """Events per IMU sample (`steps` + 1, bit flags), perfect increments, and truth at fixes and outputs.
+
+    error_map: (outputs, 3, 3), filter's attitude error to roll, pitch, yaw error.
+    coast_s: time since the start of the outage an output falls in, 0 outside outages.
+    """
+
+    events: NDArray[np.uint8]
+    increments: FloatArray
+    fixes: TruthStates
+    outputs: TruthStates
+    error_map: FloatArray
+    coast_s: FloatArray
+
+
+def _samples_at_multiples(interval: float, spec: SimulationSpec) -> NDArray[np.int64]:
+    """IMU samples nearest to interval, 2 interval, ... within the run."""
+    count = int(np.floor(spec.duration / interval * (1.0 + 1e-12)))
+    samples = np.rint(np.arange(1, count + 1) * interval * spec.imu.rate).astype(np.int64)
+    within: NDArray[np.int64] = samples[samples <= spec.steps]
+    return within
+
+
+def output_samples(spec: SimulationSpec) -> NDArray[np.int64]:
+    """IMU samples at which a result is kept: 0 and the multiples of `every`."""
+    return np.concatenate([[0], _samples_at_multiples(spec.every, spec)])
+
+
+def in_outage(spec: SimulationSpec, time_s: FloatArray) -> tuple[NDArray[np.bool_], FloatArray]:
+    """Which times lose their fix (start < t <= stop), and for those the time since the outage's start."""
+    lost = np.zeros(time_s.shape, dtype=np.bool_)
+    coast = np.zeros(time_s.shape)
+    slack = 0.5 / spec.imu.rate
+    for start, stop in spec.outages:
+        inside = (time_s > start + slack) & (time_s <= stop + slack)
+        lost |= inside
+        coast = np.where(inside, time_s - start, coast)
+    return lost, coast
+
+
+@lru_cache(maxsize=2)
+def _plan(spec: SimulationSpec) -> Schedule:
+    rate = spec.imu.rate
+    trajectory = plan_trajectory(spec.trajectory, spec.duration)
+    events = np.zeros(spec.steps + 1, dtype=np.uint8)
+    stride = max(1, round(rate / spec.filter.propagation_rate))
+    events[stride::stride] |= PROPAGATE
+    fixes = _samples_at_multiples(spec.gnss.interval, spec)
+    fixes = fixes[~in_outage(spec, fixes / rate)[0]]
+    events[fixes] |= FIX
+    outputs = output_samples(spec)
+    events[outputs] |= OUTPUT
+    truth = true_states(trajectory, outputs / rate)
+    return Schedule(
+        events=events,
+        increments=perfect_increments(spec.trajectory, spec.duration, rate),
+        fixes=true_states(trajectory, fixes / rate),
+        outputs=truth,
+        error_map=euler_error_map(truth.euler[:, 1], truth.euler[:, 2]),
+        coast_s=in_outage(spec, outputs / rate)[1],
+    )
+
+
+def plan(spec: SimulationSpec) -> Schedule:
+    """The schedule of a study; studies that differ only in runs and seed share one.
+
+    Raises ValueError where the trajectory cannot be flown (see `plan_trajectory`).
+    """
+    return _plan(replace(spec, runs=1, seed=0, keep_runs=False))

@@ -1,0 +1,331 @@
+"""One flight: sensors, strapdown INS, GNSS fixes and the closed-loop filter, from (spec, seed, run) alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.simulation.attitude import matrix_from_quaternion
+from nav_model.simulation.compiled import kernel
+from nav_model.simulation.earth import curvature_radii_kernel
+from nav_model.simulation.fixes import Receiver, Truth, Tuning, correct, take_fix
+from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate
+from nav_model.simulation.schedule import FIX, OUTPUT, Schedule, plan
+from nav_model.simulation.sensors import Triad, draw_triad, measure
+from nav_model.simulation.specification import GnssModel, ImuModel, SimulationSpec, TriadModel
+from nav_model.simulation.strapdown import advance, initial_state
+from nav_model.simulation.truth import TruthStates
+
+FloatArray = NDArray[np.float64]
+PRIOR, POSTERIOR = 0, 1
+
+
+class _Record(NamedTuple):
+    """Where a run writes: errors and variances (2, outputs, states), prior then posterior; NEES per output;
+    NIS per fix."""
+
+    error: FloatArray
+    variance: FloatArray
+    nees: FloatArray
+    nis: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class RunRecord:
+    """One run at the output times. Errors are estimate minus truth.
+
+    error, filter_sigma: shape (2, outputs, states), [0] just before the fix at that time and [1] just after
+    (the same where no fix falls); states are position [m] and velocity [m/s] north, east, down, then roll,
+    pitch, yaw [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases.
+    nees: (outputs,), after the fix. nis: (fixes,), each with `nis_states` degrees of freedom.
+    """
+
+    run: int
+    error: FloatArray
+    filter_sigma: FloatArray
+    nees: FloatArray
+    nis: FloatArray
+    nis_states: int
+
+
+@kernel
+def _write(
+    state: FloatArray,
+    truth: Truth,
+    k: int,
+    bias_error: FloatArray,
+    error_map: FloatArray,
+    matrix: FloatArray,
+    covariance: FloatArray,
+    error: FloatArray,
+    variance: FloatArray,
+) -> FloatArray:
+    """Errors and variances at output `k`, attitude as roll, pitch, yaw; returns the error in the filter's own
+    states."""
+    n = covariance.shape[0]
+    own = np.empty(n)
+    meridian, prime = curvature_radii_kernel(np.sin(truth.position[k, 0]))
+    height = truth.position[k, 2]
+    own[0] = (state[0] - truth.position[k, 0]) * (meridian + height)
+    own[1] = (state[1] - truth.position[k, 1]) * (prime + height) * np.cos(truth.position[k, 0])
+    own[2] = height - state[2]
+    own[3:6] = state[3:6] - truth.velocity[k]
+    turn = matrix @ truth.matrix[k].T
+    own[6] = 0.5 * (turn[1, 2] - turn[2, 1])
+    own[7] = 0.5 * (turn[2, 0] - turn[0, 2])
+    own[8] = 0.5 * (turn[0, 1] - turn[1, 0])
+    own[9:] = bias_error[: n - 9]
+    error[:] = own
+    for i in range(n):
+        variance[i] = covariance[i, i]
+    for i in range(3):
+        error[6 + i], variance[6 + i] = 0.0, 0.0
+        for j in range(3):
+            error[6 + i] += error_map[i, j] * own[6 + j]
+            for m in range(3):
+                variance[6 + i] += error_map[i, j] * covariance[6 + j, 6 + m] * error_map[i, m]
+    return own
+
+
+@kernel
+def _fly(
+    state: FloatArray,
+    bias: FloatArray,
+    covariance: FloatArray,
+    increments: FloatArray,
+    dt: float,
+    events: NDArray[np.uint8],
+    gyro: Triad,
+    accelerometer: Triad,
+    imu_noise: np.random.Generator,
+    receiver: Receiver,
+    gnss_noise: np.random.Generator,
+    tuning: Tuning,
+    fixes: Truth,
+    outputs: Truth,
+    error_map: FloatArray,
+    record: _Record,
+) -> None:
+    """Fly one run: every IMU sample through the INS, the filter at its events. Changes what it is given."""
+    n = covariance.shape[0]
+    work = np.empty((4, n, n))
+    dynamics = np.empty((9, n))
+    matrix, mean_matrix = np.empty((3, 3)), np.empty((3, 3))
+    window, scratch, force, estimate = np.zeros((3, 6)), np.empty(6), np.zeros(3), np.zeros(n)
+    bias_error = np.empty(6)
+    markov = np.empty(3)
+    for i in range(3):
+        markov[i] = receiver.markov[i] * gnss_noise.standard_normal()
+    matrix_from_quaternion(state[6:10], matrix)
+    last_step, last_fix, fix, output = 0, 0, 0, 0
+    for k in range(-1, len(events)):
+        # Rows 0 and 1 of the increments end at time 0: they only fill the window.
+        now, before, earlier = window[(k + 1) % 3], window[k % 3], window[(k - 1) % 3]
+        measure(accelerometer, increments[k + 1, :3], dt, imu_noise, now[:3])
+        measure(gyro, increments[k + 1, 3:], dt, imu_noise, now[3:])
+        for i in range(6):
+            now[i] -= bias[i] * dt
+        if k > 0:
+            advance(state, now, before, earlier, dt, force, scratch)
+        if k < 0 or events[k] == 0:
+            continue
+        if k > last_step:
+            elapsed = (k - last_step) * dt
+            mean_matrix[:] = matrix
+            matrix_from_quaternion(state[6:10], matrix)
+            mean_matrix += matrix
+            mean_matrix *= 0.5
+            for i in range(3):
+                force[i] /= elapsed
+            error_dynamics(state, force, mean_matrix, dynamics)
+            propagate(
+                covariance,
+                dynamics,
+                force,
+                elapsed,
+                tuning.accelerometer_density,
+                tuning.gyro_density,
+                tuning.decay_rate,
+                tuning.bias_drive,
+                work,
+            )
+            force[:] = 0.0
+            for i in range(6):
+                bias[i] *= np.exp(-tuning.decay_rate[i] * elapsed)
+            last_step = k
+        for phase in range(2):
+            if phase == 1 and events[k] & FIX:
+                kept = np.exp(-(k - last_fix) * dt / receiver.markov_time)
+                for i in range(3):
+                    fresh = receiver.markov[i] * np.sqrt(1.0 - kept * kept) * gnss_noise.standard_normal()
+                    markov[i] = kept * markov[i] + fresh
+                last_fix = k
+                rate = now[3:] / dt
+                record.nis[fix] = take_fix(
+                    state,
+                    fixes,
+                    fix,
+                    receiver,
+                    markov,
+                    rate,
+                    matrix,
+                    covariance,
+                    tuning,
+                    gnss_noise,
+                    estimate,
+                    work,
+                )
+                correct(state, bias, estimate)
+                matrix_from_quaternion(state[6:10], matrix)
+                fix += 1
+            if events[k] & OUTPUT:
+                for i in range(3):
+                    bias_error[i] = bias[i] - accelerometer.fixed[i] - accelerometer.markov[i] - accelerometer.walk[i]
+                    bias_error[3 + i] = bias[3 + i] - gyro.fixed[i] - gyro.markov[i] - gyro.walk[i]
+                own = _write(
+                    state,
+                    outputs,
+                    output,
+                    bias_error,
+                    error_map[output],
+                    matrix,
+                    covariance,
+                    record.error[phase, output],
+                    record.variance[phase, output],
+                )
+                if phase == 1:
+                    record.nees[output] = normalised_square(covariance, own, work[0])
+        if events[k] & OUTPUT:
+            output += 1
+
+
+def _tuning(spec: SimulationSpec) -> Tuning:
+    scale = spec.filter.process_noise_scale
+    decay, drive = np.zeros(6), np.zeros(6)
+    for first, model in ((0, spec.imu.accelerometer), (3, spec.imu.gyro)):
+        if model.bias_instability > 0.0:
+            # One state holds the whole bias: a Gauss-Markov process where that is all there is, a random walk
+            # of the same drive where a constant or a walk comes with it.
+            alone = model.turn_on_bias == 0.0 and model.rate_random_walk == 0.0
+            decay[first : first + 3] = 1.0 / model.correlation_time if alone else 0.0
+        driven = 2.0 * model.bias_instability**2 / model.correlation_time + model.rate_random_walk**2
+        drive[first : first + 3] = scale**2 * driven
+    vibration = spec.imu.vibration_factor * scale
+    gyro_density = spec.imu.gyro.random_walk * vibration
+    axis_noise = np.array(spec.gnss.axis_noise)
+    return Tuning(
+        accelerometer_density=spec.imu.accelerometer.random_walk * vibration,
+        gyro_density=gyro_density,
+        rate_variance=gyro_density**2 * spec.imu.rate,
+        decay_rate=decay,
+        bias_drive=drive,
+        position_sigma=axis_noise * spec.filter.gnss_noise_scale,
+        velocity_sigma=(spec.gnss.velocity_noise or 0.0) * spec.filter.gnss_noise_scale,
+    )
+
+
+def _initial_sigma(spec: SimulationSpec) -> FloatArray:
+    """Sigma of the true initial error (15): position, velocity, attitude, then both biases."""
+    start = spec.initial
+    biases = [math.hypot(m.turn_on_bias, m.bias_instability) for m in (spec.imu.accelerometer, spec.imu.gyro)]
+    values = [start.position, start.velocity, start.tilt, *biases]
+    sigma = np.repeat(np.array(values), 3)
+    sigma[8] = start.yaw
+    return sigma
+
+
+def _receiver(model: GnssModel, noisy: bool) -> Receiver:
+    on = 1.0 if noisy else 0.0
+    vertical = model.vertical_markov_noise
+    return Receiver(
+        white=on * np.array(model.axis_noise),
+        markov=on * np.array([model.markov_noise, model.markov_noise, vertical]),
+        markov_time=model.markov_time,
+        velocity=model.velocity_noise or 0.0,
+        lever_arm=np.array(model.lever_arm),
+    )
+
+
+def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> RunRecord:
+    """Fly run `run` with the sensors of `imu` and the filter tuned for `spec`."""
+    schedule: Schedule = plan(spec)
+    n = spec.filter.states
+    sequence = np.random.SeedSequence(spec.seed, spawn_key=(run,))
+    start_noise, imu_noise, gnss_noise = (np.random.Generator(np.random.PCG64(s)) for s in sequence.spawn(3))
+    gyro = draw_triad(imu.gyro, imu.rate, imu.vibration_factor, start_noise)
+    accelerometer = draw_triad(imu.accelerometer, imu.rate, imu.vibration_factor, start_noise)
+    sigma = _initial_sigma(spec)
+    draw = sigma[:9] * start_noise.standard_normal(9) * (1.0 if noisy else 0.0)
+    truth = schedule.outputs
+    state = initial_state(truth.position[0], truth.velocity[0], truth.matrix[0])
+    # `correct` takes an error out; its negative puts one in.
+    correct(state, np.zeros(6), -draw)
+    believed = sigma[:n] * spec.filter.initial_scale
+    believed[9:] *= spec.filter.bias_scale
+    # A bias the model says is zero is known to be zero, as nearly as keeps the covariance regular.
+    believed[9:12] = np.maximum(believed[9:12], 1e-9)
+    believed[12:15] = np.maximum(believed[12:15], 1e-13)
+    outputs = len(truth.time_s)
+    record = _Record(
+        np.empty((2, outputs, n)),
+        np.empty((2, outputs, n)),
+        np.empty(outputs),
+        np.empty(len(schedule.fixes.time_s)),
+    )
+    _fly(
+        state,
+        np.zeros(6),
+        np.diag(believed**2),
+        schedule.increments,
+        1.0 / imu.rate,
+        schedule.events,
+        gyro,
+        accelerometer,
+        imu_noise,
+        _receiver(spec.gnss, noisy),
+        gnss_noise,
+        _tuning(spec),
+        _kernel_truth(schedule.fixes),
+        _kernel_truth(truth),
+        schedule.error_map,
+        record,
+    )
+    if not np.all(np.isfinite(record.nees)):
+        first = float(truth.time_s[int(np.argmin(np.isfinite(record.nees)))])
+        raise ArithmeticError(f"run {run}: the filter's covariance is not positive definite at {first:g} s")
+    return RunRecord(
+        run,
+        record.error,
+        np.sqrt(record.variance),
+        record.nees,
+        record.nis,
+        6 if spec.gnss.velocity_noise else 3,
+    )
+
+
+def _kernel_truth(states: TruthStates) -> Truth:
+    fields = (states.position, states.velocity, states.matrix, states.body_rate)
+    return Truth(*(np.ascontiguousarray(field) for field in fields))
+
+
+def fly(spec: SimulationSpec, run: int) -> RunRecord:
+    """Run number `run` of a study: the same numbers whoever flies it, whenever, in whatever company.
+
+    Raises ArithmeticError where the covariance stops being positive definite, ValueError for a trajectory
+    that cannot be flown.
+    """
+    return _fly_with(spec, spec.imu, run, noisy=True)
+
+
+def fly_without_errors(spec: SimulationSpec) -> RunRecord:
+    """The filter's covariance along the true path: no sensor or initial error, so `filter_sigma` is the
+    answer.
+
+    This is a covariance analysis with the full model; its errors are only those of the mechanisation.
+    """
+    perfect = ImuModel(TriadModel(), TriadModel(), spec.imu.rate)
+    return _fly_with(spec, perfect, 0, noisy=False)

@@ -1,0 +1,264 @@
+"""What one simulation is: plain frozen data in SI, checked once, hashable and picklable.
+
+Sigmas are 1 sigma. A triple of the IMU is the same for its three axes; horizontal and vertical are told
+apart where the instrument does. Nothing here is compiled or slow to import.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+from itertools import pairwise
+from typing import Final, Literal, get_args
+
+TrajectoryKind = Literal["wandering", "straight", "turns", "climb", "file"]
+TRAJECTORY_KINDS: Final[tuple[str, ...]] = get_args(TrajectoryKind)
+HIGHEST_LATITUDE: Final = math.radians(85.0)
+
+
+def _refuse(name: str, value: object, allowed: str) -> ValueError:
+    return ValueError(f"{name} = {value!r}: must be {allowed}")
+
+
+def _check(
+    owner: object,
+    *,
+    positive: tuple[str, ...] = (),
+    non_negative: tuple[str, ...] = (),
+    finite: tuple[str, ...] = (),
+) -> None:
+    """Raise ValueError naming the first field of `owner` that is not finite, or not positive where it must
+    be."""
+    for names, lowest, allowed in (
+        (positive, math.ulp(0.0), "positive and finite"),
+        (non_negative, 0.0, "zero or positive, and finite"),
+        (finite, -math.inf, "finite"),
+    ):
+        for name in names:
+            value = getattr(owner, name)
+            if not (math.isfinite(value) and value >= lowest):
+                raise _refuse(f"{type(owner).__name__}.{name}", value, allowed)
+
+
+@dataclass(frozen=True)
+class TriadModel:
+    """Errors of one sensor triad: gyroscopes (unit rad/s) or accelerometers (unit m/s^2).
+
+    random_walk: density of the white noise [unit sqrt(s)]: angle or velocity random walk.
+    turn_on_bias: constant through a run, redrawn for each [unit].
+    bias_instability, correlation_time: first-order Gauss-Markov bias [unit], [s].
+    rate_random_walk: density of the white noise that drives a random walk of the output [unit / sqrt(s)].
+    scale_factor, misalignment: drawn once per run, each axis [-], each of the six small angles [rad].
+    quantisation: size of one count of the integrated output (angle rad, velocity m/s); 0 for none.
+    """
+
+    random_walk: float = 0.0
+    turn_on_bias: float = 0.0
+    bias_instability: float = 0.0
+    correlation_time: float = 3600.0
+    rate_random_walk: float = 0.0
+    scale_factor: float = 0.0
+    misalignment: float = 0.0
+    quantisation: float = 0.0
+
+    def __post_init__(self) -> None:
+        others = tuple(f.name for f in fields(self) if f.name != "correlation_time")
+        _check(self, positive=("correlation_time",), non_negative=others)
+
+
+@dataclass(frozen=True)
+class ImuModel:
+    """An inertial measurement unit; `vibration_factor` multiplies both random walks (in motion over
+    bench)."""
+
+    gyro: TriadModel
+    accelerometer: TriadModel
+    rate: float = 100.0
+    vibration_factor: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check(self, positive=("rate", "vibration_factor"))
+        if not 10.0 <= self.rate <= 10_000.0:
+            raise _refuse("ImuModel.rate", self.rate, "between 10 and 10000 Hz")
+
+
+@dataclass(frozen=True)
+class GnssModel:
+    """A GNSS receiver: white noise per fix and per axis, plus Gauss-Markov noise between fixes.
+
+    lever_arm: antenna from the IMU, body axes forward-right-down [m]; the filter knows it.
+    velocity_noise: sigma per axis [m/s]; None for a receiver that gives position only.
+    Fixes come at the IMU sample nearest to each multiple of `interval`.
+    """
+
+    position_noise: float = 1.0
+    vertical_position_noise: float | None = None
+    interval: float = 1.0
+    markov_noise: float = 0.0
+    vertical_markov_noise: float = 0.0
+    markov_time: float = 300.0
+    velocity_noise: float | None = None
+    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        optional = tuple(n for n in ("vertical_position_noise", "velocity_noise") if getattr(self, n) is not None)
+        _check(
+            self,
+            positive=("position_noise", "interval", "markov_time", *optional),
+            non_negative=("markov_noise", "vertical_markov_noise"),
+        )
+        if len(self.lever_arm) != 3 or not all(math.isfinite(x) for x in self.lever_arm):
+            raise _refuse("GnssModel.lever_arm", self.lever_arm, "three finite numbers")
+
+    @property
+    def axis_noise(self) -> tuple[float, float, float]:
+        """White position noise north, east, down [m]."""
+        vertical = self.position_noise if self.vertical_position_noise is None else self.vertical_position_noise
+        return self.position_noise, self.position_noise, vertical
+
+
+@dataclass(frozen=True)
+class TrajectorySpec:
+    """The flight. Angles in rad, lengths in m, speeds in m/s.
+
+    kind:
+      wandering: constant speed and heading, with `wander` m of lateral and vertical rms excursion and
+                 `attitude_wander` rad rms of roll, pitch and yaw (the source paper's flight [A]);
+      straight:  exactly straight and level at constant heading; speed 0 is a stationary INS;
+      turns:     coordinated turns (`turn_rate`) of +90, -180, +90 deg, then the long straight leg;
+      climb:     level, then `climb_height` gained at `climb_rate` half way through, then level;
+      file:      `samples` (see `trajectory_file.read_trajectory`).
+    """
+
+    kind: TrajectoryKind = "wandering"
+    speed: float = 50.0
+    latitude: float = math.radians(45.0)
+    longitude: float = 0.0
+    height: float = 3000.0
+    heading: float = 0.0
+    wander: float = 3.0
+    attitude_wander: float = math.radians(1.0)
+    turn_rate: float = math.radians(3.0)
+    climb_rate: float = 5.0
+    climb_height: float = 500.0
+    samples: bytes = field(default=b"", repr=False)
+
+    def __post_init__(self) -> None:
+        if self.kind not in TRAJECTORY_KINDS:
+            raise _refuse("TrajectorySpec.kind", self.kind, "one of " + ", ".join(TRAJECTORY_KINDS))
+        _check(
+            self,
+            positive=("turn_rate", "climb_rate"),
+            non_negative=("speed", "wander", "attitude_wander", "climb_height"),
+            finite=("latitude", "longitude", "height", "heading"),
+        )
+        if abs(self.latitude) > HIGHEST_LATITUDE:
+            raise _refuse(
+                "TrajectorySpec.latitude", self.latitude, "within 85 deg of the equator (NED mechanisation)"
+            )
+        if not -1000.0 <= self.height <= 100_000.0:
+            raise _refuse("TrajectorySpec.height", self.height, "between -1 km and 100 km")
+        if self.speed > 3000.0:
+            raise _refuse("TrajectorySpec.speed", self.speed, "at most 3000 m/s")
+        if self.kind == "climb" and self.climb_rate >= 0.7 * max(self.speed, 1e-9):
+            raise _refuse("TrajectorySpec.climb_rate", self.climb_rate, "below 0.7 of the speed")
+        if self.attitude_wander > math.radians(15.0):
+            raise _refuse("TrajectorySpec.attitude_wander", self.attitude_wander, "at most 15 deg rms")
+        if (self.kind == "file") != bool(self.samples):
+            raise _refuse("TrajectorySpec.samples", len(self.samples), "given for kind 'file', and only for it")
+
+
+@dataclass(frozen=True)
+class InitialErrors:
+    """Sigma of the INS's errors at time 0, per axis; each run draws its own, the filter starts from the
+    same."""
+
+    position: float = 1.0
+    velocity: float = 0.1
+    tilt: float = math.radians(0.05)
+    yaw: float = math.radians(0.1)
+
+    def __post_init__(self) -> None:
+        _check(self, positive=("position", "velocity", "tilt", "yaw"))
+
+
+@dataclass(frozen=True)
+class FilterModel:
+    """The error-state filter: 9 states (position, velocity, attitude) or 15 (and both biases).
+
+    The multipliers scale what the filter believes, as standard deviations, against what the sensors do:
+    1 is matched tuning, `process_noise_scale` = sqrt(0.5) halves the process noise.
+    propagation_rate: covariance steps per second; the transition and process noise of a step are exact
+    to the order the coupling needs ([T-1]'s chain to all orders), so 10 Hz loses nothing at 100 Hz.
+    """
+
+    states: int = 9
+    propagation_rate: float = 10.0
+    process_noise_scale: float = 1.0
+    gnss_noise_scale: float = 1.0
+    bias_scale: float = 1.0
+    initial_scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check(
+            self,
+            positive=(
+                "propagation_rate",
+                "process_noise_scale",
+                "gnss_noise_scale",
+                "bias_scale",
+                "initial_scale",
+            ),
+        )
+        if self.states not in (9, 15):
+            raise _refuse("FilterModel.states", self.states, "9 or 15")
+
+
+@dataclass(frozen=True)
+class SimulationSpec:
+    """One Monte Carlo study. `outages`: fixes with start < t <= stop are lost, so a run coasts stop - start
+    s.
+
+    every: spacing of the result's `time_s` [s]; the times are the IMU samples nearest to its multiples.
+    keep_runs: also keep every run's error history (memory then grows with the number of runs).
+    """
+
+    imu: ImuModel
+    gnss: GnssModel = GnssModel()
+    trajectory: TrajectorySpec = TrajectorySpec()
+    filter: FilterModel = FilterModel()
+    initial: InitialErrors = InitialErrors()
+    runs: int = 100
+    seed: int = 1
+    duration: float = 500.0
+    outages: tuple[tuple[float, float], ...] = ()
+    every: float = 1.0
+    keep_runs: bool = False
+
+    def __post_init__(self) -> None:
+        _check(self, positive=("duration", "every"))
+        if not (isinstance(self.runs, int) and 1 <= self.runs <= 10_000_000):
+            raise _refuse("runs", self.runs, "a whole number from 1 to 10000000")
+        if not (isinstance(self.seed, int) and 0 <= self.seed < 2**63):
+            raise _refuse("seed", self.seed, "a whole number, zero or positive")
+        for start, stop in self.outages:
+            if not (math.isfinite(start) and math.isfinite(stop) and 0.0 <= start < stop):
+                raise _refuse("outages", (start, stop), "pairs 0 <= start < stop, in seconds")
+        ordered = sorted(self.outages)
+        if any(before[1] > after[0] for before, after in pairwise(ordered)):
+            raise _refuse("outages", self.outages, "windows that do not overlap")
+        if self.every > self.duration:
+            raise _refuse("every", self.every, f"at most the duration, {self.duration!r} s")
+        sample = 1.0 / self.imu.rate
+        for name, value in (("every", self.every), ("gnss.interval", self.gnss.interval)):
+            if value < sample * (1.0 - 1e-9):
+                raise _refuse(name, value, f"at least one IMU sample, {sample!r} s")
+        if self.duration * self.imu.rate > 1e8:
+            raise _refuse("duration", self.duration, "at most 1e8 IMU samples long")
+        if self.steps < 1:
+            raise _refuse("duration", self.duration, f"at least one IMU sample, {sample!r} s")
+
+    @property
+    def steps(self) -> int:
+        """Number of IMU samples."""
+        return round(self.duration * self.imu.rate)

@@ -1,0 +1,215 @@
+"""The path flown: a smooth spline of position and attitude, from which everything else follows.
+
+Every flight ends up as one quintic spline of latitude, longitude, height, roll, pitch and yaw. The spline
+*is* the truth: its velocity, acceleration and angular rate are exact derivatives, so the specific force and
+rate computed from it are consistent with the position to rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.simulation.earth import curvature_radii
+from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec
+
+FloatArray = NDArray[np.float64]
+MARGIN_S = 5.0
+"""Flights are planned this far beyond both ends, so that the spline is never extrapolated."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Piecewise quintic path over `breaks` [s]: `coefficients`, shape (pieces, 6, 6), highest power first.
+
+    Last axis: latitude [rad], longitude [rad], height [m], roll, pitch, yaw [rad, unwrapped], less `origin`
+    (6): a spline through the latitude itself would jump by 1e-9 m/s at every break, out of rounding, and no
+    accelerometer would see the jumps.
+    """
+
+    origin: FloatArray
+    breaks: FloatArray
+    coefficients: FloatArray
+
+    def evaluate(self, time_s: FloatArray, derivative: int = 0) -> FloatArray:
+        """The six coordinates or a derivative of them at times of any shape; result shape (..., 6)."""
+        piece = np.clip(np.searchsorted(self.breaks, time_s, side="right") - 1, 0, len(self.breaks) - 2)
+        u = (time_s - self.breaks[piece])[..., None]
+        value = np.zeros((*np.shape(time_s), 6))
+        for power in range(5, derivative - 1, -1):
+            factor = np.prod(np.arange(power, power - derivative, -1, dtype=np.float64))
+            value = value * u + factor * self.coefficients[piece, 5 - power]
+        return value if derivative else value + self.origin
+
+    def velocity(self, time_s: FloatArray) -> FloatArray:
+        """Velocity over ground, north-east-down [m/s], shape (..., 3)."""
+        q, dq = self.evaluate(time_s), self.evaluate(time_s, 1)
+        meridian, prime = curvature_radii(np.sin(q[..., 0]))
+        north = dq[..., 0] * (meridian + q[..., 2])
+        east = dq[..., 1] * (prime + q[..., 2]) * np.cos(q[..., 0])
+        return np.stack([north, east, -dq[..., 2]], axis=-1)
+
+
+def spline_through(time_s: FloatArray, coordinates: FloatArray) -> Trajectory:
+    """Quintic interpolating spline through rows (latitude, longitude, height, roll, pitch, yaw)."""
+    from scipy.interpolate import make_interp_spline
+
+    origin = coordinates[0].copy()
+    spline = make_interp_spline(time_s, coordinates - origin, k=5)
+    breaks = np.unique(spline.t)
+    powers = [spline(breaks[:-1], nu=power) / math.factorial(power) for power in range(5, -1, -1)]
+    coefficients = np.ascontiguousarray(np.stack(powers, axis=1))
+    return Trajectory(origin, breaks, coefficients)
+
+
+def _cumulative(rate: FloatArray, step: float) -> FloatArray:
+    """Integral from the first sample of an evenly sampled rate (Simpson-like, fourth order)."""
+    from scipy.interpolate import CubicSpline
+
+    integral: FloatArray = CubicSpline(np.arange(len(rate)) * step, rate).antiderivative()(
+        np.arange(len(rate)) * step
+    )
+    return integral
+
+
+def smooth_step(x: FloatArray) -> FloatArray:
+    """0 below 0, 1 above 1, with two continuous derivatives between."""
+    x = np.clip(x, 0.0, 1.0)
+    return x**3 * (10.0 + x * (-15.0 + 6.0 * x))
+
+
+def turbulence(time_s: FloatArray, rms: float, shortest_s: float, longest_s: float, key: int) -> FloatArray:
+    """Band-limited motion of the given rms: nine sines of equal power, periods spread logarithmically.
+
+    `key` chooses the (fixed) phases and makes axes independent of each other; the spread by a few per cent
+    keeps any two axes from sharing a period, which would be coning the aircraft does not do.
+    """
+    generator = np.random.default_rng([20190702, key])
+    count = 9
+    periods = np.geomspace(shortest_s, longest_s, count) * np.exp(generator.uniform(-0.08, 0.08, count))
+    phases = generator.uniform(0.0, 2.0 * np.pi, count)
+    waves = np.sin(2.0 * np.pi * time_s[:, None] / periods + phases)
+    motion: FloatArray = rms * np.sqrt(2.0 / count) * waves.sum(axis=1)
+    return motion
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """A flight before it is laid on the Earth: heading [rad], ground speed, climb [m/s], height, roll,
+    pitch."""
+
+    heading: FloatArray
+    ground_speed: FloatArray
+    height: FloatArray
+    roll: FloatArray
+    pitch: FloatArray
+
+
+def _level(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
+    flat = np.zeros_like(t)
+    return _Plan(spec.heading + flat, spec.speed + flat, spec.height + flat, flat, flat)
+
+
+def _turns(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
+    """+90, -180, +90 deg in coordinated turns (bank = arctan(V rate / g)), then straight to the end."""
+    entry = 3.0
+    right_angle = 0.5 * np.pi / spec.turn_rate
+    rate = np.zeros_like(t)
+    start = 10.0
+    for sense, length in ((1.0, right_angle), (-1.0, 2.0 * right_angle), (1.0, right_angle)):
+        # Rolling in and out each take `entry` seconds; the plateau makes up the whole angle.
+        rise, fall = smooth_step((t - start) / entry), smooth_step((t - start - length) / entry)
+        rate += sense * spec.turn_rate * (rise - fall)
+        start += length + entry + 10.0
+    heading = spec.heading + _cumulative(rate, float(t[1] - t[0]))
+    flat = np.zeros_like(t)
+    roll = np.arctan(spec.speed * rate / 9.81)
+    return _Plan(heading, spec.speed + flat, spec.height + flat, roll, flat)
+
+
+def _climb(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
+    """Level, a climb of `climb_height` centred on half way, level; the speed along the path stays
+    constant."""
+    entry = 6.0
+    length = spec.climb_height / spec.climb_rate
+    start = 0.5 * duration - 0.5 * (length + entry)
+    rate = spec.climb_rate * (smooth_step((t - start) / entry) - smooth_step((t - start - length) / entry))
+    flat = np.zeros_like(t)
+    height = spec.height + _cumulative(rate, float(t[1] - t[0]))
+    ground = np.sqrt(spec.speed**2 - rate**2)
+    return _Plan(spec.heading + flat, ground, height, flat, np.arctan2(rate, ground))
+
+
+_PLANS: dict[str, Callable[[TrajectorySpec, FloatArray, float], _Plan]] = {
+    "wandering": _level,
+    "straight": _level,
+    "turns": _turns,
+    "climb": _climb,
+}
+
+
+def _lay_on_earth(
+    spec: TrajectorySpec, t: FloatArray, north_rate: FloatArray, east_rate: FloatArray, height: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Latitude and longitude of a path given by its ground velocity; passes (latitude0, longitude0) at t =
+    0."""
+    step = float(t[1] - t[0])
+    start = int(np.argmin(np.abs(t)))
+    latitude = np.full_like(t, spec.latitude)
+    # Curvature changes so slowly with latitude that each pass gains four digits or more.
+    for _ in range(5):
+        meridian, _prime = curvature_radii(np.sin(latitude))
+        integral = _cumulative(north_rate / (meridian + height), step)
+        latitude = spec.latitude + integral - integral[start]
+    _meridian, prime = curvature_radii(np.sin(latitude))
+    integral = _cumulative(east_rate / ((prime + height) * np.cos(latitude)), step)
+    return latitude, spec.longitude + integral - integral[start]
+
+
+@lru_cache(maxsize=8)
+def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
+    """The trajectory of `spec` over [0, duration] seconds.
+
+    Raises ValueError where the flight leaves the latitudes an NED mechanisation can serve, or a file is
+    shorter than the duration.
+    """
+    if spec.kind == "file":
+        from nav_model.simulation.trajectory_file import trajectory_from_samples
+
+        return trajectory_from_samples(spec.samples, duration)
+    step = 0.5
+    before, after = round(MARGIN_S / step), int(np.ceil(duration / step)) + round(MARGIN_S / step)
+    t: FloatArray = np.linspace(-before * step, after * step, before + after + 1)
+    plan = _PLANS[spec.kind](spec, t, duration)
+    if spec.kind == "turns" and duration < 50.0 + 2.0 * np.pi / spec.turn_rate:
+        raise ValueError(
+            f"duration = {duration!r}: the turns take {50.0 + 2.0 * np.pi / spec.turn_rate:.0f} s, "
+            "allow more than that"
+        )
+    if spec.kind == "climb" and duration < 20.0 + spec.climb_height / spec.climb_rate:
+        raise ValueError(
+            f"duration = {duration!r}: the climb takes {20.0 + spec.climb_height / spec.climb_rate:.0f} s, "
+            "allow more than that"
+        )
+    wander, angle = (0.0, 0.0) if spec.kind == "straight" else (spec.wander, spec.attitude_wander)
+    sideways = turbulence(t, wander, 25.0, 120.0, 1)
+    height = plan.height + turbulence(t, wander, 25.0, 120.0, 2)
+    sideways_rate = np.gradient(sideways, t) if wander else np.zeros_like(t)
+    north_rate = plan.ground_speed * np.cos(plan.heading) - sideways_rate * np.sin(plan.heading)
+    east_rate = plan.ground_speed * np.sin(plan.heading) + sideways_rate * np.cos(plan.heading)
+    latitude, longitude = _lay_on_earth(spec, t, north_rate, east_rate, height)
+    if np.max(np.abs(latitude)) > HIGHEST_LATITUDE:
+        raise ValueError(
+            f"trajectory: latitude reaches {np.degrees(np.max(np.abs(latitude))):.1f} deg; "
+            "must stay within 85 deg "
+            "of the equator (NED mechanisation)"
+        )
+    attitude = [turbulence(t, angle, 4.0, 25.0, key) for key in (3, 4, 5)]
+    coordinates = [latitude, longitude, height, plan.roll + attitude[0], plan.pitch + attitude[1]]
+    coordinates.append(plan.heading + attitude[2])
+    return spline_through(t, np.column_stack(coordinates))

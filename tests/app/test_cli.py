@@ -1,0 +1,220 @@
+"""The command navbudget: results on standard output, messages on standard error, exit codes."""
+
+import io
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import app.cli
+from app.cli import main
+
+ROOT = Path(app.cli.__file__).parent.parent
+EXAMPLES = ROOT / "examples"
+MEMS, TACTICAL, L_BAND = (str(EXAMPLES / f"{name}.toml") for name in ("mems_x_band", "tactical_x_band", "l_band_jet"))
+
+
+def _process(*arguments, stdin=b"", **environment):
+    return subprocess.run(
+        [sys.executable, "-m", "app.cli", *arguments],
+        cwd=ROOT,
+        input=stdin,
+        capture_output=True,
+        env={**os.environ, **environment},
+        check=False,
+    )
+
+
+def _evaluate(capsys, *arguments):
+    assert main(["evaluate", *arguments]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return json.loads(out)
+
+
+@pytest.fixture
+def stdin(monkeypatch):
+    def feed(data):
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(data), encoding="utf-8"))
+
+    return feed
+
+
+def test_evaluate_in_a_process_of_its_own():
+    done = _process("evaluate", MEMS)
+    assert done.returncode == 0
+    assert done.stderr == b""
+    plain = json.loads(done.stdout)
+    assert plain["verdict"]["closes"] is False
+    assert len(plain["coast"]["time_s"]) == 300
+
+
+def test_results_are_utf8_whatever_the_terminal_says():
+    done = _process("evaluate", MEMS, PYTHONIOENCODING="ascii", PYTHONUTF8="0")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout.decode())["design"]["name"] == "MEMS IMU at X band"
+    assert _process("presets", "imu", PYTHONIOENCODING="ascii", PYTHONUTF8="0").returncode == 0
+    assert _process("check", MEMS, PYTHONIOENCODING="ascii", PYTHONUTF8="0").returncode == 1
+
+
+def test_evaluate_imports_neither_screens_nor_scipy():
+    code = (
+        "import sys\nfrom app.cli import main\n"
+        f"assert main(['evaluate', {MEMS!r}]) == 0\n"
+        "names = {'panel', 'bokeh', 'matplotlib', 'scipy', 'numba', 'typst', 'panel_material_ui'}\n"
+        "print(sorted(names & set(sys.modules)), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
+
+
+def test_standard_input(capsys, stdin):
+    stdin(b'name = "piped"\n[gnss]\nrate = "5 Hz"\n')
+    assert _evaluate(capsys, "-")["design"]["inputs"]["gnss.interval"] == 0.2
+    done = _process("check", "-", stdin=Path(TACTICAL).read_bytes())
+    assert done.returncode == 0
+    assert b"closes" in done.stdout
+
+
+def test_times_exactly(capsys):
+    plain = _evaluate(capsys, MEMS, "--times", "0,10,20")
+    assert plain["coast"]["time_s"] == [0.0, 10.0, 20.0]
+    assert len(plain["coast"]["refined_position_sigma_m"]["vertical"]) == 3
+
+
+def test_set_overrides(capsys):
+    for arguments in (
+        [MEMS, "--set", "imu.angle_random_walk=0.3 °/√h", "gnss.rate=10 Hz"],
+        [MEMS, "--set", "imu.angle_random_walk=0.3 deg/sqrt(h)", "--set", "gnss.interval=100 ms"],
+        ["--set", "imu.angle_random_walk=0.3 °/√h", "gnss.rate=10 Hz", MEMS],
+    ):
+        inputs = _evaluate(capsys, *arguments)["design"]["inputs"]
+        assert inputs["imu.angle_random_walk"] == pytest.approx(math.radians(0.3) / 60, rel=1e-15)
+        assert inputs["gnss.interval"] == 0.1
+    inputs = _evaluate(capsys, MEMS, "--set", "imu.preset=LN-200", "radar.autofocus_order=2")["design"]["inputs"]
+    assert inputs["imu.preset"] == "LN-200"
+    assert inputs["imu.velocity_random_walk"] == pytest.approx(0.03 / 60, rel=1e-15)
+    assert inputs["radar.autofocus_order"] == 2
+
+
+def test_the_worked_design_comes_out_of_the_command(capsys, stdin):
+    """theory.md section 2 and 3, through the whole product."""
+    stdin(
+        '[imu]\nvelocity_random_walk = "0.05 m/s/√h"\nangle_random_walk = "0.5 °/√h"\n'
+        '[gnss]\nposition_noise = "1 m"\nrate = "1 Hz"\n[flight]\ngravity = "9.80665 m/s²"\n'.encode()
+    )
+    plain = _evaluate(capsys, "-", "--times", "10,20,50,100")
+    steady = plain["steady_state"]
+    assert steady["position_sigma_m"]["horizontal"] == pytest.approx(0.474565, abs=5e-7)
+    assert steady["position_sigma_m"]["vertical"] == pytest.approx(0.202052, abs=5e-7)
+    assert steady["velocity_sigma_m_s"]["horizontal"] == pytest.approx(0.0654609, abs=5e-8)
+    assert steady["velocity_sigma_m_s"]["vertical"] == pytest.approx(0.00583273, abs=5e-9)
+    assert math.degrees(steady["tilt_sigma_rad"]) == pytest.approx(0.0351388, abs=5e-8)
+    assert plain["coast"]["position_sigma_m"]["horizontal"] == pytest.approx(
+        [1.313629, 2.805036, 12.063485, 48.014141],
+        abs=6e-7,  # the page cut the third, 12.0634855, where the others are rounded
+    )
+    assert plain["coast"]["position_sigma_m"]["vertical"] == pytest.approx(
+        [0.247235, 0.299363, 0.488001, 0.882712], abs=5e-7
+    )
+
+
+@pytest.mark.parametrize(
+    ("designs", "code"),
+    [
+        ([TACTICAL], 0), ([L_BAND], 0), ([TACTICAL, L_BAND], 0), ([MEMS], 1), ([TACTICAL, MEMS], 1),
+        ([MEMS, TACTICAL], 1), (["nowhere.toml"], 2), ([MEMS, "nowhere.toml"], 2),
+        (["nowhere.toml", TACTICAL], 2),
+    ],
+)  # fmt: skip
+def test_check_exit_codes(capsys, designs, code):
+    assert main(["check", *designs]) == code
+    out, err = capsys.readouterr()
+    readable = [path for path in designs if path != "nowhere.toml"]
+    for path in readable:
+        lines = [line for line in out.splitlines() if line.startswith(f"{path}: ")]
+        assert len(lines) >= 2
+        assert ("DOES NOT CLOSE" in lines[-1]) == (path == MEMS)
+    assert err.count("\n") == designs.count("nowhere.toml")
+
+
+def test_check_says_each_requirement_once(capsys):
+    assert main(["check", TACTICAL]) == 0
+    out = capsys.readouterr().out
+    for name in (
+        "quadratic_phase", "along_track_quadratic_phase", "detrended_phase", "horizontal_position",
+        "vertical_position", "coast_horizontal_position",
+    ):  # fmt: skip
+        assert sum(f"met     {name} " in line for line in out.splitlines()) == 1
+    assert "(limit 45°" in out
+
+
+def test_check_with_nothing_to_check(capsys, stdin):
+    stdin(b'name = "a"\n')
+    assert main(["check", "-"]) == 0
+    assert "nothing checked" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("kind", "names"), [("imu", ["STIM300", "LN-200"]), ("radar", ["F-SAR X", "UAVSAR"])])
+def test_presets(capsys, kind, names):
+    assert main(["presets", kind]) == 0
+    text = capsys.readouterr().out
+    assert main(["presets", kind, "--json"]) == 0
+    plain = json.loads(capsys.readouterr().out)
+    for name in names:
+        assert f"\n{name}" in f"\n{text}"
+        assert name in plain
+    assert "[UNCONFIRMED]" in text
+    for entry in plain.values():
+        for key, value in entry.items():
+            if key not in {"grade", "note"}:
+                assert value["source"]
+                assert value["source"] in text
+                assert value["status"] in {"confirmed", "secondary", "assumed", "unconfirmed"}
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [], ["evaluate"], ["evaluate", MEMS, TACTICAL], ["check"], ["bogus"], ["presets"],
+        ["presets", "gnss"],
+        ["evaluate", MEMS, "--bogus"], ["evaluate", MEMS, "--times"], ["report", MEMS],
+    ],
+)  # fmt: skip
+def test_a_wrong_command_line_is_one_line_and_exit_2(capsys, arguments):
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "key"),
+    [
+        (["--times", "a"], "times"), (["--times", ""], "times"), (["--times", "1,,2"], "times"),
+        (["--times", "-1"], "times"), (["--times", "nan"], "times"), (["--times", "1e9"], "times"),
+        (["--set", "imu.bogus=1"], "imu.bogus"), (["--set", "imu.rate=1 m"], "imu.rate"),
+        (["--set", "bogus=1"], "bogus"), (["--set", "name=\udcff"], "name"),
+        (["--set", "imu.preset=Nokia"], "imu.preset"),
+        (["--set", "imu.vibration_factor=nan"], "imu.vibration_factor"),
+    ],
+)  # fmt: skip
+def test_a_wrong_option_names_its_key(capsys, arguments, key):
+    assert main(["evaluate", MEMS, *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert key in err
+
+
+def test_a_reader_that_leaves_early_is_no_error():
+    shell = f"{sys.executable} -m app.cli evaluate {MEMS} | head -n 1; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", shell], cwd=ROOT, capture_output=True, check=False)
+    assert done.returncode == 0
+    assert done.stderr == b""

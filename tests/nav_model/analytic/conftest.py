@@ -1,0 +1,97 @@
+"""Riccati solutions that owe nothing to the closed forms: SciPy's, in units that suit it, and Newton's
+method in 40 digits."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mpmath import mp
+from scipy.linalg import expm, solve_continuous_are, solve_discrete_are
+
+CHAIN = np.array([[0.0, 1, 0], [0, 0, 1], [0, 0, 0]])  # position, velocity, g x tilt
+
+
+def van_loan(f, q, time):
+    """Transition over `time` and covariance added, from one matrix exponential."""
+    n = len(f)
+    block = np.block([[-f, q], [np.zeros((n, n)), f.T]]) * time
+    e = expm(block)
+    phi = e[n:, n:].T
+    return phi, phi @ e[:n, n:]
+
+
+def _units(sigma_a, sigma_w, s, g):
+    """Time and state units in which the channel is the chain of integrators with noises of at most one."""
+    tau = np.sqrt(s / sigma_a)
+    if sigma_w > 0:
+        tau = min(tau, np.cbrt(s / (g * sigma_w)))
+    length = s / np.sqrt(tau)
+    state = np.array([length, length / tau, length / (g * tau**2)])
+    q = np.diag([0, sigma_a**2 * tau**3 / length**2, (g * sigma_w) ** 2 * tau**5 / length**2])
+    return tau, state, q
+
+
+def _channel(sigma_a, sigma_w, s, g, order):
+    tau, state, q = _units(sigma_a, sigma_w, s, g)
+    return tau, state[:order], CHAIN[:order, :order], q[:order, :order], np.eye(order)[:1]
+
+
+def continuous(sigma_a, sigma_w, s, g, order=3):
+    """Steady covariance of one channel, SI, from SciPy's continuous Riccati solver."""
+    _, state, f, q, h = _channel(sigma_a, sigma_w, s, g, order)
+    return solve_continuous_are(f.T, h.T, q, np.eye(1)) * np.outer(state, state)
+
+
+def discrete(sigma_a, sigma_w, sigma, interval, g, order=3, slow=None):
+    """Prior and posterior of one channel, SI: SciPy's discrete solver, then Newton steps in 40 digits."""
+    tau, state, f, q, h = _channel(sigma_a, sigma_w, sigma * np.sqrt(interval), g, order)
+    phi, added = van_loan(f, q, interval / tau)
+    r = (sigma / state[0]) ** 2
+    if slow is not None:
+        slow_sigma, correlation = slow
+        decay = np.exp(-interval / correlation)
+        wide_phi, wide_q = np.zeros((order + 1,) * 2), np.zeros((order + 1,) * 2)
+        wide_phi[:order, :order], wide_q[:order, :order] = phi, added
+        wide_phi[order, order] = decay
+        wide_q[order, order] = -((slow_sigma / state[0]) ** 2) * np.expm1(-2 * interval / correlation)
+        phi, added, h = wide_phi, wide_q, np.append(h, [[1.0]], axis=1)
+        state = np.append(state, state[0])
+    guess = solve_discrete_are(phi.T, h.T, added, [[r]])
+    prior, posterior = newton(phi, added, h, r, guess)
+    unit = np.outer(state, state)
+    return SimpleNamespace(prior=prior * unit, posterior=posterior * unit)
+
+
+def newton(phi, q, h, r, guess):
+    """Newton (Kleinman) steps for the filter's discrete Riccati equation, in 40 digits, from a good guess."""
+    with mp.workdps(40):
+        phi, q, h, p = (mp.matrix(m.tolist()) for m in (phi, (q + q.T) / 2, h, guess))
+        r, n = mp.mpf(r), phi.rows
+        for _ in range(2):
+            gain = phi * p * h.T / ((h * p * h.T)[0] + r)
+            a = phi - gain * h
+            right = q + r * gain * gain.T
+            system, vector = mp.eye(n * n), mp.matrix(n * n, 1)
+            for i in range(n):
+                for j in range(n):
+                    vector[i * n + j] = right[i, j]
+                    for k in range(n):
+                        for m in range(n):
+                            system[i * n + j, k * n + m] -= a[i, k] * a[j, m]
+            x = mp.lu_solve(system, vector)
+            new = mp.matrix(n, n)
+            for i in range(n):
+                for j in range(n):
+                    new[i, j] = x[i * n + j]
+            moved = max(abs(new[i, i] / p[i, i] - 1) for i in range(n))
+            p = new
+        assert moved < 1e-12
+        cross = p * h.T
+        posterior = p - cross * cross.T / ((h * cross)[0] + r)
+        return tuple(np.array(m.tolist(), dtype=float) for m in (p, posterior))
+
+
+@pytest.fixture(scope="session")
+def reference():
+    """The independent solvers: continuous, discrete, van_loan, channel units."""
+    return SimpleNamespace(continuous=continuous, discrete=discrete, van_loan=van_loan, channel=_channel, chain=CHAIN)

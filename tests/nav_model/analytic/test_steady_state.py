@@ -1,0 +1,166 @@
+"""Closed-form steady state against Riccati solutions, high precision and its own asymptotes."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+
+from nav_model.analytic.steady_state import (
+    Horizontal,
+    fix_density,
+    gyro_dominance,
+    gyro_dominated,
+    horizontal,
+    lambda_dt,
+    position_ratio,
+    vertical,
+    yaw_variance,
+)
+
+SIGMA_A = st.floats(1e-6, 1e-2)
+SIGMA_W = st.floats(1e-8, 1e-3)
+DENSITY = st.floats(1e-3, 1e2)
+GRAVITY = st.floats(9.7, 9.9)
+
+
+def test_horizontal_against_the_riccati_equation(fleet, reference):
+    ours = horizontal(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g).matrix()
+    assert fleet.size >= 200
+    for i in range(fleet.size):
+        theirs = reference.continuous(fleet.sigma_a[i], fleet.sigma_w[i], fleet.s[i], fleet.g[i])
+        np.testing.assert_allclose(ours[i], theirs, rtol=1e-9)
+
+
+def test_vertical_against_the_riccati_equation(fleet, reference):
+    v = vertical(fleet.sigma_a, fleet.s)
+    for i in range(fleet.size):
+        theirs = reference.continuous(fleet.sigma_a[i], 0.0, fleet.s[i], fleet.g[i], order=2)
+        ours = [[v.v11[i], v.v12[i]], [v.v12[i], v.v22[i]]]
+        np.testing.assert_allclose(ours, theirs, rtol=1e-9)
+
+
+def test_the_fleet_spans_both_regimes(fleet):
+    kappa = gyro_dominance(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g)
+    assert kappa.min() < 0.1
+    assert kappa.max() > 100
+
+
+def _root(gyro, accelerometer, near):
+    """The positive root of p11^4/4 = gyro p11 + accelerometer, by secants in the digits in force."""
+    return mp.findroot(lambda x: x**4 / 4 - gyro * x - accelerometer, near)
+
+
+def test_elements_in_fifty_digits(fleet):
+    """[T-3] as printed, with its quartic solved in 50 digits: the floats are right to the last few bits."""
+    p = horizontal(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g)
+    with mp.workdps(50):
+        for i in range(0, fleet.size, 3):
+            a, w, s, g = (mp.mpf(float(x[i])) for x in (fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g))
+            p11 = _root(2 * g * w * s**5, s**6 * a**2, 1.001 * float(p.p11[i]))
+            assert p11 > 0
+            printed = (
+                p11,
+                p11**2 / (2 * s**2),
+                w * s,
+                p11**3 / (2 * s**4) - g * w * s,
+                p11 * w / s,
+                p11**2 * w / (2 * g * s**3),
+            )
+            for ours, theirs in zip(p, printed, strict=True):
+                assert float(ours[i]) == pytest.approx(float(theirs), rel=1e-14)
+
+
+@given(st.floats(0, 1e12))
+def test_position_ratio_is_the_root(kappa):
+    u = float(position_ratio(kappa))
+    assert u >= 1
+    with mp.workdps(40):
+        exact = mp.findroot(lambda x: x**4 - 1 - mp.mpf(kappa) * x, mp.mpf(u))
+        assert u == pytest.approx(float(exact), rel=1e-15)
+
+
+@given(SIGMA_A, SIGMA_W, DENSITY, GRAVITY)
+def test_regime_number_rules_the_shape(a, w, s, g):
+    p, v = horizontal(a, w, s, g), vertical(a, s)
+    assert float(p.p11 / v.v11) == pytest.approx(float(position_ratio(gyro_dominance(a, w, s, g))), rel=1e-13)
+
+
+@given(SIGMA_A, SIGMA_W, DENSITY, GRAVITY, st.floats(1e-2, 1e2), st.floats(1e-2, 1e2))
+def test_units_do_not_matter(a, w, s, g, length, time):
+    """The same channel in other units of length and time: dimensions balance in every element."""
+    p = horizontal(a, w, s, g)
+    q = horizontal(a * length / time**1.5, w / math.sqrt(time), s * length * math.sqrt(time), g * length / time**2)
+    speed = length / time
+    scale = (length**2, length * speed, length, speed**2, speed, 1.0)
+    for x, y, unit in zip(p, q, scale, strict=True):
+        assert float(y) == pytest.approx(float(x) * unit, rel=1e-11)
+
+
+@given(SIGMA_A, SIGMA_W, DENSITY, GRAVITY)
+def test_covariance_is_positive_definite(a, w, s, g):
+    m = horizontal(a, w, s, g).matrix()
+    sigma = np.sqrt(np.diagonal(m))
+    assert np.all(np.linalg.eigvalsh(m / np.outer(sigma, sigma)) > 0)
+
+
+@given(SIGMA_A, SIGMA_W, DENSITY, GRAVITY, st.sampled_from(range(3)), st.floats(1.01, 3.0))
+def test_more_noise_never_helps(a, w, s, g, which, factor):
+    worse = [a, w, s]
+    worse[which] *= factor
+    for less, more in zip(horizontal(a, w, s, g)[::3], horizontal(*worse, g)[::3], strict=True):
+        assert more >= less * (1 - 1e-13)
+
+
+def test_gyro_dominated_limit_and_its_error():
+    """[T-7]: the error in p11 is kappa^(-4/3)/3, and the exponents are 1/6, 5/6; 1/2, 1/2; 5/6, 1/6."""
+    g, s = 9.80665, 1.0
+    for kappa, a in ((10.0, None), (100.0, None), (1000.0, None), (1e4, None)):
+        w = 1e-4
+        a = (2 * math.sqrt(2) * g * w * math.sqrt(s) / kappa) ** (2 / 3)
+        p, limit = horizontal(a, w, s, g), gyro_dominated(w, s, g)
+        error = 1 - float(limit[0] / p.p11)
+        assert error == pytest.approx(kappa ** (-4 / 3) / 3, rel=0.1)
+        for ours, bound in zip((p.p22, p.p33), limit[1:], strict=True):
+            assert float(bound / ours) == pytest.approx(1, abs=3 * kappa ** (-4 / 3))
+
+
+@given(SIGMA_W, DENSITY, st.floats(1.1, 10))
+def test_scaling_exponents_of_the_limit(w, s, factor):
+    base, gyro, gnss = (
+        [math.sqrt(x) for x in gyro_dominated(*case, 9.8)] for case in ((w, s), (factor * w, s), (w, factor * s))
+    )
+    for i, (by_w, by_s) in enumerate(((1 / 6, 5 / 6), (1 / 2, 1 / 2), (5 / 6, 1 / 6))):
+        assert gyro[i] / base[i] == pytest.approx(factor**by_w, rel=1e-12)
+        assert gnss[i] / base[i] == pytest.approx(factor**by_s, rel=1e-12)
+
+
+def test_small_regime_number_makes_all_axes_alike():
+    p, v = horizontal(1e-2, 1e-9, 1.0, 9.8), vertical(1e-2, 1.0)
+    assert float(p.p11 / v.v11) == pytest.approx(1, abs=1e-4)
+    assert float(p.p22 / v.v22) == pytest.approx(1, abs=1e-4)
+
+
+@given(st.floats(1e-3, 1e2), st.floats(1e-2, 1e2))
+def test_fix_density(sigma, interval):
+    assert float(fix_density(sigma, interval)) == pytest.approx(sigma * math.sqrt(interval), rel=1e-15)
+
+
+def test_yaw_and_bandwidth():
+    assert float(yaw_variance(2e-4, 50.0)) == pytest.approx(2e-6, rel=1e-15)
+    assert float(lambda_dt(0.225212, 1.0, 1.0)) == pytest.approx(0.225212, rel=1e-15)
+    assert float(lambda_dt(0.5, 2.0, 3.0)) == pytest.approx(0.375, rel=1e-15)
+
+
+def test_broadcasting():
+    a, w, s = np.full((4, 1, 1), 1e-3), np.full((3, 1), 1e-5), np.linspace(0.1, 1, 5)
+    p = horizontal(a, w, s, 9.8)
+    assert p.p11.shape == (4, 3, 5)
+    one = horizontal(1e-3, 1e-5, float(s[2]), 9.8)
+    for whole, single in zip(p, one, strict=True):
+        whole = np.broadcast_to(whole, (4, 3, 5))
+        assert whole[1, 2, 2] == pytest.approx(float(single), rel=1e-15)
+    assert p.matrix().shape == (4, 3, 5, 3, 3)
+    np.testing.assert_array_equal(np.stack(Horizontal.of(p.matrix()))[0], p.p11)

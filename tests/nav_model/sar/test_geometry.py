@@ -1,0 +1,123 @@
+"""Aperture, windows and line of sight against root finding, exact ranges and the page's tables."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+from nav_model.sar.geometry import (
+    LIMITS_RAD,
+    WINDOW_WIDTH,
+    aperture_time,
+    cell_length,
+    line_of_sight_weights,
+    phase_to_metres,
+)
+
+
+def _uniform(x):
+    return np.sinc(x)
+
+
+def _hamming(x):
+    return 0.54 * np.sinc(x) + 0.23 * (np.sinc(x - 1) + np.sinc(x + 1))
+
+
+def _taylor(level_db, nbar):
+    """Taylor's pattern as a product over its zeros, from his 1955 definition."""
+    a = math.acosh(10 ** (level_db / 20)) / math.pi
+    sigma2 = nbar**2 / (a**2 + (nbar - 0.5) ** 2)
+
+    def pattern(x):
+        value = np.sinc(x)
+        for n in range(1, nbar):
+            value *= (1 - x**2 / (sigma2 * (a**2 + (n - 0.5) ** 2))) / (1 - (x / n) ** 2)
+        return value
+
+    return pattern
+
+
+def _width(pattern):
+    return 2 * brentq(lambda x: pattern(x) / pattern(0.0) - math.sqrt(0.5), 0.2, 0.9, xtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("window", "pattern", "printed"),
+    [("uniform", _uniform, 0.8859), ("hamming", _hamming, 1.3030), ("taylor", _taylor(35, 5), 1.1875)],
+)
+def test_window_widths_are_roots_of_the_transforms(window, pattern, printed):
+    assert WINDOW_WIDTH[window] == pytest.approx(_width(pattern), rel=1e-12)
+    assert WINDOW_WIDTH[window] == pytest.approx(printed, abs=5e-5)
+
+
+def test_the_pages_other_taylor_windows():
+    """The pattern written here is the page's: its other two rows come out as well."""
+    assert _width(_taylor(35, 4)) == pytest.approx(1.1842, abs=5e-5)
+    assert _width(_taylor(30, 4)) == pytest.approx(1.1247, abs=5e-5)
+
+
+POSITIVE = st.floats(1e-2, 1e4)
+
+
+@given(POSITIVE, POSITIVE, POSITIVE, POSITIVE, st.sampled_from(sorted(WINDOW_WIDTH)))
+def test_aperture_and_cell_are_inverse_to_each_other(wavelength, slant_range, speed, resolution, window):
+    t = aperture_time(wavelength, slant_range, speed, resolution, window)
+    assert float(t) == pytest.approx(
+        WINDOW_WIDTH[window] * wavelength * slant_range / (2 * resolution * speed), rel=1e-14
+    )
+    cell = cell_length(wavelength, slant_range, speed, t)
+    assert float(cell) * WINDOW_WIDTH[window] == pytest.approx(resolution, rel=1e-13)
+
+
+def test_aperture_resolves_two_scatterers_by_exact_ranges():
+    """Two points one cell apart are one cycle of exact two-way phase apart over the aperture."""
+    wavelength, slant_range, speed, resolution = 0.0312, 7000.0, 90.0, 0.5
+    t = float(aperture_time(wavelength, slant_range, speed, resolution, "uniform"))
+    cell = float(cell_length(wavelength, slant_range, speed, t))
+    x = speed * t / 2
+    ahead, behind = (math.hypot(slant_range, end - cell) - math.hypot(slant_range, end) for end in (x, -x))
+    assert abs(ahead - behind) * 2 / wavelength == pytest.approx(1, rel=1e-3)
+
+
+def test_unknown_window():
+    with pytest.raises(KeyError):
+        aperture_time(0.03, 1e4, 100, 1, "hann")
+
+
+def test_mathworks_example_of_the_presets_page():
+    """10 GHz, 10 km, 100 m/s, 1 m: 1.4990 s with k = 1."""
+    t = aperture_time(299792458 / 10e9, 10e3, 100.0, 1.0, "uniform") / WINDOW_WIDTH["uniform"]
+    assert float(t) == pytest.approx(1.4990, abs=5e-5)
+
+
+@given(st.floats(0, math.pi / 2), st.floats(0, 10), st.floats(0, 10))
+def test_line_of_sight(angle, sigma_y, sigma_z):
+    """Variance along the unit vector to the scene, from the covariance matrix itself."""
+    u = np.array([0.0, math.cos(angle), math.sin(angle)])
+    expected = u @ np.diag([7.0, sigma_y**2, sigma_z**2]) @ u
+    level, upright = line_of_sight_weights(angle)
+    assert level * sigma_y**2 + upright * sigma_z**2 == pytest.approx(expected, rel=1e-13, abs=1e-300)
+    assert level + upright == pytest.approx(1, rel=1e-15)
+
+
+def test_limits_in_metres():
+    """[S-4]: pi/4 = lambda/16, pi/2 = lambda/8, pi = lambda/4."""
+    for phase, part in ((math.pi / 4, 16), (math.pi / 2, 8), (math.pi, 4)):
+        assert float(phase_to_metres(phase, 0.24)) == pytest.approx(0.24 / part, rel=1e-15)
+
+
+def test_limits_table():
+    assert {name: limit for name, (limit, _) in LIMITS_RAD.items()} == pytest.approx(
+        {
+            "quadratic, strict": math.pi / 4,
+            "quadratic, usual": math.pi / 2,
+            "cubic, tight": math.pi / 8,
+            "cubic, usual": math.pi / 4,
+            "wide-band rms": 0.1,
+        }
+    )
+    # -20 dB at 0.1 rad: 10 log10(e^(s^2) - 1)
+    assert 10 * math.log10(math.expm1(0.01)) == pytest.approx(-20, abs=0.05)

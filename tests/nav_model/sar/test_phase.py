@@ -1,0 +1,231 @@
+"""The phase budget against a dense numerical projection of the covariance of the error processes.
+
+Errors are random functions of time with their covariance worked out from integrals of white noise; a
+least-squares polynomial is removed on a quadrature grid. No Legendre coefficient of the page is used.
+"""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nav_model.sar.phase import SOURCES, along_track_quadratic, phase_budget, total
+
+G = 9.81
+NODES = 1200
+
+
+@cache
+def _grid():
+    """Midpoints, equal weights: the kernels have kinks on the diagonal, so a fine even grid serves."""
+    x = (np.arange(NODES) + 0.5) / NODES * 2 - 1
+    return x, np.full(NODES, 1 / NODES)
+
+
+def _twice(t):
+    """Covariance of twice-integrated unit white noise: integral of (t-u)(s-u) over u < min."""
+    low, high = np.minimum.outer(t, t), np.maximum.outer(t, t)
+    return low**2 * (3 * high - low) / 6
+
+
+def _thrice(t):
+    """Covariance of thrice-integrated unit white noise: integral of (t-u)^2 (s-u)^2 / 4 over u < min."""
+    low, high = np.minimum.outer(t, t), np.maximum.outer(t, t)
+    d = high - low
+    return (low**5 / 5 + d * low**4 / 2 + d**2 * low**3 / 3) / 4
+
+
+def _project(covariance, order):
+    """(mean variance left, variance of the coefficient of x^order) of a least-squares polynomial fit."""
+    x, weight = _grid()
+    basis = np.vander(x, order + 1, increasing=True)
+    fit = np.linalg.solve(basis.T @ (weight[:, None] * basis), basis.T * weight)
+    half = fit @ covariance
+    coefficients = half @ fit.T
+    left = np.trace(covariance) - 2 * np.sum(half.T * basis) + np.sum((basis @ coefficients) * basis)
+    return left / NODES, coefficients[-1, -1]
+
+
+def _processes(t_ap, t_c, p33, a, w, b, d):
+    """Horizontal and vertical covariance on the grid of every source, `t_c` seconds after the last fix."""
+    x, _ = _grid()
+    u = (x + 1) / 2 * t_ap
+    t = u + t_c
+    return {
+        "initial tilt": (G**2 * p33 * np.outer(t**2, t**2) / 4, 0),
+        "accelerometer noise": (a**2 * _twice(t), a**2 * _twice(t)),
+        "gyro, all": ((G * w) ** 2 * _thrice(t), 0),
+        "accelerometer bias": (b**2 * np.outer(t**2, t**2) / 4, b**2 * np.outer(t**2, t**2) / 4),
+        "gyro bias": ((G * d) ** 2 * np.outer(t**3, t**3) / 36, 0),
+    }
+
+
+CASES = [
+    (5.0, 0.0, 0.6, 1),
+    (5.0, 0.0, 0.6, 2),
+    (8.0, 0.0, 0.0, 3),
+    (3.0, 4.0, 0.6, 1),
+    (3.0, 4.0, 1.2, 2),
+    (6.0, 2.0, 0.3, 3),
+]
+
+
+@pytest.mark.parametrize(("t_ap", "t_c", "angle", "order"), CASES)
+def test_every_source_against_the_projection(t_ap, t_c, angle, order):
+    p33, a, w, b, d = 4e-8, 8e-4, 1.5e-4, 2e-3, 3e-6
+    budget = phase_budget(p33, a, w, b, d, G, t_ap, t_c, angle, order)
+    ours = dict(budget)
+    gyro, coasted = ours.pop("gyro noise"), ours.pop("coast before aperture")
+    ours["gyro, all"] = type(gyro)(*(x + y for x, y in zip(gyro, coasted, strict=True)))
+    level, upright = math.cos(angle) ** 2, math.sin(angle) ** 2
+    for source, (horizontal, vertical) in _processes(t_ap, t_c, p33, a, w, b, d).items():
+        covariance = level * horizontal + upright * vertical
+        size = level * w**2 * G**2 * t_ap**5 * 1e-12
+        left, _ = _project(covariance, order)
+        _, quadratic = _project(covariance, 2)
+        _, cubic = _project(covariance, 3)
+        assert float(ours[source].detrended) == pytest.approx(left, rel=2e-5, abs=size), source
+        assert float(ours[source].quadratic) == pytest.approx(quadratic, rel=2e-5), source
+        assert float(ours[source].cubic) == pytest.approx(cubic, rel=2e-5, abs=size), source
+
+
+# (column, order, fraction): [T-14] and [S-6] as printed
+PRINTED = [
+    ("initial tilt", 1, 1 / 720), ("accelerometer bias", 1, 1 / 720), ("gyro bias", 1, 1 / 2800),
+    ("accelerometer noise", 1, 1 / 420), ("gyro noise", 1, 17 / 30240),
+    ("initial tilt", 2, 0.0), ("accelerometer bias", 2, 0.0), ("gyro bias", 2, 1 / 100800),
+    ("accelerometer noise", 2, 1 / 2520), ("gyro noise", 2, 1 / 55440),
+    ("initial tilt", 3, 0.0), ("accelerometer bias", 3, 0.0), ("gyro bias", 3, 0.0),
+    ("accelerometer noise", 3, 1 / 6930), ("gyro noise", 3, 1 / 540540),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("source", "order", "fraction"), PRINTED)
+def test_printed_fractions(source, order, fraction):
+    """Unit inputs, unit aperture, level line of sight: the fractions stand alone."""
+    budget = phase_budget(1, 1, 1, 1, 1, 1, 1.0, 0.0, 0.0, order)
+    assert float(budget[source].detrended) == pytest.approx(fraction, rel=1e-14)
+
+
+def test_printed_quadratic_budget():
+    """[S-5] as printed, term by term, with coast."""
+    p33, a, w, b, d, t, tc, lam = 1e-7, 1e-3, 2e-4, 5e-4, 1e-6, 7.0, 30.0, 0.03
+    budget = phase_budget(p33, a, w, b, d, G, t, tc, 0.0, 1)
+    printed = (4 * math.pi / lam) ** 2 * t**4 / 64 * (
+        G**2 * p33 + b**2 + G**2 * d**2 * (tc + t / 2) ** 2 + G**2 * w**2 * tc
+        + 10 / 7 * a**2 / t + 181 / 462 * G**2 * w**2 * t
+    )  # fmt: skip
+    assert (4 * math.pi / lam) ** 2 * float(total(budget).quadratic) == pytest.approx(printed, rel=1e-13)
+
+
+def test_printed_cubic_variances():
+    """[S-6]: Legendre order 3 of accelerometer and gyro noise; x^3 has 5/2 of the Legendre coefficient."""
+    budget = phase_budget(0, 1, 1, 0, 0, 1, 1.0, 0.0, 0.0)
+    assert float(budget["accelerometer noise"].cubic) == pytest.approx(6.25 * 7 / 3960, rel=1e-14)
+    assert float(budget["gyro noise"].cubic) == pytest.approx(6.25 * 7 / 61776, rel=1e-14)
+
+
+def test_quadratic_and_cubic_coefficients_of_plain_motion():
+    """The limits table: phi = pi a T²/(2 lambda) for acceleration a, (4 pi/lambda) j T³/48 for jerk j."""
+    t, lam, a, j = 4.0, 0.03, 1e-3, 1e-4
+    budget = phase_budget(0, 0, 0, a, 0, G, t, 0.0, 0.7)
+    phase = 4 * math.pi / lam * math.sqrt(float(budget["accelerometer bias"].quadratic))
+    assert phase == pytest.approx(math.pi * a * t**2 / (2 * lam), rel=1e-13)
+    budget = phase_budget(0, 0, 0, 0, j / G, G, t, 0.0, 0.0)
+    phase = 4 * math.pi / lam * math.sqrt(float(budget["gyro bias"].cubic))
+    assert phase == pytest.approx(4 * math.pi / lam * j * t**3 / 48, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("wavelength", "aperture", "micro_g"),
+    [(0.0312, 6.1, 43), (0.226, 22, 24), (0.238, 9.2, 143), (0.018, 2.2, 182), (0.018, 37, 0.7)],
+)
+def test_acceleration_limits_of_the_presets_page(wavelength, aperture, micro_g):
+    """A quadratic of pi/4 in each radar's aperture: F-SAR X, F-SAR L, UAVSAR, RTV, Lynx spotlight."""
+    budget = phase_budget(0, 0, 0, micro_g * 9.80665e-6, 0, G, aperture, 0, 0.5)
+    phase = 4 * math.pi / wavelength * math.sqrt(float(total(budget).quadratic))
+    assert phase == pytest.approx(math.pi / 4, rel=0.06)
+
+
+def test_sources_are_the_contracts():
+    assert SOURCES == (
+        "initial tilt", "accelerometer noise", "gyro noise", "accelerometer bias", "gyro bias",
+        "coast before aperture",
+    )  # fmt: skip
+    assert tuple(phase_budget(1, 1, 1, 1, 1, 1, 1, 1, 0.5)) == SOURCES
+
+
+@pytest.mark.parametrize("order", [0, 4, -1, 1.5])
+def test_orders_without_a_closed_form(order):
+    with pytest.raises(ValueError, match="autofocus_order"):
+        phase_budget(1, 1, 1, 1, 1, 1, 1, 1, 0.5, order)
+
+
+INPUTS = st.tuples(
+    st.floats(1e-12, 1e-4), st.floats(1e-6, 1e-2), st.floats(1e-8, 1e-3), st.floats(1e-8, 1e-1),
+    st.floats(1e-9, 1e-3), st.floats(9, 10), st.floats(0.1, 60), st.floats(0.01, 300),
+)  # fmt: skip
+
+
+@given(INPUTS, st.floats(0, 1.57), st.sampled_from(range(8)), st.floats(1.01, 3))
+def test_more_of_anything_bad_is_never_better(inputs, angle, which, factor):
+    worse = list(inputs)
+    worse[which] *= factor
+    for order in (1, 2, 3):
+        before, after = total(phase_budget(*inputs, angle, order)), total(phase_budget(*worse, angle, order))
+        for x, y in zip(before, after, strict=True):
+            assert float(y) >= float(x) * (1 - 1e-13)
+
+
+@given(INPUTS, st.floats(0, 1.57))
+def test_autofocus_never_harms_and_totals_add_up(inputs, angle):
+    left = [phase_budget(*inputs, angle, order) for order in (1, 2, 3)]
+    for source in SOURCES:
+        values = [float(budget[source].detrended) for budget in left]
+        assert values[0] >= values[1] >= values[2] >= 0
+        assert len({float(budget[source].quadratic) for budget in left}) == 1  # quoted before autofocus
+    whole = total(left[0])
+    for i, column in enumerate(zip(*left[0].values(), strict=True)):
+        assert float(whole[i]) == pytest.approx(math.fsum(float(x) for x in column), rel=1e-14)
+
+
+def test_looking_straight_down_leaves_the_vertical_channel():
+    budget = phase_budget(1e-7, 1e-3, 1e-4, 1e-3, 1e-6, G, 5, 10, math.pi / 2)
+    for source in ("initial tilt", "gyro noise", "gyro bias", "coast before aperture"):
+        assert float(budget[source].quadratic) < 1e-25
+    assert float(budget["accelerometer bias"].quadratic) == pytest.approx(1e-6 * 5**4 / 64, rel=1e-13)
+
+
+def test_budget_broadcasts():
+    t = np.linspace(1, 9, 5)
+    grid = phase_budget(1e-8, 1e-3, np.array([[1e-5], [1e-4]]), 0, 0, G, t, 0, 0.6)
+    assert total(grid).quadratic.shape == (2, 5)
+    one = phase_budget(1e-8, 1e-3, 1e-4, 0, 0, G, float(t[3]), 0, 0.6)
+    assert total(grid).detrended[1, 3] == pytest.approx(float(total(one).detrended), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("wavelength", "slant_range", "speed", "aperture"),
+    [(0.0312, 7000, 90, 5.0), (0.238, 17000, 220, 8.0), (0.018, 6000, 36, 10.0)],
+)
+def test_along_track_against_exact_ranges(wavelength, slant_range, speed, aperture):
+    """[S-2]: the range to a scatterer abeam, flown at V but processed at V + dV, has this quadratic phase."""
+    error = 1e-3
+    t = np.linspace(-aperture / 2, aperture / 2, 2001)
+    phase = 4 * math.pi / wavelength * (np.hypot(slant_range, (speed + error) * t) - np.hypot(slant_range, speed * t))
+    quadratic = np.polynomial.polynomial.polyfit(t / (aperture / 2), phase, 4)[2]
+    ours = float(along_track_quadratic(error**2, speed, aperture, wavelength, slant_range))
+    assert ours == pytest.approx(quadratic, rel=3e-3)
+
+
+def test_along_track_as_printed():
+    """pi lambda R dV k²/(4 rho² V), and the pi/4 limit dV/V < rho²/(k² lambda R)."""
+    k, lam, r, rho, v, dv = 0.8858929413789045, 0.03, 8e3, 0.4, 95.0, 0.02
+    t = k * lam * r / (2 * rho * v)
+    ours = float(along_track_quadratic(dv**2, v, t, lam, r))
+    assert ours == pytest.approx(math.pi * lam * r * dv * k**2 / (4 * rho**2 * v), rel=1e-13)
+    limit = v * rho**2 / (k**2 * lam * r)
+    assert float(along_track_quadratic(limit**2, v, t, lam, r)) == pytest.approx(math.pi / 4, rel=1e-13)

@@ -1,0 +1,50 @@
+"""The same study on a Dask cluster over real sockets, one worker process killed midway."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+import numpy as np
+import pytest
+
+from nav_model.simulation.cluster import cluster_pool
+from nav_model.simulation.monte_carlo import simulate
+from nav_model.simulation.result import to_arrays
+from nav_model.simulation.specification import SimulationSpec
+
+distributed = pytest.importorskip("distributed", reason="needs the cluster extra")
+
+
+def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):
+    spec = SimulationSpec(paper_imu, runs=240, duration=100.0, every=10.0, keep_runs=True)
+    killed = []
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, protocol="tcp://"
+        ) as cluster,
+        cluster_pool(cluster.scheduler_address) as (pool, threads),
+    ):
+        victim = next(iter(cluster.workers.values())).pid
+
+        def progress(done: int, total: int) -> None:
+            if done >= 60 and not killed:
+                os.kill(victim, signal.SIGKILL)
+                killed.append(done)
+
+        result = simulate(spec, pool=pool, workers=threads, progress=progress)
+    assert threads == 2
+    assert killed
+    assert killed[0] < 240
+    expected = to_arrays(simulate(spec))
+    found = to_arrays(result)
+    for name, values in expected.items():
+        assert np.array_equal(values, found[name]), name
+
+
+def test_a_scheduler_that_is_not_there_is_named():
+    with (
+        pytest.raises(ValueError, match=r"scheduler = 'tcp://127\.0\.0\.1:1'"),
+        cluster_pool("tcp://127.0.0.1:1", 1.0),
+    ):
+        pass

@@ -1,0 +1,186 @@
+"""The filter's algebra against matrix exponentials, Riccati solutions and the textbook update."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm, solve_discrete_are
+
+from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate, update
+from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly_without_errors
+from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
+from nav_model.simulation.strapdown import initial_state, navigate
+from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.simulation.truth import perfect_increments, true_states
+
+G = 9.80665
+
+
+def random_covariance(n: int, seed: int) -> np.ndarray:
+    generator = np.random.default_rng(seed)
+    scale = np.repeat([2.0, 0.1, 1e-3, 1e-3, 1e-5], 3)[:n]
+    factor = generator.standard_normal((n, n)) * scale[:, None]
+    return factor @ factor.T
+
+
+@pytest.mark.parametrize("n", [9, 15])
+@pytest.mark.parametrize("dt", [0.01, 0.1, 1.0])
+def test_propagation_matches_van_loans_matrix_exponential(n, dt):
+    state = initial_state(np.array([0.7, 0.2, 4000.0]), np.array([60.0, -40.0, 3.0]), np.eye(3))
+    force = np.array([0.4, -0.3, -9.8])
+    dynamics = np.empty((9, n))
+    error_dynamics(state, force, np.eye(3), dynamics)
+    full = np.zeros((n, n))
+    full[:9] = dynamics
+    density = np.repeat([0.0, 1e-3**2, 2e-4**2, 0.0, 0.0], 3)[:n]
+    van_loan = np.zeros((2 * n, 2 * n))
+    van_loan[:n, :n], van_loan[:n, n:], van_loan[n:, n:] = -full, np.diag(density), full.T
+    exponential = expm(van_loan * dt)
+    phi = exponential[n:, n:].T
+    start = random_covariance(n, 3)
+    expected = phi @ start @ phi.T + phi @ exponential[:n, n:]
+    found = start.copy()
+    propagate(found, dynamics, force, dt, 1e-3, 2e-4, np.zeros(6), np.zeros(6), np.empty((4, n, n)))
+    sigma = np.sqrt(np.diag(expected))
+    # Process noise sees only the main chain; Coriolis' share of it is below 1e-4 of the noise in a second.
+    assert np.max(np.abs(found - expected) / np.outer(sigma, sigma)) < (2e-8 if dt == 1.0 else 1e-9)
+    noise_only = np.zeros((n, n))
+    propagate(noise_only, dynamics, force, dt, 1e-3, 2e-4, np.zeros(6), np.zeros(6), np.empty((4, n, n)))
+    expected_noise = phi @ exponential[:n, n:]
+    sigma = np.sqrt(np.diag(expected_noise)[:9])
+    assert np.max(np.abs(noise_only - expected_noise)[:9, :9] / np.outer(sigma, sigma)) < 2e-4 * max(dt, 0.1)
+
+
+def test_biases_decay_and_are_driven():
+    covariance = np.diag(np.repeat([1.0, 1.0, 1.0, 4.0, 9.0], 3))
+    decay, drive = np.full(6, 0.01), np.full(6, 0.5)
+    propagate(covariance, np.zeros((9, 15)), np.zeros(3), 2.0, 0.0, 0.0, decay, drive, np.empty((4, 15, 15)))
+    kept = math.exp(-0.04)
+    assert np.diag(covariance)[9:] == pytest.approx(np.repeat([4.0, 9.0], 3) * kept + 1.0)
+
+
+def test_error_dynamics_match_finite_differences_of_the_mechanisation():
+    """Two INSs, one with a small error put in, over 20 s of a turn: the error must follow the linear
+    model."""
+    spec = TrajectorySpec("turns", speed=120.0, heading=0.4)
+    trajectory = plan_trajectory(spec, 300.0)
+    increments = perfect_increments(spec, 300.0, 100.0)
+    steps = 2000
+    times = np.arange(steps + 1) / 100.0
+    truth = true_states(trajectory, times)
+    base = navigate(
+        initial_state(truth.position[0], truth.velocity[0], truth.matrix[0]), increments[: steps + 2], 100.0
+    )
+    transition = np.eye(9)
+    dynamics = np.empty((9, 9))
+    velocity_rate = np.gradient(truth.velocity, times, axis=0)
+    for k in range(0, steps, 10):
+        middle = k + 5
+        state = initial_state(truth.position[middle], truth.velocity[middle], truth.matrix[middle])
+        # Gravity and acceleration dominate; Coriolis' part of the specific force (5e-4 of it) is left out.
+        force = velocity_rate[middle] - [0.0, 0.0, 9.797]
+        error_dynamics(state, force, truth.matrix[middle], dynamics)
+        transition = expm(dynamics * 0.1) @ transition
+    scale = np.array([100.0, 100.0, 100.0, 1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3])
+    final = np.array([2.0 * 100.0, 100.0, 100.0, 10.0, 10.0, 10.0, 1e-3, 1e-3, 1e-3])
+    for i in range(9):
+        error = np.zeros(9)
+        error[i] = scale[i]
+        position, velocity = truth.position[0].copy(), truth.velocity[0] + error[3:6]
+        lat, height = position[0], position[2]
+        radius = 6378137.0 / math.sqrt(1 - 0.00669437999014 * math.sin(lat) ** 2)
+        meridian = radius * (1 - 0.00669437999014) / (1 - 0.00669437999014 * math.sin(lat) ** 2)
+        position += [
+            error[0] / (meridian + height),
+            error[1] / ((radius + height) * math.cos(lat)),
+            -error[2],
+        ]
+        skew = np.array([[0, -error[8], error[7]], [error[8], 0, -error[6]], [-error[7], error[6], 0]])
+        matrix = expm(-skew) @ truth.matrix[0]
+        found = navigate(initial_state(position, velocity, matrix), increments[: steps + 2], 100.0)[-1] - base[-1]
+        lat, height = base[-1, 0], base[-1, 2]
+        metres = np.array([found[0] * (meridian + height), found[1] * (radius + height) * math.cos(lat), -found[2]])
+        expected = transition @ error
+        assert np.max(np.abs(np.concatenate([metres, found[3:6]]) - expected[:6]) / final[:6]) < 2e-3
+
+
+def test_the_update_matches_the_textbook():
+    n = 15
+    start, generator = random_covariance(n, 8), np.random.default_rng(9)
+    rows = generator.standard_normal((3, n))
+    residual, noise = generator.standard_normal(3), np.array([1.0, 2.0, 0.5])
+    found, estimate, work = start.copy(), np.zeros(n), np.empty((4, n, n))
+    nis = sum(update(found, rows[i], residual[i], noise[i], estimate, work) for i in range(3))
+    innovation = rows @ start @ rows.T + np.diag(noise)
+    gain = start @ rows.T @ np.linalg.inv(innovation)
+    expected = start - gain @ rows @ start
+    sigma = np.sqrt(np.diag(start))
+    assert np.max(np.abs(found - expected) / np.outer(sigma, sigma)) < 1e-10
+    assert estimate / sigma == pytest.approx(gain @ residual / sigma, abs=1e-10)
+    assert nis == pytest.approx(residual @ np.linalg.solve(innovation, residual))
+    error = generator.standard_normal(n) * sigma
+    assert normalised_square(start, error, np.empty((n, n))) == pytest.approx(error @ np.linalg.solve(start, error))
+    assert math.isnan(normalised_square(-start, error, np.empty((n, n))))
+
+
+def riccati_sigmas(sigma_a: float, sigma_w: float, fix: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Prior and posterior sigmas (position, velocity, tilt) of one horizontal channel: [T-8]."""
+    f = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, G], [0.0, 0.0, 0.0]])
+    q = np.diag([0.0, sigma_a**2, sigma_w**2])
+    van_loan = expm(np.block([[-f, q], [np.zeros((3, 3)), f.T]]) * dt)
+    phi = van_loan[3:, 3:].T
+    h = np.array([[1.0, 0.0, 0.0]])
+    prior = solve_discrete_are(phi.T, h.T, phi @ van_loan[:3, 3:], np.array([[fix**2]]))
+    gain = prior @ h.T / (prior[0, 0] + fix**2)
+    return np.sqrt(np.diag(prior)), np.sqrt(np.diag(prior - gain @ h @ prior))
+
+
+@pytest.mark.parametrize(("fix", "kind"), [(1.0, "wandering"), (0.02, "straight")])
+def test_the_filter_settles_on_the_discrete_riccati_solution(paper_imu, fix, kind):
+    spec = SimulationSpec(
+        paper_imu,
+        GnssModel(position_noise=fix),
+        TrajectorySpec(kind, speed=50.0),
+        duration=400.0,
+        every=100.0,
+        runs=1,
+    )
+    sigma = fly_without_errors(spec).filter_sigma[:, -1]
+    prior, posterior = riccati_sigmas(0.05 / 60, math.radians(0.5) / 60, fix, 1.0)
+    for phase, expected in ((PRIOR, prior), (POSTERIOR, posterior)):
+        assert sigma[phase, 0:2] == pytest.approx(expected[0], rel=0.01)
+        assert sigma[phase, 3:5] == pytest.approx(expected[1], rel=0.01)
+        assert sigma[phase, 6:8] == pytest.approx(expected[2], rel=0.01)
+
+
+def test_the_propagation_rate_does_not_change_the_answer(paper_imu):
+    sigmas = [
+        fly_without_errors(
+            SimulationSpec(
+                paper_imu,
+                filter=FilterModel(propagation_rate=rate),
+                duration=200.0,
+                outages=((150.0, 200.0),),
+            )
+        ).filter_sigma[:, -1]
+        for rate in (10.0, 100.0)
+    ]
+    assert sigmas[0] == pytest.approx(sigmas[1], rel=1e-3)
+
+
+def test_the_covariance_stays_positive_definite_for_hours(make_imu):
+    """Four hours of centimetre fixes with a tactical IMU and an outage: NEES is NaN as soon as Cholesky
+    fails."""
+    spec = SimulationSpec(
+        make_imu(0.01, 0.005, gyro=0.1, accelerometer=0.02),
+        GnssModel(position_noise=0.01, velocity_noise=0.01),
+        filter=FilterModel(states=15),
+        duration=14_400.0,
+        every=60.0,
+        outages=((7200.0, 7800.0),),
+    )
+    record = fly_without_errors(spec)
+    assert np.all(np.isfinite(record.nees))
+    assert np.all(record.filter_sigma > 0.0)

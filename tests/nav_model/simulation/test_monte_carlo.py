@@ -1,0 +1,248 @@
+"""Many runs: the same whoever flies them, right against closed forms, and honest about consistency."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import threading
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nav_model.simulation.departures import departures
+from nav_model.simulation.monte_carlo import SimulationCancelled, chunks, local_pool, run_chunk, simulate
+from nav_model.simulation.result import to_arrays, to_csv, to_json
+from nav_model.simulation.single_run import POSTERIOR, fly
+from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
+
+G = 9.80665
+SIGMA_A, SIGMA_W = 0.05 / 60, math.radians(0.5) / 60
+
+
+def closed_form(coast_s: np.ndarray, elapsed_s: np.ndarray) -> np.ndarray:
+    """[T-3], [T-4], [T-5], [T-9], [T-10] for the paper's design, 1 m at 1 Hz (s = 1), from numpy's quartic
+    roots."""
+    roots = np.roots([0.25, 0.0, 0.0, -2 * G * SIGMA_W, -(SIGMA_A**2)])
+    (p11,) = [root.real for root in roots if abs(root.imag) < 1e-12 and root.real > 0]
+    p12, p13, p22, p23 = p11**2 / 2, SIGMA_W, p11**3 / 2 - G * SIGMA_W, p11 * SIGMA_W
+    p33 = p11**2 * SIGMA_W / (2 * G)
+    v11, v12 = math.sqrt(2 * SIGMA_A), SIGMA_A
+    v22 = v11 * SIGMA_A
+    t = coast_s
+    position = p11 + 2 * p12 * t + (p22 + G * p13) * t**2 + (SIGMA_A**2 / 3 + G * p23) * t**3
+    position += G**2 * p33 * t**4 / 4 + (G * SIGMA_W) ** 2 * t**5 / 20
+    velocity = p22 + (SIGMA_A**2 + 2 * G * p23) * t + G**2 * p33 * t**2 + (G * SIGMA_W) ** 2 * t**3 / 3
+    down, sink = v11 + 2 * v12 * t + v22 * t**2 + SIGMA_A**2 * t**3 / 3, v22 + SIGMA_A**2 * t
+    tilt, yaw = p33 + SIGMA_W**2 * t, math.radians(0.1) ** 2 + SIGMA_W**2 * elapsed_s
+    return np.sqrt(np.stack([position, position, down, velocity, velocity, sink, tilt, tilt, yaw], axis=1))
+
+
+@pytest.fixture
+def short(paper_imu) -> SimulationSpec:
+    """Small chunks of a quick study with an outage."""
+    return SimulationSpec(paper_imu, runs=80, duration=60.0, outages=((40.0, 60.0),), every=2.0, keep_runs=True)
+
+
+def test_the_sum_is_the_runs_one_by_one(short):
+    result = simulate(short)
+    records = [fly(short, run) for run in range(short.runs)]
+    errors = np.stack([record.error for record in records])
+    assert result.rms == pytest.approx(np.sqrt(np.mean(errors**2, axis=0)), rel=1e-12)
+    assert result.mean == pytest.approx(np.mean(errors, axis=0), abs=1e-12)
+    assert np.array_equal(result.kept, errors[:, POSTERIOR])
+    sigma = np.stack([record.filter_sigma for record in records])
+    assert result.filter_sigma == pytest.approx(np.sqrt(np.mean(sigma**2, axis=0)), rel=1e-12)
+    assert result.nees.mean == pytest.approx(np.mean([record.nees for record in records]), rel=1e-12)
+    assert result.nis.mean == pytest.approx(np.mean([record.nis for record in records]), rel=1e-12)
+    furthest = np.max(np.hypot(errors[:, POSTERIOR, :, 0], errors[:, POSTERIOR, :, 1]), axis=1)
+    assert result.worst.run == int(np.argmax(furthest))
+    assert np.array_equal(result.worst.error, records[result.worst.run].error)
+
+
+def test_percentiles_from_the_histogram_match_the_sorted_errors(short):
+    result = simulate(replace(short, runs=400, duration=20.0, outages=()))
+    for percent in (50.0, 90.0, 95.0):
+        exact = np.percentile(np.abs(result.kept), percent, axis=0)
+        assert result.percentiles[percent] == pytest.approx(exact, rel=0.05)
+
+
+def test_the_result_is_the_same_bits_whatever_flies_the_runs(short):
+    assert len(chunks(replace(short, runs=200))) > 2
+    spec = replace(short, runs=200)
+    reference = to_arrays(simulate(spec))
+    with local_pool(2, "thread") as pool:
+        threads = to_arrays(simulate(spec, pool=pool, workers=2))
+    processes = to_arrays(simulate(spec, workers=2))
+    for name, values in reference.items():
+        assert np.array_equal(values, threads[name]), name
+        assert np.array_equal(values, processes[name]), name
+
+
+def test_progress_counts_every_run_and_cancel_stops(short):
+    spec, seen, stop = replace(short, runs=300), [], threading.Event()
+
+    def progress(done: int, total: int) -> None:
+        seen.append((done, total))
+        if done >= 100:
+            stop.set()
+
+    with pytest.raises(SimulationCancelled):
+        simulate(spec, progress=progress, cancel=stop)
+    assert seen[-1][0] < 300
+    seen.clear()
+    with local_pool(1, "thread") as pool, pytest.raises(SimulationCancelled):
+        simulate(spec, pool=pool, progress=progress, cancel=stop)
+    seen.clear()
+    simulate(spec, progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (300, 300)
+    assert [done for done, _ in seen] == sorted({done for done, _ in seen})
+    with pytest.raises(ValueError, match="workers"):
+        simulate(spec, workers=0)
+
+
+def test_memory_does_not_grow_with_the_runs(short):
+    spec = replace(short, duration=10.0, outages=(), every=0.1, keep_runs=False)
+    simulate(spec)
+    peaks = []
+    for runs in (64, 640):
+        tracemalloc.start()
+        simulate(replace(spec, runs=runs))
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.2 * peaks[0]
+
+
+def test_the_document_holds_the_contracts_keys(short):
+    result = simulate(replace(short, runs=12), closed_form=closed_form)
+    document = json.loads(json.dumps(to_json(result), allow_nan=False))
+    assert {"runs", "seed", "simulated_s", "wall_s", "consistent", "nees", "time_s"} <= document.keys()
+    assert document["nees"].keys() == {"mean", "low", "high", "states"}
+    assert document["simulated_s"] == 12 * 60.0
+    assert document["time_s"] == pytest.approx(np.arange(0.0, 61.0, 2.0))
+    units = {"position": "m", "velocity": "m_s", "attitude": "rad"}
+    for group, unit in units.items():
+        axes = ["roll", "pitch", "yaw"] if group == "attitude" else ["north", "east", "down"]
+        assert list(document[group]) == axes
+        for axis in axes:
+            for key in ("rms", "filter_sigma", "closed_form_sigma"):
+                assert len(document[group][axis][f"{key}_{unit}"]) == 31
+    assert result.verdict.endswith("12 runs")
+    rows = list(csv.reader(io.StringIO(to_csv(result))))
+    assert len(rows) == 32
+    assert len(rows[0]) == 2 + 27
+    with pytest.raises(ValueError, match="closed_form gave shape"):
+        simulate(replace(short, runs=1), closed_form=lambda coast, elapsed: np.zeros(3))
+
+
+def check_against_closed_form(spec: SimulationSpec) -> None:
+    result = simulate(spec, closed_form=closed_form)
+    low, high = (1 - 4 / math.sqrt(2 * spec.runs), 1 + 4 / math.sqrt(2 * spec.runs))
+    # Cycle rms just before the outage: four points a cycle over ten cycles, prior and posterior at the fix.
+    cycle = (result.time_s > 390.0) & (result.time_s <= 400.0)
+    simulated = np.sqrt(np.mean(result.rms[:, cycle] ** 2, axis=(0, 1)))
+    ratio = simulated / result.closed_form_sigma[cycle][0]
+    assert np.all((ratio[:8] > low) & (ratio[:8] < high))
+    # In the outage: horizontal position and velocity, and tilt, throughout; vertical up to 45 s [T-17].
+    for after in (10.0, 20.0, 45.0, 100.0):
+        row = int(np.argmin(np.abs(result.time_s - 400.0 - after)))
+        ratio = result.rms[POSTERIOR, row] / result.closed_form_sigma[row]
+        columns = [0, 1, 3, 4, 6, 7] + ([2, 5] if after <= 45.0 else [])
+        assert np.all((ratio[columns] > low) & (ratio[columns] < high)), after
+    found = departures(result)
+    assert not any(d.group == "position" and d.axis == "north" and d.start_s > 400.0 for d in found)
+    assert all(d.reason for d in found)
+    share = result.tilt_share_m[-1, 0] / result.closed_form_sigma[-1, 0]
+    assert share == pytest.approx(0.5 * G * math.radians(0.0351388 * 0.986) * 100.0**2 / 48.014, rel=high - 1)
+
+
+def test_a_few_runs_of_the_papers_case_agree_with_the_closed_form(paper_imu):
+    check_against_closed_form(SimulationSpec(paper_imu, runs=40, every=0.25, outages=((400.0, 500.0),), seed=11))
+
+
+@pytest.mark.slow
+def test_two_hundred_runs_of_the_papers_case_agree_with_the_closed_form(paper_imu):
+    check_against_closed_form(SimulationSpec(paper_imu, runs=200, every=0.25, outages=((400.0, 500.0),), seed=12))
+
+
+FIVE_DESIGNS = {
+    "paper": ((0.5, 0.05), GnssModel(), 9),
+    "consumer MEMS": ((0.3, 0.1, 10.0, 0.05), GnssModel(), 15),
+    "industrial MEMS": (
+        (0.15, 0.06, 5.0, 0.02),
+        GnssModel(position_noise=0.5, interval=0.5, lever_arm=(1, 0.5, -1)),
+        15,
+    ),
+    "MEMS with RTK": (
+        (0.06, 0.06, 25.0, 0.6, 1000.0, 14400.0),
+        GnssModel(position_noise=0.02, velocity_noise=0.02, lever_arm=(1, 0.5, -1)),
+        15,
+    ),
+    "tactical": ((0.02, 0.02, 0.0, 0.0, 1e3, 1e3, 1.0, 0.3), GnssModel(), 15),
+}
+
+
+def study(make_imu, name: str, runs: int, duration: float, scale: float = 1.0) -> SimulationSpec:
+    sensors, gnss, states = FIVE_DESIGNS[name]
+    return SimulationSpec(
+        make_imu(*sensors),
+        gnss,
+        TrajectorySpec("wandering"),
+        FilterModel(states=states, process_noise_scale=scale),
+        runs=runs,
+        duration=duration,
+        every=2.0,
+        seed=20,
+    )
+
+
+@pytest.mark.parametrize("name", FIVE_DESIGNS)
+def test_the_filter_is_consistent_and_half_the_process_noise_is_caught(make_imu, name):
+    matched = simulate(study(make_imu, name, 60, 200.0))
+    assert matched.consistent, matched.verdict
+    assert matched.verdict.startswith("consistent: NEES")
+    assert matched.nis.inside
+    halved = simulate(study(make_imu, name, 60, 200.0, math.sqrt(0.5)))
+    assert not halved.consistent
+    assert halved.verdict.startswith("optimistic")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FIVE_DESIGNS)
+def test_two_hundred_runs_are_consistent_and_half_the_process_noise_is_caught(make_imu, name):
+    matched = simulate(study(make_imu, name, 200, 400.0))
+    assert matched.consistent, matched.verdict
+    assert not simulate(study(make_imu, name, 200, 400.0, math.sqrt(0.5))).consistent
+
+
+def test_the_nees_band_holds_its_probability():
+    """The band of the mean over correlated times, for filters known to be consistent: 95 % of 400 studies
+    inside."""
+    from nav_model.simulation.result import nees_consistency
+
+    generator, inside = np.random.default_rng(5), 0
+    for _ in range(400):
+        # Nine states, 60 runs, 50 times; errors a Gauss-Markov sequence of ten steps' correlation time.
+        kept = math.exp(-0.1)
+        error = generator.standard_normal((60, 9))
+        nees = np.zeros((50, 60))
+        for k in range(50):
+            nees[k] = np.sum(error**2, axis=1)
+            error = kept * error + math.sqrt(1 - kept**2) * generator.standard_normal((60, 9))
+        means = nees.mean(axis=0)
+        inside += nees_consistency(float(means.mean()), float(np.mean(means**2)), 60, 50, 9).inside
+    assert 0.95 - 4 * math.sqrt(0.95 * 0.05 / 400) < inside / 400 < 0.95 + 4 * math.sqrt(0.95 * 0.05 / 400)
+
+
+def test_a_chunk_is_what_a_worker_needs(short):
+    import pickle
+
+    scale = np.ones((31, 9))
+    task = pickle.loads(pickle.dumps((run_chunk, short, scale, 0, 2)))
+    statistics = pickle.loads(pickle.dumps(task[0](*task[1:])))
+    assert statistics.runs == 2
+    with pytest.raises(RuntimeError, match="arrived twice"):
+        statistics.merge(run_chunk(short, scale, 1, 2))

@@ -1,0 +1,138 @@
+"""Requirements: which figure, how many sigmas, what margin, whose fault."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nav_model.budget import analyse
+from nav_model.design import Design
+
+FIGURES = {  # requirement -> the figure it is held against, written independently of the code
+    "quadratic_phase": lambda b: b.sar.quadratic,
+    "detrended_phase": lambda b: b.sar.detrended,
+    "horizontal_position": lambda b: b.steady_state.prior.position_horizontal,
+    "vertical_position": lambda b: b.steady_state.prior.position_vertical,
+    "horizontal_velocity": lambda b: b.steady_state.prior.velocity_horizontal,
+    "vertical_velocity": lambda b: b.steady_state.prior.velocity_vertical,
+    "tilt": lambda b: b.steady_state.prior.tilt,
+    "coast_horizontal_position": lambda b: b.coast.refined_horizontal[-1],
+    "coast_vertical_position": lambda b: b.coast.refined_vertical[-1],
+}
+BASE = Design({"radar.aperture_time": 2.0, "imu.gyro_bias": 1e-7, "coast.before_aperture": 1.0})
+
+
+def _check(budget, name):
+    return next(check for check in budget.verdict.checks if check.name == name)
+
+
+def test_nothing_asked_nothing_checked():
+    verdict = analyse(BASE).verdict
+    assert verdict.closes
+    assert verdict.checks == ()
+    assert verdict.tightest is None
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_each_requirement_alone(name):
+    sigma = float(FIGURES[name](analyse(BASE)))
+    for confidence in (1.0, 2.5):
+        for factor, met in ((1.001, True), (0.999, False)):
+            limit = sigma * confidence * factor
+            budget = analyse(BASE.replace({f"requirements.{name}": limit, "requirements.confidence": confidence}))
+            check = _check(budget, name)
+            assert check.sigma == pytest.approx(sigma, rel=1e-12)
+            assert check.value == pytest.approx(confidence * sigma, rel=1e-12)
+            assert check.limit == limit
+            assert check.margin == pytest.approx(1 - 1 / factor, rel=1e-9)
+            assert check.met is met
+            assert check.equation
+            assert check.label
+            names = [c.name for c in budget.verdict.checks]
+            expected = [name, "along_track_quadratic_phase"] if name == "quadratic_phase" else [name]
+            assert names == expected
+            if name != "quadratic_phase":
+                assert budget.verdict.closes is met
+
+
+@pytest.mark.parametrize("moment", ["prior", "closed", "posterior"])
+def test_the_user_chooses_the_moment_of_the_cycle(moment):
+    budget = analyse(
+        BASE.replace(
+            {
+                "requirements.steady_state": moment,
+                "requirements.tilt": 0.1,
+                "requirements.vertical_position": 1.0,
+            }
+        )
+    )
+    sigmas = getattr(budget.steady_state, moment)
+    assert _check(budget, "tilt").sigma == sigmas.tilt
+    assert _check(budget, "vertical_position").sigma == sigmas.position_vertical
+    assert _check(budget, "tilt").equation == ("[T-3]" if moment == "closed" else "[T-8]")
+
+
+def test_prior_is_the_default_and_the_worst():
+    budget = analyse(BASE.replace({"requirements.horizontal_position": 1.0}))
+    assert _check(budget, "horizontal_position").figure == "prior"
+    assert budget.steady_state.prior.position_horizontal > budget.steady_state.closed.position_horizontal
+
+
+def test_the_along_track_term_is_held_against_the_quadratic_limit_on_its_own():
+    design = BASE.replace({"coast.before_aperture": 200.0, "requirements.quadratic_phase": 1e3})
+    budget = analyse(design)
+    check = _check(budget, "along_track_quadratic_phase")
+    assert check.sigma == budget.sar.along_track_quadratic
+    assert check.limit == 1e3
+    # One limit between the two figures: the larger fails, and the design with it.
+    pair = sorted((budget.sar.quadratic, budget.sar.along_track_quadratic))
+    budget = analyse(design.replace({"requirements.quadratic_phase": math.sqrt(pair[0] * pair[1])}))
+    assert sorted(c.met for c in budget.verdict.checks) == [False, True]
+    assert not budget.verdict.closes
+
+
+LIMITS = st.dictionaries(st.sampled_from(sorted(FIGURES)), st.floats(1e-4, 3.0), min_size=1)
+
+
+@settings(max_examples=40, deadline=None)
+@given(LIMITS, st.floats(0.2, 6.0))
+def test_closes_if_and_only_if_every_check_is_met(limits, confidence):
+    budget = analyse(
+        BASE.replace({"requirements.confidence": confidence, **{f"requirements.{k}": v for k, v in limits.items()}}),
+        [0.0],
+    )
+    verdict = budget.verdict
+    assert verdict.closes == all(check.met for check in verdict.checks)
+    assert verdict.confidence == confidence
+    assert {check.name for check in verdict.checks} - {"along_track_quadratic_phase"} == set(limits)
+    for check in verdict.checks:
+        assert check.met == (check.value <= check.limit) == (check.margin >= 0)
+        assert verdict.tightest.margin <= check.margin
+        assert 0 < check.dominant_share <= 1
+        assert 0 < check.sensor_share <= 1 + 1e-12
+
+
+@pytest.mark.parametrize(
+    ("changes", "name", "dominant", "sensor"),
+    [
+        # A poor gyro: the tilt at the last fix is its doing (5/6 in the gyro-dominated limit).
+        ({"imu.angle_random_walk": 1e-4, "coast.before_aperture": 0.0},
+         "quadratic_phase", "initial tilt", "gyro noise"),
+        # [T-18] in the gyro-dominated limit: position is the receiver's.
+        ({"imu.angle_random_walk": 1e-3}, "horizontal_position", "GNSS noise", "GNSS noise"),
+        ({"imu.angle_random_walk": 1e-3}, "tilt", "gyro noise", "gyro noise"),
+        ({"imu.accelerometer_bias": 0.1}, "quadratic_phase", "accelerometer bias", "accelerometer bias"),
+        ({"imu.gyro_bias": 1e-2}, "coast_horizontal_position", "gyro bias", "gyro bias"),
+        ({"coast.before_aperture": 3000.0, "imu.gyro_bias": 0.0},
+         "quadratic_phase", "coast before aperture", "gyro noise"),
+        ({"imu.velocity_random_walk": 1e-2, "imu.angle_random_walk": 1e-9, "radar.grazing_angle": 1.57},
+         "quadratic_phase", "accelerometer noise", "accelerometer noise"),
+        ({"gnss.correlated": True, "gnss.correlated_noise": 20.0, "coast.duration": 1.0},
+         "coast_horizontal_position", "slow GNSS error", "slow GNSS error"),
+    ],
+)  # fmt: skip
+def test_the_dominant_source_is_the_one_that_was_made_to_dominate(changes, name, dominant, sensor):
+    check = _check(analyse(BASE.replace({**changes, f"requirements.{name}": 1.0})), name)
+    assert check.dominant == dominant
+    assert check.sensor == sensor
