@@ -49,6 +49,12 @@ def _metres(value: float) -> str:
     return figure(value, "length").replace("-", "−") if abs(value) >= 1e-3 else "&lt; 1 mm"
 
 
+def _both(pure: Any, aided: Any) -> str:
+    """Length of the error without and with tracker; breaks between the two on a narrow card."""
+    before, after = (f'<span class="num">{_metres(float((v @ v) ** 0.5))}</span>' for v in (pure, aided))
+    return f'<dd class="big">{before} → {after}</dd>'
+
+
 def _cards(shown: Shown, settings: Settings) -> str:
     study = shown.study
 
@@ -59,15 +65,13 @@ def _cards(shown: Shown, settings: Settings) -> str:
     def card(label: str, name: str) -> str:
         k = study.case(name)
         pure, aided = study.pure.position_m[k, -1], study.aided.position_m[k, -1]
-        sizes = [_metres(float((v @ v) ** 0.5)) for v in (pure, aided)]
         return (
-            f'<div class="card"><dt>{escape(label)}</dt><dd class="big num">{sizes[0]} → {sizes[1]}</dd>'
+            f'<div class="card"><dt>{escape(label)}</dt>{_both(pure, aided)}'
             f'<dd class="fine quiet">alone: {channels(pure)}</dd>'
             f'<dd class="fine quiet">tracker: {channels(aided)}</dd></div>'
         )
 
     noise = (study.pure_noise.position_sigma_m[-1], study.aided_noise.position_sigma_m[-1])
-    sizes = [_metres(float((v @ v) ** 0.5)) for v in noise]
     frames = int(study.used.sum())
     images = "star images" if settings["camera.frames"] == "star images" else "a perfect camera"
     cards = [
@@ -76,7 +80,7 @@ def _cards(shown: Shown, settings: Settings) -> str:
         card("Accelerometers", "accelerometer total"),
         card("Initial position and velocity", "initial position and velocity"),
         card("Initial attitude", "initial attitude"),
-        f'<div class="card"><dt>White noise, 1σ</dt><dd class="big num">{sizes[0]} → {sizes[1]}</dd>'
+        f'<div class="card"><dt>White noise, 1σ</dt>{_both(*noise)}'
         f'<dd class="fine quiet">beside the errors above; {frames} frames from {images}</dd></div>',
     ]
     return f'<dl class="cards" aria-label="Final position errors: north, east, height">{"".join(cards)}</dl>'
