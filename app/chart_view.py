@@ -6,6 +6,7 @@ import io
 import re
 from collections.abc import Callable
 from html import escape
+from typing import Generic, TypeVar
 
 import panel as pn
 import panel_material_ui as pmui
@@ -19,6 +20,7 @@ from app.theme import FRAME, SHEET
 from app.workers import elsewhere
 from nav_model.budget import Budget
 
+_T = TypeVar("_T")
 _MARK = re.compile(r"\[[A-Z]-\d+\]")
 
 
@@ -32,45 +34,64 @@ def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> pn.pane.HTM
     return pn.pane.HTML(text, stylesheets=[SHEET], sizing_mode="stretch_width", margin=margin)
 
 
-class ChartView:
-    """One chart on the page: title, figure, how we know, and its data to take away."""
+class ChartPane(Generic[_T]):
+    """One chart on a page, drawn from whatever its description takes: title, figure, how we know, and its data to
+    take away."""
 
-    def __init__(self, describe: Callable[[Budget], AnyChart], session: Session, height: int) -> None:
+    def __init__(self, describe: Callable[[_T], AnyChart], current: Callable[[], _T], height: int) -> None:
         self._describe = describe
-        self._session = session
-        chart = describe(session.budget)
+        self._current = current
+        chart = describe(current())
         self.figure = to_bokeh(chart, height)
+        self._title = html_pane(_heading(chart), margin=(10, 14, 0, 14))
         self._know = html_pane(_know(chart))
         look = {"description": "", "variant": "text", "size": "small", "margin": (0, 8)}
-        data = pmui.FileDownload(
-            callback=self._csv, filename=f"{chart.key}.csv", label=f"{chart.title}: data (CSV)", **look
-        )
-        picture = pmui.FileDownload(
-            callback=self._svg, filename=f"{chart.key}.svg", label=f"{chart.title}: picture (SVG)", **look
-        )
+        self._takes = [
+            pmui.FileDownload(callback=make, filename=f"{chart.key}.{suffix}", label=label, **look)
+            for make, suffix, label in zip((self._csv, self._svg), ("csv", "svg"), _labels(chart), strict=True)
+        ]
         self.view = pn.Column(
-            html_pane(f"<h3>{escape(chart.title)}</h3>", margin=(10, 14, 0, 14)),
+            self._title,
             # The figure stands in a native column: directly in a Material layout it breaks when replaced.
             pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
             self._know,
-            pn.FlexBox(data, picture, margin=0, sizing_mode="stretch_width"),
+            pn.FlexBox(*self._takes, margin=0, sizing_mode="stretch_width"),
             styles=FRAME,
             sizing_mode="stretch_width",
             margin=0,
         )
 
-    def show(self, budget: Budget) -> None:
+    def show(self, data: _T) -> None:
         """Feed the figure."""
-        chart = self._describe(budget)
+        chart = self._describe(data)
         self.figure.feed(chart)
+        if self._title.object != _heading(chart):
+            self._title.object = _heading(chart)
+            for take, label in zip(self._takes, _labels(chart), strict=True):
+                take.label = label
         self._know.object = _know(chart)
 
     async def _svg(self) -> io.BytesIO:
         """The chart as it prints, drawn in a worker: the plotting library would hold up every slider."""
-        return io.BytesIO((await elsewhere(to_svg, self._describe(self._session.budget))).encode("utf-8"))
+        return io.BytesIO((await elsewhere(to_svg, self._describe(self._current()))).encode("utf-8"))
 
     def _csv(self) -> io.BytesIO:
-        return io.BytesIO(to_csv(self._describe(self._session.budget)).encode("utf-8"))
+        return io.BytesIO(to_csv(self._describe(self._current())).encode("utf-8"))
+
+
+class ChartView(ChartPane[Budget]):
+    """A chart of the budget in force."""
+
+    def __init__(self, describe: Callable[[Budget], AnyChart], session: Session, height: int) -> None:
+        super().__init__(describe, lambda: session.budget, height)
+
+
+def _heading(chart: AnyChart) -> str:
+    return f"<h3>{escape(chart.title)}</h3>"
+
+
+def _labels(chart: AnyChart) -> tuple[str, str]:
+    return f"{chart.title}: data (CSV)", f"{chart.title}: picture (SVG)"
 
 
 def _know(chart: AnyChart) -> str:

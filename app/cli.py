@@ -86,6 +86,26 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
     report.set_defaults(run=_report)
 
+    suborbital = commands.add_parser(
+        "suborbital",
+        help="the star-tracker study of a suborbital flight as JSON",
+        description="INS errors of a suborbital flight by source, with and without star tracker. Without DESIGN the "
+        "sensors are those of the set GP-1; a design's [imu] replaces white noise and constant biases. --set takes "
+        "keys of the design and inputs of the study, e.g. --set tracker.from_height='80 km'.",
+    )
+    _design_arguments(suborbital, one=True)
+    suborbital.add_argument("--inputs", action="store_true", help="list the inputs of the study and stop")
+    suborbital.add_argument("--trajectory", metavar="FILE", help="a flight from a CSV file instead of the golden one")
+    suborbital.add_argument("--from-height", metavar="HEIGHT", help='tracker from a height, e.g. "80 km"')
+    suborbital.add_argument("--latency", metavar="TIME", help='age of an attitude, e.g. "10 ms"')
+    suborbital.add_argument("--misalignment", metavar="ANGLES", help='camera to IMU, e.g. "60, 0, 0 arcsec"')
+    suborbital.add_argument("--star-images", action="store_true", help="attitude from star images, not perfect")
+    suborbital.add_argument("--method", metavar="NAME", help="TRIAD, N-vector, q-method, QUEST or SVD")
+    suborbital.add_argument("--seed", metavar="N", help="of centroid noise and white noise (default 1)")
+    suborbital.add_argument(
+        "--noise-runs", type=int, default=0, metavar="N", help="also fly N INS with white noise alone (Monte Carlo)"
+    )
+    suborbital.set_defaults(run=_suborbital)
     _allan_arguments(commands.add_parser("allan", help="noise parameters from a static log (CSV or NPZ) as JSON"))
     sar = commands.add_parser("sar", help="image quality for every way of navigating through the aperture, as JSON")
     _design_arguments(sar, one=True)
@@ -263,6 +283,36 @@ def _report(options: argparse.Namespace) -> int:
     write_report([analyse(_read(path, options.changes)) for path in paths], options.output)
     print(f"wrote {options.output}", file=sys.stderr)
     return 0
+
+
+def _suborbital(options: argparse.Namespace) -> int:
+    from app.suborbital.command import list_inputs, run
+
+    if options.inputs:
+        return list_inputs()
+    designs, changes = list(options.designs), list(options.changes)
+    if designs or any("=" not in change for change in changes):
+        designs = _paths(options)
+        changes = list(options.changes)
+    sections = ("imu.", "gnss.", "coast.", "radar.", "requirements.")
+    of_design = [change for change in changes if change.startswith(sections)]
+    if of_design and not designs:
+        raise DesignError(of_design[0].partition("=")[0], "is a key of a design, and no DESIGN is given")
+    asked = dict(part.split("=", 1) for part in changes if part not in of_design)
+    asked |= {
+        key: text
+        for key, text in (
+            ("tracker.from_height", options.from_height),
+            ("tracker.latency", options.latency),
+            ("tracker.misalignment", options.misalignment),
+            ("camera.frames", "star images" if options.star_images else None),
+            ("camera.method", options.method),
+            ("seed", options.seed),
+        )
+        if text is not None
+    }
+    design = _read(designs[0], of_design) if designs else None
+    return run(design, asked, options.trajectory, options.noise_runs)
 
 
 def _allan(options: argparse.Namespace) -> int:

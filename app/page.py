@@ -38,6 +38,7 @@ class Page(Protocol):
 PAGES: tuple[tuple[str, str], ...] = (
     ("Budget", "app.pages.budget:BudgetPage"),
     ("SAR", "app.pages.sar:SarPage"),
+    ("Suborbital", "app.pages.suborbital:SuborbitalPage"),
     ("Explore", "app.pages.explore:ExplorePage"),
     ("Sensors", "app.pages.sensors:SensorsPage"),
 )

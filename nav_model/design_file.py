@@ -34,8 +34,8 @@ def read_design(path: str | Path) -> Design:
     return parse_design(read_bytes(path), str(path))
 
 
-def read_bytes(path: str | Path) -> bytes:
-    """What a design file holds, up to a little more than a design may hold.
+def read_bytes(path: str | Path, most: int = MAX_BYTES) -> bytes:
+    """What a file holds, up to one byte more than it may (by default, than a design may).
 
     Raises
     ------
@@ -44,7 +44,7 @@ def read_bytes(path: str | Path) -> bytes:
     """
     try:
         with Path(path).open("rb") as file:
-            return file.read(MAX_BYTES + 1)
+            return file.read(most + 1)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         reason = getattr(error, "strerror", None) or str(error)
         raise DesignError(str(path), f"cannot be read: {reason}") from error

@@ -151,6 +151,11 @@ DIMENSIONS: dict[str, Dimension] = {
             },
             ("45°", "0.5 rad", "3 mrad"),
         ),
+        Dimension(
+            "ratio",
+            {"ppm": _MICRO, "%": Fraction(1, 100)},
+            ("100 ppm", "0.01 %"),
+        ),
     )
 }
 

@@ -57,6 +57,27 @@ STYLES: dict[str, Style] = {
     "reference": Style(GREY, "dotted", 1.8),
     "quadratic": Style(BLUE, "solid", 2.5),
     "with cubic": Style(ORANGE, "dashed", 2.0),
+    "accelerometer bias": Style(BLUE, "solid", 2.0),
+    "accelerometer instability": Style(SKY, "dashed", 2.0),
+    "gyro bias": Style(ORANGE, "solid", 2.0),
+    "gyro instability": Style(ORANGE, "dotted", 2.0),
+    "initial position and velocity": Style(GREEN, "dashed", 2.0),
+    "initial attitude": Style(PURPLE, "dotdash", 2.0),
+    "everything": Style(GREY, "solid", 3.5),
+    "INS alone": Style(ORANGE, "solid", 2.5),
+    "INS with tracker": Style(BLUE, "dashed", 2.5),
+    "decoupled, holds": Style(GREEN, "dashed", 2.5),
+    "decoupled, fails": Style(RED, "dotted", 2.5),
+    "axis x": Style(BLUE, "solid", 2.0),
+    "axis y": Style(ORANGE, "dashed", 2.0),
+    "axis z": Style(GREEN, "dotdash", 2.0),
+    "axis x, tracker": Style(SKY, "dotted", 2.0),
+    "axis y, tracker": Style(RED, "dotted", 2.0),
+    "axis z, tracker": Style(GREY, "dotted", 2.0),
+    "path": Style(BLUE, "solid", 2.5),
+    "mark": Style(ORANGE, "solid", 2.0),
+    "star": Style(BLUE, "solid", 1.5),
+    "measured star": Style(ORANGE, "solid", 1.5),
     "design 1": Style(BLUE, "solid", 2.5),
     "design 2": Style(ORANGE, "dashed", 2.0),
     "design 3": Style(GREEN, "dotdash", 2.0),
@@ -123,7 +144,7 @@ class Band:
 
 @dataclass(frozen=True)
 class Points:
-    """Named points."""
+    """Named points. ``sizes`` in pixels, where they say something (the brightness of a star)."""
 
     key: str
     label: str
@@ -133,6 +154,7 @@ class Points:
     style: str
     marker: str = "circle"
     source: str = ""
+    sizes: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -158,7 +180,7 @@ class Span:
 
 @dataclass(frozen=True)
 class Chart:
-    """A chart of curves. ``knowledge`` is its "how do we know" line."""
+    """A chart of curves. ``knowledge`` is its "how do we know" line; ``square``: as high as it is wide."""
 
     key: str
     title: str
@@ -172,6 +194,8 @@ class Chart:
     x_log: bool = False
     y_log: bool = False
     y_range: tuple[float, float] | None = None
+    x_range: tuple[float, float] | None = None
+    square: bool = False
     legend_columns: int = 3
     knowledge: str = ""
 

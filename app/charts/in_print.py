@@ -28,7 +28,7 @@ _DASHES: dict[str, Any] = {
     "dotdash": (0, (1.2, 2, 5, 2)),
     "dashdot": (0, (7, 2, 1.2, 2)),
 }
-_MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^"}
+_MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^", "x": "x"}
 _Y_LABEL_LENGTH = 26  # characters that fit beside the axes
 _LINE_SCALE = 0.62  # a pixel on screen, in points on paper
 _INK, _RULE = "#1c2329", "#c9d0d6"
@@ -163,6 +163,10 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
         axes.plot([limit.start, limit.stop], [limit.level] * 2, **look)
     if drawn:
         handles.append(Line2D([], [], label="limit, brought to 1σ", **look))
+    if chart.x_range is not None:
+        axes.set_xlim(*chart.x_range)
+    if chart.square:
+        axes.set_box_aspect(1.0)
     if chart.y_range is not None:
         axes.set_ylim(*chart.y_range)
     if not chart.x_log:

@@ -88,6 +88,8 @@ def _box(style: Style, opacity: float, hatched: bool = False) -> str:
 def _dot(style: Style, marker: str) -> str:
     if marker == "diamond":
         return _svg(f'<path d="M15 0 L20 5.5 L15 11 L10 5.5 Z" fill="{style.colour}"/>')
+    if marker == "x":
+        return _svg(f'<path d="M11 1.5 L19 9.5 M19 1.5 L11 9.5" stroke="{style.colour}" stroke-width="1.8"/>')
     if marker == "cross":
         return _svg(f'<path d="M15 0 V11 M9.5 5.5 H20.5" stroke="{style.colour}" stroke-width="3"/>')
     return _svg(f'<circle cx="15" cy="5.5" r="4" fill="{style.colour}"/>')

@@ -28,6 +28,7 @@ from app.charts.on_screen_grid import columns_of, draw
 
 # The page's theme sets chart text in em; this is what an em is.
 TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
+_BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 # Powers of ten as 10ⁿ; the 2 and 5 between them, which only a narrow axis has, as plain numbers.
 LOG_TICKS = """
@@ -97,7 +98,8 @@ def _columns(chart: AnyChart) -> dict[str, dict[str, Any]]:
     for band in chart.bands:
         columns[f"band {band.key}"] = {"x": band.x, "low": band.low, "high": band.high}
     for points in chart.points:
-        columns[f"points {points.key}"] = {"x": points.x, "y": points.y, "name": list(points.names)}
+        sizes = {} if points.sizes is None else {"size": points.sizes}
+        columns[f"points {points.key}"] = {"x": points.x, "y": points.y, "name": list(points.names), **sizes}
     if chart.limits:
         columns["limits"] = {
             "x0": [limit.start for limit in chart.limits],
@@ -142,7 +144,11 @@ def _curves(chart: Chart, height: int) -> Figure:
         toolbar_location="right",
         active_drag=None,
         **({"y_range": Range1d(*chart.y_range)} if chart.y_range else {}),
+        **({"x_range": Range1d(*chart.x_range)} if chart.x_range else {}),
     )
+    if chart.square:
+        wide = height + _BESIDE  # so that the frame itself is square
+        plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)
     plot.toolbar.logo = None
     if chart.y_range is None:
         plot.y_range.only_visible = True  # a line clicked away in the legend gives its room to the others
@@ -174,8 +180,9 @@ def _curves(chart: Chart, height: int) -> Figure:
         style = STYLES[points.style]
         source = sources[f"points {points.key}"]
         renderer = plot.scatter(
-            "x", "y", source=source, marker=points.marker, size=9, fill_color=style.colour, line_color=style.colour
-        )
+            "x", "y", source=source, marker=points.marker, size=9 if points.sizes is None else "size",
+            fill_color=style.colour, line_color=style.colour, line_width=style.width if points.marker == "x" else 1.0,
+        )  # fmt: skip
         _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
     if chart.limits:
         style = STYLES["limit"]

@@ -230,54 +230,82 @@ def table(study: Study) -> tuple[Row, ...]:
 
 
 @dataclass(frozen=True)
+class Renewal:
+    """Sensitivity matrices of a study's flight for other periods or other frame instants; `used` marks those
+    (n+1,)."""
+
+    used: np.ndarray = field(repr=False)
+    pure: Sensitivity = field(repr=False)
+    aided: Sensitivity = field(repr=False)
+
+
+def _periods(errors: ErrorSet) -> tuple[float, ...]:
+    return tuple(
+        period for s in (errors.accelerometers, errors.gyros) for period in (s.bias_period_s, s.matrix_period_s)
+    )
+
+
+def needs_renewal(study: Study, errors: ErrorSet, aiding: Aiding) -> bool:
+    """Whether new inputs change the sensitivity matrix itself: other periods, or frames at other instants."""
+    before = study.inputs
+    return _periods(errors) != _periods(before.errors) or not np.array_equal(
+        frame_steps(study.flight, aiding), frame_steps(study.flight, before.aiding)
+    )
+
+
+def renew(study: Study, errors: ErrorSet, aiding: Aiding) -> Renewal:
+    """The study's sensitivity matrices for new inputs; only what changed is computed (tens of milliseconds)."""
+    flight, every = study.flight, round(study.inputs.output_interval_s / study.flight.step_s)
+    same_periods = _periods(errors) == _periods(study.inputs.errors)
+    used, before = frame_steps(flight, aiding), frame_steps(flight, study.inputs.aiding)
+    same_frames = np.array_equal(used, before)
+    if same_frames:
+        used = study.used
+    return Renewal(
+        used,
+        study.pure_sensitivity if same_periods else sensitivity(flight, errors, every=every),
+        study.aided_sensitivity if same_periods and same_frames else sensitivity(flight, errors, used, every),
+    )
+
+
+@dataclass(frozen=True)
 class Slid:
     """Curves at slider positions: last exact run + S p - S_0 p_0. Arrays (cases, m, 3), north, east, up,
-    m."""
+    m; parameters (cases, 61) and the matrices used."""
 
     names: tuple[str, ...]
     time_s: Array
     pure_m: Array = field(repr=False)
     aided_m: Array = field(repr=False)
+    parameters: Array = field(repr=False)
+    renewal: Renewal = field(repr=False)
     source: str = "last exact run, moved by the linear sensitivity matrix [B-4]"
 
 
-def slide(study: Study, errors: ErrorSet, aiding: Aiding | None = None) -> Slid:
+def slide(study: Study, errors: ErrorSet, aiding: Aiding | None = None, renewal: Renewal | None = None) -> Slid:
     """Move every curve of a study to new sensor, initial and tracker errors without integrating it again.
 
     At the study's own inputs the answer is the exact one; away from them the gap is of second order, and
-    `linear_gap` shows it once the study has been run again. Changed periods or frames renew the sensitivity
-    matrix (tens of milliseconds); another flight needs a new study. The gravity row does not move.
+    `linear_gap` shows it once the study has been run again. Changed periods or frames need other matrices
+    (`needs_renewal`): renewal brings those computed elsewhere, else they are computed here. Another flight
+    needs a new study. The gravity row does not move.
     """
     wanted = study.inputs.aiding if aiding is None else aiding
-    flight, every = study.flight, round(study.inputs.output_interval_s / study.flight.step_s)
     _, parameters = _parameters(errors, wanted)
-    periods = [
-        (
-            e.accelerometers.bias_period_s,
-            e.accelerometers.matrix_period_s,
-            e.gyros.bias_period_s,
-            e.gyros.matrix_period_s,
-        )
-        for e in (errors, study.inputs.errors)
-    ]
-    used = study.used if wanted == study.inputs.aiding else frame_steps(flight, wanted)
-    same_periods = periods[0] == periods[1]
-    pure, aided = study.pure_sensitivity, study.aided_sensitivity
-    if not same_periods:
-        pure = sensitivity(flight, errors, every=every)
-    if not same_periods or not np.array_equal(used, study.used):
-        aided = sensitivity(flight, errors, used, every)
+    new = renewal or renew(study, errors, wanted)
 
-    def moved(exact: Array, new: Sensitivity, old: Sensitivity) -> Array:
-        if new is old:
-            return exact + new.position_m(parameters - study.parameters)
-        return exact + new.position_m(parameters) - old.position_m(study.parameters)
+    def moved(exact: Array, after: Sensitivity, before: Sensitivity) -> Array:
+        if after is before:
+            return exact + after.position_m(parameters - study.parameters)
+        return exact + after.position_m(parameters) - before.position_m(study.parameters)
 
     return Slid(
         names=study.names,
         time_s=study.pure.time_s,
-        pure_m=moved(study.pure.position_m, pure, study.pure_sensitivity),
-        aided_m=moved(study.aided.position_m, aided, study.aided_sensitivity),
+        pure_m=moved(study.pure.position_m, new.pure, study.pure_sensitivity),
+        aided_m=moved(study.aided.position_m, new.aided, study.aided_sensitivity),
+        parameters=parameters,
+        renewal=new,
     )
 
 
@@ -295,15 +323,20 @@ class Gap:
 
 def linear_gap(slid: Slid, exact: Study) -> Gap:
     """Gap between slid curves and the study recomputed exactly at the same inputs."""
+    return position_gap(slid.pure_m, slid.aided_m, exact)
+
+
+def position_gap(pure_m: Array, aided_m: Array, exact: Study) -> Gap:
+    """Gap between position histories (cases, m, 3), pure and aided, and an exact study of the same cases."""
 
     def compare(linear: Array, truth: Array) -> tuple[Array, Array]:
         distance = np.linalg.norm(linear[:, -1] - truth[:, -1], axis=-1)
         size = np.linalg.norm(truth[:, -1], axis=-1)
         return distance, np.where(size >= 1.0, distance / np.maximum(size, 1.0), 0.0)
 
-    pure_m, pure_share = compare(slid.pure_m, exact.pure.position_m)
-    aided_m, aided_share = compare(slid.aided_m, exact.aided.position_m)
-    return Gap(slid.names, pure_m, aided_m, pure_share, aided_share)
+    pure_gap, pure_share = compare(pure_m, exact.pure.position_m)
+    aided_gap, aided_share = compare(aided_m, exact.aided.position_m)
+    return Gap(exact.names, pure_gap, aided_gap, pure_share, aided_share)
 
 
 def gravity_rows(inputs: StudyInputs | None = None) -> tuple[tuple[str, str, Array], ...]:

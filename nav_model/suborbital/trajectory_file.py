@@ -50,8 +50,19 @@ def save_trajectory(flight: Flight, path: str | Path, every: int = 1) -> None:
     )
 
 
+MAX_BYTES = 16_000_000
+MAX_ROWS = 200_000
+MAX_STEPS = 100_000
+"""Limits of a trajectory: what a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
+
+
 def load_trajectory(path: str | Path, step_s: float = 0.1, gravity: str = "spherical") -> Flight:
-    """Flight from a CSV file with the columns `FILE_COLUMNS` (angles in degrees, at this edge only).
+    """`parse_trajectory` of a CSV file. Raises its ValueErrors, and one for a file that is not UTF-8 text."""
+    return parse_trajectory(Path(path).read_bytes(), Path(path).name, step_s, gravity)
+
+
+def parse_trajectory(content: bytes, name: str, step_s: float = 0.1, gravity: str = "spherical") -> Flight:
+    """Flight from CSV text with the columns `FILE_COLUMNS` (angles in degrees, at this edge only).
 
     Cubic spline of the inertial position and a rotation spline of the attitude give specific force and
     angular rate; the flight is then integrated from its first point, so that an error-free INS follows it
@@ -63,25 +74,37 @@ def load_trajectory(path: str | Path, step_s: float = 0.1, gravity: str = "spher
     from scipy.interpolate import CubicSpline
     from scipy.spatial.transform import Rotation, RotationSpline
 
-    with open(path, encoding="utf-8") as file:
-        header = [name.strip() for name in file.readline().lstrip("#").split(",")]
-        missing = [name for name in FILE_COLUMNS if name not in header]
-        require(not missing, f"{path}: columns {', '.join(missing)} are missing; found {', '.join(header)}")
-        try:
-            table = np.loadtxt(file, delimiter=",", ndmin=2)
-        except ValueError as error:
-            raise ValueError(f"{path}: every row must hold {len(header)} numbers ({error})") from error
-    require(len(table) >= 4, f"{path}: {len(table)} rows; a trajectory needs at least 4")
-    require(table.shape[1] == len(header), f"{path}: rows of {table.shape[1]} numbers under {len(header)} columns")
-    require_finite(str(path), table)
-    time, lat, lon, height, roll, pitch, yaw = (table[:, header.index(name)] for name in FILE_COLUMNS)
-    require(bool(np.all(np.diff(time) > 0.0)), f"{path}: time_s must rise from row to row")
+    require(len(content) <= MAX_BYTES, f"{name}: larger than {MAX_BYTES // 1_000_000} MB; not a trajectory")
+    try:
+        first_line, *lines = content.decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{name}: not a text file (UTF-8)") from error
+    except ValueError as error:
+        raise ValueError(f"{name}: the file is empty") from error
+    header = [column.strip() for column in first_line.lstrip("#").split(",")]
+    missing = [column for column in FILE_COLUMNS if column not in header]
+    require(not missing, f"{name}: columns {', '.join(missing)} are missing; found {_excerpt(header)}")
+    lines = [line for line in lines if line.strip()]
+    require(len(lines) <= MAX_ROWS, f"{name}: {len(lines)} rows; at most {MAX_ROWS} are taken")
+    require(len(lines) >= 4, f"{name}: {len(lines)} rows; a trajectory needs at least 4")
+    try:
+        table = np.loadtxt(lines, delimiter=",", ndmin=2)
+    except ValueError as error:
+        raise ValueError(f"{name}: every row must hold {len(header)} numbers ({error})") from error
+    require(table.shape[1] == len(header), f"{name}: rows of {table.shape[1]} numbers under {len(header)} columns")
+    require_finite(name, table)
+    time, lat, lon, height, roll, pitch, yaw = (table[:, header.index(column)] for column in FILE_COLUMNS)
+    require(bool(np.all(np.diff(time) > 0.0)), f"{name}: time_s must rise from row to row")
     time = time - time[0]
     require(step_s > 0.0, f"step_s = {step_s!r}: must be positive")
+    require(
+        time[-1] <= MAX_STEPS * step_s,
+        f"{name}: lasts {time[-1]:g} s; at most {MAX_STEPS * step_s:g} s are flown in steps of {step_s:g} s",
+    )
     n = round(time[-1] / step_s)
     require(
         n >= 1 and abs(n * step_s - time[-1]) < 1e-6,
-        f"step_s = {step_s!r}: must divide the duration of {time[-1]:g} s",
+        f"{name}: lasts {time[-1]:g} s, which must be a whole number of steps of {step_s:g} s",
     )
     axes = ned_to_inertial(np.radians(lat), np.radians(lon) + EARTH_RATE * time)
     track = CubicSpline(time, -axes[:, :, 2] * (EARTH_RADIUS + height)[:, None])
@@ -95,7 +118,7 @@ def load_trajectory(path: str | Path, step_s: float = 0.1, gravity: str = "spher
     moving = np.flatnonzero(np.hypot(local[:, 0], local[:, 1]) >= 1.0)
     first = local[moving[0]] if moving.size else np.array([1.0, 0.0, 0.0])
     return assemble(
-        Path(path).name,
+        name,
         step_s,
         track(0.0),
         track(0.0, 1),
@@ -106,5 +129,10 @@ def load_trajectory(path: str | Path, step_s: float = 0.1, gravity: str = "spher
         gravity,
         float(np.arctan2(first[1], first[0])),
         None,
-        f"trajectory file {Path(path).name}, spline through {len(time)} rows, RK4 at {step_s:g} s, {gravity} gravity",
+        f"trajectory file {name}, spline through {len(time)} rows, RK4 at {step_s:g} s, {gravity} gravity",
     )
+
+
+def _excerpt(header: list[str]) -> str:
+    text = ", ".join(header)
+    return text if len(text) <= 120 else text[:117] + "..."

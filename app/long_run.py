@@ -1,0 +1,73 @@
+"""A long run in a process of its own: it says how far it is and ends at once when cancelled.
+
+The pool of `app.workers` serves short work; its processes cannot be stopped within a task.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import os
+from collections.abc import Callable
+from functools import cache
+from multiprocessing.connection import Connection
+from typing import Any
+
+WAITING = "waiting for another run to finish"
+
+
+class RunLost(Exception):
+    """The process ended without an answer: out of memory, or a fault of ours."""
+
+
+async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Callable[[float, str], None]) -> Any:
+    """Run an importable function in a new process; cancelling the task ends the process at once.
+
+    function is called with ``progress=`` a function of the share done and of what is being done, which reaches
+    `progress` here.
+
+    Raises
+    ------
+    ValueError
+        As the function raises it: the message is for the person.
+    RunLost
+        When the process died.
+    """
+    if _places().locked():
+        progress(0.0, WAITING)
+    async with _places():
+        context = multiprocessing.get_context("spawn")
+        receiver, sender = context.Pipe(duplex=False)
+        process = context.Process(target=_work, args=(sender, function, arguments), daemon=True)
+        process.start()
+        sender.close()
+        try:
+            while True:
+                kind, *content = await asyncio.to_thread(receiver.recv)
+                if kind == "progress":
+                    progress(*content)
+                elif kind == "refused":
+                    raise ValueError(content[0])
+                else:
+                    return content[0]
+        except (EOFError, OSError) as error:
+            raise RunLost("the run ended without an answer; it may need more memory") from error
+        finally:
+            process.kill()
+            await asyncio.to_thread(process.join)
+            receiver.close()
+
+
+@cache
+def _places() -> asyncio.Semaphore:
+    """As many runs at a time as leave one core to the pages."""
+    return asyncio.Semaphore(max(1, (os.cpu_count() or 2) - 1))
+
+
+def _work(sender: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    try:
+        result = function(*arguments, progress=lambda share, what: sender.send(("progress", share, what)))
+    except ValueError as error:
+        sender.send(("refused", str(error)))
+    else:
+        sender.send(("done", result))

@@ -1,0 +1,73 @@
+"""`navbudget suborbital`: the study from a design and options, JSON out, progress on standard error."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from nav_model.design import Design
+from nav_model.design_file import read_bytes
+from nav_model.inputs import DesignError
+from nav_model.suborbital.settings import DEFAULTS, GROUPS, from_design, read_changes
+from nav_model.suborbital.study import noise_ensemble
+from nav_model.suborbital.survey import Survey, run_survey
+from nav_model.suborbital.survey_json import survey_json
+from nav_model.suborbital.trajectory_file import MAX_BYTES
+
+_MOST_NOISE_RUNS = 10_000
+
+
+def list_inputs() -> int:
+    """Print every input of the study with its default and what it is."""
+    for title, group in GROUPS.items():
+        print(title)
+        for setting in group:
+            choices = f" ({', '.join(setting.choices)})" if setting.choices else ""
+            print(f"  {setting.key:40} {setting.show(setting.default) or 'none':22} {setting.doc}{choices}")
+    return 0
+
+
+def run(design: Design | None, changes: Mapping[str, str], trajectory: str | None, noise_runs: int) -> int:
+    """Run the study and write its JSON; DesignError for bad input."""
+    if not 0 <= noise_runs <= _MOST_NOISE_RUNS:
+        raise DesignError("--noise-runs", f"{noise_runs} is not allowed; it must be 0 to {_MOST_NOISE_RUNS}")
+    settings = DEFAULTS if design is None else from_design(DEFAULTS, design)
+    settings = read_changes(settings, changes, "command line")
+    flown = None if trajectory is None else (trajectory, read_bytes(trajectory, MAX_BYTES))
+    said: list[str] = []
+
+    def progress(share: float, what: str) -> None:
+        line = f"suborbital: {10 * int(10 * share)} % {what}"
+        if line not in said:
+            said.append(line)
+            print(line, file=sys.stderr, flush=True)
+
+    try:
+        survey = run_survey(settings, flown, progress=progress)
+        answer = survey_json(survey)
+        answer["design"] = None if design is None else design.name
+        if noise_runs:
+            answer["white_noise_monte_carlo"] = _noise(survey, noise_runs, progress)
+    except DesignError:
+        raise
+    except ValueError as error:
+        raise DesignError("suborbital", str(error)) from error
+    json.dump(answer, sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
+    sys.stdout.write("\n")
+    return 0
+
+
+def _noise(survey: Survey, runs: int, progress: Any) -> dict[str, Any]:
+    seed = int(survey.settings["seed"])
+    answer: dict[str, Any] = {"runs": runs, "seed": seed}
+    for key, aided in (("final_rms_m", False), ("aided_final_rms_m", True)):
+        final = noise_ensemble(
+            survey.study, runs, seed, aided=aided, progress=lambda share: progress(share, "white noise, Monte Carlo")
+        )[:, -1]
+        rms = np.sqrt(np.mean(final**2, axis=0))
+        answer[key] = dict(zip(("north", "east", "up"), map(float, rms), strict=True))
+    return answer

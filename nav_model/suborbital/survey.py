@@ -1,0 +1,306 @@
+"""Everything a page or a file shows of the suborbital study, from one set of `Settings`: run once, then moved.
+
+`run_survey` is the exact answer. `moved` follows sliders through the linear sensitivity matrix [B-4]; inputs it
+cannot follow (flight, gravity, camera) are told by `needs_run`, those that need other matrices by `needs_renewal`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from nav_model.suborbital.aiding import frame_steps
+from nav_model.suborbital.attitude import MethodScore, compare_methods
+from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
+from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.flight import Flight, golden_flight
+from nav_model.suborbital.frames import Array, local_axes
+from nav_model.suborbital.mechanisation import Cancelled, NavigationErrors
+from nav_model.suborbital.sensitivity import NoiseSpread, Sensitivity, white_noise_spread
+from nav_model.suborbital.settings import Settings, output_every
+from nav_model.suborbital.sky import Sky
+from nav_model.suborbital.star_camera import (
+    StarCamera,
+    StarFrame,
+    StarTrack,
+    gate,
+    measure,
+    select_stars,
+    star_frame,
+    track_stars,
+)
+from nav_model.suborbital.study import Renewal, Study, gravity_rows, needs_renewal, renew, run_study, slide
+from nav_model.suborbital.trajectory_file import parse_trajectory
+
+STAR_FRAME_SPACING_S = 2.0
+
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class NoiseParts:
+    """Spread of unit white noise: its variance is linear in the squared densities, so it need not be run again.
+
+    accelerometer and gyro: for a density of one in SI; star: of the camera's own noise alone (None without).
+    """
+
+    accelerometer: NoiseSpread
+    gyro: NoiseSpread
+    star: NoiseSpread | None
+
+    def spread(self, errors: ErrorSet) -> NoiseSpread:
+        """The spread at the densities of `errors`."""
+        parts = [(errors.accelerometers.white_noise, self.accelerometer), (errors.gyros.white_noise, self.gyro)]
+        if self.star is not None:
+            parts.append((1.0, self.star))
+
+        def root(name: str) -> Array:
+            return np.sqrt(sum((a * a * getattr(part, name) ** 2 for a, part in parts), np.zeros(1)))
+
+        first = self.accelerometer
+        return NoiseSpread(
+            time_s=first.time_s,
+            position_sigma_m=root("position_sigma_m"),
+            attitude_sigma_rad=root("attitude_sigma_rad"),
+            covariance=sum((a * a * part.covariance for a, part in parts), np.zeros(1)),
+            source=first.source,
+        )
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Result of `run_survey`.
+
+    track: the whole flight's star images (None with a perfect camera); channel_response (61, m, 3): decoupled
+    channels [B-5] for a unit of each parameter; pure_noise, aided_noise: white noise in parts; star_frames:
+    an image every two seconds; scores: the five methods on those images; gravity: cost of every pair (true
+    model, INS model), m; trajectory: name of the file flown, or "".
+    """
+
+    settings: Settings
+    study: Study
+    track: StarTrack | None = field(repr=False)
+    channel_response: Array = field(repr=False)
+    pure_noise: NoiseParts = field(repr=False)
+    aided_noise: NoiseParts = field(repr=False)
+    star_frames: tuple[StarFrame, ...] = field(repr=False)
+    scores: tuple[MethodScore, ...]
+    scenes_refused: int
+    gravity: tuple[tuple[str, str, Array], ...] = field(repr=False)
+    trajectory: str
+
+
+def run_survey(
+    settings: Settings,
+    trajectory: tuple[str, bytes] | None = None,
+    *,
+    progress: Progress | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> Survey:
+    """Run everything, a few seconds.
+
+    trajectory: name and content of a file (`trajectory_file.parse_trajectory`), flown instead of the golden
+    flight; the true gravity stays that of the settings. progress takes the share done and what is being done.
+    ValueError for values that do not fit together, Cancelled when `cancel()` turns true.
+    """
+
+    def say(share: float, what: str) -> None:
+        if cancel is not None and cancel():
+            raise Cancelled(f"stopped at {100 * share:.0f} % ({what})")
+        if progress is not None:
+            progress(share, what)
+
+    say(0.0, "flight (the first run on a machine compiles, about ten seconds)")
+    inputs = settings.study_inputs()
+    flight = golden_flight(inputs.flight) if trajectory is None else parse_trajectory(
+        trajectory[1], trajectory[0], inputs.flight.step_s, inputs.flight.gravity
+    )  # fmt: skip
+    every = output_every(flight.steps)
+    inputs = replace(inputs, output_interval_s=every * flight.step_s)
+    camera, sky = settings.camera(), settings.sky()
+    say(0.05, "star images")
+    track = None
+    if settings["camera.frames"] == "star images":
+        track = track_stars(
+            flight,
+            camera,
+            sky,
+            method=settings["camera.method"],
+            seed=int(settings["seed"]),
+            progress=lambda share: say(0.05 + 0.2 * share, "star images"),
+            cancel=cancel,
+        )
+    study = run_study(
+        inputs,
+        flight=None if trajectory is None else flight,
+        measured=None if track is None else track.frames,
+        progress=lambda share: say(0.25 + 0.5 * share, "error sources"),
+        cancel=cancel,
+    )
+    say(0.78, "noise and channels")
+    response = decoupled_errors(flight, np.eye(len(PARAMETERS)), inputs.errors, every=every).position_m
+    covariance = None if track is None else track.covariance
+    pure_noise = _noise_parts(flight, inputs.errors, None, None, every)
+    aided_noise = _noise_parts(flight, inputs.errors, study.used, covariance, every)
+    say(0.86, "star frames and attitude methods")
+    times = np.arange(0.0, float(flight.time_s[-1]) + 1e-9, STAR_FRAME_SPACING_S)
+    method, seed = settings["camera.method"], int(settings["seed"])
+    shown = tuple(star_frame(flight, camera, sky, float(t), seed + k, method) for k, t in enumerate(times))
+    scores, refused = _scores(flight, camera, sky, seed)
+    say(0.95, "gravity models")
+    return Survey(
+        settings=settings,
+        study=study,
+        track=track,
+        channel_response=response,
+        pure_noise=pure_noise,
+        aided_noise=aided_noise,
+        star_frames=shown,
+        scores=scores,
+        scenes_refused=refused,
+        gravity=() if trajectory is not None else gravity_rows(inputs),
+        trajectory="" if trajectory is None else trajectory[0],
+    )
+
+
+def _noise_parts(
+    flight: Flight, errors: ErrorSet, used: np.ndarray | None, star: Array | None, every: int
+) -> NoiseParts:
+    def unit(accelerometer: float, gyro: float, frame: Array | None = None) -> NoiseSpread:
+        noisy = replace(
+            errors,
+            accelerometers=replace(errors.accelerometers, white_noise=accelerometer),
+            gyros=replace(errors.gyros, white_noise=gyro),
+        )
+        return white_noise_spread(flight, noisy, used, frame, every)
+
+    return NoiseParts(unit(1.0, 0.0), unit(0.0, 1.0), None if star is None else unit(0.0, 0.0, star))
+
+
+def _scores(flight: Flight, camera: StarCamera, sky: Sky, seed: int) -> tuple[tuple[MethodScore, ...], int]:
+    """The five methods on a flight's images, one a second, and how many images the gate refused."""
+    attitude = flight.attitude_bi[:: max(1, round(1.0 / flight.step_s))]
+    chosen, _ = select_stars(camera, sky, attitude)
+    body, reference, weight = measure(camera, sky, attitude, chosen, np.random.default_rng(seed))
+    good, _ = gate(camera, body, weight)
+    if not good.any():
+        return (), len(good)
+    scores = compare_methods(
+        body[good], reference[good], np.swapaxes(attitude[good], -1, -2), camera.centroid_sigma_rad, weight[good]
+    )
+    return scores, int(np.sum(~good))
+
+
+_LINEAR = ("accelerometers.", "gyros.", "initial.", "tracker.")
+
+
+def needs_run(survey: Survey, settings: Settings) -> bool:
+    """Whether only a new run can follow the settings: flight, gravity, camera or sky changed, or, with star
+    images, the instants of the frames, which the gate has a say in."""
+    other = any(
+        value != survey.settings[key] for key, value in settings.values.items() if not key.startswith(_LINEAR)
+    )
+    frames = survey.track is not None and any(
+        settings[key] != survey.settings[key]
+        for key in ("tracker.from_height", "tracker.frame_interval", "tracker.latency", "tracker.dropouts")
+    )
+    return other or frames
+
+
+def needs_other_matrices(survey: Survey, settings: Settings) -> bool:
+    """Whether `moved` needs a `Renewed` first: other periods, or frames at other instants."""
+    inputs = settings.study_inputs()
+    return needs_renewal(survey.study, inputs.errors, inputs.aiding)
+
+
+@dataclass(frozen=True)
+class Renewed:
+    """What other periods or frame instants change: matrices, decoupled channels (None: as they were), noise with
+    the tracker."""
+
+    matrices: Renewal
+    channel_response: Array | None = field(repr=False)
+    aided_noise: NoiseParts = field(repr=False)
+
+
+def renewed(study: Study, settings: Settings) -> Renewed:
+    """Compute a `Renewed` for a study with a perfect camera (a fraction of a second)."""
+    inputs = settings.study_inputs()
+    flight, every = study.flight, round(study.inputs.output_interval_s / study.flight.step_s)
+    matrices = renew(study, inputs.errors, inputs.aiding)
+    same_periods = matrices.pure is study.pure_sensitivity
+    unit = np.eye(len(PARAMETERS))
+    return Renewed(
+        matrices,
+        None if same_periods else decoupled_errors(flight, unit, inputs.errors, every=every).position_m,
+        _noise_parts(flight, inputs.errors, frame_steps(flight, inputs.aiding), None, every),
+    )
+
+
+def moved(survey: Survey, settings: Settings, renewal: Renewed | None = None) -> Study:
+    """The study at other settings without integrating again: every error history by the linear sensitivity
+    matrix [B-4], white noise and decoupled channels exactly.
+
+    renewal: needed when `needs_other_matrices`; without it that work is done here. Settings that `needs_run`
+    are not followed.
+    """
+    study, inputs = survey.study, settings.study_inputs()
+    if renewal is None and needs_renewal(study, inputs.errors, inputs.aiding):
+        renewal = renewed(study, settings)
+    slid = slide(study, inputs.errors, inputs.aiding, renewal.matrices if renewal else None)
+    response = survey.channel_response
+    if renewal is not None and renewal.channel_response is not None:
+        response = renewal.channel_response
+    noise = renewal.aided_noise if renewal else survey.aided_noise
+    new = slid.renewal
+    every = round(study.inputs.output_interval_s / study.flight.step_s)
+    return replace(
+        study,
+        inputs=replace(study.inputs, errors=inputs.errors, aiding=inputs.aiding),
+        parameters=slid.parameters,
+        marks=tuple(
+            mark if kind == "gravity" else f"{mark}; moved by the sensitivity matrix [B-4]"
+            for mark, kind in zip(study.marks, study.kinds, strict=True)
+        ),
+        used=new.used,
+        pure=_moved_errors(study, study.pure, slid.pure_m, slid.parameters, new.pure, study.pure_sensitivity),
+        aided=_moved_errors(study, study.aided, slid.aided_m, slid.parameters, new.aided, study.aided_sensitivity),
+        channels=ChannelErrors(study.flight.time_s[::every], np.einsum("cp,pmi->cmi", slid.parameters, response)),
+        pure_sensitivity=new.pure,
+        aided_sensitivity=new.aided,
+        pure_noise=survey.pure_noise.spread(inputs.errors),
+        aided_noise=noise.spread(inputs.errors),
+    )
+
+
+def _moved_errors(
+    study: Study, exact: NavigationErrors, position: Array, parameters: Array, new: Sensitivity, old: Sensitivity
+) -> NavigationErrors:
+    """All error histories of `exact` at new parameters, given the moved positions."""
+    every = round(study.inputs.output_interval_s / study.flight.step_s)
+    path = study.flight.position_i[::every]
+    track = study.flight.track_rad[::every]
+    north, east = position[..., 0], position[..., 1]
+
+    def change(name: str) -> Array:
+        after = np.einsum("mip,cp->cmi", getattr(new, name), parameters)
+        return np.asarray(after - np.einsum("mip,cp->cmi", getattr(old, name), study.parameters))
+
+    turned = change("attitude")
+    # A wrong position turns the local axes: their error is dr/r, and the navigation attitude carries it.
+    shift = (position - exact.position_m) / np.linalg.norm(path, axis=-1)[:, None]
+    tangent = np.tan(study.flight.latitude_rad[::every])
+    transport = np.stack([shift[..., 1], -shift[..., 0], -shift[..., 1] * tangent], axis=-1)
+    local = np.einsum("mji,cmj->cmi", local_axes(path), turned) - transport
+    return NavigationErrors(
+        time_s=exact.time_s,
+        position_m=position,
+        velocity_m_s=exact.velocity_m_s + change("velocity"),
+        down_range_m=north * np.cos(track) + east * np.sin(track),
+        cross_range_m=-north * np.sin(track) + east * np.cos(track),
+        attitude_inertial_rad=exact.attitude_inertial_rad + turned,
+        attitude_navigation_rad=exact.attitude_navigation_rad + local,
+        source=f"{exact.source}; moved by the sensitivity matrix [B-4]",
+    )

@@ -1,0 +1,92 @@
+"""A survey as JSON: the contract's keys, and beside them every input with its origin and what else was found."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from typing import Any
+
+from nav_model.suborbital.frames import ARCSEC
+from nav_model.suborbital.settings import DEFAULTS, SETTINGS, Settings
+from nav_model.suborbital.study import Gap, Study
+from nav_model.suborbital.summary import to_json
+from nav_model.suborbital.survey import Survey
+
+MAPPING = (
+    "imu.velocity_random_walk and imu.angle_random_walk, each times imu.vibration_factor, replace the white noise; "
+    "imu.accelerometer_bias and imu.gyro_bias (1 sigma per axis) replace the constant bias on every axis, with the "
+    "sign GP-1 has there; instability, scale factor, misalignment and initial errors stay those of GP-1"
+)
+"""How a design enters the study."""
+
+
+def survey_json(survey: Survey, study: Study | None = None, settings: Settings | None = None) -> dict[str, Any]:
+    """The contract's JSON of `navbudget suborbital` with everything else a survey found.
+
+    study, settings: the moved study and its settings (`survey.moved`) where those are to be written.
+    """
+    track = survey.track
+    shown, inputs = study or survey.study, settings or survey.settings
+    return {
+        **to_json(shown),
+        "exact": study is None or study is survey.study,
+        "inputs": {
+            key: {
+                "value": setting.show(inputs[key], 9),
+                "si": inputs[key],
+                "from": inputs.origin[key],
+            }
+            for key, setting in SETTINGS.items()
+        },
+        "design_mapping": MAPPING,
+        "command": command(inputs, survey.trajectory),
+        "trajectory": survey.trajectory or None,
+        "attitude_methods": [
+            {
+                "method": score.method,
+                "mean_error_arcsec": score.mean_error_rad / ARCSEC,
+                "axis_rms_arcsec": [rms / ARCSEC for rms in score.axis_rms_rad],
+                "mean_nees": score.mean_nees,
+                "scenes": score.scenes,
+                "source": score.source,
+            }
+            for score in survey.scores
+        ],
+        "star_frames": {
+            "used": int(shown.used.sum()),
+            "refused_by_gate": survey.scenes_refused,
+            "mean_nees": None if track is None or math.isnan(track.mean_nees) else track.mean_nees,
+        },
+        "gravity_mismatch_final_m": [
+            {"truth": truth, "ins": model, "north": float(error[0]), "east": float(error[1]), "up": float(error[2])}
+            for truth, model, error in survey.gravity
+        ],
+    }
+
+
+def gap_json(gap: Gap) -> dict[str, Any]:
+    """The gap between moved curves and an exact run, m and share of the exact error, per case."""
+    return {
+        name: {
+            "final_m": float(gap.pure_m[k]),
+            "aided_final_m": float(gap.aided_m[k]),
+            "share": float(gap.pure_share[k]),
+            "aided_share": float(gap.aided_share[k]),
+        }
+        for k, name in enumerate(gap.names)
+    }
+
+
+def command(settings: Settings, trajectory: str = "") -> str:
+    """The command line that gives the same study."""
+    changed = [
+        f"{key}={setting.show(settings[key], 9)}"
+        for key, setting in SETTINGS.items()
+        if settings[key] != DEFAULTS[key]
+    ]
+    words = ["navbudget", "suborbital"]
+    if trajectory:
+        words += ["--trajectory", trajectory]
+    if changed:
+        words += ["--set", *changed]
+    return shlex.join(words)

@@ -1,0 +1,112 @@
+"""Moved curves against integrating again at the same inputs, which shares nothing with the linear matrix."""
+
+import json
+
+import numpy as np
+import pytest
+
+from nav_model.suborbital.mechanisation import Cancelled
+from nav_model.suborbital.settings import DEFAULTS, read_changes
+from nav_model.suborbital.study import position_gap
+from nav_model.suborbital.survey import moved, needs_other_matrices, needs_run, renewed, run_survey
+from nav_model.suborbital.survey_json import command, survey_json
+from nav_model.suborbital.trajectory_file import load_trajectory, save_trajectory
+
+HISTORIES = ("position_m", "velocity_m_s", "attitude_inertial_rad", "attitude_navigation_rad", "cross_range_m")
+
+
+@pytest.fixture(scope="module")
+def survey():
+    return run_survey(DEFAULTS)
+
+
+def compare(shown, exact, share):
+    for which in ("pure", "aided"):
+        for name in HISTORIES:
+            a, b = getattr(getattr(shown, which), name), getattr(getattr(exact, which), name)
+            assert np.abs(a - b).max() <= share * np.abs(b).max() + 1e-9, (which, name)
+    # White noise and the decoupled channels are linear: no gap at all.
+    for which in ("pure_noise", "aided_noise"):
+        for name in ("position_sigma_m", "attitude_sigma_rad", "covariance"):
+            np.testing.assert_allclose(
+                getattr(getattr(shown, which), name), getattr(getattr(exact, which), name), rtol=1e-9, atol=1e-12
+            )
+    np.testing.assert_allclose(shown.channels.position_m, exact.channels.position_m, atol=1e-5)
+
+
+def test_sliders_of_sensor_and_initial_errors(survey):
+    settings = read_changes(
+        DEFAULTS,
+        {"gyros.bias": "4, 5, 1 °/h", "accelerometers.bias": "1.2, 1, -1.4 mg", "initial.attitude": "90 arcsec",
+         "gyros.white_noise": "0.05 °/√h", "tracker.misalignment": "5, -5, 2 arcsec"},
+        "test",
+    )  # fmt: skip
+    assert not needs_run(survey, settings)
+    assert not needs_other_matrices(survey, settings)
+    shown, exact = moved(survey, settings), run_survey(settings).study
+    compare(shown, exact, 0.02)
+    gap = position_gap(shown.pure.position_m, shown.aided.position_m, exact)
+    assert gap.pure_share[gap.names.index("all")] < 0.02
+    # and the move was not a small one
+    assert np.linalg.norm((shown.pure.position_m - survey.study.pure.position_m)[:, -1], axis=1).max() > 3000
+
+
+def test_frames_at_other_instants_and_other_periods_need_other_matrices(survey):
+    settings = read_changes(
+        DEFAULTS,
+        {"tracker.from_height": "80 km", "tracker.dropouts": "150-160 s", "gyros.bias_period": "500 s"},
+        "test",
+    )
+    assert needs_other_matrices(survey, settings)
+    assert not needs_run(survey, settings)
+    shown = moved(survey, settings, renewed(survey.study, settings))
+    compare(shown, run_survey(settings).study, 0.02)
+
+
+def test_flight_camera_and_gravity_need_a_run(survey):
+    for key, text in (("flight.burnout_pitch", "25°"), ("camera.centroid_noise", "20 arcsec"), ("ins.gravity", "j2")):
+        assert needs_run(survey, read_changes(DEFAULTS, {key: text}, "test"))
+
+
+def test_a_survey_is_cancelled_by_its_callback():
+    with pytest.raises(Cancelled):
+        run_survey(DEFAULTS, cancel=lambda: True)
+
+
+def test_a_saved_flight_flown_again_gives_the_same_errors(survey, tmp_path):
+    path = tmp_path / "flown.csv"
+    save_trajectory(survey.study.flight, path, every=5)
+    again = run_survey(DEFAULTS, ("flown.csv", path.read_bytes()))
+    size = np.abs(survey.study.pure.position_m[:, -1]).max()
+    known = [survey.study.case(name) for name in ("accelerometer total", "gyro total", "all")]
+    difference = (again.study.pure.position_m - survey.study.pure.position_m)[known, -1]
+    assert np.abs(difference).max() < 0.02 * size
+    assert again.trajectory == "flown.csv"
+    assert again.gravity == ()
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (bytes(range(256)), "not a text file"),
+        (b"", "empty|missing"),
+        (b"a,b\n1,2\n", "missing"),
+        (b"time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg\n"
+         + b"".join(b"%d,0,0,1e5,0,0,0\n" % (k * 10**9) for k in range(5)), "at most 10000 s"),
+        (b"x" * 16_000_001, "larger than 16 MB"),
+    ],
+)  # fmt: skip
+def test_a_file_is_refused_by_its_name(tmp_path, content, said):
+    path = tmp_path / "mine.csv"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=f"mine.csv.*({said})"):
+        load_trajectory(path)
+
+
+def test_json_says_where_every_input_came_from(survey):
+    settings = read_changes(DEFAULTS, {"tracker.latency": "10 ms", "gyros.bias": "1 °/h"}, "command line")
+    answer = json.loads(json.dumps(survey_json(survey, moved(survey, settings), settings), allow_nan=False))
+    assert answer["exact"] is False
+    assert answer["inputs"]["tracker.latency"] == {"value": "10 ms", "si": 0.01, "from": "command line"}
+    assert answer["inputs"]["initial.position"]["from"] == "GP-1"
+    assert command(settings) == "navbudget suborbital --set 'gyros.bias=1, 1, 1 °/h' 'tracker.latency=10 ms'"
