@@ -14,7 +14,7 @@ GOTCHA = Path(__file__).parents[3] / "shared/data/sar_gotcha_pass1_az001_HH.npz"
 
 def test_runs_go_stale_with_the_design_and_the_closed_forms_follow(visit: Visit) -> None:
     page = visit()
-    page.get_by_text("SAR", exact=True).click()
+    page.get_by_role("tab", name="SAR").click()
     expect(page.get_by_text("Use strategy 2:")).to_be_visible(timeout=20_000)
     expect(page.get_by_text("The runs match the design.")).to_be_visible(timeout=60_000)
     expect(page.get_by_role("img", name="8 RTS smoother").first).to_be_visible()
@@ -35,7 +35,7 @@ def test_a_real_phase_history_is_formed_twice(visit: Visit) -> None:
     if not GOTCHA.exists():
         pytest.skip(f"no real phase history at {GOTCHA}")
     page = visit()
-    page.get_by_text("SAR", exact=True).click()
+    page.get_by_role("tab", name="SAR").click()
     expect(page.get_by_text("The runs match the design.")).to_be_visible(timeout=60_000)
     page.locator("input[type=file][accept='.npz']").set_input_files(GOTCHA)
     expect(page.get_by_role("img", name="without navigation error")).to_be_visible(timeout=60_000)

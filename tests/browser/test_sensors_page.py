@@ -28,7 +28,7 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path) -> None:
 
     page = visit()
     before = page.get_by_label("Key figures, one sigma").inner_text()
-    page.locator(".bk-tab", has_text="Sensors").click()
+    page.get_by_role("tab", name="Sensors").click()
     units = page.get_by_role("region", name="Inertial units")
     expect(units.get_by_role("row").nth(1)).to_contain_text("MPU-9250")
     units.get_by_role("button", name="Angle random walk").click()
@@ -44,5 +44,5 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path) -> None:
     page.get_by_role("button", name="Use these in the design").click()
     expect(page.get_by_text("from static log bench.csv").first).to_be_visible()
     expect(page.get_by_label("Angle random walk").first).to_have_value(re.compile(r"0\.(8[89]|9[01]).* °/√h"))
-    page.locator(".bk-tab", has_text="Budget").click()
+    page.get_by_role("tab", name="Budget").click()
     expect(page.get_by_label("Key figures, one sigma")).not_to_have_text(before)

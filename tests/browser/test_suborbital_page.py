@@ -15,7 +15,7 @@ Visit = Callable[..., Page]
 
 def test_first_answer_slider_exact_run_stars_file_and_phone(visit: Visit, tmp_path: Path) -> None:
     page = visit()
-    page.locator(".bk-tab", has_text="Suborbital").click()
+    page.get_by_role("tab", name="Suborbital").click()
     sentence = page.get_by_text("What the star tracker did and did not repair")
     expect(sentence).to_be_visible(timeout=90_000)  # the first run on a machine compiles
     status = page.get_by_role("status").filter(has=sentence)
