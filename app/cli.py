@@ -85,6 +85,36 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
     report.set_defaults(run=_report)
 
+    simulate = commands.add_parser("simulate", help="Monte Carlo of a design against the closed forms")
+    _design_arguments(simulate, one=True)
+    simulate.add_argument("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
+    simulate.add_argument("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
+    simulate.add_argument(
+        "--duration", type=float, metavar="S", help="length of a run (default 500 s, or the file's)"
+    )
+    simulate.add_argument(
+        "--outage",
+        dest="outages",
+        action="append",
+        default=[],
+        metavar="START,STOP",
+        help="seconds between which fixes are lost; may be repeated",
+    )
+    simulate.add_argument(
+        "--trajectory",
+        default="wandering",
+        metavar="NAME-or-FILE",
+        help="wandering, straight, turns, climb, or a CSV file",
+    )
+    simulate.add_argument(
+        "--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)"
+    )
+    simulate.add_argument("--states", type=int, choices=(9, 15), default=9, help="of the filter; 15 estimates biases")
+    simulate.add_argument("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
+    simulate.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
+    simulate.add_argument("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
+    simulate.set_defaults(run=_simulate)
+
     presets = commands.add_parser("presets", help="the catalogue, with sources")
     presets.add_argument("kind", choices=("imu", "radar"))
     presets.add_argument("--json", action="store_true", help="as JSON")
@@ -189,6 +219,14 @@ def _report(options: argparse.Namespace) -> int:
 
     write_report([analyse(_read(path, options.changes)) for path in paths], options.output)
     print(f"wrote {options.output}", file=sys.stderr)
+    return 0
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    (path,) = _paths(options)
+    from app.simulate_command import simulate_design
+
+    simulate_design(_read(path, options.changes), options)
     return 0
 
 

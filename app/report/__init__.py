@@ -7,12 +7,11 @@
 
 from __future__ import annotations
 
-import secrets
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import BinaryIO
 
+from app.whole_file import whole_file
 from nav_model.budget import Budget, analyse
 from nav_model.design_file import parse_design
 from nav_model.inputs import DesignError
@@ -40,22 +39,8 @@ def write_report(budgets: Sequence[Budget], path: str | Path, now: datetime | No
     """
     target = Path(path)
     kind = _kind(target)
-    folder = target.parent
-    if not folder.is_dir():
-        raise DesignError("-o", f"{str(folder)!r} is not a folder; the report cannot be written there")
-    if target.is_dir():
-        raise DesignError("-o", f"{str(target)!r} is a folder; name a file in it")
-    draft = folder / f".{target.name[:100]}.{secrets.token_hex(6)}.part"
-    try:
-        file = draft.open("xb")  # first, so that a folder that refuses is known before the work is done
-    except OSError as error:
-        raise _unwritable(target, error) from error
-    try:
-        with file:
-            _write(file, report_bytes(budgets, kind, now), target)
-        _move(draft, target)
-    finally:
-        draft.unlink(missing_ok=True)
+    with whole_file(target) as file:
+        file.write(report_bytes(budgets, kind, now))
 
 
 def report_bytes(budgets: Sequence[Budget], kind: str, now: datetime | None = None) -> bytes:
@@ -88,22 +73,3 @@ def _kind(target: Path) -> str:
     if kind not in SUFFIXES:
         raise DesignError("-o", f"{str(target)!r} does not end in {' or '.join(SUFFIXES)}")
     return kind
-
-
-def _unwritable(target: Path, error: OSError) -> DesignError:
-    return DesignError("-o", f"{str(target)!r} cannot be written: {error.strerror or error}")
-
-
-def _write(file: BinaryIO, data: bytes, target: Path) -> None:
-    try:
-        file.write(data)
-        file.flush()
-    except OSError as error:
-        raise _unwritable(target, error) from error
-
-
-def _move(draft: Path, target: Path) -> None:
-    try:
-        draft.replace(target)
-    except OSError as error:
-        raise _unwritable(target, error) from error
