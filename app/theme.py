@@ -68,6 +68,8 @@ table.checks td.num, table.checks th.num { text-align: right; }
 ul.legend { display: flex; flex-wrap: wrap; gap: 2px 16px; list-style: none; margin: 0 0 4px; padding: 0;
   font-size: 12.5px; }
 ul.legend svg { vertical-align: -1px; }
+.stale { border: 1px solid #b26a00; border-radius: 4px; padding: 0 6px; font-weight: 600; }
+progress { width: 220px; vertical-align: middle; accent-color: #2b83c4; }
 .know { font-size: 12.5px; margin: 0; }
 .mark { font-weight: 700; }
 ul.cautions { padding-left: 18px; font-size: 13px; }

@@ -267,7 +267,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
         )
     if design.imu.accelerometer_bias or design.imu.gyro_bias:
         filter_knows = (
-            "the filter of 15 states estimates them, so an outage starts with less of them than the closed forms assume"
+            "the filter of 15 states estimates them: an outage starts with less of them than the closed forms assume"
             if spec.filter.states == 15
             else "the filter of 9 states does not know them, so its covariance is optimistic; in level flight tilt "
             "takes up most of an accelerometer bias"
