@@ -67,6 +67,9 @@ def _specification(design: Design, options: argparse.Namespace, keep_runs: bool)
         if value is not None and value < 1:
             raise DesignError(f"--{name}", f"{value} is not allowed; 1 or more")
     trajectory = _trajectory(options.trajectory)
+    outages = [_outage(text) for text in options.outages]
+    from nav_model.simulation.trajectory import plan_trajectory
+
     try:
         spec = specification(
             design,
@@ -74,19 +77,25 @@ def _specification(design: Design, options: argparse.Namespace, keep_runs: bool)
             runs=options.runs,
             seed=options.seed,
             duration=_duration(trajectory) if options.duration is None else options.duration,
-            outages=[_outage(text) for text in options.outages],
+            outages=outages,
             every=options.every,
             states=options.states,
             keep_runs=keep_runs,
         )
-    except DesignError as error:
-        raise DesignError(error.key if "." in error.key else f"--{error.key}", error.reason) from error
+        plan_trajectory(spec.trajectory, spec.duration)  # refuses what cannot be flown before anything is prepared
+    except ValueError as error:
+        raise _as_option(refusal(error, design)) from error
     kept = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
     if keep_runs and kept > _LARGEST_KEPT:
         raise DesignError(
             "-o", f"every run's errors would take {kept / 1e9:.3g} GB; fewer --runs or a longer --every"
         )
     return spec
+
+
+def _as_option(error: DesignError) -> DesignError:
+    """A refusal under the option's name; a key of the design keeps its own."""
+    return error if "." in error.key else DesignError(f"--{error.key}", error.reason)
 
 
 def _trajectory(name: str) -> str | TrajectorySpec:
@@ -137,8 +146,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
                 workers = min(workers, len(chunks(spec)))
                 result = simulate(spec, workers=workers, closed_form=compare, progress=progress)
         except ValueError as error:
-            refused = refusal(error, design)
-            raise DesignError(refused.key if "." in refused.key else f"--{refused.key}", refused.reason) from error
+            raise _as_option(refusal(error, design)) from error
         except (ArithmeticError, ImportError, OSError, RuntimeError) as error:
             raise DesignError("simulate", str(error)) from error
     print(result.verdict, file=sys.stderr)

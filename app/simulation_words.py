@@ -20,7 +20,7 @@ _PHASES = ("at the last fix", "at the end of the outage")
 def answer(result: Result, stale: bool) -> str:
     """Everything above the charts."""
     study = result.study
-    return verdict_strip(result, stale) + comparison_table(study) + departure_table(study) + condition_list(study)
+    return verdict_strip(result, stale) + comparison_table(study) + departure_list(study) + condition_list(study)
 
 
 def verdict_strip(result: Result, stale: bool) -> str:
@@ -81,22 +81,23 @@ def comparison_table(study: DesignStudy) -> str:
     )
 
 
-def departure_table(study: DesignStudy) -> str:
+def departure_list(study: DesignStudy) -> str:
     """Where the closed form and the filter part by more than a tenth, and why."""
-    title = "<h3>Where closed form and simulation part, and why</h3>"
+    title = '<h3 style="margin-top: 8px">Where closed form and simulation part, and why</h3>'
     if not study.departures:
         return f"{title}<p>Nowhere by more than 10 %.</p>"
-    rows = "".join(
-        f'<tr><th scope="row">{found.group.capitalize()}, {found.axis}</th>'
-        f'<td class="num">{found.start_s:g} to {found.stop_s:g} s</td><td class="num">{found.ratio:.2f}</td>'
-        f"<td>{prose(found.reason)}</td></tr>"
-        for found in study.departures
+    reasons: dict[str, list[str]] = {}
+    for found in study.departures:
+        reasons.setdefault(found.reason, []).append(
+            f'{found.group} {found.axis} <span class="num">×{found.ratio:.2f}</span> from '
+            f'<span class="num">{found.start_s:g} to {found.stop_s:g} s</span>'
+        )
+    items = "".join(
+        f"<li>{prose(reason[:1].upper() + reason[1:])}: {'; '.join(states)}.</li>"
+        for reason, states in reasons.items()
     )
-    return (
-        f'{title}<div class="scroll" tabindex="0" role="region" aria-label="Departures">'
-        '<table class="checks"><thead><tr><th scope="col">State</th><th scope="col" class="num">When</th>'
-        '<th scope="col" class="num">Filter / closed form</th><th scope="col">Why</th></tr></thead>'
-        f"<tbody>{rows}</tbody></table></div>"
+    return f'{title}<ul class="cautions" aria-label="Departures">{items}</ul>' + (
+        '<p class="know quiet">Filter sigma over closed form where they differ most, if by more than 10 %.</p>'
     )
 
 

@@ -101,7 +101,9 @@ class SimulatePage:
         )  # fmt: skip
         self._runs = pmui.IntInput(label="Runs", value=50, start=1, end=_MOST_RUNS, width=96, **_LOOK)
         self._length = pmui.IntInput(label="Length [s]", value=300, start=1, step=50, width=116, **_LOOK)
-        self._outages = pmui.TextInput(label="Outages [s]: start,stop; …", value="200,300", width=180, **_LOOK)
+        self._outages = pmui.TextInput(
+            label="Outages [s]", value="200,300", placeholder="start,stop; start,stop", width=150, **_LOOK
+        )
         self._seed = pmui.IntInput(label="Seed", value=1, start=0, width=96, **_LOOK)
         self._states = pmui.Select(
             label="Filter", options={"9 states": 9, "15 states": 15}, value=9, width=120, **_LOOK
@@ -114,7 +116,7 @@ class SimulatePage:
         self._upload.param.watch(self._uploaded, "value")
         return pn.FlexBox(
             self._flight, self._upload, self._runs, self._length, self._outages, self._seed, self._states,
-            self._start, self._stop,
+            pn.Row(self._start, self._stop, margin=0),
             align_items="center", sizing_mode="stretch_width", margin=(6, 4, 0, 4),
         )  # fmt: skip
 

@@ -125,8 +125,8 @@ def refusal(error: ValueError, design: Design) -> DesignError:
         return error
     name, found, rest = str(error).partition(" = ")
     if not found:
-        return DesignError("simulate", str(error))
-    key = _GIVEN_AS.get(name, name)
+        return DesignError("trajectory", str(error).removeprefix("trajectory: "))
+    key = _GIVEN_AS.get(name, name.rpartition(".")[2])
     value, _, allowed = rest.partition(": ")
     if "." in key:
         quantity = declaration_of(key)
