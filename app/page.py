@@ -69,8 +69,6 @@ class Frame:
         self.view = self._shell()
         session.param.watch(self._show, "budget")
         self._tabs.param.watch(self._turned, "active")
-        if pn.state.location:  # what stands behind # reaches the server after the page, and when links are followed
-            pn.state.location.param.watch(lambda _: self._tabs.param.update(active=_asked_for()), "hash")
 
     def _show(self, event: Any) -> None:
         budget: Budget = event.new
