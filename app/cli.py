@@ -13,14 +13,15 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
+from app.files import put_file
 from nav_model.budget import Budget, analyse
 from nav_model.budget_json import to_json
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
 from nav_model.design_file import parse_design, read_bytes
-from nav_model.inputs import DesignError
+from nav_model.inputs import BaseQuantity, DesignError
 from nav_model.parts import declaration_of
 from nav_model.units import format_quantity
 
@@ -115,6 +116,14 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
     simulate.set_defaults(run=_simulate)
 
+    _allan_arguments(commands.add_parser("allan", help="noise parameters from a static log (CSV or NPZ) as JSON"))
+    sar = commands.add_parser("sar", help="image quality for every way of navigating through the aperture, as JSON")
+    _design_arguments(sar, one=True)
+    sar.add_argument("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
+    sar.add_argument("--seed", type=int, default=0, help="of the ensemble (default 0)")
+    sar.add_argument("-o", "--output", type=Path, metavar="FILE", help="write there instead of standard output")
+    sar.set_defaults(run=_sar)
+
     presets = commands.add_parser("presets", help="the catalogue, with sources")
     presets.add_argument("kind", choices=("imu", "radar"))
     presets.add_argument("--json", action="store_true", help="as JSON")
@@ -134,6 +143,20 @@ def _design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
         help='override the file, e.g. imu.angle_random_walk="0.3 °/√h"',
     )
     parser.set_defaults(one=one, parser=parser)
+
+
+def _allan_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("log", metavar="LOG", help="a CSV or NPZ file, or - for stdin")
+    parser.add_argument("--rate", type=float, metavar="HZ", help="samples a second, unless the file says it")
+    parser.add_argument("--gyro-unit", metavar="UNIT", help='"deg/s", increments "rad", or per count "0.05 deg/s"')
+    parser.add_argument("--accelerometer-unit", metavar="UNIT", help='"m/s2", "g", "m/s", or "0.00333 g" per count')
+    parser.add_argument("--columns", metavar="NAME,...", help="a table's columns in order; - ignores one")
+    parser.add_argument("--arrays", metavar="ROLE=NAME,...", help="an archive's arrays, e.g. gyro=w,accelerometer=f")
+    parser.add_argument("--motion", action="store_true", help="the log was taken moving: effective noise, no fit")
+    parser.add_argument("--bench-arw", metavar="QUANTITY", help='angle random walk at rest, "0.1 °/√h"')
+    parser.add_argument("--bench-vrw", metavar="QUANTITY", help='velocity random walk at rest, "0.03 m/s/√h"')
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the JSON there")
+    parser.set_defaults(run=_allan, parser=parser)
 
 
 def _paths(options: argparse.Namespace) -> list[str]:
@@ -227,6 +250,71 @@ def _simulate(options: argparse.Namespace) -> int:
     from app.simulate_command import simulate_design
 
     simulate_design(_read(path, options.changes), options)
+    return 0
+
+
+def _allan(options: argparse.Namespace) -> int:
+    from app.log_study import BenchNoise, LogRequest, read_options, study_log, study_to_json
+
+    if not options.motion and (options.bench_arw or options.bench_vrw):
+        options.parser.error("--bench-arw and --bench-vrw belong to --motion")
+    request = LogRequest(
+        source=sys.stdin.buffer.read() if options.log == "-" else options.log,
+        file_name="standard input" if options.log == "-" else None,
+        options=read_options(
+            options.rate, options.gyro_unit, options.accelerometer_unit, options.columns, options.arrays
+        ),
+        motion=options.motion,
+        bench=BenchNoise(
+            _bench("--bench-arw", "imu.angle_random_walk", options.bench_arw),
+            _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
+        ),
+    )
+    try:
+        result = study_log(request, _say_progress)
+    except OSError as error:
+        raise DesignError(options.log, f"cannot be read: {error.strerror or error}") from error
+    return _put_json(study_to_json(result), options.output)
+
+
+def _say_progress(fraction: float, what: str) -> None:
+    print(f"{100 * fraction:3.0f} % {what}", file=sys.stderr)
+
+
+def _bench(option: str, key: str, text: str | None) -> float | None:
+    if text is None:
+        return None
+    declaration = declaration_of(key)
+    assert isinstance(declaration, BaseQuantity)
+    try:
+        return declaration.read(text).value
+    except DesignError as error:
+        raise DesignError(option, error.reason) from error
+
+
+def _sar(options: argparse.Namespace) -> int:
+    (path,) = _paths(options)
+    design = _read(path, options.changes)
+    if options.seed < 0:
+        raise DesignError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+    from nav_model.sar.design_study import chunks, design_study
+    from nav_model.sar.study_json import to_json as study_to_json
+
+    try:
+        chunks(options.runs)
+    except ValueError as error:
+        raise DesignError("--runs", str(error)) from error
+    return _put_json(study_to_json(design_study(design, options.runs, options.seed)), options.output)
+
+
+def _put_json(data: dict[str, Any], output: Path | None) -> int:
+    """To standard output, or whole into a file."""
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+    if output is None:
+        sys.stdout.write(text)
+        return 0
+    put_file(output, text.encode("utf-8"))
+    print(f"wrote {output}", file=sys.stderr)
     return 0
 
 

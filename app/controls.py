@@ -79,6 +79,8 @@ class QuantityControl:
             size="small",
             margin=(10, 4, 0, 10),
             sizing_mode="stretch_width",
+            # Help may run on under the unit chooser: the box alone is too narrow to read in.
+            sx={"& .MuiFormHelperText-root": {"marginRight": "-100px" if declaration.dimension else "0"}},
         )
         self.box.param.watch(self._typed, "value")
         self.unit: pmui.Select | None = None

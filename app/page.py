@@ -38,6 +38,8 @@ class Page(Protocol):
 PAGES: tuple[tuple[str, str], ...] = (
     ("Budget", "app.pages.budget:BudgetPage"),
     ("Simulate", "app.pages.simulate:SimulatePage"),
+    ("SAR", "app.pages.sar:SarPage"),
+    ("Sensors", "app.pages.sensors:SensorsPage"),
 )
 """The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
 

@@ -14,7 +14,7 @@ from typing import IO
 
 import numpy as np
 
-from app.whole_file import whole_file
+from app.files import whole_file
 from nav_model.design import Design
 from nav_model.inputs import DesignError
 from nav_model.simulation.design_study import (

@@ -62,16 +62,29 @@ SHEET = """
 table.checks { border-collapse: collapse; width: 100%; font-size: 13px; }
 table.checks th, table.checks td { text-align: left; padding: 4px 10px 4px 0; vertical-align: top;
   border-bottom: 1px solid; border-color: color-mix(in srgb, currentColor 15%, transparent); }
+table.checks th.wrap { white-space: normal; }
+table.checks th.name { white-space: nowrap; }
 table.checks th { font-weight: 500; }
 table.checks td.num, table.checks th.num { text-align: right; }
 .scroll { overflow-x: auto; }
 ul.legend { display: flex; flex-wrap: wrap; gap: 2px 16px; list-style: none; margin: 0 0 4px; padding: 0;
   font-size: 12.5px; }
 ul.legend svg { vertical-align: -1px; }
+.pics { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(200px, 45%), 1fr)); gap: 10px; }
+.pair .pics { grid-template-columns: repeat(auto-fill, minmax(min(320px, 100%), 460px)); }
+.pic { margin: 0; font-size: 12.5px; }
+.pic img { width: 100%; display: block; image-rendering: pixelated; border-radius: 3px; }
+.scale { display: flex; gap: 8px; align-items: center; font-size: 12.5px; margin: 2px 0 8px; flex-wrap: wrap; }
+.scale img { width: 160px; height: 12px; border-radius: 3px; }
 .stale { border: 1px solid #b26a00; border-radius: 4px; padding: 0 6px; font-weight: 600; }
-progress { width: 220px; vertical-align: middle; accent-color: #2b83c4; }
+progress { width: 220px; vertical-align: middle; }
 .know { font-size: 12.5px; margin: 0; }
 .mark { font-weight: 700; }
+td.fine, .mark.fine { font-size: 12px; }
+td.fine { min-width: 130px; }
+table.checks th.source { min-width: 260px; }
+.digest { overflow-wrap: anywhere; font-size: 12px; }
+progress { width: min(420px, 100%); height: 8px; accent-color: #2b83c4; }
 ul.cautions { padding-left: 18px; font-size: 13px; }
 h3 { font-size: 15px; font-weight: 600; margin: 0; }
 """

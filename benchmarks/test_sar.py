@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 
+from nav_model.analytic.discrete import cycle
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import decompose, ensemble_responses
 from nav_model.sar.fast_engine import simulate_axis
@@ -12,8 +13,8 @@ from nav_model.sar.image import back_project, simulate_phase_history
 from nav_model.sar.impulse_response import aperture_positions, impulse_response, quadratic_response
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 from nav_model.sar.strategies import Tuning
-from nav_model.sar.strategy_forms import map_of_winners
 from nav_model.sar.study import study_aperture
+from nav_model.sar.winners import Conditions, map_of_winners
 
 HORIZONTAL = AxisModel(0.05 / 60, np.radians(0.5) / 60, 1.0, 1.0)
 VERTICAL = AxisModel(0.05 / 60, np.radians(0.5) / 60, 1.0, 1.0, horizontal=False)
@@ -66,7 +67,8 @@ def test_impulse_responses_of_nine_strategies_500_seeds(benchmark):
 
 def test_map_of_winners_100_by_100(benchmark):
     spans, noise = np.geomspace(2.5, 60, 100)[None], np.geomspace(0.005, 5, 100)[:, None]
-    benchmark(map_of_winners, spans, noise, 0.05 / 60, 1.5e-4, 1e-7 * noise, 1.0)
+    start = cycle(0.05 / 60, 1.5e-4, 9.80665, 1.0, noise, noise).posterior.horizontal
+    benchmark(map_of_winners, Conditions(spans, noise, 1.0, 0.05 / 60, 1.5e-4, start, grazing_angle=0.6))
     benchmark.extra_info["target_s"] = 0.1
 
 

@@ -299,7 +299,7 @@ class Coast(Part):
 
 
 class Radar(Part):
-    """Synthetic-aperture radar, broadside."""
+    """Synthetic-aperture radar."""
 
     section = "radar"
     title = "Radar"
@@ -357,6 +357,18 @@ class Radar(Part):
         short="win",
         label="Window",
         doc="Azimuth weighting: uniform, Hamming, or Taylor (-35 dB, n̄ = 5).",
+    )
+    squint_angle = Quantity(
+        default=0.0,
+        dimension="angle",
+        unit="°",
+        short="sq",
+        bounds=(-60 * _DEGREE, 60 * _DEGREE),
+        softbounds=(-60 * _DEGREE, 60 * _DEGREE),
+        label="Squint angle",
+        doc="Of the line of sight in the slant plane, forward positive. Used by the simulated strategies and "
+        "pictures of the SAR page; closed forms and the aperture time are broadside.",
+        typical="0° strip map, up to 45° spotlight",
     )
     aperture_time = OptionalQuantity(
         dimension="time",

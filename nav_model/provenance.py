@@ -139,6 +139,11 @@ def cautions(budget: Budget) -> tuple[str, ...]:
 
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     (
+        lambda design: design.radar.squint_angle != 0,
+        "The phase budget and the aperture time are broadside; squint enters the simulated strategies of the SAR "
+        "page alone.",
+    ),
+    (
         lambda design: design.imu.vibration_factor == 1,
         "Vibration factor 1 is bench noise; real drives show errors 8 to 35 times those it predicts.",
     ),

@@ -73,6 +73,28 @@ STYLES: dict[str, Style] = {
     "design 5": Style(SKY, "dashdot", 2.0),
     "design 6": Style(RED, "solid", 1.2),
     "design 7": Style(GREY, "dashed", 1.2),
+    "x": Style(BLUE, "solid", 2.0),
+    "y": Style(ORANGE, "dashed", 2.0),
+    "z": Style(GREEN, "dashdot", 2.0),
+    "fit x": Style(BLUE, "dotted", 1.6),
+    "fit y": Style(ORANGE, "dotted", 1.6),
+    "fit z": Style(GREEN, "dotted", 1.6),
+    "measured": Style(BLUE, "solid", 2.5),
+    "quantization": Style(SKY, "dotted", 1.8),
+    "random_walk": Style(ORANGE, "dashed", 1.8),
+    "bias_instability": Style(GREEN, "dotdash", 1.8),
+    "rate_random_walk": Style(PURPLE, "dashdot", 1.8),
+    "ramp": Style(GREY, "dotted", 1.8),
+    "fit": Style(GREY, "solid", 1.6),
+    "strategy 1": Style(GREY, "dotted", 1.8),
+    "strategy 2": Style(BLUE, "solid", 2.5),
+    "strategy 3": Style(SKY, "dashed", 2.0),
+    "strategy 4": Style(ORANGE, "solid", 1.6),
+    "strategy 5": Style(GREEN, "solid", 2.0),
+    "strategy 5w": Style("#7fc4a8", "dashdot", 2.0),
+    "strategy 6": Style(PURPLE, "dotdash", 2.0),
+    "strategy 7": Style("#a6761d", "dashed", 2.0),
+    "strategy 8": Style("#c9a227", "solid", 2.5),
 }
 """The same quantity has the same colour and dash everywhere."""
 
@@ -159,6 +181,7 @@ class Chart:
     x_log: bool = False
     y_log: bool = False
     y_range: tuple[float, float] | None = None
+    legend_columns: int = 3
     knowledge: str = ""
 
     def rows(self) -> Iterator[tuple[str, ...]]:
@@ -221,7 +244,83 @@ class BarChart:
             yield (bar.label, *(repr(float(length)) for length in lengths), bar.source)
 
 
-def to_csv(chart: Chart | BarChart) -> str:
+@dataclass(frozen=True)
+class Dot:
+    """One row of a dot chart [degrees]: a closed form (NaN: none), what runs gave, their 5-95 % band."""
+
+    label: str
+    closed: float
+    ensemble: float
+    low: float
+    high: float
+    source: str
+
+
+@dataclass(frozen=True)
+class DotChart:
+    """Dots and bands on a log axis, a row each, with one limit (NaN: none).
+
+    ``millimetres``: of line of sight for one degree, for the hover and the table.
+    """
+
+    key: str
+    title: str
+    x_label: str
+    dots: tuple[Dot, ...]
+    limit: float
+    millimetres: float
+    knowledge: str = ""
+
+    def rows(self) -> Iterator[tuple[str, ...]]:
+        """Every number drawn, as rows of a table."""
+        names = ("closed form", "ensemble rms", "ensemble 5 %", "ensemble 95 %")
+        yield ("strategy", *(f"{n} [°]" for n in names), *(f"{n} [mm]" for n in names), "source")
+        for dot in self.dots:
+            values = (dot.closed, dot.ensemble, dot.low, dot.high)
+            millimetres = (self.millimetres * value for value in values)
+            yield (dot.label, *(repr(float(v)) for v in values), *(repr(float(v)) for v in millimetres), dot.source)
+        yield ("limit", repr(float(self.limit)), *[""] * 8)
+
+
+@dataclass(frozen=True)
+class MapChart:
+    """A map on two log axes: which of some names holds where, named in place; points and one contour on it.
+
+    ``x`` (n,), ``y`` (m,) evenly spaced in the logarithm; ``winner`` (m, n) index into ``names``;
+    ``values`` (m, n) what the contour is a level of; ``styles``: one for each name.
+    """
+
+    key: str
+    title: str
+    x_label: str
+    y_label: str
+    value_label: str
+    x: Array
+    y: Array
+    winner: NDArray[np.intp]
+    values: Array
+    names: tuple[str, ...]
+    styles: tuple[str, ...]
+    points: tuple[Points, ...]
+    contour: Line
+    knowledge: str = ""
+
+    def rows(self) -> Iterator[tuple[str, ...]]:
+        """Every cell of the map, then the points."""
+        yield (self.x_label, self.y_label, "name", self.value_label)
+        for i, y in enumerate(self.y):
+            for j, x in enumerate(self.x):
+                cell = (self.names[int(self.winner[i, j])], repr(float(self.values[i, j])))
+                yield (repr(float(x)), repr(float(y)), *cell)
+        for points in self.points:
+            for x, y, name in zip(points.x, points.y, points.names, strict=True):
+                yield (repr(float(x)), repr(float(y)), name, points.label)
+
+
+AnyChart = Chart | BarChart | DotChart | MapChart
+
+
+def to_csv(chart: AnyChart) -> str:
     """A chart's data as CSV text, full precision."""
     text = io.StringIO()
     csv.writer(text).writerows(chart.rows())

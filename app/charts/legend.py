@@ -5,16 +5,39 @@ from __future__ import annotations
 import math
 from html import escape
 
-from app.charts.description import BAR_STYLES, STYLES, BarChart, Chart, Style
+from app.charts.description import BAR_STYLES, STYLES, AnyChart, BarChart, Chart, DotChart, MapChart, Style
 
 _DASHES = {"solid": "", "dashed": "6 4", "dotted": "2 3", "dotdash": "2 4 6 4", "dashdot": "6 4 2 4"}
 
 
-def legend_html(chart: Chart | BarChart) -> str:
+def legend_html(chart: AnyChart) -> str:
     """One entry for each series that has something to show."""
-    entries = _bar_entries(chart) if isinstance(chart, BarChart) else _entries(chart)
+    if isinstance(chart, BarChart):
+        entries = _bar_entries(chart)
+    elif isinstance(chart, DotChart):
+        entries = _dot_entries(chart)
+    else:
+        entries = _entries(chart) if isinstance(chart, Chart) else _map_entries(chart)
     items = "".join(f"<li>{swatch} {escape(label)}</li>" for swatch, label in entries)
     return f'<ul class="legend" aria-label="Legend">{items}</ul>'
+
+
+def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
+    entries = [
+        (_svg(f'<path d="M15 0 L20 5.5 L15 11 L10 5.5 Z" fill="none" stroke-width="2" '
+              f'stroke="{STYLES["vertical"].colour}"/>'), "closed form, 1σ"),
+        (_dot(STYLES["horizontal"], "circle"), "runs, rms"),
+        (_box(STYLES["horizontal"], 0.35), "runs, 5 to 95 %"),
+    ]  # fmt: skip
+    if not math.isnan(chart.limit):
+        entries.append((_line(STYLES["limit"]), "limit, brought to 1σ"))
+    return entries
+
+
+def _map_entries(chart: MapChart) -> list[tuple[str, str]]:
+    entries = [(_box(STYLES[style], 0.55), name) for style, name in zip(chart.styles, chart.names, strict=True)]
+    entries.append((_line(STYLES[chart.contour.style]), chart.contour.label))
+    return entries + [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
 
 
 def _entries(chart: Chart) -> list[tuple[str, str]]:
@@ -65,4 +88,6 @@ def _box(style: Style, opacity: float, hatched: bool = False) -> str:
 def _dot(style: Style, marker: str) -> str:
     if marker == "diamond":
         return _svg(f'<path d="M15 0 L20 5.5 L15 11 L10 5.5 Z" fill="{style.colour}"/>')
+    if marker == "cross":
+        return _svg(f'<path d="M15 0 V11 M9.5 5.5 H20.5" stroke="{style.colour}" stroke-width="3"/>')
     return _svg(f'<circle cx="15" cy="5.5" r="4" fill="{style.colour}"/>')

@@ -18,12 +18,14 @@ from bokeh.models import (
     FactorRange,
     HoverTool,
     Label,
+    LogAxis,
     Range1d,
 )
 from bokeh.plotting import figure
 from bokeh.transform import dodge
 
-from app.charts.description import BAR_STYLES, STYLES, BarChart, Chart, Line
+from app.charts.description import BAR_STYLES, STYLES, AnyChart, BarChart, Chart, Line
+from app.charts.on_screen_grid import columns_of, draw
 
 # The page's theme sets chart text in em; this is what an em is.
 _TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
@@ -48,7 +50,7 @@ class Figure:
     _sent: dict[str, Any] = field(default_factory=dict)
     _spans: dict[str, tuple[BoxAnnotation, Label]] = field(default_factory=dict)
 
-    def feed(self, chart: Chart | BarChart) -> None:
+    def feed(self, chart: AnyChart) -> None:
         """Show another chart of the same structure."""
         for name, columns in _columns(chart).items():
             if not _same(self._sent.get(name), columns):
@@ -71,13 +73,26 @@ class Figure:
             self.plot.y_range.update(start=start, end=end, reset_start=start, reset_end=end)
 
 
-def to_bokeh(chart: Chart | BarChart, height: int = 320) -> Figure:
+def to_bokeh(chart: AnyChart, height: int = 320) -> Figure:
     """A figure for a chart, as wide as its place."""
-    return _curves(chart, height) if isinstance(chart, Chart) else _bars(chart, height)
+    if isinstance(chart, Chart):
+        return _curves(chart, height)
+    if isinstance(chart, BarChart):
+        return _bars(chart, height)
+    columns = columns_of(chart)
+    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    plot = draw(chart, sources, height)
+    plot.styles = _TEXT_SIZE
+    for axis in (plot.xaxis, plot.yaxis):
+        if isinstance(axis[0], LogAxis):
+            axis.formatter = CustomJSTickFormatter(code=_LOG_TICKS)
+    return Figure(plot, sources, dict(columns))
 
 
-def _columns(chart: Chart | BarChart) -> dict[str, dict[str, Any]]:
+def _columns(chart: AnyChart) -> dict[str, dict[str, Any]]:
     """Source name -> columns. Lines that share an x array share a source."""
+    if not isinstance(chart, Chart | BarChart):
+        return columns_of(chart)
     if isinstance(chart, BarChart):
         return _bar_columns(chart)
     columns: dict[str, dict[str, Any]] = {}
@@ -133,12 +148,17 @@ def _curves(chart: Chart, height: int) -> Figure:
         **({"y_range": Range1d(*chart.y_range)} if chart.y_range else {}),
     )
     plot.toolbar.logo = None
+    if chart.y_range is None:
+        plot.y_range.only_visible = True  # a line clicked away in the legend gives its room to the others
     columns = _columns(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
     spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
     for band in chart.bands:
         style = STYLES[band.style]
-        plot.varea("x", "low", "high", source=sources[f"band {band.key}"], fill_color=style.colour, fill_alpha=0.25)
+        source = sources[f"band {band.key}"]
+        plot.varea("x", "low", "high", source=source, fill_color=style.colour, fill_alpha=0.25)
+        for edge in ("low", "high"):  # a thin band would vanish without them
+            plot.line("x", edge, source=source, line_color=style.colour, line_alpha=0.6)
     lines = []
     for line in chart.lines:
         style = STYLES[line.style]

@@ -35,6 +35,8 @@ _LAYOUT: tuple[tuple[Callable[[Budget], Chart | BarChart], int, int], ...] = (
     (regime_chart, 340, 12),
 )
 
+_TIMELINES = 3  # the first charts share their time axis
+
 
 class BudgetPage:
     """Everything below the tab."""
@@ -42,6 +44,9 @@ class BudgetPage:
     def __init__(self, session: Session) -> None:
         self._answer = html_pane(answer(session.budget))
         self._charts = [ChartView(describe, session, height) for describe, height, _ in _LAYOUT]
+        timelines = [view.figure.plot for view in self._charts[:_TIMELINES]]
+        for plot in timelines[1:]:  # one time axis: panning one pans all
+            plot.x_range = timelines[0].x_range
         cells = [
             pmui.Grid(chart.view, size={"xs": 12, "lg": columns})
             for chart, (_, _, columns) in zip(self._charts, _LAYOUT, strict=True)

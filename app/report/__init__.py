@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from app.whole_file import whole_file
+from app.files import whole_file
 from nav_model.budget import Budget, analyse
 from nav_model.design_file import parse_design
 from nav_model.inputs import DesignError

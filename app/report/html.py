@@ -56,7 +56,7 @@ def to_html(report: Report) -> str:
         csv=to_csv,
         legend=lambda chart: Markup(legend_html(chart)),
     )
-    return environment.get_template("report.html").render(
+    page = environment.get_template("report.html").render(
         report=report,
         style=Markup(files("app.report").joinpath("report.css").read_text(encoding="utf-8")),
         library=Markup(_library()),
@@ -64,6 +64,7 @@ def to_html(report: Report) -> str:
         places={key: Markup(place) for key, place in places.items()},
         math=_math(report),
     )
+    return page.lstrip()  # the macros' own lines come before the doctype
 
 
 def _height(block: ChartBlock) -> int:
@@ -72,8 +73,12 @@ def _height(block: ChartBlock) -> int:
 
 @cache
 def _library() -> str:
-    """BokehJS itself, without the widgets and tables a report has no use for."""
-    return str(Resources(mode="inline", components=["bokeh"]).render())
+    """BokehJS itself, without the widgets and tables a report has no use for.
+
+    Its text, not its rendered tags: in a process that serves pages, those would name the server's own files.
+    """
+    scripts = Resources(mode="inline", components=["bokeh"]).js_raw
+    return "\n".join(f'<script type="text/javascript">\n{script}\n</script>' for script in scripts)
 
 
 def _with_links(text: str, marks: Iterable[str]) -> Markup:

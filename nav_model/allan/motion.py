@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,6 +21,10 @@ from nav_model.allan.result import UNITS, Provenance
 
 DEFAULT_BAND_FROM_HZ = 10.0
 BLOCK_S = 5.0
+MOTION_CAVEAT: Final = (
+    "the factor treats vibration within the band as white noise of equal power; a line or a narrow band "
+    "integrates to less or more than that, and what lies outside the band is not counted"
+)
 
 _FEWEST_COEFFICIENTS = 50
 
@@ -159,6 +163,7 @@ def motion_to_json(result: MotionAnalysis) -> dict[str, Any]:
         "gyro_factor": result.gyro_factor,
         "accelerometer_factor": result.accelerometer_factor,
         "vibration_factor": result.vibration_factor,
+        "qualification": MOTION_CAVEAT,
         "file": result.provenance.file_name,
         "sha256": result.provenance.sha256,
         "rate_hz": result.provenance.rate_hz,

@@ -13,6 +13,9 @@ from nav_model.allan.noise_terms import TERMS, FloatArray, allan_variance
 
 STANDARD_GRAVITY: Final = 9.80665
 
+CONFIDENCE_INTERVAL: Final = "95 % confidence"
+READING_INTERVAL: Final = "white floor to effective reading at 1 s, not a confidence interval"
+
 _DEGREE = math.pi / 180.0
 _MICRO_G = STANDARD_GRAVITY * 1e-6
 
@@ -40,13 +43,21 @@ class Coefficient:
     """A noise coefficient in SI with its 95 % interval and how it was obtained (`method`, a sentence for the
     reader).
 
-    The ramp is signed; all others are positive.
+    The ramp is signed; all others are positive. `reading` marks a random walk that is the effective reading
+    about 1 s instead of the fitted floor; `low` to `high` then spans floor to reading and is no confidence
+    interval.
     """
 
     value: float
     low: float
     high: float
     method: str
+    reading: bool = False
+
+    @property
+    def interval(self) -> str:
+        """What `low` and `high` are."""
+        return READING_INTERVAL if self.reading else CONFIDENCE_INTERVAL
 
 
 @dataclass(frozen=True)
@@ -66,7 +77,8 @@ class AxisNoise:
     """Noise of one axis.
 
     `quantity` is "gyro" (rad/s) or "accelerometer" (m/s²). `coefficients` maps each of noise_terms.TERMS to a
-    Coefficient or None; `not_resolved` holds the reason of each None. `white_floor` is the fitted N and
+    Coefficient or None; `not_resolved` holds the reason of each None and `would_resolve` the log that would
+    show it. `white_floor` is the fitted N and
     `effective_at_1s` the slope -1/2 line read over the decade about 1 s (None where the log is too short or
     too slow), both in rad/√s or m/s/√s. `band_hz` is the top of the fitted band, `lines_hz` the vibration
     lines left out of it, `model_error` the relative departure of the measured spectrum from the five terms.
@@ -79,6 +91,7 @@ class AxisNoise:
     deviation: AllanDeviation
     coefficients: dict[str, Coefficient | None]
     not_resolved: dict[str, str]
+    would_resolve: dict[str, str]
     white_floor: float
     effective_at_1s: float | None
     band_hz: float
@@ -111,7 +124,8 @@ def fitted_lines(axis: AxisNoise, tau_s: FloatArray) -> dict[str, FloatArray]:
 def triad_random_walk(result: LogAnalysis, quantity: str) -> Coefficient | None:
     """One random walk for the design from a triad: rms over its axes, which keeps their mean variance.
 
-    `quantity` is "gyro" or "accelerometer". None when an axis is missing or did not resolve its random walk.
+    `quantity` is "gyro" or "accelerometer". A reading about 1 s on any axis makes the whole a reading. None
+    when an axis is missing or did not resolve its random walk.
     """
     found = [axis.coefficients["random_walk"] for axis in result.axes if axis.quantity == quantity]
     known = [coefficient for coefficient in found if coefficient is not None]
@@ -120,7 +134,16 @@ def triad_random_walk(result: LogAnalysis, quantity: str) -> Coefficient | None:
     value, low, high = (
         math.sqrt(sum(getattr(c, field) ** 2 for c in known) / len(known)) for field in ("value", "low", "high")
     )
-    return Coefficient(value, low, high, f"rms of {quantity} x, y, z")
+    read = [axis.name for axis in result.axes if axis.quantity == quantity and _is_reading(axis)]
+    method = f"rms of {quantity} x, y, z"
+    if read:
+        method += f"; effective reading at 1 s, not the white floor, on {', '.join(read)}"
+    return Coefficient(value, low, high, method, reading=bool(read))
+
+
+def _is_reading(axis: AxisNoise) -> bool:
+    walk = axis.coefficients["random_walk"]
+    return walk is not None and walk.reading
 
 
 def to_json(result: LogAnalysis) -> dict[str, Any]:
@@ -147,6 +170,7 @@ def _axis_json(axis: AxisNoise) -> dict[str, Any]:
         "name": axis.name,
         **{term: _coefficient_json(axis.coefficients[term], *units[term]) for term in TERMS},
         "not_resolved": dict(axis.not_resolved),
+        "would_resolve": dict(axis.would_resolve),
         "white_floor": {"value": axis.white_floor / white_si, "unit": white_unit},
         "effective_at_1s": None if effective is None else {"value": effective / white_si, "unit": white_unit},
         "mean": {"value": axis.mean, "unit": "rad/s" if axis.quantity == "gyro" else "m/s²"},
@@ -173,4 +197,5 @@ def _coefficient_json(coefficient: Coefficient | None, unit: str, si: float) -> 
         "high": coefficient.high / si,
         "unit": unit,
         "method": coefficient.method,
+        "interval": coefficient.interval,
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from nav_model.allan.deviation import (
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.likelihood import Estimate
 from nav_model.allan.noise_terms import STOCHASTIC_TERMS, TERMS, FloatArray, allan_variance
+from nav_model.allan.remedy import Cause, what_would_resolve
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance
 from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings
@@ -30,6 +32,14 @@ _WHITE_SHARE = 0.9
 _LEAST_WHITE_SHARE = 0.25
 _LIKELIHOOD = "maximum likelihood on the cosine spectrum, profile interval"
 _READ_AT_1S = "slope -1/2 line through the Allan deviation over the decade about 1 s; from the white floor up to it"
+
+
+@dataclass(frozen=True)
+class _Missing:
+    """Why a coefficient is not given."""
+
+    reason: str
+    cause: Cause
 
 
 class AnalysisCancelled(Exception):
@@ -78,13 +88,14 @@ def _analyse_axis(
     effective = _effective_at_1s(deviation)
     white_floor = math.sqrt(squares["random_walk"].value)
     coefficients: dict[str, Coefficient | None] = {}
-    reasons: dict[str, str] = {}
+    missing: dict[str, _Missing] = {}
     for term in TERMS:
         estimate = found.fit.ramp if term == "ramp" else _root(squares[term])
         outcome = _coefficient(term, quantity, estimate, found, deviation, effective)
         coefficients[term] = outcome if isinstance(outcome, Coefficient) else None
-        if isinstance(outcome, str):
-            reasons[term] = outcome
+        if isinstance(outcome, _Missing):
+            missing[term] = outcome
+    resolved = [term for term, coefficient in coefficients.items() if coefficient is not None]
     return AxisNoise(
         name=name,
         quantity=quantity,
@@ -92,7 +103,11 @@ def _analyse_axis(
         standard_deviation=float(signal.std(ddof=1)),
         deviation=deviation,
         coefficients=coefficients,
-        not_resolved=reasons,
+        not_resolved={term: why.reason for term, why in missing.items()},
+        would_resolve={
+            term: what_would_resolve(why.cause, term, resolved, len(signal) * interval_s, interval_s)
+            for term, why in missing.items()
+        },
         white_floor=white_floor,
         effective_at_1s=effective,
         band_hz=found.band_hz,
@@ -112,6 +127,9 @@ def _constant_axis(name: str, quantity: str, signal: FloatArray, interval_s: flo
         deviation=overlapping_allan_deviation(signal, interval_s),
         coefficients=dict.fromkeys(TERMS),
         not_resolved=dict.fromkeys(TERMS, reason),
+        would_resolve={
+            term: what_would_resolve("constant", term, (), len(signal) * interval_s, interval_s) for term in TERMS
+        },
         white_floor=0.0,
         effective_at_1s=None,
         band_hz=0.5 / interval_s,
@@ -132,33 +150,38 @@ def _coefficient(
     found: AxisFit,
     deviation: AllanDeviation,
     effective: float | None,
-) -> Coefficient | str:
+) -> Coefficient | _Missing:
     """The coefficient, or the reason why the log does not show it."""
     if found.model_error > WORST_MODEL_ERROR:
-        return (
+        return _Missing(
             f"not resolved: the spectrum departs from the five noise terms by {found.model_error:.0%} "
-            "across the band; the log is disturbed (movement or vibration), not at rest"
+            "across the band; the log is disturbed (movement or vibration), not at rest",
+            "disturbed",
         )
     if term == "quantization" and found.band_cut:
-        return (
+        return _Missing(
             f"not resolved: above {found.band_hz:g} Hz the spectrum is shaped by the sensor's filter or by "
-            "vibration, which hides quantization"
+            "vibration, which hides quantization",
+            "filtered",
         )
     if term == "random_walk" and not found.clean and effective is not None:
         share = (estimate.value / effective) ** 2
         if share < _LEAST_WHITE_SHARE:
-            return (
+            return _Missing(
                 f"not resolved: the Allan deviation about 1 s is {1.0 / math.sqrt(max(share, 1e-12)):.1f} "
-                "times what the white floor explains; a disturbance rules there"
+                "times what the white floor explains; a disturbance rules there",
+                "vibrating",
             )
         if share < _WHITE_SHARE:
             nearest = int(np.argmin(np.abs(np.log(deviation.tau_s))))
             widen = float(deviation.high[nearest] / deviation.deviation[nearest])
-            return Coefficient(effective, min(estimate.low, effective / widen), effective * widen, _READ_AT_1S)
+            return Coefficient(
+                effective, min(estimate.low, effective / widen), effective * widen, _READ_AT_1S, reading=True
+            )
     if estimate.low <= 0.0 <= estimate.high:
         unit, si = UNITS[quantity][term]
         limit = max(abs(estimate.low), abs(estimate.high)) / si
-        return f"not resolved: the log is consistent with none; at most {limit:.3g} {unit} (95 %)"
+        return _Missing(f"not resolved: the log is consistent with none; at most {limit:.3g} {unit} (95 %)", "hidden")
     return Coefficient(estimate.value, estimate.low, estimate.high, _LIKELIHOOD)
 
 
@@ -196,7 +219,7 @@ def _fit_warnings(found: AxisFit, coefficients: dict[str, Coefficient | None]) -
     if 0.0 < found.model_error <= WORST_MODEL_ERROR:
         warnings.append(f"the spectrum departs from the fit by {found.model_error:.0%}; the intervals include it")
     walk = coefficients["random_walk"]
-    if walk is not None and walk.method == _READ_AT_1S:
+    if walk is not None and walk.reading:
         warnings.append("random walk read at 1 s includes vibration and slow noise; the white floor is lower")
     if coefficients["ramp"] is not None:
         warnings.append("drifts steadily over the log: warm-up or temperature")

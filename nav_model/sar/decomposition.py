@@ -123,10 +123,10 @@ def summarize(parts: Decomposition) -> dict[str, Band]:
     return {name: band(np.abs(getattr(parts, name))) for name in Decomposition.__dataclass_fields__}
 
 
-def ensemble_responses(
+def run_responses(
     phase: ArrayLike, window: Window | Taper = "uniform", autofocus_order: int = 1
-) -> dict[str, Band]:
-    """Bands over the runs of every measure of the impulse response, from phases (..., runs, n) [rad].
+) -> dict[str, _FloatArray]:
+    """Every measure of the impulse response of each run (...), from phases (..., n) [rad].
 
     Apertures of 1024 samples, padded by 8: within 0.03 dB and 0.0005 cell of the x64 response. The line is
     removed first, so the shift is what the higher orders add.
@@ -134,5 +134,14 @@ def ensemble_responses(
     apertures = aperture_of_phase(autofocus(phase, autofocus_order), 1024, keep=False)
     response = impulse_response(apertures, window, ENSEMBLE_PADDING)
     return {
-        name: band(getattr(response, name)) for name in response.__dataclass_fields__ if name != "ideal_null_cells"
+        name: np.asarray(getattr(response, name))
+        for name in response.__dataclass_fields__
+        if name != "ideal_null_cells"
     }
+
+
+def ensemble_responses(
+    phase: ArrayLike, window: Window | Taper = "uniform", autofocus_order: int = 1
+) -> dict[str, Band]:
+    """Bands over the runs of `run_responses`."""
+    return {name: band(values) for name, values in run_responses(phase, window, autofocus_order).items()}

@@ -33,6 +33,12 @@ def phase_to_metres(phase: ArrayLike, wavelength: ArrayLike) -> Array:
     return metres
 
 
+def metres_to_phase(metres: ArrayLike, wavelength: ArrayLike) -> Array:
+    """Two-way phase [rad] of a line-of-sight error [m]. [T-13]"""
+    phase: Array = 4 * np.pi * np.asarray(metres, float) / np.asarray(wavelength, float)
+    return phase
+
+
 def aperture_time(
     wavelength: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, resolution: ArrayLike, window: str
 ) -> Array:

@@ -7,6 +7,8 @@ small on purpose. The packaged alternatives want a C++ compiler or a GPU on the 
 
 from __future__ import annotations
 
+import io
+import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,6 +21,7 @@ from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
 
 SPEED_OF_LIGHT_M_S = 299_792_458.0
 RANGE_PADDING = 16
+MOST_UNPACKED_BYTES = 256 * 2**20
 
 _FloatArray = NDArray[np.float64]
 _ComplexArray = NDArray[np.complex128]
@@ -74,7 +77,7 @@ def read_phase_history(*paths: str | Path) -> PhaseHistory:
     """
     if not paths:
         raise ValueError("phase history: no file given")
-    parts = [_read_one(Path(path)) for path in paths]
+    parts = [_read_one(Path(path), path) for path in paths]
     first = parts[0]
     for path, part in zip(paths[1:], parts[1:], strict=True):
         if not np.array_equal(part.frequency, first.frequency):
@@ -94,9 +97,27 @@ def read_phase_history(*paths: str | Path) -> PhaseHistory:
     )
 
 
-def _read_one(path: Path) -> PhaseHistory:
+def phase_history_of_bytes(name: str, data: bytes) -> PhaseHistory:
+    """The same from the bytes of one npz file; `name` stands for it in messages.
+
+    ValueError as `read_phase_history`, and for an archive that would unpack to more than 256 MiB.
+    """
     try:
-        archive = np.load(path, allow_pickle=False)
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            unpacked = sum(item.file_size for item in archive.infolist())
+    except zipfile.BadZipFile as error:
+        raise ValueError(f"{name}: not a readable npz file ({error})") from error
+    if unpacked > MOST_UNPACKED_BYTES:
+        raise ValueError(
+            f"{name}: unpacks to {unpacked / 2**20:.0f} MiB; at most {MOST_UNPACKED_BYTES >> 20} MiB are taken"
+        )
+    return _read_one(io.BytesIO(data), name)
+
+
+def _read_one(source: Path | io.BytesIO, path: str | Path) -> PhaseHistory:
+    """Read an npz `source`, called `path` in messages."""
+    try:
+        archive = np.load(source, allow_pickle=False)
     except (OSError, ValueError) as error:
         raise ValueError(f"{path}: not a readable npz file ({error})") from error
     if not hasattr(archive, "files"):

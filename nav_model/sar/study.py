@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import (
     Band,
+    Decomposition,
     autofocus,
     band,
     decompose,
-    ensemble_responses,
     fix_rate_harmonics,
-    summarize,
+    run_responses,
 )
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.impulse_response import Taper, Window
@@ -71,6 +71,40 @@ class ApertureStudy:
         return np.asarray(4 * np.pi / self.wavelength * self.residual)
 
 
+@dataclass(frozen=True)
+class RunMeasures:
+    """The measures of each run, strategies first; metres of line of sight.
+
+    ``residual`` (9, runs, n). ``parts`` and ``responses``: name -> (9, runs), the signed coefficients by their
+    magnitude. ``jump_rms`` (runs,). ``fix_harmonics`` (9, runs, h). The rest as in `ApertureStudy`.
+    """
+
+    time: _FloatArray
+    residual: _FloatArray
+    parts: dict[str, _FloatArray]
+    responses: dict[str, _FloatArray]
+    jump_rms: _FloatArray
+    fix_harmonics: _FloatArray
+    fixes: int
+    tuning: Tuning
+
+
+def simulate_axes(
+    models: tuple[AxisModel, AxisModel, AxisModel],
+    aperture_time: float,
+    coast_time: float,
+    runs: int,
+    seed: np.random.SeedSequence,
+    rate: float,
+    tuning: Tuning,
+) -> list[StrategyErrors]:
+    """Every strategy on each axis (along, across, down), each with a seed of its own."""
+    return [
+        simulate_axis(model, aperture_time, coast_time, runs, one, rate, tuning)
+        for model, one in zip(models, seed.spawn(3), strict=True)
+    ]
+
+
 def study_aperture(
     along: AxisModel,
     across: AxisModel,
@@ -94,23 +128,35 @@ def study_aperture(
         raise ValueError(f"wavelength: {wavelength} m; a positive, finite number is needed")
     if tuning is None:
         tuning = choose_tuning(across, aperture_time, seed)
-    seeds = np.random.SeedSequence(seed).spawn(3)
-    axes = [
-        simulate_axis(model, aperture_time, coast_time, runs, one, rate, tuning)
-        for model, one in zip((along, across, down), seeds, strict=True)
-    ]
-    return measure_study(axes, geometry, wavelength, across.fix_interval, window, autofocus_order)
+    axes = simulate_axes(
+        (along, across, down), aperture_time, coast_time, runs, np.random.SeedSequence(seed), rate, tuning
+    )
+    measures = measure_runs(axes, geometry, wavelength, across.fix_interval, window, autofocus_order)
+    return ApertureStudy(
+        strategies=STRATEGIES,
+        time=measures.time,
+        residual=measures.residual,
+        parts={name: band(values) for name, values in measures.parts.items()},
+        responses={name: band(values) for name, values in measures.responses.items()},
+        jump_rms=band(measures.jump_rms),
+        fix_harmonics=band(np.moveaxis(measures.fix_harmonics, 1, -1)),
+        fixes=measures.fixes,
+        typical_run=typical_run(measures.parts["detrended_rms"]),
+        wavelength=wavelength,
+        autofocus_order=autofocus_order,
+        tuning=tuning,
+    )
 
 
-def measure_study(
+def measure_runs(
     axes: list[StrategyErrors],
     geometry: ApertureGeometry,
     wavelength: float,
     fix_interval: float,
     window: Window | Taper = "uniform",
     autofocus_order: int = 1,
-) -> ApertureStudy:
-    """The same from strategies already applied to each axis (along, across, down), by either engine."""
+) -> RunMeasures:
+    """Measure strategies already applied to each axis (along, across, down), by either engine."""
     along, across, down = axes
     error = range_error(geometry, along.time, along.error, across.error, down.error)
     line = geometry.target / geometry.slant_range
@@ -118,22 +164,22 @@ def measure_study(
     parts = decompose(error, autofocus_order)
     residual = autofocus(error, autofocus_order)
     sampled = int(fix_interval / (2 * (along.time[1] - along.time[0])) + 1e-9)
-    harmonics = fix_rate_harmonics(residual, along.time, fix_interval, min(FIX_HARMONICS, sampled))
-    free = parts.detrended_rms[1]
-    return ApertureStudy(
-        strategies=STRATEGIES,
+    return RunMeasures(
         time=along.time,
         residual=residual,
-        parts=summarize(parts),
-        responses=ensemble_responses(4 * np.pi / wavelength * residual, window, autofocus_order),
-        jump_rms=band(jumps),
-        fix_harmonics=band(np.moveaxis(harmonics, 1, -1)),
+        parts={name: np.abs(getattr(parts, name)) for name in Decomposition.__dataclass_fields__},
+        responses=run_responses(4 * np.pi / wavelength * residual, window, autofocus_order),
+        jump_rms=np.asarray(jumps),
+        fix_harmonics=fix_rate_harmonics(residual, along.time, fix_interval, min(FIX_HARMONICS, sampled)),
         fixes=across.fixes,
-        typical_run=int(np.argsort(free)[len(free) // 2]),
-        wavelength=wavelength,
-        autofocus_order=autofocus_order,
         tuning=across.tuning,
     )
+
+
+def typical_run(detrended_rms: _FloatArray) -> int:
+    """The run (of (9, runs)) whose free INS, strategy 2, is the median one."""
+    free = detrended_rms[1]
+    return int(np.argsort(free)[len(free) // 2])
 
 
 def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: int = 60) -> Tuning:
@@ -142,7 +188,7 @@ def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: i
     A grid search on one axis; the seeds are never those of `study_aperture`.
     """
     own = np.random.SeedSequence([seed, 1])
-    rate = max(25.0, 200.0 / aperture_time)
+    rate = max(min(25.0, 2000.0 / aperture_time), 200.0 / aperture_time)
     histories = simulate_histories(model, aperture_time, 0.0, runs, own, rate)
 
     def score(output: _FloatArray) -> float:

@@ -97,7 +97,7 @@ def test_typed_value_unit_and_refusal(visit: Visit) -> None:
     kept = card(page, "Quadratic phase").inner_text()
     for wrong, said in (
         ("5 kg", "not a unit of angle random walk"),
-        ("-1 °/√h", "must be more than 0"),
+        ("-1 °/√h", "must be at least"),
         ("nan °/√h", "write for example"),
     ):
         enter(arw, wrong)

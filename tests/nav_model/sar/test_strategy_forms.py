@@ -5,19 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import dblquad
-from scipy.optimize import brentq
 
 from nav_model.sar.strategy_forms import (
-    advise,
     beyond_quadratic_variance,
-    break_even_aperture,
-    corrected_residual_variance,
     exact_corrected_variance,
     fit_noise_variance,
     fit_quadratic_sigma,
     ins_quadratic_variance,
     ins_residual_variance,
-    map_of_winners,
     shrunk_residual_variance,
     shrunk_weight,
 )
@@ -137,60 +132,10 @@ def test_a_fit_that_determines_nothing_has_no_weight():
     assert shrunk_residual_variance(1.0, np.inf, 0.1) == pytest.approx(4 / 45 + 0.1)
 
 
-@pytest.mark.parametrize("extra", [0.0, 1.0])
-@pytest.mark.parametrize("sigma", [0.02, 0.3, 3.0])
-def test_break_even_is_where_t15_equals_t16(sigma, extra):
-    def excess(span):
-        corrected = corrected_residual_variance(span, SA, SW, sigma, 1.0, fixes=span + extra)
-        return float(ins_residual_variance(span, SA, SW, TILT) - corrected)
-
-    root = brentq(excess, 2.01, 500)
-    found = break_even_aperture(SA, SW, TILT, sigma, 1.0, extra_fixes=extra)
-    assert found == pytest.approx(root, rel=1e-9)
-    assert break_even_aperture(SA, SW, TILT, [sigma, sigma], 1.0, extra_fixes=extra).shape == (2,)
-
-
 def test_the_source_papers_gain_needs_thirteen_centimetres():
     """sar.md: 30 cm to 6 cm (largest error, two thirds of the QPE) at T = 20 s needs 0.13 m of GNSS noise."""
     needed = 0.06 / (2 / 3 * fit_quadratic_sigma(1.0, 1.0, 20.0, 21))
     assert needed == pytest.approx(0.13, abs=0.01)
-
-
-def test_map_of_winners_on_a_grid():
-    spans = np.geomspace(2.5, 60, 100)[None, :]
-    noise = np.geomspace(0.005, 5, 100)[:, None]
-    tilt = TILT * noise ** (1 / 3)
-    result = map_of_winners(spans, noise, SA, SW, tilt, 1.0, coast_time=30.0)
-    assert result.winner.shape == result.best_sigma.shape == (100, 100)
-    names = np.array(result.strategies)[result.winner]
-    assert names[-1, 0] == "2"  # noisy fixes, short aperture
-    assert names[0, -1] == "5"  # good fixes, long aperture
-    assert "5w" in names  # between the two
-    assert "3" not in names  # with a coast, never
-    picked = np.take_along_axis(result.sigma, result.winner[None], 0)[0]
-    assert np.all(picked <= 1.05 * result.best_sigma * (1 + 1e-12))
-    with pytest.raises(ValueError, match="worth"):
-        map_of_winners(spans, noise, SA, SW, tilt, 1.0, worth=1.0)
-
-
-def test_advice_says_which_why_and_what_would_change():
-    short = advise(5.0, 0.02, 1.0, 0.07 / 60, np.radians(0.15) / 60, 1e-8, 0.031)
-    assert short.strategy == "2"
-    assert "Use strategy 2" in short.sentence
-    assert "this one is shorter" in short.would_change
-    good = advise(20.0, 0.02, 1.0, SA, SW, 2e-7, 0.031, coast_time=100.0, required_phase=0.1)
-    assert good.strategy == "5"
-    assert "this one is longer" in good.would_change
-    assert "misses the limit" in good.would_change
-    assert "After 100 s without fixes" in good.because
-    assert good.break_even_gnss_sigma > 0.02
-    # At the noise named, the two are equal.
-    free = ins_residual_variance(20.0, SA, SW, 2e-7)
-    at_limit = corrected_residual_variance(20.0, SA, SW, good.break_even_gnss_sigma, 1.0)
-    assert at_limit == pytest.approx(float(free), rel=1e-9)
-    none = advise(1.5, 0.02, 1.0, SA, SW, TILT, 0.031)
-    assert none.strategy == "2"
-    assert "no quadratic to fit" in none.because
 
 
 def test_too_few_fixes_are_refused():

@@ -1,0 +1,48 @@
+"""An upload that is limited where it arrives: the browser's own check is a courtesy, this one holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import panel_material_ui as pmui
+
+
+class LimitedFileInput(pmui.FileInput):
+    """A `FileInput` that drops whatever exceeds `max_file_size` and says so through `refused`.
+
+    The widget takes a file in chunks and would keep any number of them.
+    """
+
+    def __init__(self, refused: Callable[[str], None], **params: Any) -> None:
+        super().__init__(**params)
+        self._refused = refused
+        self._received = 0
+
+    def _handle_msg(self, msg: dict[str, Any]) -> None:
+        status = msg.get("status")
+        if status == "error":  # the browser's own check
+            self._refuse(str(msg.get("error", "the upload failed")))
+            return
+        if status == "initializing":
+            self._drop()
+        elif status == "upload_event":
+            self._received += len(msg["data"])
+            if self._received > self.max_file_size:
+                self._file_buffer.clear()
+                return
+        elif status == "finished" and not 0 < self._received <= self.max_file_size:
+            over = self._received > 0
+            self._refuse(f"larger than {self.max_file_size / 1e6:.0f} MB" if over else "the file is empty")
+            self._send_msg({"status": "error", "error": "not taken"})
+            return
+        super()._handle_msg(msg)
+
+    def _refuse(self, reason: str) -> None:
+        self._drop()
+        self._refused(reason)
+
+    def _drop(self) -> None:
+        self._received = 0
+        self._file_buffer.clear()
+        self._buffer.clear()

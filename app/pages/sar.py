@@ -1,0 +1,214 @@
+"""The SAR page: which way of navigating through the aperture, its price in the image, and the pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.chart_view import ChartView, html_pane
+from app.charts.description import AnyChart
+from app.charts.sar import (
+    FILTERED,
+    INERTIAL,
+    arw_winner_chart,
+    gnss_winner_chart,
+    navigation_chart,
+    quadratic_chart,
+    residual_chart,
+    responses_chart,
+    short_name,
+)
+from app.pages.sar_upload import UploadedPicture
+from app.pictures import gallery
+from app.sar_run import Progress, SarResult, SarRun
+from app.sar_words import answer, caution_list, error_table, response_table
+from app.state import Session
+from nav_model.budget import Budget
+from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
+from nav_model.sar.pictures import Pictures
+from nav_model.sar.strategies import STRATEGY_KEYS
+
+_RUNS = (100, 200, 500, 1000)
+
+
+class SarPage:
+    """Everything below the tab. Closed forms and maps follow the sliders; the ensemble runs on demand."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._budget = session.budget
+        self._closed: ClosedForms = closed_forms(session.budget)
+        self._result: SarResult | None = None
+        self._run = SarRun(self._told)
+        self._answer = html_pane("")
+        self._tables = html_pane("")
+        self._state = html_pane("", margin=(2, 10))
+        # Heading and pictures apart: the mark of a stale study must not send the pictures again.
+        self._headings = [html_pane("", margin=(8, 10, 0, 10)) for _ in _PICTURES]
+        self._pictures = [html_pane("<p class='quiet'>Appears with the first run.</p>") for _ in _PICTURES]
+        self._charts = [(ChartView(describe, session, height), wide) for describe, height, wide in self._layout()]
+        self._upload = UploadedPicture(session, lambda: self._result)
+        self.view = pn.Column(
+            self._answer,
+            self._controls(),
+            self._tables,
+            pmui.Grid(
+                *(pmui.Grid(chart.view, size={"xs": 12, "lg": wide}) for chart, wide in self._charts),
+                container=True,
+                spacing=1.5,
+                sizing_mode="stretch_width",
+                margin=(4, 10),
+            ),
+            *(pane for pair in zip(self._headings, self._pictures, strict=True) for pane in pair),
+            self._upload.view,
+            sizing_mode="stretch_width",
+        )
+        self._write()
+        if pn.state.curdoc:
+            pn.state.on_session_destroyed(lambda _: self._run.cancel())
+            pn.state.onload(self._begin)
+
+    def show(self, budget: Budget) -> None:
+        """Follow the budget in force."""
+        self._budget = budget
+        self._closed = closed_forms(budget)
+        self._write()
+        for chart, _ in self._charts:
+            chart.show(budget)
+
+    # --- the parts ------------------------------------------------------------------------------------
+
+    def _layout(self) -> tuple[tuple[Callable[[Budget], AnyChart], int, int], ...]:
+        """Chart, height in pixels, columns of twelve on a wide screen."""
+
+        def of_study(make: Callable[..., AnyChart], *rest: Any) -> Callable[[Budget], AnyChart]:
+            return lambda _: make(self._study, *rest)
+
+        def of_both(make: Callable[..., AnyChart]) -> Callable[[Budget], AnyChart]:
+            return lambda budget: make(budget, self._closed, self._study)
+
+        inertial, filtered = "INS and corrected INS", "filters and smoother"
+        return (
+            (of_both(residual_chart), 360, 6),
+            (of_both(quadratic_chart), 360, 6),
+            (of_study(navigation_chart, INERTIAL, inertial, "sar-error-ins"), 320, 6),
+            (of_study(navigation_chart, FILTERED, filtered, "sar-error-filter"), 320, 6),
+            (of_study(responses_chart, INERTIAL, inertial, "sar-response-ins"), 320, 6),
+            (of_study(responses_chart, FILTERED, filtered, "sar-response-filter"), 320, 6),
+            (gnss_winner_chart, 400, 6),
+            (arw_winner_chart, 400, 6),
+        )
+
+    def _controls(self) -> pn.FlexBox:
+        look: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
+        self._runs = pmui.Select(label="Runs", options=list(_RUNS), value=_RUNS[0], width=100, **look)
+        self._seed = pmui.IntInput(label="Seed", value=0, start=0, end=2**31, width=110, **look)
+        self._start = pmui.Button(label="Run the strategies", icon="play_arrow", variant="contained", **look)
+        self._stop = pmui.Button(label="Cancel", icon="stop", variant="outlined", disabled=True, **look)
+        self._start.on_click(self._begin)
+        self._stop.on_click(lambda _: self._run.cancel())
+        return pn.FlexBox(
+            self._runs,
+            self._seed,
+            self._start,
+            self._stop,
+            pn.Column(self._state, width=340),
+            align_items="center",
+            sizing_mode="stretch_width",
+            margin=(0, 4),
+        )
+
+    @property
+    def _study(self) -> DesignStudy | None:
+        return self._result.study if self._result else None
+
+    def _write(self) -> None:
+        stale = self._result is not None and self._result.stale(self._budget)
+        study = self._study
+        self._answer.object = answer(self._budget, self._closed, study, stale)
+        self._tables.object = (
+            error_table(self._budget, self._closed, study, stale)
+            + "<br>"
+            + response_table(study, stale)
+            + caution_list(self._budget)
+        )
+        if not self._run.running:
+            self._state.object = _standing(study, stale)
+        mark = " <span class='stale'>stale: of an earlier design</span>" if stale else ""
+        for pane, (title, _) in zip(self._headings, _PICTURES, strict=True):
+            pane.object = f"<h3>{title}{mark}</h3>"
+
+    # --- the run --------------------------------------------------------------------------------------
+
+    async def _begin(self, _: Any = None) -> None:
+        self._run.start(self._session.budget, self._runs.value, self._seed.value or 0)
+        self._busy(True)
+
+    def _told(self, news: Progress | SarResult | str) -> None:
+        with pn.io.hold():
+            if isinstance(news, Progress):
+                self._state.object = _under_way(news)
+                return
+            self._busy(False)
+            if isinstance(news, str):
+                self._state.object = f'<p role="status">{escape(news)}</p>'
+                return
+            self._result = news
+            self._write()
+            for pane, pictures, (_, over) in zip(self._pictures, (news.points, news.scene), _PICTURES, strict=True):
+                pane.object = _strategy_gallery(pictures, over)
+            stale = news.stale(self._budget)
+            self._state.object = _standing(news.study, stale)
+            for chart, _ in self._charts:
+                chart.show(self._budget)
+            self._upload.refresh()
+
+    def _busy(self, running: bool) -> None:
+        self._session.running = running
+        self._stop.disabled = not running
+
+
+_PICTURES = (
+    ("Point target, azimuth by range", "over the error-free peak; the typical run"),
+    (
+        "Eight point targets on the ground: pairs four and two cells apart, one at −14 dB beside a strong one",
+        "over a unit target; the typical run",
+    ),
+)
+
+
+def _strategy_gallery(pictures: Pictures, over: str) -> str:
+    peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
+    captions = [f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks]
+    axes = f"azimuth across ±{pictures.x[-1]:.3g} m, range upwards ±{pictures.y[-1]:.3g} m"
+    cell = f"range cell {pictures.range_cell:.3g} m" + (
+        ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
+        if pictures.bandwidth_cut
+        else ", taken equal to the azimuth resolution"
+    )
+    names = [short_name(key) for key in STRATEGY_KEYS]
+    return gallery(pictures.power_db, names, captions, axes, f"{over}; {cell}")
+
+
+def _standing(study: DesignStudy | None, stale: bool) -> str:
+    if study is None:
+        return "<p class='quiet'>Closed forms only: the strategies have not been run.</p>"
+    mark = (
+        "<span class='stale'>stale</span> The runs are of an earlier design: run again."
+        if stale
+        else "The runs match the design."
+    )
+    runs = f"{study.runs} runs, seed {study.seed}, {study.fixes} fixes in the aperture"
+    return f"<p>{mark} <span class='quiet'>{runs}</span></p>"
+
+
+def _under_way(news: Progress) -> str:
+    left = "" if news.left is None else f", about {news.left:.0f} s left"
+    return (
+        f'<p><progress aria-label="Runs done" max="{news.runs}" value="{news.done}"></progress> '
+        f"{news.done} of {news.runs} runs{left}</p>"
+    )

@@ -1,0 +1,125 @@
+"""A log's figures put into a design, with a note in its description that says where they came from.
+
+A note is one line, ``imu.angle_random_walk = 2.441 °/√h: rms of gyro x, y, z ...``. It stands for the value it
+quotes: once the design holds another value the note is history, and `noted_origin` no longer gives it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis
+from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, Provenance, triad_random_walk
+from nav_model.design import Design, Value
+from nav_model.inputs import BaseQuantity, DesignError
+from nav_model.parts import declaration_of
+from nav_model.units import format_quantity, from_si
+
+WALK_KEYS: Final = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
+VIBRATION_KEY: Final = "imu.vibration_factor"
+
+_DIGITS = 4
+_LONGEST_NAME = 80
+
+
+@dataclass(frozen=True)
+class Adoption:
+    """Changes for `Design.replace`: dotted keys in SI with the description, and units to write them in."""
+
+    changes: dict[str, Value]
+    written: dict[str, str]
+
+
+def adopt_random_walks(design: Design, result: LogAnalysis) -> Adoption:
+    """The triad random walks of a static log, rounded to four digits, as changes to `design`.
+
+    A triad that did not resolve its random walk changes nothing; with neither resolved there are no changes.
+    """
+    quoted: dict[str, str] = {}
+    notes: dict[str, str] = {}
+    for quantity, key in WALK_KEYS.items():
+        found = triad_random_walk(result, quantity)
+        if found is None:
+            continue
+        unit, _ = UNITS[quantity]["random_walk"]
+        dimension = _quantity(key).dimension
+        quoted[key] = format_quantity(found.value, unit, dimension, _DIGITS)
+        notes[key] = f"{_said(found, unit, dimension)}, from static log {_log(result.provenance)}"
+    return _with_notes(design, quoted, notes)
+
+
+def adopt_vibration_factor(design: Design, result: MotionAnalysis, bench: BenchNoise) -> Adoption:
+    """The vibration factor of a log in motion over `bench` as a change to `design`.
+
+    Raises ValueError when the result has no factor, or when `bench` is no longer what the design states: the
+    factor multiplies the design's own random walks.
+    """
+    if result.vibration_factor is None:
+        raise ValueError("vibration_factor: the log was analysed without bench noise; there is no factor")
+    if bench != bench_of(design):
+        raise ValueError(
+            "vibration_factor: the design's random walks have changed since this log was analysed; analyse it again"
+        )
+    low, high = result.band_hz
+    walks = " and ".join(
+        format_quantity(walk, design.unit(key), _quantity(key).dimension, _DIGITS)
+        for key, walk in zip(WALK_KEYS.values(), (bench.angle_random_walk, bench.velocity_random_walk), strict=True)
+        if walk is not None
+    )
+    note = (
+        f"noise from {low:g} to {high:g} Hz over the design's {walks}, from log in motion "
+        f"{_log(result.provenance)}; {MOTION_CAVEAT}"
+    )
+    return _with_notes(design, {VIBRATION_KEY: f"{result.vibration_factor:.{_DIGITS}g}"}, {VIBRATION_KEY: note})
+
+
+def bench_of(design: Design) -> BenchNoise:
+    """The design's random walks, which its vibration factor multiplies."""
+    return BenchNoise(design.imu.angle_random_walk, design.imu.velocity_random_walk)
+
+
+def noted_origin(design: Design, key: str) -> str | None:
+    """What the description says of the value under `key`, if it is still the value the note quotes."""
+    for line in design.description.splitlines():
+        if not line.startswith(f"{key} = "):
+            continue
+        text, _, origin = line.removeprefix(f"{key} = ").partition(": ")
+        try:
+            quoted = _quantity(key).read(text).value
+        except DesignError:
+            continue
+        if quoted == design[key]:
+            return origin
+    return None
+
+
+def _with_notes(design: Design, quoted: dict[str, str], notes: dict[str, str]) -> Adoption:
+    """The quoted values with the description, in which a note on the same key replaces the one before."""
+    if not quoted:
+        return Adoption({}, {})
+    read = {key: _quantity(key).read(text) for key, text in quoted.items()}
+    kept = [
+        line for line in design.description.splitlines() if not any(line.startswith(f"{key} = ") for key in notes)
+    ]
+    lines = [f"{key} = {text}: {notes[key]}" for key, text in quoted.items()]
+    return Adoption(
+        changes={**{key: parsed.value for key, parsed in read.items()}, "description": "\n".join([*kept, *lines])},
+        written={key: parsed.unit for key, parsed in read.items()},
+    )
+
+
+def _said(found: Coefficient, unit: str, dimension: str) -> str:
+    low, high = (f"{from_si(limit, unit, dimension):.{_DIGITS}g}" for limit in (found.low, found.high))
+    return f"{found.method} ({low} to {high}, {found.interval})"
+
+
+def _log(provenance: Provenance) -> str:
+    name = " ".join(provenance.file_name.split())[:_LONGEST_NAME]
+    return f"{name} (sha256 {provenance.sha256[:16]}, {provenance.rate_hz:g} Hz, {provenance.duration_s:.0f} s)"
+
+
+def _quantity(key: str) -> BaseQuantity[float]:
+    declaration = declaration_of(key)
+    assert isinstance(declaration, BaseQuantity)
+    return declaration

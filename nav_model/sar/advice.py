@@ -1,0 +1,101 @@
+"""Which strategy to use for one design, why, and what would change the answer, in plain words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners
+
+
+@dataclass(frozen=True)
+class Advice:
+    """Numbers [m, s] and the sentences made of them.
+
+    ``sigma``: detrended line-of-sight sigma by strategy, infinite where there is none.
+    """
+
+    strategy: str
+    sentence: str
+    because: str
+    would_change: str
+    sigma: dict[str, float]
+    break_even_aperture: float
+    break_even_gnss_sigma: float
+
+
+_NAMES = {
+    "2": "start the INS from the filter and leave it alone over the aperture",
+    "3": "let the INS coast through the aperture",
+    "5": "subtract the quadratic fitted to INS minus GNSS over the aperture",
+    "5w": "subtract the fitted quadratic, shrunk by its weight",
+}
+_LEFT = {1: "the line", 2: "the autofocus's quadratic", 3: "the autofocus's cubic"}
+
+
+def advise(conditions: Conditions, wavelength: float, required_phase: float | None = None) -> Advice:
+    """Advice for one design. ``required_phase`` [rad]: limit on the detrended phase, at one sigma.
+
+    The fix noise at which 2 and 5 break even is given at the design's state at the last fix (which itself
+    depends on that noise, so it is a first estimate and said to be "about"); zero when fewer than three fixes
+    lie in the aperture or no noise is low enough.
+    """
+    result = map_of_winners(conditions)
+    sigma = {key: float(value) for key, value in zip(result.strategies, result.sigma, strict=True)}
+    chosen = result.strategies[int(result.winner)]
+    phase = 4 * np.pi / wavelength
+    span, coast = float(np.asarray(conditions.aperture_time)), float(np.asarray(conditions.coast_time))
+    sentence = (
+        f"Use strategy {chosen}: {_NAMES[chosen]}. It leaves {_length(sigma[chosen])} "
+        f"({np.degrees(phase * sigma[chosen]):.3g}° of phase) rms after {_LEFT[conditions.autofocus_order]}."
+    )
+    fitted = np.isfinite(sigma["5"])
+    because = f"Left alone, the INS leaves {_length(sigma['2'])}"
+    because += (
+        f"; the quadratic correction leaves {_length(sigma['5'])}, shrunk {_length(sigma['5w'])}."
+        if fitted
+        else "; with fewer than three fixes in the aperture there is no quadratic to fit."
+    )
+    if coast > 0:
+        because += f" After {coast:.4g} s without fixes the INS leaves {_length(sigma['3'])}."
+    break_even = float(break_even_aperture(conditions))
+    limit = _break_even_noise(conditions, sigma) if fitted else 0.0
+    change = ""
+    if conditions.autofocus_order > 1:
+        change = "Autofocus takes the quadratic away under every strategy, so the choice hardly matters here. "
+    change += f"The quadratic correction pays above an aperture of about {break_even:.3g} s"
+    change += f"; this one is {span:.3g} s."
+    if limit > 0:
+        change += (
+            f" At this aperture it pays with fixes better than about {_length(limit)}; "
+            f"these have {_length(float(np.asarray(conditions.gnss_sigma)))}."
+        )
+    if required_phase is not None:
+        ratio = phase * sigma[chosen] / required_phase
+        verdict = "meets" if ratio <= 1 else "misses"
+        change += (
+            f" The choice {verdict} the limit of {np.degrees(required_phase):.3g}° "
+            f"by a factor of {max(ratio, 1 / ratio):.3g}."
+        )
+    return Advice(chosen, sentence, because, change, sigma, break_even, limit)
+
+
+def _break_even_noise(conditions: Conditions, sigma: dict[str, float]) -> float:
+    """Fix noise [m] at which 2 and 5 leave the same: what the fit adds goes with its square. Autofocus: zero."""
+    if conditions.autofocus_order > 1:
+        return 0.0
+    given = float(np.asarray(conditions.gnss_sigma))
+    upright = conditions.vertical_gnss_sigma
+    small = replace(
+        conditions,
+        gnss_sigma=given * 1e-9,
+        vertical_gnss_sigma=None if upright is None else np.multiply(upright, 1e-9),
+    )
+    rest = float(map_of_winners(small).sigma[2]) ** 2
+    room = (sigma["2"] ** 2 - rest) / (sigma["5"] ** 2 - rest)
+    return given * float(np.sqrt(max(room, 0.0)))
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.3g} m" if metres >= 1 else f"{metres * 1e3:.3g} mm"

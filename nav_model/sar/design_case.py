@@ -1,0 +1,163 @@
+"""A design as the strategies see it: what the ensemble simulates and what the closed forms take."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from nav_model.analytic.discrete import cycle
+from nav_model.budget import Budget
+from nav_model.design import Design
+from nav_model.inputs import DesignError
+from nav_model.sar.axis_model import AxisModel
+from nav_model.sar.impulse_response import Window
+from nav_model.sar.line_of_sight import ApertureGeometry
+from nav_model.sar.winners import Conditions
+
+_RATE_HZ = 100.0
+_LEAST_SAMPLES, _MOST_SAMPLES = 256, 4096
+_MOST_FIXES = 5000
+
+
+@dataclass(frozen=True)
+class DesignCase:
+    """What the ensemble simulates: SI; vibration factor applied; ``rate`` [Hz] of the histories."""
+
+    models: tuple[AxisModel, AxisModel, AxisModel]
+    geometry: ApertureGeometry
+    aperture_time: float
+    coast_time: float
+    wavelength: float
+    cell_length: float
+    window: Window
+    autofocus_order: int
+    rate: float
+
+
+def design_case(budget: Budget) -> DesignCase:
+    """The ensemble's inputs for a design.
+
+    Raises
+    ------
+    DesignError
+        For a line of sight straight down or behind the horizon of the flight line, and for more fixes in the
+        aperture or in the coast before it than the fast engine takes (5000 each).
+    """
+    design, sar = budget.design, budget.sar
+    radar, coast = design.radar, design.coast.before_aperture
+    interval = design.gnss.interval
+    for key, span in (("coast.before_aperture", coast), ("gnss.interval", sar.aperture_time)):
+        if span / interval > _MOST_FIXES:
+            held = f"{span:.4g} s hold {span / interval:.4g} fixes"
+            raise DesignError(key, f"{held}; strategies are simulated with {_MOST_FIXES} at most")
+    if radar.grazing_angle >= math.radians(89.9):
+        raise DesignError("radar.grazing_angle", "strategies are simulated below 89.9°; straight down has no image")
+    try:
+        geometry = ApertureGeometry(radar.slant_range, design.flight.speed, radar.grazing_angle, radar.squint_angle)
+    except ValueError as error:
+        raise DesignError("radar.squint_angle", str(error)) from error
+    wanted = max(sar.aperture_time * _RATE_HZ, 8 * sar.aperture_time / interval)
+    samples = min(max(math.ceil(wanted), _LEAST_SAMPLES), _MOST_SAMPLES)
+    level, down = (
+        AxisModel(
+            accelerometer_noise=design.imu.velocity_random_walk * design.imu.vibration_factor,
+            gyro_noise=design.imu.angle_random_walk * design.imu.vibration_factor,
+            gnss_sigma=noise,
+            fix_interval=interval,
+            gravity=design.flight.gravity,
+            accelerometer_bias=design.imu.accelerometer_bias,
+            gyro_bias=design.imu.gyro_bias,
+            horizontal=horizontal,
+        )
+        for noise, horizontal in ((design.gnss.position_noise, True), (_vertical_noise(design), False))
+    )
+    return DesignCase(
+        models=(level, level, down),
+        geometry=geometry,
+        aperture_time=sar.aperture_time,
+        coast_time=coast,
+        wavelength=sar.wavelength,
+        cell_length=sar.cell_length,
+        window=sar.window,  # type: ignore[arg-type]
+        autofocus_order=sar.autofocus_order,
+        rate=samples / sar.aperture_time,
+    )
+
+
+def conditions(
+    budget: Budget,
+    aperture_time: float | np.ndarray | None = None,
+    gnss_factor: float | np.ndarray = 1.0,
+    gyro_noise: float | np.ndarray | None = None,
+) -> Conditions:
+    """The closed forms' inputs for a design, or for a grid about it: arrays that broadcast together.
+
+    The state at the last fix is that of the sampled filter just after it [T-8], for each fix noise
+    (``gnss_factor`` times the design's, vertical with it) and each angle random walk [rad/s/sqrt(Hz)],
+    the vibration factor applied to what is given too.
+    """
+    design = budget.design
+    imu, gnss, flight = design.imu, design.gnss, design.flight
+    accelerometer = imu.velocity_random_walk * imu.vibration_factor
+    gyro = (imu.angle_random_walk if gyro_noise is None else np.asarray(gyro_noise)) * imu.vibration_factor
+    level, upright = gnss.position_noise * np.asarray(gnss_factor), _vertical_noise(design) * np.asarray(gnss_factor)
+    return Conditions(
+        aperture_time=budget.sar.aperture_time if aperture_time is None else aperture_time,
+        gnss_sigma=level,
+        fix_interval=gnss.interval,
+        accelerometer_noise=accelerometer,
+        gyro_noise=gyro,
+        start=cycle(accelerometer, gyro, flight.gravity, gnss.interval, level, upright).posterior.horizontal,
+        coast_time=design.coast.before_aperture,
+        gravity=flight.gravity,
+        accelerometer_bias=imu.accelerometer_bias,
+        gyro_bias=imu.gyro_bias,
+        grazing_angle=design.radar.grazing_angle,
+        vertical_gnss_sigma=upright,
+        turn_rate=flight.speed / design.radar.slant_range,
+        autofocus_order=budget.sar.autofocus_order,
+    )
+
+
+def required_phase(design: Design) -> float | None:
+    """Limit on the detrended phase brought to one sigma [rad], None when the design gives none."""
+    limit = design.requirements.detrended_phase
+    return None if limit is None else float(limit) / design.requirements.confidence
+
+
+def study_cautions(budget: Budget) -> tuple[str, ...]:
+    """What a careful reader of the strategies must know of this design."""
+    design = budget.design
+    said = []
+    if design.gnss.correlated:
+        said.append(
+            "The slow GNSS error is switched on and not covered here: strategies, map and advice take the white "
+            "fix noise alone. The Budget page's phase lines include its effect on the tilt."
+        )
+    if design.radar.squint_angle:
+        said.append(
+            "Squint enters the simulated strategies and the pictures; closed forms, map, advice and the aperture "
+            "time [S-3] are broadside."
+        )
+    if design.coast.before_aperture > 0:
+        said.append(
+            f"Only strategy 3 flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all "
+            "others have fixes throughout. If there are none, strategy 3 is the only one left."
+        )
+    else:
+        said.append("Without a coast before the aperture strategies 2 and 3 are the same.")
+    said.append(
+        "6 and 7 are reconstructions: the literature names the schemes, not the gains. Theirs are searched on other "
+        "seeds for the least residual of this design."
+    )
+    said.append(
+        "The closed form of 5 takes the quadratic fit as continuous: with few fixes in the aperture its inertial "
+        "part is low, by up to 9 % with a fix at both ends [T-16]."
+    )
+    return tuple(said)
+
+
+def _vertical_noise(design: Design) -> float:
+    return float(design.gnss.vertical_position_noise or design.gnss.position_noise)

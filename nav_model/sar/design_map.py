@@ -1,0 +1,112 @@
+"""The maps of winners about a design: aperture time against fix noise, and against angle random walk."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.budget import Budget
+from nav_model.catalogue import catalogue
+from nav_model.parts import SPEED_OF_LIGHT
+from nav_model.sar.design_case import conditions
+from nav_model.sar.geometry import aperture_time
+from nav_model.sar.winners import MAP_STRATEGIES, WinnerMap, map_of_winners
+
+_FloatArray = NDArray[np.float64]
+POINTS = 80
+_GNSS_SPAN = (0.003, 30.0)  # m
+_ARW_SPAN = (math.radians(1e-3) / 60, math.radians(10.0) / 60)
+
+
+@dataclass(frozen=True)
+class DesignMap:
+    """Winners on a grid about a design.
+
+    ``aperture_time`` (n,) [s] across, ``other`` (m,) upwards: fix noise [m] or angle random walk [rad/√s];
+    ``winner`` (m, n): index into ``strategies``; ``phase`` (m, n): detrended phase [rad] of the strategy named.
+    ``here``: the design; ``names``, ``x``, ``y``: the catalogue.
+    """
+
+    strategies: tuple[str, ...]
+    aperture_time: _FloatArray
+    other: _FloatArray
+    winner: NDArray[np.intp]
+    phase: _FloatArray
+    here: tuple[float, float]
+    names: tuple[str, ...]
+    x: _FloatArray
+    y: _FloatArray
+
+
+def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
+    """Aperture time against fix noise; the catalogue's radars with this design's fixes.
+
+    The vertical fix noise goes with the horizontal one. Radars whose entry lacks range, resolution, frequency
+    or speed are left out.
+    """
+    own = budget.design.gnss.position_noise
+    noise = _axis(own, _GNSS_SPAN, points)
+    names, spans = [], []
+    for entry in catalogue("radar").values():
+        known = {key: item.value for key, item in (*entry.values.items(), *entry.extra.items())}
+        if {"frequency", "slant_range", "azimuth_resolution", "speed"} <= set(known):
+            names.append(entry.name)
+            spans.append(
+                float(
+                    aperture_time(
+                        SPEED_OF_LIGHT / known["frequency"], known["slant_range"], known["speed"],
+                        known["azimuth_resolution"], budget.sar.window,
+                    )
+                )
+            )  # fmt: skip
+    span = _aperture_axis(budget, points)
+    result = map_of_winners(conditions(budget, span[None, :], gnss_factor=noise[:, None] / own))
+    return _made(budget, result, span, noise, own, tuple(names), np.array(spans), np.full(len(spans), own))
+
+
+def arw_map(budget: Budget, points: int = POINTS) -> DesignMap:
+    """Aperture time against angle random walk; the catalogue's inertial units at this design's aperture."""
+    own = budget.design.imu.angle_random_walk
+    walk = _axis(own, _ARW_SPAN, points)
+    known = [entry for entry in catalogue("imu").values() if "angle_random_walk" in entry.values]
+    span = _aperture_axis(budget, points)
+    result = map_of_winners(conditions(budget, span[None, :], gyro_noise=walk[:, None]))
+    values = np.array([entry.values["angle_random_walk"].value for entry in known])
+    names = tuple(entry.name for entry in known)
+    return _made(budget, result, span, walk, own, names, np.full(len(known), budget.sar.aperture_time), values)
+
+
+def _made(
+    budget: Budget,
+    result: WinnerMap,
+    span: _FloatArray,
+    other: _FloatArray,
+    own: float,
+    names: tuple[str, ...],
+    x: _FloatArray,
+    y: _FloatArray,
+) -> DesignMap:
+    inside = (x >= span[0]) & (x <= span[-1]) & (y >= other[0]) & (y <= other[-1])
+    return DesignMap(
+        strategies=MAP_STRATEGIES,
+        aperture_time=span,
+        other=other,
+        winner=result.winner,
+        phase=4 * np.pi / budget.sar.wavelength * result.best_sigma,
+        here=(budget.sar.aperture_time, own),
+        names=tuple(name for name, shown in zip(names, inside, strict=True) if shown),
+        x=x[inside],
+        y=y[inside],
+    )
+
+
+def _aperture_axis(budget: Budget, points: int) -> _FloatArray:
+    return _axis(budget.sar.aperture_time, (0.5, 100.0), points)
+
+
+def _axis(own: float, span: tuple[float, float], points: int) -> _FloatArray:
+    """A log axis over `span`, grown where the design lies outside it."""
+    return np.geomspace(min(span[0], own / 2), max(span[1], own * 2), points)

@@ -1,0 +1,244 @@
+"""The strategies for one design: an ensemble of runs beside the closed forms, and what to make of them.
+
+`design_study` does all of it at once. A page that shows progress does the same in steps: `design_case`,
+`choose_tuning`, `run_chunk` for each of `chunks(runs)`, `typical_history`, then `gather`. Chunks have seeds of
+their own, so the result does not depend on who runs them or in which order; what travels is plain data.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.budget import Budget, analyse
+from nav_model.design import Design
+from nav_model.sar.advice import Advice, advise
+from nav_model.sar.decomposition import Band, band
+from nav_model.sar.design_case import DesignCase, conditions, design_case, required_phase
+from nav_model.sar.strategies import STRATEGIES, STRATEGY_KEYS, Strategy, Tuning
+from nav_model.sar.study import RunMeasures, choose_tuning, measure_runs, simulate_axes, typical_run
+from nav_model.sar.winners import MAP_STRATEGIES, strategy_variances
+
+_FloatArray = NDArray[np.float64]
+CHUNK = 50
+MOST_RUNS = 20_000
+# Quadratic phase beyond which 1024 aperture samples no longer carry the response: it fills the line.
+_NO_IMAGE_RAD = 800.0
+
+
+@dataclass(frozen=True)
+class ClosedForms:
+    """What follows the sliders: the advice, and for 2, 3, 5 and 5w the sigmas [m] along the line of sight.
+
+    ``quadratic``: of the coefficient at the aperture's ends; ``detrended``: rms over the aperture of what the
+    autofocus leaves; None where fewer than three fixes determine no quadratic.
+    """
+
+    advice: Advice
+    quadratic: dict[str, float | None]
+    detrended: dict[str, float | None]
+    required_phase: float | None
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some of the runs: their measures, the residual of each only as its sum of squares (9, n)."""
+
+    measures: RunMeasures
+    square: _FloatArray
+    runs: int
+
+
+@dataclass(frozen=True)
+class DesignStudy:
+    """Nine strategies on one noise realisation a run; strategies first, metres of line of sight.
+
+    ``parts``, ``responses``: name -> band (9,); a response is NaN where there is no image. ``rms``: root mean
+    square over the runs of the residual after autofocus, ``quadratic_rms`` of the quadratic coefficient: what a
+    closed form is compared with; ``rms_error``, ``quadratic_rms_error`` their standard errors.
+    ``time`` (n,), ``typical`` (9, n): the run whose free INS is the median one; ``spread`` (9, n): rms over the runs.
+    """
+
+    budget: Budget
+    runs: int
+    seed: int
+    closed: ClosedForms
+    parts: dict[str, Band]
+    responses: dict[str, Band]
+    rms: _FloatArray
+    rms_error: _FloatArray
+    quadratic_rms: _FloatArray
+    quadratic_rms_error: _FloatArray
+    jump_rms: Band
+    fix_harmonics: Band
+    fixes: int
+    time: _FloatArray
+    typical: _FloatArray
+    spread: _FloatArray
+    tuning: Tuning
+
+    @property
+    def strategies(self) -> tuple[Strategy, ...]:
+        """In the order of every array."""
+        return STRATEGIES
+
+    def best(self, *, causal: bool) -> Strategy:
+        """The causal (or the off-line) strategy with the least median residual; the ideal is not one of them."""
+        residual = self.parts["residual_rms"].median
+        able = [i for i, strategy in enumerate(STRATEGIES) if strategy.causal is causal and strategy.key != "1"]
+        return STRATEGIES[min(able, key=lambda i: float(residual[i]))]
+
+    @property
+    def sentence(self) -> str:
+        """What the runs add to the advice of the closed forms."""
+        residual = dict(zip(STRATEGY_KEYS, self.parts["residual_rms"].median, strict=True))
+        causal, offline = self.best(causal=True), self.best(causal=False)
+        said = (
+            f"In {self.runs} runs the least median residual is {_millimetres(residual[causal.key])} for a causal "
+            f"strategy ({causal.key}, {causal.name}{', a reconstruction' if causal.reconstruction else ''}) and "
+            f"{_millimetres(residual[offline.key])} off-line ({offline.key}, {offline.name})."
+        )
+        advised = self.closed.advice.strategy
+        if residual[causal.key] < 0.95 * residual[advised] and causal.key != advised:
+            said += (
+                f" Strategy {causal.key} has no closed form and so is not in the advice; it does better here than "
+                f"{advised} ({_millimetres(residual[advised])})."
+            )
+        return said
+
+
+def closed_forms(budget: Budget) -> ClosedForms:
+    """The closed forms of a design: a few milliseconds."""
+    inputs = conditions(budget)
+    variances = strategy_variances(inputs)
+    limit = required_phase(budget.design)
+    return ClosedForms(
+        advice=advise(inputs, budget.sar.wavelength, limit),
+        quadratic=_by_strategy(variances.quadratic),
+        detrended=_by_strategy(variances.detrended),
+        required_phase=limit,
+    )
+
+
+def chunks(runs: int) -> list[int]:
+    """Runs of each chunk: whole chunks of 50, then the rest.
+
+    Raises
+    ------
+    ValueError
+        For fewer than 20 runs, which give no 5-95 % band, or more than 20,000.
+    """
+    if not 20 <= runs <= MOST_RUNS:
+        raise ValueError(f"runs: {runs}; from 20 to {MOST_RUNS} are needed")
+    return [CHUNK] * (runs // CHUNK) + [runs % CHUNK] * (runs % CHUNK > 0)
+
+
+def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> Chunk:
+    """One chunk; deterministic in (seed, index, runs)."""
+    measures = _measured(case, tuning, seed, index, runs)
+    square = np.sum(measures.residual**2, axis=1)
+    return Chunk(replace(measures, residual=measures.residual[:, :0]), square, runs)
+
+
+def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
+    """Where the run to draw is: chunk, runs of that chunk, place in it."""
+    run = typical_run(_joined([chunk.measures.parts["detrended_rms"] for chunk in parts]))
+    index, within = divmod(run, CHUNK)
+    return index, parts[index].runs, within
+
+
+def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int) -> _FloatArray:
+    """Residual (9, n) [m] of one run, simulated again from its chunk's seed."""
+    return _measured(case, tuning, seed, index, runs).residual[:, within]
+
+
+def gather(
+    budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk], history: _FloatArray
+) -> DesignStudy:
+    """The study from all its chunks, in order, and the `typical_history` of its `typical_place`."""
+    runs = sum(chunk.runs for chunk in parts)
+    values = {name: _joined([c.measures.parts[name] for c in parts]) for name in parts[0].measures.parts}
+    responses = {name: _joined([c.measures.responses[name] for c in parts]) for name in parts[0].measures.responses}
+    bands = {name: band(value) for name, value in values.items()}
+    to_phase = 4 * np.pi / case.wavelength
+    left = bands["quadratic"] if case.autofocus_order == 1 else bands["residual_rms"]
+    smeared = to_phase * left.high > _NO_IMAGE_RAD
+    first = parts[0].measures
+    rms, rms_error = _root_mean_square(values["residual_rms"])
+    quadratic, quadratic_error = _root_mean_square(values["quadratic"])
+    return DesignStudy(
+        budget=budget,
+        runs=runs,
+        seed=seed,
+        closed=closed_forms(budget),
+        parts=bands,
+        responses={name: _without(band(value), smeared) for name, value in responses.items()},
+        rms=rms,
+        rms_error=rms_error,
+        quadratic_rms=quadratic,
+        quadratic_rms_error=quadratic_error,
+        jump_rms=band(np.concatenate([c.measures.jump_rms for c in parts])),
+        fix_harmonics=band(np.moveaxis(_joined([c.measures.fix_harmonics for c in parts]), 1, -1)),
+        fixes=first.fixes,
+        time=first.time,
+        typical=history,
+        spread=np.sqrt(sum(chunk.square for chunk in parts) / runs),
+        tuning=tuning,
+    )
+
+
+def design_study(design: Design, runs: int = 200, seed: int = 0) -> DesignStudy:
+    """The whole study of one design, in this process.
+
+    Raises
+    ------
+    DesignError
+        See `design_case`.
+    ValueError
+        See `chunks`.
+    """
+    sizes = chunks(runs)
+    budget = analyse(design)
+    case = design_case(budget)
+    tuning = choose_tuning(case.models[1], case.aperture_time, seed)
+    parts = [run_chunk(case, tuning, seed, index, size) for index, size in enumerate(sizes)]
+    history = typical_history(case, tuning, seed, *typical_place(parts))
+    return gather(budget, case, tuning, seed, parts, history)
+
+
+def _measured(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> RunMeasures:
+    own = np.random.SeedSequence([seed, 0, index])
+    axes = simulate_axes(case.models, case.aperture_time, case.coast_time, runs, own, case.rate, tuning)
+    interval = case.models[1].fix_interval
+    return measure_runs(axes, case.geometry, case.wavelength, interval, case.window, case.autofocus_order)
+
+
+def _joined(values: Sequence[_FloatArray]) -> _FloatArray:
+    return np.concatenate(values, axis=1)
+
+
+def _root_mean_square(values: _FloatArray) -> tuple[_FloatArray, _FloatArray]:
+    """Over the runs (last axis), with its standard error to first order."""
+    square = values**2
+    mean = square.mean(axis=-1)
+    root = np.sqrt(mean)
+    error = square.std(axis=-1) / np.sqrt(values.shape[-1])
+    return root, np.divide(error, 2 * root, out=np.zeros_like(root), where=root > 0)
+
+
+def _without(values: Band, smeared: NDArray[np.bool_]) -> Band:
+    return Band(*(np.where(smeared, np.nan, part) for part in (values.median, values.low, values.high)))
+
+
+def _by_strategy(variances: _FloatArray) -> dict[str, float | None]:
+    sigma = np.sqrt(variances)
+    return {
+        key: float(value) if np.isfinite(value) else None for key, value in zip(MAP_STRATEGIES, sigma, strict=True)
+    }
+
+
+def _millimetres(metres: float) -> str:
+    return f"{1000 * metres:.3g} mm"

@@ -1,0 +1,112 @@
+"""What the navigation errors of a study do to a picture: a point, a few targets, a real phase history."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nav_model.budget import Budget
+from nav_model.sar.design_case import design_case
+from nav_model.sar.image import (
+    SPEED_OF_LIGHT_M_S,
+    back_project,
+    phase_history_of_bytes,
+    point_target_image,
+    pulse_errors,
+)
+from nav_model.sar.scene import scene_images
+
+_FloatArray = NDArray[np.float64]
+_MOST_BANDWIDTH = 0.3  # of the carrier
+_POINT_AZIMUTH, _POINT_RANGE = 10.0, 5.0  # cells each side of the point
+_SCENE_CELLS = 22.0
+_SCENE_PIXELS = 96
+# Azimuth and range of each target, in cells, and its amplitude: pairs two and four cells apart, weak beside strong.
+_TARGETS = (
+    (0.0, 0.0, 1.0), (-14.0, 12.0, 1.0), (-12.0, 12.0, 1.0), (10.0, 12.0, 1.0), (14.0, 12.0, 1.0),
+    (-13.0, -11.0, 1.0), (-8.0, -11.0, 0.2), (12.0, -11.0, 0.5),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """Power [dB] (k, y, x) on one scale; ``x`` azimuth and ``y`` range [m] about the middle.
+
+    ``range_cell`` [m]; ``bandwidth_cut`` tells that it was coarsened to keep the band below 0.3 of the carrier.
+    """
+
+    x: _FloatArray
+    y: _FloatArray
+    power_db: _FloatArray
+    range_cell: float
+    bandwidth_cut: bool
+
+
+def point_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
+    """The focused point under each residual (k, n) [m], dB over the error-free peak.
+
+    A design has no range resolution of its own: its azimuth resolution is taken for it.
+    """
+    cell, cut = _range_cell(budget)
+    azimuth, ranges = np.linspace(-_POINT_AZIMUTH, _POINT_AZIMUTH, 121), np.linspace(-_POINT_RANGE, _POINT_RANGE, 61)
+    power = point_target_image(
+        residual,
+        budget.sar.wavelength,
+        cell,
+        azimuth,
+        ranges,
+        budget.sar.window,  # type: ignore[arg-type]
+    )
+    return Pictures(azimuth * budget.sar.cell_length, ranges * cell, np.swapaxes(power, -1, -2), cell, cut)
+
+
+def scene_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
+    """Eight point targets on the ground under each residual (k, n) [m], dB over a unit target."""
+    case = design_case(budget)
+    cell, cut = _range_cell(budget)
+    along, away = budget.sar.cell_length, cell / np.cos(case.geometry.grazing_angle)
+    size = max(along, away)
+    targets = np.array([(x * size, y * size) for x, y, _ in _TARGETS])
+    scene = scene_images(
+        case.geometry, case.aperture_time, case.wavelength, SPEED_OF_LIGHT_M_S / (2 * cell), targets, residual,
+        [amplitude for *_, amplitude in _TARGETS], _SCENE_CELLS * size, _SCENE_PIXELS, case.window,
+    )  # fmt: skip
+    return Pictures(scene.x, scene.y, scene.power_db, cell, cut)
+
+
+def uploaded_pictures(
+    name: str, data: bytes, time: ArrayLike, residual: ArrayLike, half_width: float, pixels: int = 256
+) -> Pictures:
+    """A user's phase history formed as it is and with each residual (k, n) [m]: (1 + k, y, x), brightest at 0 dB.
+
+    The residual, which belongs to the design's aperture, is laid over the file's pulses from first to last; the
+    phase it makes is that of the file's wavelength. The picture is +- ``half_width`` [m] about the scene centre,
+    on the plane z = 0, under a Taylor window.
+
+    Raises
+    ------
+    ValueError
+        Naming the file and what is wrong with it, or a half width that is not positive and finite.
+    """
+    if not (np.isfinite(half_width) and half_width > 0):
+        raise ValueError(f"half_width: {half_width} m; a positive, finite number is needed")
+    history = phase_history_of_bytes(name, data)
+    laid = pulse_errors(time, np.atleast_2d(np.asarray(residual, float)), history.samples.shape[1])
+    axis = np.linspace(-half_width, half_width, pixels)
+    images = [back_project(history, axis, axis, range_error=one, window="taylor") for one in (0 * laid[0], *laid)]
+    brightest = np.abs(images[0]).max()
+    if not brightest > 0:
+        raise ValueError(f"{name}: nothing lies within {half_width:g} m of the scene centre")
+    with np.errstate(divide="ignore"):
+        power = 20 * np.log10(np.abs(np.stack(images)) / brightest)
+    band = float(np.ptp(history.frequency))
+    return Pictures(axis, axis, power, SPEED_OF_LIGHT_M_S / (2 * band), False)
+
+
+def _range_cell(budget: Budget) -> tuple[float, bool]:
+    """Range cell c/(2B) [m] equal to the azimuth resolution, and whether the carrier forced a coarser one."""
+    wanted = budget.design.radar.azimuth_resolution
+    finest = SPEED_OF_LIGHT_M_S / (2 * _MOST_BANDWIDTH * budget.design.radar.frequency)
+    return max(wanted, finest), wanted < finest

@@ -1,0 +1,113 @@
+"""A study of the strategies as plain JSON-ready data, SI throughout; what does not exist is null."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.sar.decomposition import Band
+from nav_model.sar.design_case import study_cautions
+from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
+from nav_model.sar.design_study import ClosedForms, DesignStudy
+from nav_model.sar.strategies import STRATEGIES
+
+_JSON_MAP_POINTS = 40
+
+
+def to_json(study: DesignStudy) -> dict[str, Any]:
+    """Every number of the study, and what to mind."""
+    budget = study.budget
+    sar = budget.sar
+    return {
+        "design": {"name": budget.design.name, "content_hash": budget.design.content_hash},
+        "runs": study.runs,
+        "seed": study.seed,
+        "wavelength_m": sar.wavelength,
+        "aperture_time_s": sar.aperture_time,
+        "cell_length_m": sar.cell_length,
+        "coast_before_aperture_s": budget.design.coast.before_aperture,
+        "squint_rad": budget.design.radar.squint_angle,
+        "autofocus_order": sar.autofocus_order,
+        "window": sar.window,
+        "fixes_in_aperture": study.fixes,
+        "slow_gnss_error": "not covered" if budget.design.gnss.correlated else "off",
+        "advice": advice(study.closed),
+        "ensemble_sentence": study.sentence,
+        "strategies": [_strategy(study, index) for index in range(len(STRATEGIES))],
+        "jump_rms_m": _band(study.jump_rms, ...),
+        "tuning": asdict(study.tuning),
+        "typical_run": {
+            "time_s": study.time.tolist(),
+            "residual_m": {s.key: study.typical[i].tolist() for i, s in enumerate(STRATEGIES)},
+            "residual_rms_over_runs_m": {s.key: study.spread[i].tolist() for i, s in enumerate(STRATEGIES)},
+        },
+        "maps": {
+            "gnss_position_noise_m": _map(gnss_map(budget, _JSON_MAP_POINTS)),
+            "angle_random_walk_rad_sqrt_s": _map(arw_map(budget, _JSON_MAP_POINTS)),
+        },
+        "cautions": list(study_cautions(budget)),
+    }
+
+
+def advice(closed: ClosedForms) -> dict[str, Any]:
+    """The advice of the closed forms."""
+    said = closed.advice
+    return {
+        "strategy": said.strategy,
+        "sentence": said.sentence,
+        "because": said.because,
+        "would_change": said.would_change,
+        "break_even_aperture_s": said.break_even_aperture,
+        "break_even_gnss_sigma_m": said.break_even_gnss_sigma,
+        "required_phase_rad": closed.required_phase,
+    }
+
+
+def _strategy(study: DesignStudy, index: int) -> dict[str, Any]:
+    strategy = STRATEGIES[index]
+    key = strategy.key
+    return {
+        "key": key,
+        "name": strategy.name,
+        "causal": strategy.causal,
+        "reconstruction": strategy.reconstruction,
+        "source": strategy.source,
+        "closed_form": {
+            "residual_rms_m": study.closed.detrended.get(key),
+            "quadratic_sigma_m": study.closed.quadratic.get(key),
+        },
+        "residual_rms_over_runs_m": float(study.rms[index]),
+        "residual_rms_over_runs_standard_error_m": float(study.rms_error[index]),
+        "quadratic_sigma_m": float(study.quadratic_rms[index]),
+        "quadratic_sigma_standard_error_m": float(study.quadratic_rms_error[index]),
+        "parts_m": {name: _band(values, index) for name, values in study.parts.items()},
+        "impulse_response": {name: _band(values, index) for name, values in study.responses.items()},
+        "fix_rate_harmonics_m": _band(study.fix_harmonics, index),
+    }
+
+
+def _band(values: Band, index: Any) -> dict[str, Any]:
+    return {
+        "median": _plain(values.median[index]),
+        "p5": _plain(values.low[index]),
+        "p95": _plain(values.high[index]),
+    }
+
+
+def _plain(value: NDArray[np.float64]) -> Any:
+    if value.ndim:
+        return [_plain(one) for one in value]
+    return float(value) if math.isfinite(value) else None
+
+
+def _map(drawn: DesignMap) -> dict[str, Any]:
+    return {
+        "aperture_time_s": drawn.aperture_time.tolist(),
+        "values": drawn.other.tolist(),
+        "winner": [[drawn.strategies[i] for i in row] for row in drawn.winner],
+        "detrended_phase_rad": drawn.phase.tolist(),
+    }

@@ -1,0 +1,179 @@
+"""Which way of navigating through the aperture wins: strategies 2, 3, 5 and 5w along the line of sight.
+
+Axes are put together with the weights of [S-1]. To the errors along the line of sight comes the along-track
+velocity error, which the turning line of sight bends into a quadratic [S-2]. The forms are broadside and take
+white fix noise only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nav_model.analytic.coast import bias_velocity, horizontal_growth
+from nav_model.analytic.steady_state import Horizontal
+from nav_model.sar.axis_model import STANDARD_GRAVITY_M_S2
+from nav_model.sar.geometry import line_of_sight_weights
+from nav_model.sar.phase import phase_budget, total
+from nav_model.sar.strategy_forms import (
+    QUADRATIC_MEAN_SQUARE,
+    fit_quadratic_sigma,
+    fixes_in_aperture,
+    ins_quadratic_variance,
+    shrunk_residual_variance,
+)
+
+_FloatArray = NDArray[np.float64]
+
+MAP_STRATEGIES: tuple[str, ...] = ("2", "3", "5", "5w")
+"""Those that have a closed form, simplest first."""
+
+_SECTIONS = 64  # parts a step of the search for the break-even aperture cuts its bracket into
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What the closed forms need: SI, numbers or arrays that broadcast together.
+
+    ``start``: covariance of a horizontal axis at the last fix. ``vertical_gnss_sigma``: as the horizontal
+    one unless given. ``turn_rate`` [rad/s]: of the line of sight, V / R. ``fixes``: in the aperture,
+    floor(T / dt) + 1 unless given. Only strategy 3 carries ``coast_time``.
+    """
+
+    aperture_time: ArrayLike
+    gnss_sigma: ArrayLike
+    fix_interval: ArrayLike
+    accelerometer_noise: ArrayLike
+    gyro_noise: ArrayLike
+    start: Horizontal
+    coast_time: ArrayLike = 0.0
+    gravity: ArrayLike = STANDARD_GRAVITY_M_S2
+    accelerometer_bias: ArrayLike = 0.0
+    gyro_bias: ArrayLike = 0.0
+    grazing_angle: ArrayLike = 0.0
+    vertical_gnss_sigma: ArrayLike | None = None
+    turn_rate: ArrayLike = 0.0
+    autofocus_order: int = 1
+    fixes: ArrayLike | None = None
+
+
+class StrategyVariances(NamedTuple):
+    """Line-of-sight variances [m^2], shape (4, ...) in the order of `MAP_STRATEGIES`.
+
+    ``quadratic``: of the coefficient of x^2 over the aperture. ``detrended``: mean over the aperture of what
+    the autofocus leaves. Infinite for 5 where fewer than three fixes determine no quadratic.
+    """
+
+    quadratic: _FloatArray
+    detrended: _FloatArray
+
+
+def strategy_variances(c: Conditions) -> StrategyVariances:
+    """The closed forms [T-15], [T-16], [S-5], [S-7] along the line of sight, along-track part [S-2] included."""
+    level, upright = line_of_sight_weights(c.grazing_angle)
+    t, dt = np.asarray(c.aperture_time, float), np.asarray(c.fix_interval, float)
+    n = fixes_in_aperture(t, dt) if c.fixes is None else np.asarray(c.fixes, float)
+    sensors = (c.start.p33, c.accelerometer_noise, c.gyro_noise, c.accelerometer_bias, c.gyro_bias, c.gravity)
+    free = total(phase_budget(*sensors, t, 0.0, c.grazing_angle, c.autofocus_order))
+    coasted = total(phase_budget(*sensors, t, c.coast_time, c.grazing_angle, c.autofocus_order))
+    rest = total(phase_budget(*sensors, t, 0.0, c.grazing_angle, max(c.autofocus_order, 2))).detrended
+
+    across = fit_quadratic_sigma(c.gnss_sigma, dt, t, n) ** 2
+    vertical_sigma = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
+    down = fit_quadratic_sigma(vertical_sigma, dt, t, n) ** 2
+    held = ins_quadratic_variance(
+        t, c.accelerometer_noise, c.gyro_noise, c.start.p33, 0.0, c.gravity, c.accelerometer_bias, c.gyro_bias
+    )
+    held_down = ins_quadratic_variance(t, c.accelerometer_noise, 0.0, 0.0, 0.0, c.gravity, c.accelerometer_bias)
+    shrunk = (
+        level * shrunk_residual_variance(held, across, 0.0) + upright * shrunk_residual_variance(held_down, down, 0.0)
+    ) / QUADRATIC_MEAN_SQUARE
+
+    bent, bent_coasted, bent_fit = _bent_by_the_turn(c, t, dt, n)
+    along = (bent, bent_coasted, bent_fit, np.where(n > 2, bent_fit, bent))
+    with np.errstate(invalid="ignore"):  # no fit, seen along an axis of no weight
+        fitted = np.where(n > 2, level * across + upright * down, np.inf)
+    quadratic = (free.quadratic, coasted.quadratic, fitted, shrunk)
+    if c.autofocus_order == 1:
+        corrected = [QUADRATIC_MEAN_SQUARE * part + rest for part in quadratic[2:]]
+        detrended = [
+            part + QUADRATIC_MEAN_SQUARE * turned
+            for part, turned in zip((free.detrended, coasted.detrended, *corrected), along, strict=True)
+        ]
+    else:
+        determined = np.where(n > 2, rest, np.inf)
+        detrended = [free.detrended, coasted.detrended, determined, rest]
+    return StrategyVariances(
+        np.stack(np.broadcast_arrays(*(q + turned for q, turned in zip(quadratic, along, strict=True)))),
+        np.stack(np.broadcast_arrays(*detrended)),
+    )
+
+
+def _bent_by_the_turn(
+    c: Conditions, t: _FloatArray, dt: _FloatArray, n: _FloatArray
+) -> tuple[_FloatArray, _FloatArray, _FloatArray]:
+    """Variance [m^2] of the quadratic that the along-track velocity error makes: free, coasted, fitted.
+
+    The line of sight turns by V/R a second, so a velocity error v at the middle of the aperture makes
+    (V/R) v T^2/4 at its ends [S-2]. Under 5 and 5w the velocity is that of the fitted line.
+    """
+
+    def velocity(age: ArrayLike) -> _FloatArray:
+        grown = horizontal_growth(c.start, c.accelerometer_noise, c.gyro_noise, c.gravity, age).velocity
+        drift = bias_velocity(c.accelerometer_bias, c.gyro_bias, c.gravity, age)
+        return np.asarray(grown + drift[0] ** 2 + drift[1] ** 2)
+
+    lever = np.square(np.asarray(c.turn_rate, float) * t**2 / 4)
+    fitted = np.square(c.gnss_sigma) / dt**2 * np.where(n > 2, 12 / (n * (n**2 - 1) + (n <= 2)), 0.0)
+    return lever * velocity(t / 2), lever * velocity(np.add(c.coast_time, t / 2)), np.asarray(lever * fitted)
+
+
+class WinnerMap(NamedTuple):
+    """Which strategy to use at each point: index into `strategies`, and sigma (4, ...) [m] of each."""
+
+    strategies: tuple[str, ...]
+    winner: NDArray[np.intp]
+    sigma: _FloatArray
+    best_sigma: _FloatArray
+
+
+def map_of_winners(conditions: Conditions, worth: float = 0.05) -> WinnerMap:
+    """The strategy that wins among those with a closed form, by detrended sigma along the line of sight.
+
+    On one axis 5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in
+    the order of `MAP_STRATEGIES`) within the fraction ``worth`` of the best is the one named. Along the line of
+    sight it can lose: its fitted line brings the fixes' velocity noise, which the turn bends [S-2].
+    ``start`` goes with the fix noise and the sensors of each point, so give arrays of that shape.
+    ``best_sigma`` is that of the strategy named.
+    """
+    if not 0 <= worth < 1:
+        raise ValueError(f"worth: {worth}; a fraction from 0 to below 1 is needed")
+    sigma = np.sqrt(strategy_variances(conditions).detrended)
+    winner = (sigma <= sigma.min(axis=0) * (1 + worth)).argmax(axis=0)
+    named = np.take_along_axis(sigma, winner[None], axis=0)[0]
+    return WinnerMap(MAP_STRATEGIES, winner, sigma, named)
+
+
+def break_even_aperture(conditions: Conditions) -> _FloatArray:
+    """Aperture time [s] above which the quadratic correction (5) beats the INS the filter starts (2).
+
+    [T-15] equals [T-16] there, with a fix at both ends: N = T / dt + 1. The noise of the fit falls and what
+    the quadratic holds grows with T, so there is one crossing, searched over 2 to 1e6 fix intervals.
+    The aperture time and the autofocus of the conditions do not enter.
+    """
+    dt = np.asarray(conditions.fix_interval, float)
+    first = replace(conditions, autofocus_order=1, aperture_time=2 * dt, fixes=3.0)
+    dt = np.broadcast_to(dt, strategy_variances(first).detrended.shape[1:])
+    low, high = np.log(2.0 * dt), np.log(1e6 * dt)
+    part = np.linspace(0, 1, _SECTIONS).reshape(-1, *[1] * dt.ndim)
+    for _ in range(6):
+        t = np.exp(low + (high - low) * part)
+        free, _, corrected, _ = strategy_variances(replace(first, aperture_time=t, fixes=t / dt + 1)).detrended
+        pays = free > corrected
+        place = np.where(pays.any(axis=0), pays.argmax(axis=0), _SECTIONS - 1)[None]
+        ends = (np.take_along_axis(t, np.maximum(place - k, 0), axis=0)[0] for k in (1, 0))
+        low, high = (np.log(end) for end in ends)
+    return np.asarray(np.exp((low + high) / 2))

@@ -1,0 +1,126 @@
+"""`navbudget allan`: JSON of the contract on standard output, progress on standard error, refusals in one line."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cli import main
+
+# Known noise at 100 Hz: 0.3 °/√h and 0.05 m/s/√h.
+ARW, VRW = np.radians(0.3) / 60.0, 0.05 / 60.0
+HEADER = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"
+
+
+def table(samples: int = 8000, factor: float = 1.0) -> np.ndarray:
+    noise = np.random.default_rng(7).standard_normal((samples, 6)) * 10.0 * factor
+    return noise * [ARW, ARW, ARW, VRW, VRW, VRW] + [0.0, 0.0, 0.0, 0.0, 0.0, 9.8]
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("logs") / "bench.csv"
+    np.savetxt(path, table(), delimiter=",", header=HEADER, comments="", fmt="%.9g")
+    return path
+
+
+def test_static_log_gives_the_contract(log: Path, capsys: pytest.CaptureFixture[str]):
+    assert main(["allan", str(log), "--rate", "100"]) == 0
+    out, err = capsys.readouterr()
+    data = json.loads(out)
+    assert [axis["name"] for axis in data["axes"]] == [f"{s}_{a}" for s in ("gyro", "accelerometer") for a in "xyz"]
+    for axis in data["axes"]:
+        truth, unit = (0.3, "°/√h") if axis["name"].startswith("gyro") else (0.05, "m/s/√h")
+        walk = axis["random_walk"]
+        # 8000 samples fix a random walk within 0.8 % (1 sigma).
+        assert walk["value"] == pytest.approx(truth, rel=0.04)
+        assert walk["unit"] == unit
+        assert walk["interval"] == "95 % confidence"
+        assert axis["bias_instability"] is None
+        assert axis["not_resolved"]["bias_instability"].startswith("not resolved")
+        assert "a log of" in axis["would_resolve"]["bias_instability"]
+    assert data["provenance"]["file"] == "bench.csv"
+    assert "gyro_x" in err
+    assert err.rstrip().endswith("100 % done")
+
+
+def test_output_goes_to_a_file(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    target = tmp_path / "noise.json"
+    assert main(["allan", str(log), "--rate", "100", "-o", str(target)]) == 0
+    assert capsys.readouterr().out == ""
+    assert len(json.loads(target.read_text(encoding="utf-8"))["axes"]) == 6
+    assert main(["allan", str(log), "--rate", "100", "-o", str(tmp_path / "no" / "such.json")]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+
+
+def test_archive_of_counts_with_named_arrays(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    path = tmp_path / "counts.npz"
+    np.savez(path, first=np.round(table()[:, :3] / 1e-6), second=table()[:, 3:])
+    command = ["allan", str(path), "--rate", "100", "--arrays", "gyro=first,accelerometer=second"]
+    assert main([*command, "--gyro-unit", "1e-6 rad/s", "--accelerometer-unit", "m/s2"]) == 0
+    gyro = json.loads(capsys.readouterr().out)["axes"][0]
+    assert gyro["random_walk"]["value"] == pytest.approx(0.3, rel=0.04)
+    assert main([*command, "--accelerometer-unit", "m/s2"]) == 2
+    assert "gyro_unit" in capsys.readouterr().err
+
+
+def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    path = tmp_path / "flight.csv"
+    np.savetxt(path, table(factor=4.0), delimiter=",", header=HEADER, comments="", fmt="%.9g")
+    command = [
+        "allan",
+        str(path),
+        "--rate",
+        "100",
+        "--motion",
+        "--bench-arw",
+        "0.3 °/√h",
+        "--bench-vrw",
+        "0.05 m/s/√h",
+    ]
+    assert main(command) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["vibration_factor"] == pytest.approx(4.0, rel=0.05)
+    assert "as white noise" in data["qualification"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["nowhere.csv"], "nowhere.csv: no such file"),
+        (["{log}"], "bench.csv: no time column and no rate; give the rate in Hz"),
+        (["{log}", "--rate", "-1"], "rate -1.0 Hz"),
+        (["{log}", "--rate", "100", "--gyro-unit", "furlong"], "'furlong'"),
+        (["{log}", "--rate", "100", "--columns", "gyro_x,gyro_y"], "2 column names given, 6 columns"),
+        (["{log}", "--rate", "100", "--arrays", "gyro"], "arrays: 'gyro' is not an assignment"),
+        (["{log}", "--rate", "100", "--motion", "--bench-arw", "3"], "--bench-arw: '3' has no unit"),
+        (["{log}", "--rate", "10", "--motion"], "band_from_hz"),
+    ],
+)
+def test_refusals_are_one_line(log: Path, arguments: list[str], complaint: str, capsys: pytest.CaptureFixture[str]):
+    assert main(["allan", *(text.format(log=log) for text in arguments)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    (line,) = (line for line in err.splitlines() if line.startswith("navbudget: "))
+    assert complaint in line
+    assert err.splitlines()[-1] == line
+
+
+def test_standard_input_and_its_bad_row(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    class Standard:
+        buffer = io.BytesIO(f"{HEADER}\n1,2,3,4,5,6\n1,2,nan,4,5,6\n".encode())
+
+    monkeypatch.setattr("sys.stdin", Standard)
+    assert main(["allan", "-", "--rate", "100"]) == 2
+    assert "navbudget: standard input: line 3, column 3: 'nan'" in capsys.readouterr().err
+
+
+def test_bench_noise_without_motion_is_refused(log: Path, capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit) as exit_:
+        main(["allan", str(log), "--rate", "100", "--bench-arw", "0.3 °/√h"])
+    assert exit_.value.code == 2
+    assert "--motion" in capsys.readouterr().err

@@ -1,0 +1,206 @@
+"""The Sensors page without a browser: logs in, results and offers out, nothing lost on the way."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.catalogue_tables import catalogue_table
+from app.charts.sensors import axis_chart, triad_chart
+from app.log_job import LogJobLost, study_elsewhere
+from app.log_panel import progress_line
+from app.log_study import LogRequest
+from app.log_tables import coefficient_tables, origin_table
+from app.log_upload import LimitedFileInput
+from app.pages.sensors import SensorsPage
+from app.server import first_design
+from app.state import Session
+from nav_model.allan.log_file import LogOptions
+from nav_model.catalogue import catalogue
+
+# The Material download button passes both names of one argument to its own base class.
+pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+
+ARW, VRW = np.radians(0.3) / 60.0, 0.05 / 60.0
+HEADER = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"
+
+
+def log(samples: int = 6000, factor: float = 1.0) -> bytes:
+    noise = np.random.default_rng(7).standard_normal((samples, 6)) * 10.0 * factor
+    rows = noise * [ARW, ARW, ARW, VRW, VRW, VRW] + [0.0, 0.0, 0.0, 0.0, 0.0, 9.8]
+    return (HEADER + "\n" + "\n".join(",".join(f"{x:.8g}" for x in row) for row in rows)).encode()
+
+
+@pytest.fixture
+def sensors() -> Iterator[SensorsPage]:
+    made = SensorsPage(Session(first_design()))
+    yield made
+    made.log.close()
+
+
+def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
+    panel = sensors.log
+    session = panel._session
+    asyncio.run(panel.take(log(), "bench.csv"))
+    assert "give the rate" in panel.message.object  # the file says no rate: asked for, the upload is kept
+    assert panel.static.analysis is None
+    panel.boxes["rate"].value = "100"
+    asyncio.run(panel.analyse())
+    analysis = panel.static.analysis
+    assert analysis is not None
+    assert panel.static.view.visible
+    assert not panel.message.visible
+    assert not session.running
+    for shown in ("bench.csv", analysis.provenance.sha256, "100 Hz"):
+        assert shown in panel.static.head.object
+    assert "not resolved" in panel.static.tables.object
+    assert "What log would show the rest" in panel.static.tables.object
+    before = session.budget
+    panel.static.use.clicks += 1
+    assert session.design.imu.angle_random_walk == pytest.approx(ARW, rel=0.03)
+    assert session.design.imu.velocity_random_walk == pytest.approx(VRW, rel=0.03)
+    assert session.budget.sar.quadratic != before.sar.quadratic
+    sensors.show(session.budget)
+    assert "from static log bench.csv" in sensors._origins.object
+    session.undo()
+    assert session.design == before.design
+
+
+def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
+    panel = sensors.log
+    panel.boxes["rate"].value = "100"
+    asyncio.run(panel.take(log(), "good.csv"))
+    shown = panel.static.head.object
+    asyncio.run(panel.take(log().replace(b"\n", b"\n<script>,1,1,1,1,1\n", 2), "bad.csv"))
+    assert "bad.csv" in panel.message.object
+    assert "&lt;script&gt;" not in panel.static.head.object
+    assert "<script>" not in panel.message.object
+    assert panel.message.visible
+    assert panel.static.head.object == shown
+
+
+def test_another_log_feeds_the_same_figures(sensors: SensorsPage):
+    panel = sensors.log
+    panel.boxes["rate"].value = "100"
+    asyncio.run(panel.take(log(), "one.csv"))
+    charts = [view.figure for view in panel.static._charts]
+    old = {name: source.data for name, source in charts[0]._sources.items()}
+    asyncio.run(panel.take(log(9000, 2.0), "two.csv"))
+    assert [view.figure for view in panel.static._charts] == charts
+    for name, source in charts[0]._sources.items():
+        assert len(source.data["x"]) != len(old[name]["x"])
+
+
+def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):
+    panel = sensors.log
+    session = panel._session
+    session.change({"imu.angle_random_walk": ARW, "imu.velocity_random_walk": VRW})
+    panel.boxes["rate"].value, panel.motion.value = "100", "motion"
+    asyncio.run(panel.take(log(factor=3.0), "drive.csv"))
+    assert "as white noise" in panel.moving.head.object
+    panel.moving.use.clicks += 1
+    assert session.design.imu.vibration_factor == pytest.approx(3.0, rel=0.05)
+    session.change({"imu.angle_random_walk": 2 * ARW})
+    panel.moving.use.clicks += 1
+    assert "have changed since" in panel.message.object
+
+
+def test_cancel_ends_the_process_at_once(tmp_path: Path):
+    path = tmp_path / "long.npz"
+    noise = np.random.default_rng(1).standard_normal((400_000, 3)) * 1e-3
+    np.savez(path, gyro_rads=noise)
+    said: list[str] = []
+
+    async def cancelled() -> None:
+        request = LogRequest(path, options=LogOptions(rate_hz=100.0, gyro_unit="rad/s"))
+        task = asyncio.create_task(study_elsewhere(request, lambda fraction, what: said.append(what)))
+        while not said:
+            await asyncio.sleep(0.05)
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await asyncio.wait_for(task, 2.0)
+
+    asyncio.run(cancelled())
+    assert "done" not in said
+
+
+def test_a_process_that_dies_is_an_answer(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
+    """A request that cannot be understood raises in the process, as running out of memory would."""
+    with pytest.raises(LogJobLost, match="without an answer"):
+        asyncio.run(study_elsewhere("not a request", lambda fraction, what: None))  # type: ignore[arg-type]
+    assert "Traceback" in capfd.readouterr().err
+
+
+def test_uploads_are_limited_where_they_arrive():
+    refused: list[str] = []
+    taken: list[bytes] = []
+    widget = LimitedFileInput(refused.append, max_file_size=1000)
+    widget.param.watch(lambda event: taken.append(event.new), "value")
+
+    def send(*chunks: bytes) -> None:
+        widget._handle_msg({"status": "initializing"})
+        for number, data in enumerate(chunks, start=1):
+            widget._handle_msg(
+                {"status": "upload_event", "name": "a", "chunk": number, "total_chunks": len(chunks),
+                 "mime_type": "", "data": data}
+            )  # fmt: skip
+        widget._handle_msg({"status": "finished"})
+
+    send(b"x" * 600, b"y" * 400)
+    assert [len(content) for content in taken] == [1000]
+    send(b"x" * 600, b"y" * 401)
+    send()
+    widget._handle_msg({"status": "error", "error": "File too large"})
+    assert refused == ["larger than 0 MB", "the file is empty", "File too large"]
+    assert len(taken) == 1
+    assert not widget._file_buffer
+    send(b"again")
+    assert taken[-1] == b"again"
+
+
+def test_catalogue_marks_what_is_not_confirmed():
+    for kind in ("imu", "radar"):
+        html = catalogue_table(kind, "STIM300")
+        rows = re.findall(r"<tr><th scope=\"row\".*?</tr>", html)
+        assert len(rows) == len(catalogue(kind))
+        for row, entry in zip(rows, catalogue(kind).values(), strict=True):
+            cells = re.findall(r'<td class="num.*?</td>', row)
+            doubtful = [item for item in (*entry.values.values(), *entry.extra.values()) if not item.confirmed]
+            assert sum("⚠" in cell for cell in cells) == len(doubtful)
+            assert all(item.source in row.replace("&#x27;", "'") for item in entry.values.values())
+    assert "● in the design" in catalogue_table("imu", "STIM300")
+
+
+def test_origin_says_catalogue_hand_or_log():
+    design = first_design()
+    assert "catalogue, STIM300" in origin_table(design)
+    assert "set by hand" in origin_table(design.replace({"imu.angle_random_walk": 1e-5}))
+
+
+def test_charts_carry_confidence_and_fit(sensors: SensorsPage):
+    panel = sensors.log
+    panel.boxes["rate"].value = "100"
+    asyncio.run(panel.take(log(), "bench.csv"))
+    analysis = panel.static.analysis
+    assert analysis is not None
+    for quantity, truth in (("gyro", 0.3 * 60.0), ("accelerometer", VRW / 9.80665e-6)):
+        chart = triad_chart(analysis, quantity)
+        assert len(chart.bands) == 3
+        fitted = next(line for line in chart.lines if line.key == "fx")
+        # White noise alone: the fitted line at 1 s is the random walk, in °/h and µg.
+        assert np.interp(1.0, fitted.x, fitted.y) == pytest.approx(truth, rel=0.04)
+    single = axis_chart(analysis, "gyro_x")
+    assert np.isnan(next(line for line in single.lines if line.key == "ramp").y).all()
+    assert "ramp" in single.knowledge
+    assert "95 % confidence" not in coefficient_tables(analysis)
+
+
+def test_progress_tells_the_time_left_once_it_can():
+    assert "value=" not in progress_line("a.csv", 0.0, "reading", 1.0)
+    assert "about 4 s left" in progress_line("a.csv", 0.5, "gyro_z", 4.0)
+    assert "&lt;b&gt;" in progress_line("<b>", 0.5, "gyro_z", 4.0)

@@ -1,0 +1,48 @@
+"""The Sensors page as a person uses it: a log in, its noise on a chart and in a table, then in the design."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from playwright.sync_api import Page, expect
+
+Visit = Callable[..., Page]
+
+_CURVE = """() => {
+  for (const d of Bokeh.documents) for (const m of d._all_models.values())
+    if (m.type === "ColumnDataSource" && (m.name || "").startsWith("allan_gyro lines"))
+      return [...(m.data.get ? m.data.get("x") : m.data.x)]
+  return []
+}"""
+
+
+def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path) -> None:
+    noise = np.random.default_rng(7).standard_normal((6000, 6)) * 10.0
+    walks = np.repeat([np.radians(0.9) / 60.0, 0.05 / 60.0], 3)
+    log = tmp_path / "bench.csv"
+    names = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"
+    np.savetxt(log, noise * walks + [0, 0, 0, 0, 0, 9.8], delimiter=",", header=names, comments="", fmt="%.8g")
+
+    page = visit()
+    before = page.get_by_label("Key figures, one sigma").inner_text()
+    page.locator(".bk-tab", has_text="Sensors").click()
+    units = page.get_by_role("region", name="Inertial units")
+    expect(units.get_by_role("row").nth(1)).to_contain_text("MPU-9250")
+    units.get_by_role("button", name="Angle random walk").click()
+    expect(units.get_by_role("row").nth(1)).to_contain_text("LN-100")  # 0.001 °/√h, the smallest
+
+    page.get_by_label("Rate [Hz]").fill("100")
+    page.get_by_label("Rate [Hz]").press("Tab")
+    page.locator("input[type=file][accept*=npz]").set_input_files(log)
+    expect(page.get_by_role("heading", name="The log says")).to_be_visible(timeout=30_000)
+    expect(page.get_by_role("region", name="Gyros: noise coefficients")).to_contain_text("not resolved")
+    page.wait_for_function(f"({_CURVE})().length > 20")
+
+    page.get_by_role("button", name="Use these in the design").click()
+    expect(page.get_by_text("from static log bench.csv").first).to_be_visible()
+    expect(page.get_by_label("Angle random walk").first).to_have_value(re.compile(r"0\.(8[89]|9[01]).* °/√h"))
+    page.locator(".bk-tab", has_text="Budget").click()
+    expect(page.get_by_label("Key figures, one sigma")).not_to_have_text(before)

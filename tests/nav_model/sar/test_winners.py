@@ -1,0 +1,136 @@
+"""Who wins along the line of sight, against the per-axis forms, root finding and random walks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from nav_model.analytic.discrete import cycle
+from nav_model.analytic.steady_state import Horizontal
+from nav_model.sar.advice import advise
+from nav_model.sar.strategy_forms import (
+    corrected_residual_variance,
+    fit_quadratic_sigma,
+    ins_quadratic_variance,
+    ins_residual_variance,
+    shrunk_residual_variance,
+)
+from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners, strategy_variances
+
+SA, SW = 0.05 / 60, np.radians(0.5) / 60
+G = 9.80665
+TILT = np.radians(0.0351388) ** 2
+
+
+def settled(tilt, velocity=0.0):
+    return Horizontal(0.0, 0.0, 0.0, velocity, 0.0, tilt)
+
+
+PLAIN = Conditions(20.0, 0.3, 1.0, SA, SW, settled(TILT))
+
+
+@pytest.mark.parametrize("sigma", [0.02, 0.3, 3.0])
+def test_break_even_is_where_t15_equals_t16(sigma):
+    def excess(span):
+        corrected = corrected_residual_variance(span, SA, SW, sigma, 1.0, fixes=span + 1)
+        return float(ins_residual_variance(span, SA, SW, TILT) - corrected)
+
+    root = brentq(excess, 2.01, 500)
+    assert break_even_aperture(replace(PLAIN, gnss_sigma=sigma)) == pytest.approx(root, rel=1e-9)
+    assert break_even_aperture(replace(PLAIN, gnss_sigma=np.array([sigma, sigma]))).shape == (2,)
+
+
+def test_axes_add_with_the_weights_of_s1():
+    psi, span, n = 0.7, 20.0, 21
+    up = strategy_variances(replace(PLAIN, grazing_angle=psi, vertical_gnss_sigma=0.8)).detrended
+    level, upright = np.cos(psi) ** 2, np.sin(psi) ** 2
+    expected = {
+        0: level * ins_residual_variance(span, SA, SW, TILT) + upright * ins_residual_variance(span, SA, 0, 0),
+        2: level * corrected_residual_variance(span, SA, SW, 0.3, 1.0, fixes=n)
+        + upright * corrected_residual_variance(span, SA, 0, 0.8, 1.0, fixes=n),
+        3: level
+        * shrunk_residual_variance(
+            ins_quadratic_variance(span, SA, SW, TILT), fit_quadratic_sigma(0.3, 1.0, span, n) ** 2,
+            SA**2 * span**3 / 2520 + (G * SW) ** 2 * span**5 / 55440,
+        )
+        + upright
+        * shrunk_residual_variance(
+            ins_quadratic_variance(span, SA, 0, 0), fit_quadratic_sigma(0.8, 1.0, span, n) ** 2,
+            SA**2 * span**3 / 2520,
+        ),
+    }  # fmt: skip
+    for index, value in expected.items():
+        assert up[index] == pytest.approx(float(value), rel=1e-9)
+
+
+def test_the_turning_line_of_sight_bends_an_along_track_velocity():
+    """[S-2] from exact ranges: a constant along-track velocity error, seen at 7 km from 100 m/s."""
+    speed, far, span, wrong = 100.0, 7000.0, 5.0, 0.2
+    time = np.linspace(-span / 2, span / 2, 2001)
+    error = np.hypot(far, speed * time + wrong * (time + span / 2)) - np.hypot(far, speed * time)
+    quadratic = np.polynomial.polynomial.polyfit(2 * time / span, error, 2)[2]
+    start = settled(0.0, wrong**2)
+    quiet = replace(PLAIN, aperture_time=span, start=start, accelerometer_noise=1e-12, gyro_noise=1e-15)
+    still, turning = (strategy_variances(replace(quiet, turn_rate=rate)) for rate in (0.0, speed / far))
+    assert np.sqrt(turning.quadratic[0]) == pytest.approx(quadratic, rel=0.01)
+    assert still.quadratic[0] < 1e-12
+    line = error - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, error, 1))
+    assert np.sqrt(turning.detrended[0]) == pytest.approx(np.sqrt(np.mean(line**2)), rel=0.01)
+
+
+def test_map_of_winners_on_a_grid():
+    spans = np.geomspace(2.5, 60, 100)[None, :]
+    noise = np.geomspace(0.005, 5, 100)[:, None]
+    start = settled(TILT * noise ** (1 / 3))
+    case = replace(PLAIN, aperture_time=spans, gnss_sigma=noise, start=start, coast_time=30.0)
+    result = map_of_winners(case)
+    assert result.winner.shape == result.best_sigma.shape == (100, 100)
+    names = np.array(result.strategies)[result.winner]
+    assert names[-1, 0] == "2"  # noisy fixes, short aperture
+    assert names[0, -1] == "5"  # good fixes, long aperture
+    assert "5w" in names  # between the two
+    assert "3" not in names  # with a coast, never
+    assert np.all(result.best_sigma <= 1.05 * result.sigma.min(axis=0) * (1 + 1e-12))
+    with pytest.raises(ValueError, match="worth"):
+        map_of_winners(case, worth=1.0)
+
+
+def test_autofocus_leaves_nothing_to_choose_between():
+    variances = strategy_variances(replace(PLAIN, autofocus_order=2, coast_time=100.0)).detrended
+    np.testing.assert_allclose(variances, SA**2 * 20.0**3 / 2520 + (G * SW) ** 2 * 20.0**5 / 55440, rtol=1e-9)
+    cubic = strategy_variances(replace(PLAIN, autofocus_order=3)).detrended
+    np.testing.assert_allclose(cubic, SA**2 * 20.0**3 / 6930 + (G * SW) ** 2 * 20.0**5 / 540540, rtol=1e-9)
+    few = strategy_variances(replace(PLAIN, autofocus_order=2, aperture_time=1.5)).detrended
+    assert np.isinf(few[2])
+    assert np.isfinite(few[[0, 1, 3]]).all()
+
+
+def test_advice_says_which_why_and_what_would_change():
+    short = advise(Conditions(5.0, 0.02, 1.0, 0.07 / 60, np.radians(0.15) / 60, settled(1e-8)), 0.031)
+    assert short.strategy == "2"
+    assert "Use strategy 2" in short.sentence
+    assert short.break_even_aperture > 5.0
+    case = Conditions(20.0, 0.02, 1.0, SA, SW, settled(2e-7), coast_time=100.0)
+    good = advise(case, 0.031, required_phase=0.1)
+    assert good.strategy == "5"
+    assert good.break_even_aperture < 20.0
+    assert "misses the limit" in good.would_change
+    assert "After 100 s without fixes" in good.because
+    assert good.break_even_gnss_sigma > 0.02
+    # At the noise named, the two are equal.
+    equal = strategy_variances(replace(case, gnss_sigma=good.break_even_gnss_sigma)).detrended
+    assert equal[2] == pytest.approx(equal[0], rel=1e-9)
+    none = advise(replace(case, aperture_time=1.5), 0.031)
+    assert none.strategy == "2"
+    assert "no quadratic to fit" in none.because
+    with_autofocus = advise(replace(case, autofocus_order=2), 0.031)
+    assert "hardly matters" in with_autofocus.would_change
+
+
+def test_the_start_may_be_the_sampled_filter_at_every_noise():
+    noise = np.geomspace(0.01, 3, 7)[:, None]
+    start = cycle(SA, SW, G, 1.0, noise, noise).posterior.horizontal
+    sigma = map_of_winners(replace(PLAIN, gnss_sigma=noise, start=start, aperture_time=np.ones((1, 4)) * 9.0)).sigma
+    assert sigma.shape == (4, 7, 4)
+    assert np.all(np.diff(sigma[0, :, 0]) > 0)  # noisier fixes leave more tilt
