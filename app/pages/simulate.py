@@ -6,6 +6,7 @@ import asyncio
 import importlib
 import io
 import json
+import math
 from collections.abc import Callable
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -99,12 +100,12 @@ class SimulatePage:
             label="Trajectory file", accept=".csv", icon="upload_file", max_file_size=_UPLOAD, visible=False,
             variant="outlined", **_LOOK,
         )  # fmt: skip
-        self._runs = pmui.IntInput(label="Runs", value=50, start=1, end=_MOST_RUNS, width=96, **_LOOK)
-        self._length = pmui.IntInput(label="Length [s]", value=300, start=1, step=50, width=116, **_LOOK)
+        self._runs = pmui.TextInput(label="Runs", value="50", width=70, **_LOOK)
+        self._length = pmui.TextInput(label="Length [s]", value="300", width=90, **_LOOK)
         self._outages = pmui.TextInput(
             label="Outages [s]", value="200,300", placeholder="start,stop; start,stop", width=150, **_LOOK
         )
-        self._seed = pmui.IntInput(label="Seed", value=1, start=0, width=96, **_LOOK)
+        self._seed = pmui.TextInput(label="Seed", value="1", width=70, **_LOOK)
         self._states = pmui.Select(
             label="Filter", options={"9 states": 9, "15 states": 15}, value=9, width=120, **_LOOK
         )
@@ -187,11 +188,8 @@ class SimulatePage:
         self._run.start(self._session.design, spec)
 
     def _specification(self) -> SimulationSpec:
-        runs, length, seed = self._runs.value, self._length.value, self._seed.value
-        if runs is None or not 1 <= runs <= _MOST_RUNS:
-            raise DesignError("Runs", f"a whole number from 1 to {_MOST_RUNS}; `navbudget simulate` flies any number")
-        if length is None:
-            raise DesignError("Length", "give the seconds to fly, such as 300")
+        runs, seed = _whole("Runs", self._runs.value, 1, _MOST_RUNS), _whole("Seed", self._seed.value, 0, 2**53)
+        length = _seconds(self._length.value)
         flight: str | TrajectorySpec = self._flight.value
         if flight == "file":
             if self._file is None:
@@ -201,7 +199,7 @@ class SimulatePage:
             self._session.design,
             trajectory=flight,
             runs=runs,
-            seed=1 if seed is None else seed,
+            seed=seed,
             duration=length,
             outages=outages_of(self._outages.value or ""),
             every=max(1.0, round(length / _POINTS)),
@@ -260,7 +258,7 @@ class SimulatePage:
             self._file = (name, samples)
             length = files.file_duration(samples)
             self._say(f"{name}: a flight of {length:.4g} s.")
-            self._length.value = int(min(self._length.value or length, length))
+            self._length.value = f"{math.floor(10 * length) / 10:.1f}"
 
     # --- to take away ---------------------------------------------------------------------------------
 
@@ -281,3 +279,19 @@ class SimulatePage:
 
     def _json(self) -> io.BytesIO:
         return io.BytesIO(json.dumps(to_document(self._study), ensure_ascii=False, indent=1).encode("utf-8"))
+
+
+def _whole(name: str, text: str, low: int, high: int) -> int:
+    if not (text.strip().isdecimal() and low <= int(text) <= high):
+        raise DesignError(name, f"{text[:30]!r} is not a whole number from {low} to {high}")
+    return int(text)
+
+
+def _seconds(text: str) -> float:
+    try:
+        length = float(text)
+    except ValueError:
+        length = math.nan
+    if not 1.0 <= length <= 1e6:
+        raise DesignError("Length", f"{text[:30]!r} is not a number of seconds, 1 or more, such as 300")
+    return length

@@ -6,6 +6,7 @@ import asyncio
 import re
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -63,7 +64,8 @@ def _fly(spec_options: dict[str, object], during: Callable[[SimulationRun, News]
         while run.running:
             await asyncio.sleep(0.02)
 
-    asyncio.run(main())
+    with ThreadPoolExecutor(1) as thread:  # browser tests leave a loop running in the main one
+        thread.submit(asyncio.run, main()).result()
     return heard
 
 
@@ -175,10 +177,14 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Desi
     session = Session(DESIGN)
     page = SimulatePage(session)
     for change, said in (
-        ({"_runs": 5000}, "Runs: "),
+        ({"_runs": "5000"}, "Runs: "),
+        ({"_runs": "many"}, "Runs: "),
+        ({"_seed": "-1"}, "Seed: "),
+        ({"_length": "nan"}, "Length: "),
+        ({"_length": ""}, "Length: "),
         ({"_outages": "later"}, "outages: "),
         ({"_flight": "file"}, "Trajectory file: none given yet"),
-        ({"_runs": 2000, "_length": 10000}, "Length: "),
+        ({"_runs": "2000", "_length": "10000"}, "Length: "),
     ):
         before = {name: getattr(page, name).value for name in change}
         for name, value in change.items():

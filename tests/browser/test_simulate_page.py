@@ -22,7 +22,7 @@ _CURVE = """(name) => {
 
 
 def field(page: Page, label: str) -> Locator:
-    return page.get_by_label(label, exact=True)
+    return page.get_by_role("textbox", name=label, exact=True)
 
 
 def enter(page: Page, label: str, text: str) -> None:
@@ -31,7 +31,8 @@ def enter(page: Page, label: str, text: str) -> None:
 
 
 def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(visit: Visit, tmp_path: Path) -> None:
-    page = visit("/#simulate")
+    page = visit()
+    page.get_by_text("Simulate", exact=True).click()
     start, cancel = (page.get_by_role("button", name=name, exact=True) for name in ("Start", "Cancel"))
     enter(page, "Outages [s]", "soon")
     start.click()
