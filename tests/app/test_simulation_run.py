@@ -13,6 +13,7 @@ import pytest
 
 from app.charts import simulate as charts
 from app.charts.description import STYLES, to_csv
+from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
 from app.pages.simulate import SimulatePage
@@ -142,6 +143,7 @@ def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: DesignStu
         nothing = chart.key == "sim-outage" and not other.result.spec.outages
         assert (to_csv(fed).count("\n") == 1) == nothing
         assert legend_html(fed)
+        assert "<svg" in to_svg(fed)
         shown = [box.visible for box, _ in figure._spans.values()]
         assert sum(shown) == (len(other.result.spec.outages) if chart.spans else 0)
 
