@@ -39,6 +39,7 @@ PAGES: tuple[tuple[str, str], ...] = (
     ("Budget", "app.pages.budget:BudgetPage"),
     ("Simulate", "app.pages.simulate:SimulatePage"),
     ("SAR", "app.pages.sar:SarPage"),
+    ("Explore", "app.pages.explore:ExplorePage"),
     ("Sensors", "app.pages.sensors:SensorsPage"),
 )
 """The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
@@ -57,20 +58,25 @@ class Frame:
         self.session = session
         self._controls: list[Control] = []
         self._pages: dict[int, Page] = {}
-        self._places = [pn.Column(sizing_mode="stretch_width", margin=0) for _ in PAGES]
+        self._loaded = False
+        self._places = [pn.Column(sizing_mode="stretch_width", margin=0, visible=not i) for i in range(len(PAGES))]
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
         )
-        self._tabs = pn.Tabs(
-            *((name, place) for (name, _), place in zip(PAGES, self._places, strict=True)),
-            dynamic=True,
-            active=_asked_for(),
-            sizing_mode="stretch_width",
+        # Material tabs speak to keyboard and screen reader; figures must not stand inside them, so they are only
+        # the bar, and the pages below are shown and hidden.
+        self._tabs = pmui.Tabs(
+            *((name, pn.Spacer(height=0)) for name, _ in PAGES), sizing_mode="stretch_width", margin=(0, 6)
         )
         self._open_page(self._tabs.active)
         self.view = self._shell()
         session.param.watch(self._show, "budget")
         self._tabs.param.watch(self._turned, "active")
+        if pn.state.location:
+            # What stands behind # reaches the server from the page only, before the page can be changed.
+            location = pn.state.location
+            pn.state.onload(lambda: self._go_to(location.hash))
+            location.param.watch(lambda event: self._go_to(event.new) if self._loaded else None, "hash")
 
     def _show(self, event: Any) -> None:
         budget: Budget = event.new
@@ -83,8 +89,17 @@ class Frame:
     def _turned(self, event: Any) -> None:
         self._open_page(event.new)
         self._pages[event.new].show(self.session.budget)
+        for index, place in enumerate(self._places):
+            place.visible = index == event.new
         if pn.state.location:
             pn.state.location.hash = f"#{PAGES[event.new][0].lower()}"
+
+    def _go_to(self, address: str) -> None:
+        self._loaded = True
+        wanted = address.lstrip("#").lower()
+        for index, (name, _) in enumerate(PAGES):
+            if name.lower() == wanted and index != self._tabs.active:
+                self._tabs.active = index
 
     def _open_page(self, index: int) -> None:
         if index not in self._pages:
@@ -100,7 +115,7 @@ class Frame:
         page = pmui.Page(
             title="NavBudget",
             sidebar=self._sidebar(),
-            main=[pn.Column(self._toolbar(), self._notice, self._tabs, sizing_mode="stretch_width")],
+            main=[pn.Column(self._toolbar(), self._notice, self._tabs, *self._places, sizing_mode="stretch_width")],
             sidebar_open=not mobile,
             sidebar_width=340,
             sidebar_resizable=False,
@@ -218,12 +233,6 @@ class Frame:
 
     def _say(self, text: str, severity: str = "error") -> None:
         self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
-
-
-def _asked_for() -> int:
-    """The tab the address names behind its #."""
-    wanted = (pn.state.location.hash if pn.state.location else "").lstrip("#").lower()
-    return next((i for i, (name, _) in enumerate(PAGES) if name.lower() == wanted), 0)
 
 
 _TOOL_LOOK: dict[str, Any] = {"description": "", "variant": "text", "size": "small", "margin": 2}

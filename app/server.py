@@ -50,7 +50,7 @@ def serve(address: str, port: int, allow_origin: list[str]) -> None:
     allow_origin : list of str
         Public hosts (``host`` or ``host:port``) under which browsers reach the page, beside the address.
     """
-    pn.extension()
+    pn.extension("tabulator")
     port = port or _free_port(address)
     server = pn.serve(
         {"/": build},

@@ -1,6 +1,6 @@
 """From a design to its budget: one pass through the closed forms.
 
-`analyse` is the only place where a design meets the equations; pages, reports and JSON read its result.
+`analyse` composes the closed forms through `nav_model.figures`; pages, reports and JSON read its result.
 """
 
 from __future__ import annotations
@@ -15,13 +15,21 @@ from numpy.typing import ArrayLike
 
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
-from nav_model.analytic.discrete import Cycle, Sawtooth, SlowError, cycle
-from nav_model.analytic.refined_coast import refined_growth
+from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical
+from nav_model.analytic.steady_state import Array, Horizontal
 from nav_model.design import Design
+from nav_model.figures import (
+    LONGEST_APERTURE,
+    Inputs,
+    along_track_phase,
+    inputs_of,
+    outage,
+    phase_sources,
+    sampled,
+    settled,
+)
 from nav_model.inputs import DesignError
-from nav_model.parts import SPEED_OF_LIGHT
 from nav_model.sar import geometry, phase
 from nav_model.sar.impulse_response import ImpulseResponse, quadratic_response
 from nav_model.verdict import Verdict, judge
@@ -146,19 +154,6 @@ class Budget:
     verdict: Verdict
 
 
-@dataclass(frozen=True)
-class _Noise:
-    """The inputs of the closed forms, vibration applied."""
-
-    sigma_a: float
-    sigma_w: float
-    s: float
-    s_vertical: float
-    g: float
-    bias_a: float
-    bias_w: float
-
-
 def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     """The budget of one design.
 
@@ -188,32 +183,26 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
 
 
 def _analyse(design: Design, times: ArrayLike | None) -> Budget:
-    noise = _noise(design)
+    inputs = inputs_of(design)
+    _refuse_long_aperture(float(inputs.aperture))
     time = _times(design, times)
-    p = steady.horizontal(noise.sigma_a, noise.sigma_w, noise.s, noise.g)
-    v = steady.vertical(noise.sigma_a, noise.s_vertical)
-    moments = _cycle(design, noise)
-    white = moments if not design.gnss.correlated else _cycle(design, noise, slow=False)
-    steady_state = _steady_state(design, noise, p, v, moments, white)
-    coast = _coast(design, noise, p, v, moments.posterior, white.posterior, time)
+    closed = settled(inputs)
+    moments = sampled(inputs)
+    white = moments if inputs.slow is None else sampled(inputs, slow=False)
+    steady_state = _steady_state(inputs, closed, moments, white)
+    coast = _coast(inputs, closed, moments.posterior, white.posterior, time)
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
-    start = moments.posterior.horizontal if design.gnss.correlated else p
-    sar = _sar(design, noise, p, start, steady_state.shares["tilt"])
+    start = closed.horizontal if inputs.slow is None else moments.posterior.horizontal
+    sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
     return Budget(design, steady_state, coast, sar, judge(design, steady_state, coast, sar))
 
 
-def _noise(design: Design) -> _Noise:
-    imu, gnss = design.imu, design.gnss
-    vertical = gnss.vertical_position_noise or gnss.position_noise
-    return _Noise(
-        sigma_a=imu.velocity_random_walk * imu.vibration_factor,
-        sigma_w=imu.angle_random_walk * imu.vibration_factor,
-        s=gnss.position_noise * math.sqrt(gnss.interval),
-        s_vertical=vertical * math.sqrt(gnss.interval),
-        g=design.flight.gravity,
-        bias_a=imu.accelerometer_bias,
-        bias_w=imu.gyro_bias,
-    )
+def _refuse_long_aperture(aperture: float) -> None:
+    if aperture > LONGEST_APERTURE:
+        raise DesignError(
+            "radar.azimuth_resolution",
+            f"needs an aperture of {aperture:.4g} s at this range and speed; at most {LONGEST_APERTURE:g} s go",
+        )
 
 
 def _times(design: Design, times: ArrayLike | None) -> Array:
@@ -226,55 +215,40 @@ def _times(design: Design, times: ArrayLike | None) -> Array:
     return time
 
 
-def _cycle(design: Design, noise: _Noise, slow: bool | None = None) -> Cycle:
-    gnss = design.gnss
-    with_slow = gnss.correlated if slow is None else slow
-    return cycle(
-        noise.sigma_a,
-        noise.sigma_w,
-        noise.g,
-        gnss.interval,
-        gnss.position_noise,
-        gnss.vertical_position_noise or gnss.position_noise,
-        SlowError(gnss.correlated_noise, gnss.correlation_time) if with_slow else None,
-    )
-
-
-def _sigmas(p: Horizontal, v: Vertical) -> Sigmas:
+def _sigmas(moment: Sawtooth) -> Sigmas:
+    p, v = moment
     return Sigmas(*(math.sqrt(float(x)) for x in (p.p11, v.v11, p.p22, v.v22, p.p33)))
 
 
-def _steady_state(
-    design: Design, noise: _Noise, p: Horizontal, v: Vertical, moments: Cycle, white: Cycle
-) -> SteadyState:
-    asymptote = steady.gyro_dominated(noise.sigma_w, noise.s, noise.g)
+def _steady_state(inputs: Inputs, closed: Sawtooth, moments: Cycle, white: Cycle) -> SteadyState:
+    x = inputs
+    asymptote = steady.gyro_dominated(x.sigma_w, x.s, x.g)
     lambda_dt = max(
-        float(steady.lambda_dt(variance, s, design.gnss.interval))
-        for variance, s in ((p.p11, noise.s), (v.v11, noise.s_vertical))
+        float(steady.lambda_dt(variance, s, x.interval))
+        for variance, s in ((closed.horizontal.p11, x.s), (closed.vertical.v11, x.s_vertical))
     )
     return SteadyState(
-        closed=_sigmas(p, v),
-        prior=_sigmas(*moments.prior),
-        posterior=_sigmas(*moments.posterior),
-        gyro_dominance=float(steady.gyro_dominance(noise.sigma_a, noise.sigma_w, noise.s, noise.g)),
+        closed=_sigmas(closed),
+        prior=_sigmas(moments.prior),
+        posterior=_sigmas(moments.posterior),
+        gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
-        shares=_steady_shares(noise, p, v, moments.prior, white.prior),
+        shares=_steady_shares(x, closed, moments.prior, white.prior),
     )
 
 
-def _steady_shares(
-    noise: _Noise, p: Horizontal, v: Vertical, prior: Sawtooth, white: Sawtooth
-) -> Mapping[str, Shares]:
+def _steady_shares(x: Inputs, closed: Sawtooth, prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
     by_kind: dict[str, dict[str, float]] = {}
     kinds = ("horizontal_position", "horizontal_velocity", "tilt")
-    for kind, shares in zip(kinds, horizontal_shares(noise.sigma_a, noise.sigma_w, noise.s, noise.g), strict=True):
+    for kind, shares in zip(kinds, horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g), strict=True):
         by_kind[kind] = {
             ACCELEROMETER_NOISE: float(shares.accelerometer),
             GYRO_NOISE: float(shares.gyro),
             GNSS_NOISE: float(shares.gnss),
         }
-    accelerometer, _ = vertical_parts(noise.sigma_a, noise.s_vertical)
+    accelerometer, _ = vertical_parts(x.sigma_a, x.s_vertical)
+    v = closed.vertical
     for kind, part, whole in (
         ("vertical_position", accelerometer.v11, v.v11),
         ("vertical_velocity", accelerometer.v22, v.v22),
@@ -296,46 +270,24 @@ def _steady_shares(
     return MappingProxyType({kind: MappingProxyType(shares) for kind, shares in by_kind.items()})
 
 
-def _coast(
-    design: Design,
-    noise: _Noise,
-    p: Horizontal,
-    v: Vertical,
-    posterior: Sawtooth,
-    white: Sawtooth,
-    time: Array,
-) -> Coast:
-    a, w, g = noise.sigma_a, noise.sigma_w, noise.g
-    flight = design.flight
-    duration = design.coast.duration
+def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, time: Array) -> Coast:
+    a, w, g = x.sigma_a, x.sigma_w, x.g
+    p, v = closed
+    duration = float(x.duration)
     level = growth.horizontal_growth(p, a, w, g, time)
     upright = growth.vertical_growth(v, a, time)
-    refined = refined_growth(
-        posterior.horizontal,
-        posterior.vertical,
-        a,
-        w,
-        g,
-        np.append(time, duration),
-        speed=flight.speed,
-        latitude=flight.latitude,
-        altitude=flight.altitude,
-        heading=flight.heading,
-    )
-    bias_a, bias_w = growth.bias_position(noise.bias_a, noise.bias_w, g, np.append(time, duration))
-    drift_a, drift_w = growth.bias_velocity(noise.bias_a, noise.bias_w, g, time)
-    refined_horizontal = np.sqrt(refined.horizontal + bias_a**2 + bias_w**2)
-    refined_vertical = np.sqrt(refined.vertical + bias_a**2)
-    bias_a, bias_w = bias_a[:-1], bias_w[:-1]
+    refined_horizontal, refined_vertical = map(np.sqrt, outage(x, posterior, np.append(time, duration)))
+    bias_a, bias_w = growth.bias_position(x.bias_a, x.bias_w, g, time)
+    drift_a, drift_w = growth.bias_velocity(x.bias_a, x.bias_w, g, time)
     perfect = growth.perfect_start(a, w, g, time)
-    shares = _coast_shares(noise, posterior, white, duration)
+    shares = _coast_shares(x, posterior, white, duration)
     curves = {
         "time": time,
         "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
         "position_vertical": np.sqrt(upright.position + bias_a**2),
         "velocity_horizontal": np.sqrt(level.velocity + drift_a**2 + drift_w**2),
         "velocity_vertical": np.sqrt(upright.velocity + drift_a**2),
-        "tilt": np.sqrt(level.tilt + (noise.bias_w * time) ** 2),
+        "tilt": np.sqrt(level.tilt + (x.bias_w * time) ** 2),
         "yaw_growth": np.sqrt(steady.yaw_variance(w, time)),
         "refined_horizontal": refined_horizontal[:-1],
         "refined_vertical": refined_vertical[:-1],
@@ -355,33 +307,33 @@ def _coast(
     )
 
 
-def _coast_shares(noise: _Noise, posterior: Sawtooth, white: Sawtooth, time: float) -> tuple[Shares, Shares]:
+def _coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -> tuple[Shares, Shares]:
     """Shares in the position variances `time` after the last fix, from the polynomials by linearity.
 
     A slow GNSS error has what the augmented start adds to the `white` one.
     """
-    a, g = noise.sigma_a, noise.g
-    bias_a, bias_w = (float(x) ** 2 for x in growth.bias_position(noise.bias_a, noise.bias_w, g, time))
-    level: dict[str, Array | float] = {source: grown.position for source, grown in _grown_parts(noise, time).items()}
+    a, w, g = x.sigma_a, x.sigma_w, x.g
+    bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_position(x.bias_a, x.bias_w, g, time))
+    level: dict[str, Array | float] = {source: grown.position for source, grown in _grown_parts(x, time).items()}
     level |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
-    accelerometer, gnss = vertical_parts(a, noise.s_vertical)
+    accelerometer, gnss = vertical_parts(a, x.s_vertical)
     upright: dict[str, Array | float] = {
         ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
         GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
         ACCELEROMETER_BIAS: bias_a,
     }
     if posterior is not white:
-        slow, fast = (growth.horizontal_growth(m.horizontal, a, noise.sigma_w, g, time) for m in (posterior, white))
+        slow, fast = (growth.horizontal_growth(m.horizontal, a, w, g, time) for m in (posterior, white))
         slow_v, fast_v = (growth.vertical_growth(m.vertical, a, time) for m in (posterior, white))
         level[SLOW_GNSS] = np.maximum(slow.position - fast.position, 0.0)
         upright[SLOW_GNSS] = np.maximum(slow_v.position - fast_v.position, 0.0)
     return _normalised(level), _normalised(upright)
 
 
-def _grown_parts(noise: _Noise, time: float) -> dict[str, growth.HorizontalGrowth]:
+def _grown_parts(x: Inputs, time: ArrayLike) -> dict[str, growth.HorizontalGrowth]:
     """What each white noise has grown to `time` after the last fix, in a horizontal channel. [T-9], [T-18]"""
-    a, w, g = noise.sigma_a, noise.sigma_w, noise.g
-    parts = horizontal_parts(a, w, noise.s, g)
+    a, w, g = x.sigma_a, x.sigma_w, x.g
+    parts = horizontal_parts(a, w, x.s, g)
     return {
         ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time),
         GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time),
@@ -395,33 +347,10 @@ def _normalised(variances: Mapping[str, Array | float]) -> Shares:
     return MappingProxyType({source: value / whole for source, value in values.items()})
 
 
-def _sar(design: Design, noise: _Noise, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
+def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
     radar = design.radar
-    wavelength = SPEED_OF_LIGHT / radar.frequency
-    aperture = radar.aperture_time or float(
-        geometry.aperture_time(
-            wavelength, radar.slant_range, design.flight.speed, radar.azimuth_resolution, radar.window
-        )
-    )
-    longest = radar.param["aperture_time"].bounds[1]
-    if aperture > longest:
-        raise DesignError(
-            "radar.azimuth_resolution",
-            f"needs an aperture of {aperture:.4g} s at this range and speed; at most {longest:g} s go",
-        )
-    coast = design.coast.before_aperture
-    budget = phase.phase_budget(
-        start.p33,
-        noise.sigma_a,
-        noise.sigma_w,
-        noise.bias_a,
-        noise.bias_w,
-        noise.g,
-        aperture,
-        coast,
-        radar.grazing_angle,
-        radar.autofocus_order,
-    )
+    wavelength, aperture = float(x.wavelength), float(x.aperture)
+    budget = phase_sources(x, start)
     whole = phase.total(budget)
     to_phase = 4 * math.pi / wavelength
     quadratic = to_phase * math.sqrt(float(whole.quadratic))
@@ -437,7 +366,6 @@ def _sar(design: Design, noise: _Noise, p: Horizontal, start: Horizontal, tilt_s
         )
         for source, variances in budget.items()
     )
-    along, along_shares = _along_track_velocity(noise, p, start, coast)
     response = _response(quadratic, radar.window)
     return Sar(
         wavelength=wavelength,
@@ -449,28 +377,26 @@ def _sar(design: Design, noise: _Noise, p: Horizontal, start: Horizontal, tilt_s
         quadratic=quadratic,
         cubic=cubic,
         detrended=to_phase * math.sqrt(float(whole.detrended)),
-        along_track_quadratic=float(
-            phase.along_track_quadratic(along, design.flight.speed, aperture, wavelength, radar.slant_range)
-        ),
+        along_track_quadratic=float(along_track_phase(x, start)),
         lines=lines,
         tilt_shares=tilt_shares,
-        velocity_shares=along_shares,
+        velocity_shares=_velocity_shares(x, p, start),
         impulse_response=response,
         after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, radar.window),
     )
 
 
-def _along_track_velocity(noise: _Noise, p: Horizontal, start: Horizontal, coast: float) -> tuple[float, Shares]:
-    """Variance of along-track velocity [m²/s²] after `coast` without fixes, and whose it is."""
-    grown = growth.horizontal_growth(start, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity
-    bias_a, bias_w = (float(x) ** 2 for x in growth.bias_velocity(noise.bias_a, noise.bias_w, noise.g, coast))
-    parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown_parts(noise, coast).items()}
-    parts |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
-    if start is not p:
-        white = growth.horizontal_growth(p, noise.sigma_a, noise.sigma_w, noise.g, coast).velocity
-        parts[SLOW_GNSS] = np.maximum(grown - white, 0.0)
-    return float(grown) + bias_a + bias_w, _normalised(parts)
-
-
 def _response(quadratic: float, window: str) -> ImpulseResponse | None:
     return quadratic_response(quadratic, window) if quadratic <= _NO_IMAGE else None  # type: ignore[arg-type]
+
+
+def _velocity_shares(x: Inputs, p: Horizontal, start: Horizontal) -> Shares:
+    """Whose the variance of along-track velocity is, after the coast before the aperture."""
+    coast = x.before_aperture
+    bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_velocity(x.bias_a, x.bias_w, x.g, coast))
+    parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown_parts(x, coast).items()}
+    parts |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
+    if start is not p:
+        grown, white = (growth.horizontal_growth(m, x.sigma_a, x.sigma_w, x.g, coast).velocity for m in (start, p))
+        parts[SLOW_GNSS] = np.maximum(grown - white, 0.0)
+    return _normalised(parts)

@@ -28,10 +28,10 @@ from app.charts.description import BAR_STYLES, STYLES, AnyChart, BarChart, Chart
 from app.charts.on_screen_grid import columns_of, draw
 
 # The page's theme sets chart text in em; this is what an em is.
-_TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
+TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 # Powers of ten as 10ⁿ; the 2 and 5 between them, which only a narrow axis has, as plain numbers.
-_LOG_TICKS = """
+LOG_TICKS = """
 const n = Math.log10(tick)
 const sup = {"-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹"}
 const power = (k) => "10" + String(k).split("").map(c => sup[c]).join("")
@@ -82,10 +82,10 @@ def to_bokeh(chart: AnyChart, height: int = 320) -> Figure:
     columns = columns_of(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
     plot = draw(chart, sources, height)
-    plot.styles = _TEXT_SIZE
+    plot.styles = TEXT_SIZE
     for axis in (plot.xaxis, plot.yaxis):
         if isinstance(axis[0], LogAxis):
-            axis.formatter = CustomJSTickFormatter(code=_LOG_TICKS)
+            axis.formatter = CustomJSTickFormatter(code=LOG_TICKS)
     return Figure(plot, sources, dict(columns))
 
 
@@ -188,10 +188,10 @@ def _curves(chart: Chart, height: int) -> Figure:
             line_color=style.colour, line_dash=style.dash, line_width=style.width,
         )  # fmt: skip
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
-    plot.styles = _TEXT_SIZE
+    plot.styles = TEXT_SIZE
     for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
         if is_log:
-            axis.formatter = CustomJSTickFormatter(code=_LOG_TICKS)
+            axis.formatter = CustomJSTickFormatter(code=LOG_TICKS)
     return Figure(plot, sources, dict(columns), spans)
 
 
@@ -260,5 +260,5 @@ def _bars(chart: BarChart, height: int) -> Figure:
         )  # fmt: skip
         tooltip = f"<b>@label</b><br>@{kind}{{0.000}}° = @{kind}_mm{{0.0000}} mm<br>@source"
         _hover(plot, [bars], tooltip)
-    plot.styles = _TEXT_SIZE
+    plot.styles = TEXT_SIZE
     return Figure(plot, sources, dict(columns))

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
 
 
 class HorizontalGrowth(NamedTuple):
@@ -43,7 +42,7 @@ def horizontal_growth(
     time : array_like
         Seconds since the last fix.
     """
-    sigma_a, sigma_w, g, t = (np.asarray(x, float) for x in (sigma_a, sigma_w, g, time))
+    sigma_a, sigma_w, g, t = (as_numbers(x) for x in (sigma_a, sigma_w, g, time))
     p = start
     position = p.p11 + t * (
         2 * p.p12
@@ -56,21 +55,21 @@ def horizontal_growth(
 
 def vertical_growth(start: Vertical, sigma_a: ArrayLike, time: ArrayLike) -> VerticalGrowth:
     """Variances of the vertical channel `time` seconds after the last fix. [T-10]"""
-    sigma_a, t = np.asarray(sigma_a, float), np.asarray(time, float)
+    sigma_a, t = as_numbers(sigma_a), as_numbers(time)
     position = start.v11 + t * (2 * start.v12 + t * (start.v22 + t * sigma_a**2 / 3))
     return VerticalGrowth(position, start.v22 + sigma_a**2 * t)
 
 
 def perfect_start(sigma_a: ArrayLike, sigma_w: ArrayLike, g: ArrayLike, time: ArrayLike) -> tuple[Array, Array]:
     """Position variances [m²], horizontal and vertical, of an INS without initial error. [T-11]"""
-    sigma_a, sigma_w, g, t = (np.asarray(x, float) for x in (sigma_a, sigma_w, g, time))
+    sigma_a, sigma_w, g, t = (as_numbers(x) for x in (sigma_a, sigma_w, g, time))
     vertical = sigma_a**2 * t**3 / 3
     return vertical + g**2 * sigma_w**2 * t**5 / 20, vertical
 
 
 def initial_tilt(p33: ArrayLike, g: ArrayLike, time: ArrayLike) -> Array:
     """Horizontal position variance [m²] from the tilt at the last fix alone. [T-12]"""
-    p33, g, t = (np.asarray(x, float) for x in (p33, g, time))
+    p33, g, t = (as_numbers(x) for x in (p33, g, time))
     variance: Array = g**2 * p33 * t**4 / 4
     return variance
 
@@ -85,7 +84,7 @@ def bias_position(
     accelerometer_bias, gyro_bias : array_like
         1σ at the last fix, m/s² and rad/s.
     """
-    b, d, g, t = (np.asarray(x, float) for x in (accelerometer_bias, gyro_bias, g, time))
+    b, d, g, t = (as_numbers(x) for x in (accelerometer_bias, gyro_bias, g, time))
     return b * t**2 / 2, g * d * t**3 / 6
 
 
@@ -93,5 +92,5 @@ def bias_velocity(
     accelerometer_bias: ArrayLike, gyro_bias: ArrayLike, g: ArrayLike, time: ArrayLike
 ) -> tuple[Array, Array]:
     """Velocity errors [m/s], 1σ, from residual biases: b t and g d t²/2 (the second horizontal only)."""
-    b, d, g, t = (np.asarray(x, float) for x in (accelerometer_bias, gyro_bias, g, time))
+    b, d, g, t = (as_numbers(x) for x in (accelerometer_bias, gyro_bias, g, time))
     return b * t, g * d * t**2 / 2

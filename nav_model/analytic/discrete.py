@@ -1,9 +1,9 @@
 """The filter as it is built: fixes at intervals, so a covariance that saws. [T-8]
 
 The covariance is largest just before a fix (prior) and smallest just after (posterior); the closed form
-[T-3] is its cycle rms. Both come from the discrete algebraic Riccati equation of one channel with exact
-transition and process noise, solved by doubling. A slow GNSS error enters here, as a first-order
-Gauss-Markov state that the filter estimates: no closed form covers it.
+[T-3] is its cycle rms. Both solve the discrete algebraic Riccati equation of one channel with exact transition
+and process noise: in closed form (`nav_model.analytic.sampled_filter`) for white fix noise, by doubling when a
+slow GNSS error enters, as a first-order Gauss-Markov state that the filter estimates.
 
 Everything broadcasts: inputs of shape (...) give matrices of shape (..., n, n).
 """
@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, horizontal, vertical
+from nav_model.analytic.sampled_filter import horizontal_cycle, vertical_cycle
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers, horizontal, vertical
 
 _MAX_DOUBLINGS = 60  # 2^60 fixes: only a defect gets there
 
@@ -43,8 +44,8 @@ class SlowError(NamedTuple):
 
 def transition(g: ArrayLike, step: ArrayLike) -> Array:
     """Exact transition over `step` [s] of (position, velocity, tilt) under [T-1], shape (..., 3, 3)."""
-    g, h = np.broadcast_arrays(np.asarray(g, float), np.asarray(step, float))
-    phi = np.zeros((*h.shape, 3, 3))
+    g, h = np.broadcast_arrays(as_numbers(g), as_numbers(step))
+    phi = np.zeros((*h.shape, 3, 3), np.result_type(g, h))
     phi[..., [0, 1, 2], [0, 1, 2]] = 1
     phi[..., 0, 1] = h
     phi[..., 0, 2] = g * h**2 / 2
@@ -54,9 +55,9 @@ def transition(g: ArrayLike, step: ArrayLike) -> Array:
 
 def process_noise(sigma_a: ArrayLike, sigma_w: ArrayLike, g: ArrayLike, step: ArrayLike) -> Array:
     """Exact covariance that the white noises of [T-1] add over `step` [s], shape (..., 3, 3)."""
-    a, w, g, h = np.broadcast_arrays(*(np.asarray(x, float) for x in (sigma_a, sigma_w, g, step)))
+    a, w, g, h = np.broadcast_arrays(*(as_numbers(x) for x in (sigma_a, sigma_w, g, step)))
     qa, qw = a**2, w**2
-    q = np.zeros((*h.shape, 3, 3))
+    q = np.zeros((*h.shape, 3, 3), np.result_type(a, w, g, h))
     q[..., 0, 0] = qa * h**3 / 3 + g**2 * qw * h**5 / 20
     q[..., 0, 1] = q[..., 1, 0] = qa * h**2 / 2 + g**2 * qw * h**4 / 8
     q[..., 0, 2] = q[..., 2, 0] = g * qw * h**3 / 6
@@ -148,16 +149,30 @@ def cycle(
         Slow error of the fixes, modelled in the filter by state augmentation. Position variance is then that
         of the estimate about the truth, slow error included.
 
-    Both channels are solved in one batch, each in units of its own closed-form sigmas and of the fix
-    interval, so that the numbers stay near one from MEMS to navigation grade.
-
-    Raises
-    ------
-    ArithmeticError
-        If the noises are too far apart for double precision.
     """
-    a, w, g, dt, r_h, r_v = np.broadcast_arrays(
-        *(np.asarray(x, float) for x in (sigma_a, sigma_w, g, interval, sigma_fix, sigma_fix_vertical))
+    if slow is None:
+        horizontal_ends = horizontal_cycle(sigma_a, sigma_w, g, interval, sigma_fix)
+        vertical_ends = vertical_cycle(sigma_a, interval, sigma_fix_vertical)
+        return Cycle(*(Sawtooth(*ends) for ends in zip(horizontal_ends, vertical_ends, strict=True)))
+    return _augmented_cycle(sigma_a, sigma_w, g, interval, sigma_fix, sigma_fix_vertical, slow)
+
+
+def _augmented_cycle(
+    sigma_a: ArrayLike,
+    sigma_w: ArrayLike,
+    g: ArrayLike,
+    interval: ArrayLike,
+    sigma_fix: ArrayLike,
+    sigma_fix_vertical: ArrayLike,
+    slow: SlowError,
+) -> Cycle:
+    """Both channels with a slow error, solved in one batch by doubling.
+
+    Each is in units of its own closed-form sigmas and of the fix interval, so that the numbers stay near one
+    from MEMS to navigation grade.
+    """
+    a, w, g, dt, r_h, r_v, slow_sigma, slow_time = np.broadcast_arrays(
+        *(as_numbers(x) for x in (sigma_a, sigma_w, g, interval, sigma_fix, sigma_fix_vertical, *slow))
     )
     root = np.sqrt(dt)
     closed_h, closed_v = horizontal(a, w, r_h * root, g), vertical(a, r_v * root)
@@ -169,7 +184,7 @@ def cycle(
             np.stack((np.sqrt(closed_h.p11), np.sqrt(closed_h.p22), np.sqrt(closed_h.p33)), axis=-1),
             np.stack((np.sqrt(closed_v.v11), np.sqrt(closed_v.v22), one), axis=-1),
         )
-    )
+    ).real
     channel_g = np.stack((g, np.zeros_like(g)))
     channel_w = np.stack((w, np.zeros_like(w)))
     phi = transition(channel_g, np.stack((dt, dt)))
@@ -181,11 +196,10 @@ def cycle(
     row = np.zeros(scale.shape)
     row[..., 0] = 1
     r = np.stack((r_h, r_v)) ** 2 / scale[..., 0] ** 2
-    if slow is not None:
-        phi, q, row = _augmented(phi, q, row, slow, dt, scale[..., 0])
+    phi, q, row = _augmented(phi, q, row, SlowError(slow_sigma, slow_time), dt, scale[..., 0])
     prior = steady_prior(phi, q, row, r)
     posterior = after_fix(prior, row, r)
-    if not all(np.all(np.diagonal(matrix, axis1=-2, axis2=-1) > 0) for matrix in (prior, posterior)):
+    if not all(np.all(np.diagonal(matrix, axis1=-2, axis2=-1).real > 0) for matrix in (prior, posterior)):
         raise ArithmeticError("the discrete Riccati equation lost the covariance to rounding")
     return Cycle(*(_split(matrix[..., :3, :3], scale) for matrix in (prior, posterior)))
 
@@ -193,13 +207,14 @@ def cycle(
 def _augmented(
     phi: Array, q: Array, row: Array, slow: SlowError, dt: Array, unit: Array
 ) -> tuple[Array, Array, Array]:
-    sigma = np.asarray(slow.sigma, float) / unit
-    decay = np.exp(-dt / np.asarray(slow.correlation_time, float)) * np.ones_like(unit)
+    sigma = as_numbers(slow.sigma) / unit
+    decay = np.exp(-dt / as_numbers(slow.correlation_time)) * np.ones_like(unit)
     shape = phi.shape[:-2]
-    phi4, q4 = np.zeros((*shape, 4, 4)), np.zeros((*shape, 4, 4))
+    dtype = np.result_type(phi, q, sigma, decay)
+    phi4, q4 = np.zeros((*shape, 4, 4), dtype), np.zeros((*shape, 4, 4), dtype)
     phi4[..., :3, :3], q4[..., :3, :3] = phi, q
     phi4[..., 3, 3] = decay
-    q4[..., 3, 3] = -(sigma**2) * np.expm1(-2 * dt / np.asarray(slow.correlation_time, float))
+    q4[..., 3, 3] = -(sigma**2) * np.expm1(-2 * dt / as_numbers(slow.correlation_time))
     return phi4, q4, np.concatenate((row, np.ones((*shape, 1))), axis=-1)
 
 

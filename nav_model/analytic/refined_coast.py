@@ -3,81 +3,49 @@
 Beside [T-1], the horizontal channels feel the Schuler term -g/R, the vertical channel gravity's gradient
 +2g/R and the horizontal velocity error through Coriolis and the centrifugal term:
 ``d(dv_down)/dt += 2 Omega cos(lat) dv_east + (2V/R) dv_along``. Left out, the vertical curve is optimistic
-after about 45 s. The covariance obeys a linear equation with constant coefficients; its Taylor series
-converges everywhere, and is summed once for all times.
+after about 45 s.
+
+With omega² = g/R and mu² = 2 omega², the transition of this linear system is made of sin, cos, sinh and cosh.
+The variance is what the transition makes of the covariance at the last fix plus the integrals of the squared
+impulse responses, which are smooth and positive and are integrated by Gauss and Legendre's rule to rounding.
+Everything broadcasts, so the same function draws a curve and fills a map.
 """
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
 
 EARTH_RADIUS = 6371008.8  # m, mean radius (IUGG)
 EARTH_RATE = 7.2921150e-5  # rad/s
-_MAX_TERMS = 400
+# Schuler angle -> points of the rule that integrate the squared responses up to it to rounding.
+_RULES = ((0.8, 8), (3.0, 14), (20.0, 40))
 
 
 class RefinedGrowth(NamedTuple):
-    """Variances against time, shape (times,).
+    """Position variances [m²] against time. The two horizontal channels start and grow alike."""
 
-    Position [m²] and velocity [m²/s²] along the track, across it and down; tilt [rad²].
-    """
-
-    along: Array
-    cross: Array
+    horizontal: Array
     vertical: Array
-    velocity_along: Array
-    velocity_cross: Array
-    velocity_vertical: Array
-    tilt: Array
-
-    @property
-    def horizontal(self) -> Array:
-        """The larger of the two horizontal position variances at each time."""
-        worst: Array = np.maximum(self.along, self.cross)
-        return worst
-
-    @property
-    def velocity_horizontal(self) -> Array:
-        """The larger of the two horizontal velocity variances at each time."""
-        worst: Array = np.maximum(self.velocity_along, self.velocity_cross)
-        return worst
-
-
-def dynamics(g: float, radius: float, speed: float, latitude: float, heading: float) -> Array:
-    """System matrix of the eight error states, shape (8, 8).
-
-    States: along-track position, velocity, pitch; cross-track (right) position, velocity, roll; down
-    position, velocity.
-    """
-    f = np.zeros((8, 8))
-    f[0, 1] = f[3, 4] = f[6, 7] = 1
-    f[1, 2], f[4, 5] = -g, g
-    f[1, 0] = f[4, 3] = -g / radius
-    f[7, 6] = 2 * g / radius
-    coriolis = 2 * EARTH_RATE * np.cos(latitude)
-    # east = along sin(heading) + cross cos(heading)
-    f[7, 1] = coriolis * np.sin(heading) + 2 * speed / radius
-    f[7, 4] = coriolis * np.cos(heading)
-    return f
 
 
 def refined_growth(
     start: Horizontal,
     start_vertical: Vertical,
-    sigma_a: float,
-    sigma_w: float,
-    g: float,
+    sigma_a: ArrayLike,
+    sigma_w: ArrayLike,
+    g: ArrayLike,
     time: ArrayLike,
     *,
-    speed: float,
-    latitude: float,
-    altitude: float = 0.0,
-    heading: float = 0.0,
+    speed: ArrayLike,
+    latitude: ArrayLike,
+    altitude: ArrayLike = 0.0,
+    heading: ArrayLike = 0.0,
 ) -> RefinedGrowth:
     """Variances `time` seconds after the last fix, from the posterior covariance of the filter. [T-17]
 
@@ -86,68 +54,106 @@ def refined_growth(
     start, start_vertical
         Covariances just after the last fix, of one horizontal channel and the vertical one. The two
         horizontal channels start alike and independent.
-    sigma_a, sigma_w, g : float
+    sigma_a, sigma_w, g : array_like
         Velocity random walk [m/s/√s], angle random walk [rad/√s], gravity [m/s²].
-    time : array_like, shape (times,)
+    time : array_like
         Seconds since the last fix.
-    speed, latitude, altitude, heading : float
+    speed, latitude, altitude, heading : array_like
         m/s, rad, m, rad.
-
-    One design at a time: the matrices are those of one flight condition.
 
     Raises
     ------
     ArithmeticError
-        If rounding swallows a variance: far beyond the outages of aircraft.
+        If the Schuler angle sqrt(g/R) time exceeds 20 rad (4.5 hours on Earth).
     """
-    t = np.atleast_1d(np.asarray(time, float))
-    end = float(np.max(t, initial=0.0)) or 1.0
-    f = dynamics(g, EARTH_RADIUS + altitude, speed, latitude, heading) * end
-    q = np.diag([0, sigma_a**2, sigma_w**2, 0, sigma_a**2, sigma_w**2, 0, sigma_a**2]) * end
-    p = np.zeros((8, 8))
-    block = start.matrix()
-    flip = np.diag([1.0, 1.0, -1.0])  # positive pitch accelerates backward
-    p[:3, :3], p[3:6, 3:6] = flip @ block @ flip, block
-    p[6, 6], p[6, 7], p[7, 6], p[7, 7] = (
-        start_vertical.v11,
-        start_vertical.v12,
-        start_vertical.v12,
-        start_vertical.v22,
+    qa, qw = as_numbers(sigma_a) ** 2, as_numbers(sigma_w) ** 2
+    g, t, v, latitude, heading = (as_numbers(x) for x in (g, time, speed, latitude, heading))
+    radius = EARTH_RADIUS + as_numbers(altitude)
+    omega = np.sqrt(g / radius)
+    p, own = start, start_vertical
+    free = _responses(omega, t)
+    sine, tilt, coupled, twice, cosine = free.sine, free.tilt, free.coupled, free.twice, free.cosine
+    noise = _squared_integrals(omega, t)
+    horizontal = (
+        p.p11 * cosine**2
+        + p.p22 * sine**2
+        + p.p33 * (g * tilt) ** 2
+        + 2 * cosine * (p.p12 * sine + g * p.p13 * tilt)
+        + 2 * g * p.p23 * sine * tilt
+        + qa * noise.sine
+        + g**2 * qw * noise.tilt
     )
-    terms = _taylor(f, q, p)
-    powers = np.vander(t / end, len(terms), increasing=True)
-    # einsum, not @: a product this small is slowed manyfold when BLAS wakes its threads on a busy machine
-    sums = np.einsum("tk,kn->nt", powers, terms)
-    if not np.all(sums >= 0):
-        raise ArithmeticError("the outage series lost a variance to rounding")
-    return RefinedGrowth(
-        along=sums[0],
-        cross=sums[3],
-        vertical=sums[6],
-        velocity_along=sums[1],
-        velocity_cross=sums[4],
-        velocity_vertical=sums[7],
-        tilt=np.maximum(sums[2], sums[5]),
+    # What one horizontal channel's velocity error does to the vertical, for a coupling of one.
+    pull = omega**2
+    through = (
+        p.p22 * coupled**2
+        + twice**2 * (p.p11 * pull**2 + g**2 * p.p33 - 2 * pull * g * p.p13)
+        + 2 * twice * coupled * (g * p.p23 - pull * p.p12)
+        + qa * noise.coupled
+        + g**2 * qw * noise.twice
     )
+    coriolis = 2 * EARTH_RATE * np.cos(latitude)
+    # east = along sin(heading) + cross cos(heading)
+    along, cross = coriolis * np.sin(heading) + 2 * v / radius, coriolis * np.cos(heading)
+    vertical = (
+        own.v11 * free.rising**2
+        + 2 * own.v12 * free.rising * free.falling
+        + own.v22 * free.falling**2
+        + qa * noise.falling
+        + (along**2 + cross**2) * through
+    )
+    return RefinedGrowth(horizontal, vertical)
 
 
-def _taylor(f: Array, q: Array, p: Array) -> Array:
-    """Coefficients of the diagonal of P(x), P' = F P + P F' + Q, shape (terms, n), for x up to one.
+class _Responses(NamedTuple):
+    """Position after a time, of a unit start.
 
-    The series is cut where four terms in a row are below the rounding of their sums.
+    Horizontal, of position (``cosine``), of velocity (``sine`` [s]), of acceleration (``tilt`` [s²]); vertical, of
+    its own position (``rising``) and velocity (``falling`` [s]), and, for a coupling of 1/s, of horizontal
+    velocity (``coupled`` [s²]) and of horizontal acceleration (``twice`` [s³]).
     """
-    diagonal = [np.diagonal(p).copy()]
-    total = diagonal[0].copy()
-    quiet = 0
-    for k in range(1, _MAX_TERMS):
-        half = f @ p
-        p = half + half.T
-        if k == 1:
-            p = p + q
-        p = p / k
-        diagonal.append(np.diagonal(p).copy())
-        total = total + diagonal[-1]
-        quiet = quiet + 1 if np.all(np.abs(diagonal[-1]) <= 1e-17 * np.abs(total)) else 0
-        if quiet == 4:
-            return np.array(diagonal)
-    raise ArithmeticError(f"the outage series did not settle in {_MAX_TERMS} terms")
+
+    cosine: Array
+    sine: Array
+    tilt: Array
+    rising: Array
+    falling: Array
+    coupled: Array
+    twice: Array
+
+
+def _responses(omega: Array, t: Array) -> _Responses:
+    mu = np.sqrt(2) * omega
+    sine, falling = np.sin(omega * t) / omega, np.sinh(mu * t) / mu
+    # 1 - cos and cosh - 1, without cancellation
+    fallen = 2 * (np.sin(omega * t / 2) / omega) ** 2
+    risen = 2 * (np.sinh(mu * t / 2) / omega) ** 2
+    return _Responses(
+        cosine=1 - omega**2 * fallen,
+        sine=sine,
+        tilt=fallen,
+        rising=1 + omega**2 * risen,
+        falling=falling,
+        coupled=(risen + fallen) / 3,
+        twice=(falling - sine) / (3 * omega**2),
+    )
+
+
+def _squared_integrals(omega: Array, t: Array) -> _Responses:
+    """Integrals of the squared responses from zero to `t`, under the same names."""
+    angle = float(np.max(np.abs(omega * t), initial=0.0))
+    points = next((points for limit, points in _RULES if angle <= limit), None)
+    if points is None:
+        raise ArithmeticError(
+            f"an outage of {angle:.3g} rad of Schuler angle is beyond the {_RULES[-1][0]:g} integrated to rounding"
+        )
+    nodes, weights = _rule(points)
+    at = _responses(omega[..., None], t[..., None] * nodes)
+    return _Responses(*((response**2 @ weights) * t for response in at))
+
+
+@cache
+def _rule(points: int) -> tuple[Array, Array]:
+    """Nodes and weights of Gauss and Legendre on [0, 1]."""
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    return (nodes + 1) / 2, weights / 2

@@ -15,6 +15,16 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 
+def as_numbers(x: ArrayLike) -> Array:
+    """As an array of floats; complex numbers pass, so that a complex step gives exact derivatives.
+
+    Source: Squire and Trapp, SIAM Review 40(1), 1998.
+    """
+    array = np.asarray(x)
+    numbers: Array = array if array.dtype.kind in "fc" else array.astype(float)
+    return numbers
+
+
 class Horizontal(NamedTuple):
     """Covariance of one horizontal channel: position, velocity, tilt.
 
@@ -55,13 +65,13 @@ class Vertical(NamedTuple):
 
 def fix_density(sigma_gnss: ArrayLike, interval: ArrayLike) -> Array:
     """Density of white noise equivalent to a fix of `sigma_gnss` [m] every `interval` [s], in m·√s. [T-2]"""
-    density: Array = np.asarray(sigma_gnss, float) * np.sqrt(np.asarray(interval, float))
+    density: Array = as_numbers(sigma_gnss) * np.sqrt(as_numbers(interval))
     return density
 
 
 def gyro_dominance(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike) -> Array:
     """Regime number kappa: large when the gyro rules the horizontal channel, small when it does not. [T-6]"""
-    sigma_a, sigma_w, s, g = (np.asarray(x, float) for x in (sigma_a, sigma_w, s, g))
+    sigma_a, sigma_w, s, g = (as_numbers(x) for x in (sigma_a, sigma_w, s, g))
     kappa: Array = 2 * np.sqrt(2) * g * sigma_w * np.sqrt(s) / sigma_a**1.5
     return kappa
 
@@ -71,8 +81,8 @@ def position_ratio(kappa: ArrayLike) -> Array:
 
     Newton's method from a start good to 3 %: five steps reach the last bit for every kappa >= 0.
     """
-    kappa = np.asarray(kappa, float)
-    u: Array = np.sqrt(np.sqrt(1 + np.cbrt(kappa) ** 4))
+    kappa = as_numbers(kappa)
+    u: Array = np.sqrt(np.sqrt(1 + np.cbrt(kappa.real) ** 4))
     for _ in range(5):
         cube = u * u * u
         u = (3 * cube * u + 1) / (4 * cube - kappa)
@@ -81,7 +91,7 @@ def position_ratio(kappa: ArrayLike) -> Array:
 
 def vertical(sigma_a: ArrayLike, s: ArrayLike) -> Vertical:
     """Steady-state covariance of the vertical channel. [T-4]"""
-    sigma_a, s = np.asarray(sigma_a, float), np.asarray(s, float)
+    sigma_a, s = as_numbers(sigma_a), as_numbers(s)
     v11 = np.sqrt(2 * sigma_a * s) * s
     return Vertical(v11, sigma_a * s, v11 * sigma_a / s)
 
@@ -94,7 +104,7 @@ def horizontal(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLik
     sigma_a, sigma_w, s, g : array_like
         Positive; see the module. They broadcast together.
     """
-    sigma_a, sigma_w, s, g = (np.asarray(x, float) for x in (sigma_a, sigma_w, s, g))
+    sigma_a, sigma_w, s, g = (as_numbers(x) for x in (sigma_a, sigma_w, s, g))
     return horizontal_from_position(
         position_ratio(gyro_dominance(sigma_a, sigma_w, s, g)) * vertical(sigma_a, s).v11, sigma_w, s, g
     )
@@ -115,18 +125,18 @@ def horizontal_from_position(p11: Array, sigma_w: Array, s: Array, g: Array) -> 
 
 def gyro_dominated(sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike) -> tuple[Array, Array, Array]:
     """Asymptotes of p11, p22, p33 for kappa >> 1; relative error of p11 about kappa^(-4/3)/3. [T-7]"""
-    sigma_w, s, g = (np.asarray(x, float) for x in (sigma_w, s, g))
+    sigma_w, s, g = (as_numbers(x) for x in (sigma_w, s, g))
     p11 = 2 * np.cbrt(s**5 * g * sigma_w)
     return p11, 3 * g * sigma_w * s, 2 * np.cbrt(s * sigma_w**5 / g)
 
 
 def yaw_variance(sigma_w: ArrayLike, time: ArrayLike) -> Array:
     """Growth of the yaw variance [rad²] over `time` [s]: unobservable on this path. [T-5]"""
-    variance: Array = np.asarray(sigma_w, float) ** 2 * np.asarray(time, float)
+    variance: Array = as_numbers(sigma_w) ** 2 * as_numbers(time)
     return variance
 
 
 def lambda_dt(p11: ArrayLike, s: ArrayLike, interval: ArrayLike) -> Array:
     """Filter bandwidth times fix interval; above 0.5 the sawtooth of a discrete filter is wide. [T-8]"""
-    product: Array = np.asarray(p11, float) * np.asarray(interval, float) / np.asarray(s, float) ** 2
+    product: Array = as_numbers(p11) * as_numbers(interval) / as_numbers(s) ** 2
     return product

@@ -1,4 +1,4 @@
-"""The catalogue of inertial units and radars: values with their source and how far it can be trusted."""
+"""The catalogue of inertial units, radars and receiver classes: values, their source, how far to trust them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nav_model.inputs import BaseQuantity, DesignError
 from nav_model.parts import INPUTS
 from nav_model.units import QuantityError, parse_quantity
 
-Kind = Literal["imu", "radar"]
+Kind = Literal["imu", "radar", "gnss"]
 STATUSES = ("confirmed", "secondary", "assumed", "unconfirmed")
 """How a value came here, from best to worst; anything but the first is marked wherever it is shown."""
 
@@ -70,6 +70,7 @@ class Entry:
 _EXTRA: dict[str, dict[str, str]] = {
     "imu": {"gyro_bias": "angular rate", "accelerometer_bias": "acceleration"},
     "radar": {"speed": "speed", "altitude": "length"},
+    "gnss": {},
 }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array
+from nav_model.analytic.steady_state import Array, as_numbers
 
 WINDOW_WIDTH: dict[str, float] = {
     "uniform": 0.8858929413789045,
@@ -29,7 +29,7 @@ LIMITS_RAD: dict[str, tuple[float, str]] = {
 
 def phase_to_metres(phase: ArrayLike, wavelength: ArrayLike) -> Array:
     """Line-of-sight error [m] of a two-way phase [rad]: pi/4 is lambda/16. [T-13], [S-4]"""
-    metres: Array = np.asarray(phase, float) * np.asarray(wavelength, float) / (4 * np.pi)
+    metres: Array = as_numbers(phase) * as_numbers(wavelength) / (4 * np.pi)
     return metres
 
 
@@ -49,23 +49,19 @@ def aperture_time(
     KeyError
         For a window that is not in `WINDOW_WIDTH`.
     """
-    wavelength, slant_range, speed, resolution = (
-        np.asarray(x, float) for x in (wavelength, slant_range, speed, resolution)
-    )
+    wavelength, slant_range, speed, resolution = (as_numbers(x) for x in (wavelength, slant_range, speed, resolution))
     time: Array = WINDOW_WIDTH[window] * wavelength * slant_range / (2 * resolution * speed)
     return time
 
 
 def cell_length(wavelength: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, aperture: ArrayLike) -> Array:
     """Azimuth cell lambda R/(2 V T) [m]: peak to first null of the unweighted response. [S-3]"""
-    wavelength, slant_range, speed, aperture = (
-        np.asarray(x, float) for x in (wavelength, slant_range, speed, aperture)
-    )
+    wavelength, slant_range, speed, aperture = (as_numbers(x) for x in (wavelength, slant_range, speed, aperture))
     length: Array = wavelength * slant_range / (2 * speed * aperture)
     return length
 
 
 def line_of_sight_weights(grazing_angle: ArrayLike) -> tuple[Array, Array]:
     """Weights of cross-track and vertical variance in the broadside line of sight. [S-1]"""
-    angle = np.asarray(grazing_angle, float)
+    angle = as_numbers(grazing_angle)
     return np.cos(angle) ** 2, np.sin(angle) ** 2

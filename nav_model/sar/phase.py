@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array
+from nav_model.analytic.steady_state import Array, as_numbers
 from nav_model.sar.geometry import line_of_sight_weights
 
 SOURCES = (
@@ -89,7 +89,7 @@ def phase_budget(
     if autofocus_order not in _ACCELEROMETER_LEFT:
         raise ValueError(f"autofocus_order: {autofocus_order!r} is not one of 1, 2, 3")
     p33, sigma_a, sigma_w, b, d, g, t, tc = (
-        np.asarray(x, float) for x in (p33, sigma_a, sigma_w, accelerometer_bias, gyro_bias, g, aperture, coast)
+        as_numbers(x) for x in (p33, sigma_a, sigma_w, accelerometer_bias, gyro_bias, g, aperture, coast)
     )
     level, upright = line_of_sight_weights(grazing_angle)
     s_a, s_g = sigma_a**2, level * (g * sigma_w) ** 2
@@ -148,7 +148,7 @@ def along_track_quadratic(
     over the aperture, so a first-order error does more than shift and scale.
     """
     variance, speed, aperture, wavelength, slant_range = (
-        np.asarray(x, float) for x in (velocity_variance, speed, aperture, wavelength, slant_range)
+        as_numbers(x) for x in (velocity_variance, speed, aperture, wavelength, slant_range)
     )
     phase: Array = np.pi * speed * aperture**2 * np.sqrt(variance) / (wavelength * slant_range)
     return phase

@@ -179,6 +179,7 @@ def test_save_open_and_refuse(visit: Visit, tmp_path: Path) -> None:
     chooser.set_input_files(EXAMPLES / "l_band_jet.toml")
     expect(page.get_by_role("status").first).to_contain_text("Closes")
     expect(box(page, "Design")).to_have_value("L band from a jet")
+    expect(box(page, "Angle random walk")).to_have_value("0.125 °/√h")
     bad = tmp_path / "bad.toml"
     bad.write_bytes(b'[imu]\nangle_random_walk = "5 kg"\n')
     chooser.set_input_files(bad)
@@ -187,6 +188,13 @@ def test_save_open_and_refuse(visit: Visit, tmp_path: Path) -> None:
     (tmp_path / "binary.toml").write_bytes(bytes(range(256)))
     chooser.set_input_files(tmp_path / "binary.toml")
     expect(page.get_by_text("not a text file")).to_be_visible()
+
+
+def test_every_tab_has_an_address(visit: Visit) -> None:
+    page = visit("/#sensors")
+    expect(page.get_by_role("tab", name="Sensors")).to_have_attribute("aria-selected", "true")
+    page.get_by_role("tab", name="Budget").click()
+    page.wait_for_function("() => location.hash === '#budget'")
 
 
 def test_chart_data_to_take_away(visit: Visit) -> None:

@@ -1,0 +1,114 @@
+"""The Explore page: what would close the design, what to improve first, and which sensors would do."""
+
+from __future__ import annotations
+
+import io
+from html import escape
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.chart_view import html_pane, prose
+from app.charts.description import to_csv
+from app.charts.explore import rank_chart
+from app.charts.on_screen_explore import RankFigure
+from app.explore_words import answer, solved_table
+from app.pages.explore_map import MapPanel, download
+from app.pages.explore_search import SearchPanel
+from app.pages.explore_uncertainty import UncertaintyPanel
+from app.state import Session
+from app.theme import FRAME
+from nav_model.budget import Budget
+from nav_model.explore.margins import label_of
+from nav_model.explore.solve import Solution, solve
+from nav_model.figures import FIGURES
+
+
+class ExplorePage:
+    """Everything below the tab."""
+
+    def __init__(self, session: Session) -> None:
+        self._answer = html_pane("")
+        self._solved = html_pane("")
+        self._parts = (
+            _RankPanel(session),
+            MapPanel(session),
+            SearchPanel(session),
+            UncertaintyPanel(session),
+        )
+        rank, trade, search, uncertainty = self._parts
+        self.view = pn.Column(
+            self._answer,
+            self._solved,
+            pmui.Grid(
+                pmui.Grid(trade.view, size={"xs": 12, "lg": 7}),
+                pmui.Grid(rank.view, size={"xs": 12, "lg": 5}),
+                pmui.Grid(search.view, size={"xs": 12}),
+                pmui.Grid(uncertainty.view, size={"xs": 12}),
+                container=True,
+                spacing=1.5,
+                sizing_mode="stretch_width",
+                margin=(4, 10),
+            ),
+            sizing_mode="stretch_width",
+        )
+        self._answer_for(session.budget)
+
+    def show(self, budget: Budget) -> None:
+        """Follow the budget in force."""
+        self._answer_for(budget)
+        for part in self._parts:
+            part.show(budget)
+
+    def _answer_for(self, budget: Budget) -> None:
+        solutions: tuple[Solution, ...] = solve(budget.design, verify=False) if budget.verdict.checks else ()
+        self._answer.object = answer(budget, solutions)
+        self._solved.object = solved_table(budget, solutions)
+
+
+class _RankPanel:
+    """The ranking, with the figure it is of."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        tightest = session.budget.verdict.tightest
+        self._figure = pmui.Select(
+            label="Figure to improve",
+            description="",
+            options={label_of(name): name for name in FIGURES},
+            value=tightest.name if tightest else "quadratic_phase",
+            size="small",
+            sizing_mode="stretch_width",
+            margin=(10, 14, 0, 14),
+        )
+        chart = rank_chart(session.design, self._figure.value)
+        self._chart = RankFigure(chart)
+        self._title = html_pane(f"<h3>{escape(chart.title)}</h3>", margin=(10, 14, 0, 14))
+        self._know = html_pane(_know(chart.bars[0].sentence if chart.bars else "", chart.knowledge))
+        self._figure.param.watch(lambda _: self.show(self._session.budget), "value")
+        self.view = pn.Column(
+            self._title,
+            self._figure,
+            pn.Column(pn.pane.Bokeh(self._chart.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
+            self._know,
+            download("Ranking: data (CSV)", "ranking.csv", self._csv),
+            styles=FRAME,
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+
+    def show(self, budget: Budget) -> None:
+        chart = rank_chart(budget.design, self._figure.value)
+        self._chart.feed(chart)
+        self._title.object = f"<h3>{escape(chart.title)}</h3>"
+        self._know.object = _know(chart.bars[0].sentence if chart.bars else "", chart.knowledge)
+
+    def _csv(self) -> io.BytesIO:
+        return io.BytesIO(to_csv(rank_chart(self._session.design, self._figure.value)).encode())  # type: ignore[arg-type]
+
+
+def _know(lead: str, knowledge: str) -> str:
+    return (
+        f"<p>{escape(lead)} Hatched bars are inputs to double, plain ones to halve.</p>"
+        f'<p class="know quiet"><b>How do we know:</b> {prose(knowledge)}</p>'
+    )

@@ -1,0 +1,10 @@
+"""Which sensor do I need, what should I improve? Questions put to the closed forms the other way round.
+
+- `margins`: how far designs are from their requirements, over arrays.
+- `solve`: the largest noise, interval or time that still meets each requirement.
+- `rank`: exact sensitivities of a figure to every input.
+- `trade_map`: two inputs against a figure.
+- `search`: catalogue sensors and receiver classes against a radar and its requirements.
+- `uncertainty`: the verdict as a probability when inputs are ranges.
+- `sweep_plan`, `sweep`: parameter files, evaluated in parallel and resumed after a crash.
+"""

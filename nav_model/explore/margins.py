@@ -1,0 +1,91 @@
+"""How far designs are from their requirements: value over limit, over arrays of designs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import cast
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array
+from nav_model.design import Design
+from nav_model.figures import FIGURES, Inputs, Value, figures, inputs_of
+from nav_model.inputs import BaseQuantity, DesignError
+from nav_model.parts import declaration_of
+
+ALL = "all requirements"
+"""Name of the result that is the largest value over limit of every requirement given."""
+
+
+def limits(design: Design) -> dict[str, float]:
+    """Limit at one sigma [SI] of every figure that a requirement of the design limits, in a verdict's order."""
+    confidence = design.requirements.confidence
+    given = ((name, getattr(design.requirements, limit)) for name, limit in FIGURES.items())
+    return {name: limit / confidence for name, limit in given if limit is not None}
+
+
+def ratios(design: Design, changes: Mapping[str, Value] | None = None) -> dict[str, Array]:
+    """Value over limit of every requirement given; met at or below one. Margin is one minus it.
+
+    `changes` replaces inputs by numbers or arrays, as in `nav_model.figures.inputs_of`.
+    """
+    return ratios_of(design, inputs_of(design, changes))
+
+
+def ratios_of(design: Design, x: Inputs) -> dict[str, Array]:
+    """As `ratios`, from inputs made before."""
+    allowed = limits(design)
+    return {name: sigma / allowed[name] for name, sigma in figures(x, list(allowed)).items()}
+
+
+def worst(by_requirement: Mapping[str, Array]) -> Array:
+    """The largest of the ratios, NaN where one is: that design is not allowed.
+
+    Raises
+    ------
+    ValueError
+        If there is no requirement.
+    """
+    if not by_requirement:
+        raise ValueError("requirements: none is given; state at least one limit")
+    largest: Array = np.maximum.reduce(np.broadcast_arrays(*by_requirement.values()))
+    return largest
+
+
+def label_of(figure: str) -> str:
+    """A figure's name as people read it."""
+    if figure == ALL:
+        return "All requirements"
+    if figure == "along_track_quadratic_phase":
+        return "Along-track quadratic phase"
+    return str(declaration_of(f"requirements.{FIGURES[figure]}").label)
+
+
+def dimension_of(figure: str) -> str:
+    """A figure's dimension, key of `nav_model.units.DIMENSIONS`; none for a ratio."""
+    if figure == ALL:
+        return ""
+    return quantity(f"requirements.{FIGURES[figure]}").dimension
+
+
+def quantity(key: str) -> BaseQuantity[float | None]:
+    """The declaration of a numeric input.
+
+    Raises
+    ------
+    DesignError
+        If there is no such input or it is not a number.
+    """
+    try:
+        declaration = declaration_of(key)
+    except KeyError as error:
+        raise DesignError(key, "unknown key") from error
+    if not isinstance(declaration, BaseQuantity):
+        raise DesignError(key, "is a choice, not a number")
+    return declaration
+
+
+def usual_range(key: str) -> tuple[float, float]:
+    """The range of an input that people explore, SI."""
+    low, high = cast("tuple[float, float]", quantity(key).softbounds)
+    return float(low), float(high)

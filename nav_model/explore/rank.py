@@ -1,0 +1,149 @@
+"""What to improve first: exact logarithmic sensitivities of a figure to every input.
+
+The derivative is a complex step through the same closed forms that give the figure (`nav_model.figures`): the
+input is multiplied by 1 + i·10⁻²⁰ and the imaginary part read off. Nothing is subtracted, so the derivative is
+exact to rounding. All inputs are stepped in one broadcast evaluation.
+
+Source: Squire and Trapp, *Using complex variables to estimate derivatives of real functions*, SIAM Review
+40(1), 1998. For noises it must agree with [T-18].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array
+from nav_model.design import Design
+from nav_model.explore.margins import quantity
+from nav_model.figures import FIGURES, VARIABLES, figures, inputs_of
+from nav_model.inputs import DesignError
+
+_STEP = 1e-20
+SENSORS: Mapping[str, str] = {
+    "imu.velocity_random_walk": "accelerometer noise",
+    "imu.angle_random_walk": "gyro noise",
+    "imu.accelerometer_bias": "accelerometer bias",
+    "imu.gyro_bias": "gyro bias",
+    "gnss.position_noise": "GNSS noise",
+    "gnss.vertical_position_noise": "GNSS noise",
+    "gnss.correlated_noise": "slow GNSS error",
+}
+"""Inputs that are error sources -> the name a budget gives the source."""
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How one figure answers to one input.
+
+    ``slope`` is d ln(figure)/d ln(input). ``halved`` and ``doubled`` are the figure's exact relative change when
+    the input is halved or doubled (-0.31: 31 % less), NaN where that is outside the input's bounds.
+    """
+
+    key: str
+    label: str
+    slope: float
+    halved: float
+    doubled: float
+
+
+def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
+    """Sensitivities of a figure to every input it depends on, the strongest first.
+
+    Inputs at zero have no logarithm and are left out: `silent` names them.
+
+    Raises
+    ------
+    DesignError
+        If `figure` is not one of `nav_model.figures.FIGURES`.
+    """
+    if figure not in FIGURES:
+        raise DesignError("result", f"{figure!r} is not one of {', '.join(FIGURES)}")
+    keys = [key for key in stated(design) if design[key] != 0]
+    slopes = log_derivatives(design, keys, (figure,))[figure]
+    halved, doubled = (_scaled(design, keys, figure, factor) for factor in (0.5, 2.0))
+    found = [
+        Sensitivity(key, str(quantity(key).label), float(slope), float(half), float(double))
+        for key, slope, half, double in zip(keys, slopes, halved, doubled, strict=True)
+        if slope != 0
+    ]
+    return tuple(sorted(found, key=lambda item: -abs(item.slope)))
+
+
+def silent(design: Design) -> tuple[str, ...]:
+    """Inputs that stand at zero and so have no place in a ranking."""
+    return tuple(key for key in stated(design) if design[key] == 0)
+
+
+def stated(design: Design) -> list[str]:
+    """Numeric inputs that the design states and uses: optional ones only when given."""
+    unused = {"gnss.correlated_noise", "gnss.correlation_time"} if not design.gnss.correlated else set()
+    if design.radar.aperture_time is not None:
+        unused.add("radar.azimuth_resolution")
+    return [key for key in VARIABLES if key not in unused and design[key] is not None]
+
+
+def log_derivatives(
+    design: Design, keys: Sequence[str], names: Sequence[str], changes: Mapping[str, Array] | None = None
+) -> dict[str, Array]:
+    """d ln(figure)/d ln(input), exact.
+
+    Parameters
+    ----------
+    design : Design
+    keys : sequence of str
+        Inputs, dotted keys.
+    names : sequence of str
+        Figures.
+    changes : mapping, optional
+        Inputs replaced by arrays of one shape.
+
+    Returns
+    -------
+    dict
+        Figure -> array of shape (len(keys), ...) with the shape of the changes behind.
+    """
+    base = {key: np.asarray(value, float) for key, value in (changes or {}).items()}
+    shape = np.broadcast_shapes(*(value.shape for value in base.values()))
+    identity = np.eye(len(keys)).reshape(len(keys), len(keys), *(1 for _ in shape))
+    stepped = dict(base)
+    for i, key in enumerate(keys):
+        stepped[key] = base.get(key, design[key]) * (1 + 1j * _STEP * identity[i])
+    found = figures(inputs_of(design, stepped), names)
+    whole = (len(keys), *shape)
+    return {name: np.broadcast_to(value.imag / (value.real * _STEP), whole) for name, value in found.items()}
+
+
+def _scaled(design: Design, keys: Sequence[str], figure: str, factor: float) -> Array:
+    """Relative change of the figure with each input scaled alone; NaN where the input may not go there."""
+    identity = np.eye(len(keys))
+    changes = {key: np.asarray(design[key], float) * (1 + (factor - 1) * identity[i]) for i, key in enumerate(keys)}
+    allowed = [_allowed(key, factor * float(design[key])) for key in keys]  # type: ignore[arg-type]
+    now = figures(inputs_of(design), (figure,))[figure]
+    then = figures(inputs_of(design, changes), (figure,))[figure]
+    return np.where(allowed, np.broadcast_to(then, len(keys)) / now - 1, np.nan)
+
+
+def _allowed(key: str, value: float) -> bool:
+    declaration = quantity(key)
+    low, high = declaration.limits
+    above = value >= low if declaration.inclusive_bounds[0] else value > low
+    return above and value <= high
+
+
+def sentence(item: Sensitivity, figure_label: str) -> str:
+    """A sensitivity in words: what halving the input does, or doubling where that is what helps."""
+    down = item.slope > 0
+    verb, change = ("Halving", item.halved) if down else ("Doubling", item.doubled)
+    name = item.label[0].lower() + item.label[1:]
+    said = figure_label[0].lower() + figure_label[1:]
+    if np.isnan(change):
+        return (
+            f"{verb} the {name} is outside its bounds; one percent of it moves the {said} by {abs(item.slope):.2g} %."
+        )
+    if abs(change) < 5e-4:
+        return f"{verb} the {name} leaves the {said} as it is (less than 0.05 %)."
+    effect = "cuts" if change < 0 else "raises"
+    return f"{verb} the {name} {effect} the {said} by {100 * abs(change):.2g} %."

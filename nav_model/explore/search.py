@@ -1,0 +1,147 @@
+"""Which sensors would do: every inertial unit with every receiver class, held against a design's requirements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array
+from nav_model.catalogue import Entry
+from nav_model.design import Design, Value
+from nav_model.explore.margins import limits, ratios, worst
+from nav_model.explore.rank import SENSORS, log_derivatives, stated
+from nav_model.inputs import DesignError
+
+OWN_GNSS = "as in the design"
+"""Name of the row of receivers that is the design's own."""
+_NEEDED = ("velocity_random_walk", "angle_random_walk")
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One inertial unit with one receiver under the design's radar.
+
+    ``margin`` is that of the tightest requirement, ``margins`` of each; ``dominant`` is the error source with the
+    largest share of the tightest figure's variance, which is its logarithmic sensitivity [T-18]. ``changes`` are
+    the inputs (SI) that adopting it sets, ``written`` their units. ``doubts`` names values that the source does not
+    confirm.
+    """
+
+    imu: str
+    gnss: str
+    closes: bool
+    margin: float
+    tightest: str
+    dominant: str
+    share: float
+    margins: Mapping[str, float]
+    changes: Mapping[str, Value]
+    written: Mapping[str, str]
+    doubts: tuple[str, ...]
+
+
+def search(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, Entry]) -> tuple[Candidate, ...]:
+    """Every unit with every receiver class and with the design's own receiver, the widest margin first.
+
+    Units whose sheet lacks a random walk cannot be judged: `left_out` names them. The design's residual biases
+    and vibration factor hold for every unit, because no data sheet prints them.
+
+    Raises
+    ------
+    DesignError
+        If the design gives no requirement or no unit can be judged.
+    """
+    names = list(limits(design))
+    if not names:
+        raise DesignError("requirements", "none is given; state at least one limit to search against")
+    known = [entry for entry in imus.values() if not _lacks(entry)]
+    if not known:
+        raise DesignError("imu catalogue", "no unit in it states both random walks")
+    pairs = [(imu, receiver) for imu in known for receiver in (None, *receivers.values())]
+    changes = [_changes(imu, receiver) for imu, receiver in pairs]
+    keys = sorted({key for change in changes for key in change} & set(_numeric(changes)))
+    columns = {key: np.array([_filled(design, change, key) for change in changes], float) for key in keys}
+    found = {name: np.broadcast_to(ratio, len(pairs)) for name, ratio in ratios(design, columns).items()}
+    whole = worst(found)
+    tightest = np.argmax(np.stack([found[name] for name in names]), axis=0)
+    sources, shares = _dominant(design, names, columns, tightest)
+    rows = [
+        Candidate(
+            imu=imu.name,
+            gnss=receiver.name if receiver else OWN_GNSS,
+            closes=bool(whole[i] <= 1),
+            margin=float(1 - whole[i]),
+            tightest=names[tightest[i]],
+            dominant=sources[i],
+            share=float(shares[i]),
+            margins={name: float(1 - found[name][i]) for name in names},
+            changes={"imu.preset": imu.name, **changes[i]},
+            written=_written(imu, receiver),
+            doubts=tuple(_doubts(imu, receiver)),
+        )
+        for i, (imu, receiver) in enumerate(pairs)
+    ]
+    return tuple(sorted(rows, key=lambda row: -row.margin))
+
+
+def left_out(imus: Mapping[str, Entry]) -> dict[str, str]:
+    """Units that cannot be judged -> what their sheet lacks."""
+    return {entry.name: lacks for entry in imus.values() if (lacks := _lacks(entry))}
+
+
+def _lacks(entry: Entry) -> str:
+    return " and ".join(name.replace("_", " ") for name in _NEEDED if name not in entry.values)
+
+
+def _items(imu: Entry, receiver: Entry | None) -> Iterator[tuple[str, str, float, str, bool, str]]:
+    for entry in (imu, receiver):
+        for name, item in entry.values.items() if entry else ():
+            assert entry is not None
+            yield f"{entry.kind}.{name}", name, item.value, item.unit, item.confirmed, item.status
+
+
+def _changes(imu: Entry, receiver: Entry | None) -> dict[str, Value]:
+    changes: dict[str, Value] = {key: value for key, _, value, *_ in _items(imu, receiver)}
+    if receiver is not None and "vertical_position_noise" not in receiver.values:
+        changes["gnss.vertical_position_noise"] = None
+    return changes
+
+
+def _written(imu: Entry, receiver: Entry | None) -> dict[str, str]:
+    return {key: unit for key, _, _, unit, *_ in _items(imu, receiver)}
+
+
+def _doubts(imu: Entry, receiver: Entry | None) -> Iterator[str]:
+    for _, name, _, _, confirmed, status in _items(imu, receiver):
+        if not confirmed:
+            yield f"{name.replace('_', ' ')} {status}"
+
+
+def _numeric(changes: list[dict[str, Value]]) -> set[str]:
+    return {key for change in changes for key in change} - {"imu.rate"}
+
+
+def _filled(design: Design, change: Mapping[str, Value], key: str) -> float:
+    """A candidate's value of an input: its own, else the design's; a vertical noise not given is the horizontal."""
+    value = change.get(key, design[key])
+    if value is None:
+        value = change.get("gnss.position_noise", design.gnss.position_noise)
+    return float(value)  # type: ignore[arg-type]
+
+
+def _dominant(
+    design: Design, names: list[str], columns: Mapping[str, Array], tightest: Array
+) -> tuple[list[str], Array]:
+    """For each candidate the source with the largest share of the tightest figure, and the share."""
+    keys = [key for key in SENSORS if key in stated(design) or key in columns]
+    slopes = log_derivatives(design, keys, names, columns)
+    by_source: dict[str, Array] = {}
+    for i, key in enumerate(keys):
+        share = np.stack([slopes[name][i] for name in names])[tightest, np.arange(len(tightest))]
+        by_source[SENSORS[key]] = by_source.get(SENSORS[key], np.zeros(share.shape)) + share
+    table = np.stack(list(by_source.values()))
+    best = np.argmax(table, axis=0)
+    sources = list(by_source)
+    return [sources[k] for k in best], np.max(table, axis=0)

@@ -1,0 +1,268 @@
+"""Run a sweep: parts in parallel, each written whole or not at all, then one file.
+
+A part is written beside its place, flushed to the disk and renamed into it, so a process killed at any moment
+leaves only whole parts, and starting again computes only what is missing. Parts depend on nothing but the plan,
+so one process, many processes and a Dask cluster write the same file.
+"""
+
+from __future__ import annotations
+
+import csv
+import functools
+import io
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nav_model.design import Design, Value
+from nav_model.design_file import parse_design
+from nav_model.explore.margins import limits, worst
+from nav_model.explore.sweep_plan import Plan
+from nav_model.figures import FIGURES, VARIABLES, figures, inputs_of
+from nav_model.inputs import DesignError
+
+SUFFIXES = (".csv", ".parquet")
+_UNITS = {"position": "m", "velocity": "m_s", "tilt": "rad", "phase": "rad"}
+
+Column = list[Value] | np.ndarray[Any, Any]
+Progress = Callable[[int, int], None]
+
+
+def run_sweep(
+    plan: Plan,
+    output: str | Path,
+    workers: int = 1,
+    scheduler: str | None = None,
+    progress: Progress = lambda done, total: None,
+) -> int:
+    """Evaluate every row of a plan into one file; returns how many rows an earlier run had already done.
+
+    Parameters
+    ----------
+    plan : Plan
+    output : path
+        Ending in .csv or .parquet (needs pyarrow, the extra ``sweep``). Parts stand in ``OUTPUT.parts`` until the
+        end.
+    workers : int
+        Local processes; with one, the work is done here.
+    scheduler : str, optional
+        Address of a Dask scheduler (extra ``cluster``), whose workers do the work instead.
+    progress : callable
+        Called with rows done and rows in all.
+
+    Raises
+    ------
+    DesignError
+        For another ending, a folder that cannot be written, or parts that belong to another sweep.
+    """
+    target = Path(output)
+    if target.suffix not in SUFFIXES:
+        raise DesignError(str(target), f"must end in {' or '.join(SUFFIXES)}")
+    if target.suffix == ".parquet":
+        _arrow()
+    parts = _open_parts(plan, target)
+    missing = [n for n in range(plan.parts) if not _part(parts, n, target).exists()]
+    kept = plan.rows - sum(_size(plan, n) for n in missing)
+    done = kept
+    progress(done, plan.rows)
+    with _executor(workers, scheduler) as (executor, at_once):
+        for n, content in _results(executor, at_once, plan, missing, target.suffix):
+            _write(_part(parts, n, target), content)
+            done += _size(plan, n)
+            progress(done, plan.rows)
+    _join(plan, parts, target)
+    return kept
+
+
+def _size(plan: Plan, n: int) -> int:
+    return min(plan.rows_per_part, plan.rows - n * plan.rows_per_part)
+
+
+def _part(parts: Path, n: int, target: Path) -> Path:
+    return parts / f"{n:08d}{target.suffix}"
+
+
+def _open_parts(plan: Plan, target: Path) -> Path:
+    """The folder of parts, new or of the same plan."""
+    parts = target.with_name(target.name + ".parts")
+    manifest = parts / "plan.json"
+    stated = {"identity": plan.identity, "rows": plan.rows, "rows_per_part": plan.rows_per_part}
+    try:
+        parts.mkdir(exist_ok=True)
+        if manifest.exists():
+            if json.loads(manifest.read_text()) != stated:
+                raise DesignError(str(parts), "holds parts of another sweep; remove it, or choose another output")
+        else:
+            _write(manifest, json.dumps(stated).encode())
+    except OSError as error:
+        raise DesignError(str(parts), f"cannot be written: {error.strerror}") from error
+    return parts
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Whole or not at all, whatever kills this process."""
+    beside = path.with_name(path.name + ".tmp")
+    with beside.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(beside, path)
+
+
+@contextmanager
+def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Executor | None, int]]:
+    """Who does the work, and how many parts to hand out at once."""
+    if scheduler is not None:
+        try:
+            from distributed import Client
+        except ImportError as error:
+            raise DesignError("--scheduler", 'needs Dask; install "navbudget[cluster]"') from error
+        try:
+            client = Client(scheduler, timeout="10s")
+        except (OSError, ValueError) as error:
+            raise DesignError("--scheduler", f"{scheduler} cannot be reached: {error}") from error
+        with client, client.get_executor(pure=False) as executor:
+            yield executor, 4 * max(1, sum(client.nthreads().values()))
+    elif workers > 1:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
+            yield executor, 4 * workers
+    else:
+        yield None, 1
+
+
+def _results(
+    executor: Executor | None, at_once: int, plan: Plan, missing: list[int], suffix: str
+) -> Iterator[tuple[int, bytes]]:
+    """Parts as they are done; only a few wait at a time, so that memory does not grow with the sweep."""
+    if executor is None:
+        yield from ((n, compute_part(plan, n, suffix)) for n in missing)
+        return
+    waiting: dict[Future[bytes], int] = {}
+    todo = iter(missing)
+    while True:
+        for n in todo:
+            waiting[executor.submit(compute_part, plan, n, suffix)] = n
+            if len(waiting) >= at_once:
+                break
+        if not waiting:
+            return
+        for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+            yield waiting.pop(future), future.result()
+
+
+def compute_part(plan: Plan, n: int, suffix: str) -> bytes:
+    """One part of a sweep's file: importable and picklable, so that any worker can do it."""
+    start = n * plan.rows_per_part
+    columns = evaluate(plan, start, start + _size(plan, n))
+    return _to_parquet(columns) if suffix == ".parquet" else _to_csv(columns)
+
+
+def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
+    """The rows from `start` to `stop` as columns.
+
+    ``row``; every input varied (SI); one sigma of every result; the margin of every requirement given; whether
+    the design closes (empty when it has no requirement).
+    """
+    places = plan.indices(start, stop)
+    columns: dict[str, Column] = {"row": np.arange(start, stop)}
+    for axis, place in zip(plan.axes, places, strict=True):
+        columns[axis.key] = [axis.shown[k] for k in place]
+    names = list(limits(_varied(plan.design, ())))
+    limited = [name for name in FIGURES if name in names or f"requirements.{FIGURES[name]}" in columns]
+    results = {name: np.empty(stop - start) for name in plan.results}
+    margins = {name: np.empty(stop - start) for name in limited}
+    slow = [i for i, axis in enumerate(plan.axes) if axis.key not in VARIABLES]
+    groups = np.stack([places[i] for i in slow], axis=-1) if slow else np.zeros((stop - start, 0), int)
+    for group in np.unique(groups, axis=0):
+        rows = np.flatnonzero((groups == group).all(axis=1))
+        design = _varied(
+            plan.design,
+            tuple(tuple(plan.axes[i].changes[k].items()) for i, k in zip(slow, group, strict=True)),
+        )
+        fast = {
+            axis.key: np.array([axis.shown[k] for k in place[rows]], float)
+            for axis, place in zip(plan.axes, places, strict=True)
+            if axis.key in VARIABLES
+        }
+        found = figures(inputs_of(design, fast), {*plan.results, *limited})
+        for name in plan.results:
+            results[name][rows] = found[name]
+        for name, limit in limits(design).items():
+            margins[name][rows] = 1 - found[name] / limit
+    columns |= {f"{name}_sigma_{_unit(name)}": values for name, values in results.items()}
+    columns |= {f"{name}_margin": values for name, values in margins.items()}
+    columns["closes"] = list(worst({n: -m for n, m in margins.items()}) <= 0) if margins else [None] * (stop - start)
+    return columns
+
+
+@functools.lru_cache(maxsize=512)
+def _varied(text: str, changes: tuple[tuple[tuple[str, Value], ...], ...]) -> Design:
+    """The design with what cannot be an array: choices, presets, limits."""
+    design = parse_design(text)
+    for change in changes:
+        design = design.replace(dict(change))
+    return design
+
+
+def _unit(figure: str) -> str:
+    return next(unit for word, unit in _UNITS.items() if word in figure)
+
+
+def _to_csv(columns: Mapping[str, Column]) -> bytes:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(map(_plain, values) for values in columns.values()), strict=True))
+    return text.getvalue().encode()
+
+
+def _plain(value: Any) -> Any:
+    return repr(float(value)) if isinstance(value, float) else value
+
+
+def _to_parquet(columns: Mapping[str, Column]) -> bytes:
+    arrow, parquet = _arrow()
+    sink = io.BytesIO()
+    parquet.write_table(arrow.table({name: arrow.array(values) for name, values in columns.items()}), sink)
+    return sink.getvalue()
+
+
+def _arrow() -> tuple[Any, Any]:
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise DesignError("output", 'Parquet needs pyarrow; install "navbudget[sweep]", or write .csv') from error
+    return pyarrow, pyarrow.parquet
+
+
+def _join(plan: Plan, parts: Path, target: Path) -> None:
+    """All parts, in order, into the output; then the parts go."""
+    beside = target.with_name(target.name + ".tmp")
+    names = [_part(parts, n, target) for n in range(plan.parts)]
+    if target.suffix == ".parquet":
+        _, parquet = _arrow()
+        with parquet.ParquetWriter(beside, parquet.read_schema(names[0])) as writer:
+            for name in names:
+                writer.write_table(parquet.read_table(name))
+    else:
+        with beside.open("wb") as whole:
+            for n, name in enumerate(names):
+                with name.open("rb") as part:
+                    if n:
+                        part.readline()  # the header stands once
+                    shutil.copyfileobj(part, whole)
+            whole.flush()
+            os.fsync(whole.fileno())
+    os.replace(beside, target)
+    finished = parts.with_name(parts.name + ".done")
+    os.replace(parts, finished)
+    shutil.rmtree(finished)

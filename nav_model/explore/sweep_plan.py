@@ -1,0 +1,216 @@
+"""What a sweep file asks for: a design, the inputs to vary, and how they combine.
+
+    design = "baseline.toml"               # beside this file; or a whole design under [design]
+    combine = "grid"                       # grid (default): every combination; together: the lists side by side
+    results = ["quadratic_phase"]          # default: every figure
+    rows_per_part = 2000                   # how much a crash can cost
+
+    [vary]
+    imu.preset = ["LN-200", "STIM300"]
+    imu.angle_random_walk = { from = "0.01 °/√h", to = "1 °/√h", points = 50, spacing = "log" }
+    gnss.position_noise = ["2 cm", "1 m"]
+    requirements.quadratic_phase = ["45°", "90°"]
+
+Presets come first: an input varied by itself overrides what a preset fills.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+from nav_model.design import Design, Value
+from nav_model.design_file import format_design, parse_design, preset_fill, read_bytes
+from nav_model.explore.margins import quantity
+from nav_model.figures import FIGURES
+from nav_model.inputs import BaseQuantity, Choice, DesignError
+from nav_model.parts import PRESET_KEYS, declaration_of
+
+MOST_ROWS = 50_000_000
+MOST_POINTS = 100_000  # of one range
+_ROWS_PER_PART = 2000
+_FORMAT = 1  # of the parts; part of a plan's identity
+_KEYS = ("design", "combine", "results", "rows_per_part", "vary")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One input varied: what its column shows, and the changes (SI) each value makes."""
+
+    key: str
+    shown: tuple[Value, ...]
+    changes: tuple[Mapping[str, Value], ...]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A sweep, plain data so that it travels to any worker.
+
+    ``design`` is TOML text. Row n of a grid runs through the last axis fastest.
+    """
+
+    design: str
+    axes: tuple[Axis, ...]
+    together: bool
+    results: tuple[str, ...]
+    rows_per_part: int
+
+    @property
+    def rows(self) -> int:
+        """How many designs."""
+        lengths = [len(axis.shown) for axis in self.axes]
+        return lengths[0] if self.together else math.prod(lengths)
+
+    @property
+    def parts(self) -> int:
+        """How many pieces of work."""
+        return -(-self.rows // self.rows_per_part)
+
+    @property
+    def identity(self) -> str:
+        """SHA-256 of everything that decides the output."""
+        content = {
+            "format": _FORMAT,
+            "design": parse_design(self.design).content_hash,
+            "axes": [[axis.key, axis.shown, [dict(change) for change in axis.changes]] for axis in self.axes],
+            "together": self.together,
+            "results": self.results,
+            "rows_per_part": self.rows_per_part,
+        }
+        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+    def indices(self, start: int, stop: int) -> tuple[np.ndarray[Any, np.dtype[np.intp]], ...]:
+        """For rows `start` to `stop`, the place on every axis."""
+        rows = np.arange(start, stop)
+        if self.together:
+            return tuple(rows for _ in self.axes)
+        return tuple(np.unravel_index(rows, [len(axis.shown) for axis in self.axes]))
+
+
+def read_plan(path: str | Path) -> Plan:
+    """Read a sweep file.
+
+    Raises
+    ------
+    DesignError
+        Naming the file or key, what was given and what is allowed.
+    """
+    where = Path(path)
+    return parse_plan(read_bytes(where), str(where), where.parent)
+
+
+def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan:
+    """As `read_plan`, from the file's bytes; a design it names is looked for in `folder`."""
+    try:
+        tables = tomllib.loads(data.decode("utf-8-sig"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise DesignError(where, f"not a sweep file (TOML): {error}") from error
+    unknown = set(tables) - set(_KEYS)
+    if unknown:
+        raise DesignError(sorted(unknown)[0], f"unknown key; a sweep file has {', '.join(_KEYS)}")
+    design = _design(tables.get("design"), folder)
+    combine = tables.get("combine", "grid")
+    if combine not in ("grid", "together"):
+        raise DesignError("combine", f"{combine!r} is not one of grid, together")
+    vary = tables.get("vary")
+    if not isinstance(vary, dict) or not vary:
+        raise DesignError("vary", 'gives no input; write for example gnss.position_noise = ["2 cm", "1 m"]')
+    axes = tuple(_axis(key, spec) for key, spec in _flat(vary))
+    for i, axis in enumerate(axes):
+        if axis.key in {other.key for other in axes[:i]}:
+            raise DesignError(axis.key, "is varied twice; give it one list or range")
+    lengths = {axis.key: len(axis.shown) for axis in axes}
+    if combine == "together" and len(set(lengths.values())) > 1:
+        raise DesignError("combine", f"together needs lists of one length; they have {lengths}")
+    plan = Plan(format_design(design), axes, combine == "together", _results(tables), _part_size(tables))
+    if plan.rows > MOST_ROWS:
+        raise DesignError("vary", f"asks for {plan.rows} designs; at most {MOST_ROWS} go in one sweep")
+    return plan
+
+
+def _design(content: Any, folder: Path) -> Design:
+    if isinstance(content, str):
+        return parse_design(read_bytes(folder / content), content)
+    if isinstance(content, dict):
+        return parse_design(tomli_w.dumps(content), "design")
+    raise DesignError("design", "must name a design file, or hold a design's sections")
+
+
+def _results(tables: Mapping[str, Any]) -> tuple[str, ...]:
+    given = tables.get("results", list(FIGURES))
+    if not isinstance(given, list) or not given:
+        raise DesignError("results", f"must be a list out of {', '.join(FIGURES)}")
+    for name in given:
+        if name not in FIGURES:
+            raise DesignError("results", f"{name!r} is not one of {', '.join(FIGURES)}")
+    return tuple(name for name in FIGURES if name in given)
+
+
+def _part_size(tables: Mapping[str, Any]) -> int:
+    size = tables.get("rows_per_part", _ROWS_PER_PART)
+    if not isinstance(size, int) or isinstance(size, bool) or not 1 <= size <= 100_000:
+        raise DesignError("rows_per_part", f"{size!r} is not a whole number from 1 to 100000")
+    return size
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Dotted keys, whether the file quotes them or nests them."""
+    found: list[tuple[str, Any]] = []
+    for key, content in table.items():
+        if isinstance(content, dict) and "from" not in content:
+            found += _flat(content, f"{prefix}{key}.")
+        else:
+            found.append((f"{prefix}{key}", content))
+    return found
+
+
+def _axis(key: str, spec: Any) -> Axis:
+    if isinstance(spec, dict):
+        return _numbers(key, _range(key, spec))
+    if not isinstance(spec, list) or not spec:
+        raise DesignError(key, "must be a list of values, or { from = ..., to = ..., points = ... }")
+    if key in PRESET_KEYS:
+        fills = [preset_fill(key.partition(".")[0], str(name))[0] for name in spec]
+        return Axis(key, tuple(fill[key] for fill in fills), tuple(fills))
+    declaration = _declaration(key)
+    if isinstance(declaration, Choice):
+        options = [declaration.read(item) for item in spec]
+        return Axis(key, tuple(options), tuple({key: option} for option in options))
+    return _numbers(key, [declaration.read(item).value for item in spec])
+
+
+def _declaration(key: str) -> BaseQuantity[Any] | Choice:
+    try:
+        return declaration_of(key)
+    except KeyError as error:
+        raise DesignError(key, "unknown key; an input is named as in a design file, section.name") from error
+
+
+def _numbers(key: str, values: list[float]) -> Axis:
+    return Axis(key, tuple(values), tuple({key: value} for value in values))
+
+
+def _range(key: str, spec: Mapping[str, Any]) -> list[float]:
+    wrong = set(spec) - {"from", "to", "points", "spacing"}
+    if wrong or not {"from", "to", "points"} <= set(spec):
+        raise DesignError(key, 'a range is { from = ..., to = ..., points = ..., spacing = "log" or "linear" }')
+    declaration = quantity(key)
+    low, high = declaration.read(spec["from"]).value, declaration.read(spec["to"]).value
+    points, spacing = spec["points"], spec.get("spacing", "linear")
+    if not isinstance(points, int) or isinstance(points, bool) or not 2 <= points <= MOST_POINTS:
+        raise DesignError(key, f"points = {points!r} is not a whole number from 2 to {MOST_POINTS}")
+    if spacing not in ("log", "linear"):
+        raise DesignError(key, f"spacing {spacing!r} is not one of log, linear")
+    if spacing == "log" and min(low, high) <= 0:
+        raise DesignError(key, "a log range must stay above zero")
+    space = np.geomspace if spacing == "log" else np.linspace
+    return [float(value) for value in space(low, high, points)]

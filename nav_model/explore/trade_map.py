@@ -1,0 +1,176 @@
+"""A map of the design space: any two inputs against any figure, thousands of designs in one evaluation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array
+from nav_model.catalogue import Entry, catalogue
+from nav_model.design import Design, Value
+from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, worst
+from nav_model.figures import FIGURES, SETTLED, VARIABLES, figures, inputs_of
+from nav_model.inputs import DesignError
+
+SIZE = 200
+SIZE_ITERATED = 40
+"""Points along a side when a slow GNSS error has the filter iterated instead of solved in closed form."""
+
+RESULTS = (ALL, *FIGURES)
+"""What a map can show: a figure at the confidence asked for, or the largest value over limit."""
+
+
+@dataclass(frozen=True)
+class MapPoint:
+    """A catalogue unit on a map, judged with everything its sheet states, not by the map's colour under it.
+
+    ``value`` is the result with the unit in place of the design's; ``met`` is None when the result has no limit.
+    """
+
+    name: str
+    x: float
+    y: float
+    value: float
+    met: bool | None
+
+
+@dataclass(frozen=True)
+class TradeMap:
+    """A result over two inputs, SI.
+
+    ``z`` has shape (len(y), len(x)): the figure times the confidence, or the largest value over limit; NaN where
+    no such design is allowed. ``limit`` is what ``z`` must not exceed, NaN when the design does not say.
+    """
+
+    x_key: str
+    y_key: str
+    result: str
+    x: Array
+    y: Array
+    z: Array
+    limit: float
+    points: tuple[MapPoint, ...]
+
+
+def is_log(key: str) -> bool:
+    """Whether an input's axis is logarithmic: angles and altitude are not."""
+    declaration = quantity(key)
+    return declaration.dimension != "angle" and declaration.limits[0] >= 0
+
+
+def axis(design: Design, key: str, count: int) -> Array:
+    """The values of one axis: the input's usual range, widened to hold the design with room around it.
+
+    Raises
+    ------
+    DesignError
+        If no figure depends on the input as a number.
+    """
+    if key not in VARIABLES:
+        raise DesignError(key, f"cannot be an axis; allowed are {', '.join(VARIABLES)}")
+    declaration = quantity(key)
+    low, high = usual_range(key)
+    here = _here(design, key)
+    if not is_log(key):
+        return np.linspace(min(low, here), max(high, here), count)
+    least, most = declaration.limits
+    if here > 0:
+        low, high = min(low, here / 2), max(high, 2 * here)
+    return np.geomspace(max(low, least), min(high, most), count)
+
+
+def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: int | None = None) -> TradeMap:
+    """A result over a grid of two inputs, the others held.
+
+    Parameters
+    ----------
+    design : Design
+    x_key, y_key : str
+        Two different inputs of `nav_model.figures.VARIABLES`.
+    result : str
+        One of `RESULTS`.
+    size : int, optional
+        Points along a side; by default `SIZE`, or `SIZE_ITERATED` where the filter must be iterated.
+
+    Raises
+    ------
+    DesignError
+        For inputs or a result that cannot be mapped, or `ALL` without any requirement.
+    """
+    if x_key == y_key:
+        raise DesignError(y_key, "is on both axes; choose two different inputs")
+    if result not in RESULTS:
+        raise DesignError("result", f"{result!r} is not one of {', '.join(RESULTS)}")
+    if result == ALL and not limits(design):
+        raise DesignError("requirements", "none is given; state at least one limit, or map a single figure")
+    count = size or (SIZE_ITERATED if _iterated(design, result) else SIZE)
+    x, y = axis(design, x_key, count), axis(design, y_key, count)
+    z = np.broadcast_to(_value(design, {x_key: x[None, :], y_key: y[:, None]}, result), (count, count))
+    limit = 1.0 if result == ALL else limits(design).get(result, np.nan) * design.requirements.confidence
+    return TradeMap(x_key, y_key, result, x, y, z, limit, _points(design, x_key, y_key, result, limit))
+
+
+def _iterated(design: Design, result: str) -> bool:
+    closed = result in SETTLED and design.requirements.steady_state == "closed"
+    return bool(design.gnss.correlated) and not closed
+
+
+def _value(design: Design, changes: dict[str, Array], result: str) -> Array:
+    if result == ALL:
+        return worst(ratios(design, changes))
+    return design.requirements.confidence * figures(inputs_of(design, changes), (result,))[result]
+
+
+def _here(design: Design, key: str) -> float:
+    """The design's own value of an input; an aperture that follows from the resolution, a vertical noise as the
+    horizontal."""
+    if key == "radar.aperture_time":
+        return float(inputs_of(design).aperture)
+    if key == "gnss.vertical_position_noise" and design[key] is None:
+        return design.gnss.position_noise
+    return float(design[key])  # type: ignore[arg-type]
+
+
+def place(design: Design, trade: TradeMap) -> tuple[float, float]:
+    """Where the design stands on a map."""
+    return _here(design, trade.x_key), _here(design, trade.y_key)
+
+
+def _points(design: Design, x_key: str, y_key: str, result: str, limit: float) -> tuple[MapPoint, ...]:
+    """The catalogue's units that state an input of the map; the other input is the design's."""
+    axes = [key.removeprefix("imu.") for key in (x_key, y_key) if key.startswith("imu.")]
+    known = [
+        entry
+        for entry in catalogue("imu").values()
+        if axes and {"velocity_random_walk", "angle_random_walk", *axes} <= set(entry.values)
+    ]
+    if not known:
+        return ()
+    keys = {f"imu.{name}" for entry in known for name in entry.values} & set(VARIABLES)
+    columns = {key: np.array([_own(entry, key, design) for entry in known]) for key in keys}
+    values = np.broadcast_to(_value(design, columns, result), len(known))
+    return tuple(
+        MapPoint(
+            entry.name,
+            _own(entry, x_key, design),
+            _own(entry, y_key, design),
+            float(value),
+            None if np.isnan(limit) else bool(value <= limit),
+        )
+        for entry, value in zip(known, values, strict=True)
+    )
+
+
+def _own(entry: Entry, key: str, design: Design) -> float:
+    item = entry.values.get(key.removeprefix("imu.")) if key.startswith("imu.") else None
+    return item.value if item else _here(design, key)
+
+
+def changes_at(trade: TradeMap, x: float, y: float) -> dict[str, Value]:
+    """Changes (SI) that put a design at a place of the map, held within the inputs' bounds."""
+    changes: dict[str, Value] = {}
+    for key, value in ((trade.x_key, x), (trade.y_key, y)):
+        low, high = quantity(key).limits
+        changes[key] = min(max(value, low), high)
+    return changes

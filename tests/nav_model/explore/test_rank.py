@@ -1,0 +1,94 @@
+"""Derivatives: against finite differences of `analyse`, against [T-18], and what a halving really does."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from nav_model.analytic.sensitivity import horizontal_shares
+from nav_model.budget import analyse
+from nav_model.explore.rank import Sensitivity, log_derivatives, rank, sentence, silent, stated
+from nav_model.figures import FIGURES, figures, inputs_of
+from nav_model.inputs import DesignError
+
+
+def _sigma(design, key, value, figure):
+    checks = analyse(design.replace({key: value})).verdict.checks
+    return next(check.sigma for check in checks if check.name == figure)
+
+
+def _finite_difference(design, key, figure, h=1e-3):
+    f = [np.log(_sigma(design, key, design[key] * (1 + k * h), figure)) for k in (-2, -1, 1, 2)]
+    return (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h)
+
+
+@settings(max_examples=25, deadline=None)
+@given(data=st.data())
+def test_agrees_with_finite_differences_of_the_whole_analysis(data, designs):
+    design = data.draw(designs)
+    figure = data.draw(st.sampled_from(list(FIGURES)))
+    key = data.draw(st.sampled_from([key for key in stated(design) if design[key] != 0]))
+    assume(abs(design[key]) > 1e-6 or key.startswith("imu"))  # an angle near zero leaves nothing to difference
+    slope = float(log_derivatives(design, [key], [figure])[figure][0])
+    assert slope == pytest.approx(_finite_difference(design, key, figure), abs=1e-6)
+
+
+@pytest.mark.parametrize("figure", ["quadratic_phase", "horizontal_position", "coast_horizontal_position"])
+def test_agrees_through_the_iterated_filter(figure, open_design):
+    """With a slow GNSS error the complex step passes through the doubling iteration."""
+    design = open_design.replace({"gnss.correlated": True, "coast.before_aperture": 3.0})
+    keys = ["imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise", "gnss.interval",
+            "gnss.correlated_noise", "gnss.correlation_time", "coast.before_aperture"]  # fmt: skip
+    slopes = log_derivatives(design, keys, [figure])[figure]
+    for key, slope in zip(keys, slopes, strict=True):
+        now = float(figures(inputs_of(design), [figure])[figure])
+        h = 1e-3
+        values = np.array([design[key] * (1 + k * h) for k in (-2, -1, 1, 2)])
+        f = np.log(np.broadcast_to(figures(inputs_of(design, {key: values}), [figure])[figure], 4) / now)
+        assert slope == pytest.approx((f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h), abs=1e-6)
+
+
+def test_shares_are_the_slopes_of_the_closed_form(closed_design):
+    design = closed_design.replace({"requirements.steady_state": "closed"})
+    x = inputs_of(design)
+    keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise"]
+    names = ("horizontal_position", "horizontal_velocity", "tilt")
+    found = log_derivatives(design, keys, names)
+    for name, shares in zip(names, horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g), strict=True):
+        np.testing.assert_allclose(found[name], shares, rtol=1e-12)
+
+
+@settings(max_examples=20, deadline=None)
+@given(data=st.data())
+def test_the_three_noises_account_for_all_of_a_settled_figure(data, designs):
+    """Variance is homogeneous of degree one in the three variances, prior and posterior too."""
+    design = data.draw(designs)
+    keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise"]
+    found = log_derivatives(design, keys, ("horizontal_position", "horizontal_velocity", "tilt"))
+    for slopes in found.values():
+        assert slopes.sum() == pytest.approx(1, abs=1e-10)
+
+
+def test_sorted_and_halvings_are_exact(open_design):
+    found = rank(open_design, "quadratic_phase")
+    assert [abs(item.slope) for item in found] == sorted((abs(item.slope) for item in found), reverse=True)
+    now = analyse(open_design).sar.quadratic
+    for item in found:
+        value = open_design[item.key]
+        if not np.isnan(item.halved):
+            half = analyse(open_design.replace({item.key: value / 2})).sar.quadratic
+            assert item.halved == pytest.approx(half / now - 1, rel=1e-9, abs=1e-13)
+    assert "imu.gyro_bias" in silent(open_design)
+    assert "imu.gyro_bias" not in {item.key for item in found}
+
+
+def test_words():
+    down = Sensitivity("imu.angle_random_walk", "Angle random walk", 0.8, -0.31, 0.9)
+    assert sentence(down, "Quadratic phase") == "Halving the angle random walk cuts the quadratic phase by 31 %."
+    up = Sensitivity("flight.speed", "Speed", -2.0, 3.0, -0.75)
+    assert sentence(up, "Quadratic phase") == "Doubling the speed cuts the quadratic phase by 75 %."
+
+
+def test_unknown_figure(open_design):
+    with pytest.raises(DesignError, match="is not one of"):
+        rank(open_design, "weight")

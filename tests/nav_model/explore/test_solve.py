@@ -1,0 +1,115 @@
+"""Solving backwards: put back, the margin is zero."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nav_model.budget import analyse
+from nav_model.explore.margins import ALL, quantity, ratios
+from nav_model.explore.solve import SOLVED, remedies, resolution_for, round_down, solve
+from nav_model.inputs import DesignError
+
+
+def _margin(design, key, value, requirement):
+    checks = analyse(design.replace({key: value})).verdict.checks
+    return next(check.margin for check in checks if check.name == requirement)
+
+
+@settings(max_examples=8, deadline=None)
+@given(data=st.data())
+def test_every_solved_value_put_back_gives_margin_zero(data, designs):
+    design = data.draw(designs)
+    for solution in solve(design, verify=False):
+        for answer in solution.each:
+            if answer.value is not None:
+                assert abs(_margin(design, answer.key, answer.value, answer.requirement)) <= 1e-9
+                around = ratios(design, {answer.key: answer.value * np.array([0.98, 1.02])})[answer.requirement]
+                assert around[0] <= 1 <= around[1]
+
+
+@settings(max_examples=8, deadline=None)
+@given(data=st.data())
+def test_all_together_is_the_least_and_closes(data, designs):
+    design = data.draw(designs)
+    for solution in solve(design, verify=False):
+        together = solution.together
+        values = [answer.value for answer in solution.each if answer.value is not None]
+        if together.outcome == "limited":
+            assert together.value == min(values)
+            closing = analyse(design.replace({solution.key: together.value * (1 - 1e-9)})).verdict
+            assert closing.closes
+        elif together.outcome == "no value":
+            assert any(answer.outcome == "no value" for answer in solution.each)
+
+
+@settings(max_examples=8, deadline=None)
+@given(data=st.data())
+def test_no_value_and_any_value_mean_it(data, designs):
+    design = data.draw(designs)
+    for solution in solve(design, verify=False):
+        for answer in solution.each:
+            low, high = _bounds(answer.key)
+            if answer.outcome == "no value":
+                assert _margin(design, answer.key, low, answer.requirement) < 0
+            elif answer.outcome == "any value" and answer.key != "radar.aperture_time":
+                assert _margin(design, answer.key, high, answer.requirement) >= 0
+
+
+def _bounds(key):
+    low, high = quantity(key).limits
+    return max(low, 1e-9 * high), high
+
+
+def test_round_trip_through_the_limit(closed_design):
+    """Set the limit to what a design has: the solved value is the design's own."""
+    for key in ("imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise", "gnss.interval"):
+        sigma = analyse(closed_design).steady_state.prior.position_horizontal
+        tight = closed_design.replace(
+            {"requirements.horizontal_position": sigma, "requirements.quadratic_phase": None,
+             "requirements.detrended_phase": None, "requirements.coast_horizontal_position": None,
+             "requirements.vertical_position": None}
+        )  # fmt: skip
+        solution = next(s for s in solve(tight) if s.key == key)
+        assert solution.together.value == pytest.approx(solution.current, rel=1e-8)
+        assert solution.together.margin == pytest.approx(0, abs=1e-9)
+
+
+def test_quadratic_phase_of_a_bias_free_aperture_in_closed_form(open_design):
+    """With a coast requirement alone, the largest duration solves [T-17]; with T the aperture scales [S-5]."""
+    answers = {s.key: s for s in solve(open_design)}
+    aperture = answers["radar.aperture_time"].together
+    assert aperture.outcome == "limited"
+    resolution = resolution_for(open_design, aperture.value)
+    by_resolution = open_design.replace({"radar.azimuth_resolution": resolution})
+    assert analyse(by_resolution).sar.aperture_time == pytest.approx(aperture.value, rel=1e-12)
+    assert analyse(by_resolution).verdict.tightest.margin == pytest.approx(0, abs=1e-9)
+
+
+def test_no_value_helps_is_said_with_what_would(open_design):
+    answers = solve(open_design)
+    by_key = {solution.key: solution for solution in answers}
+    assert by_key["gnss.position_noise"].together.outcome == "no value"
+    assert by_key["coast.duration"].together.outcome == "no value"
+    assert not by_key["coast.duration"].together.depends
+    helps = {answer.key for answer in remedies(answers, ALL)}
+    assert helps == {"imu.angle_random_walk", "imu.vibration_factor", "radar.aperture_time"}
+    degrees = math.degrees(by_key["imu.angle_random_walk"].together.value) * 60
+    assert degrees == pytest.approx(0.0360, abs=5e-5)
+
+
+def test_slow_error_and_missing_requirements(closed_design):
+    slow = closed_design.replace({"gnss.correlated": True})
+    assert {s.key for s in solve(slow)} <= set(SOLVED)
+    keys = [k for k, v in slow.items() if k.startswith("requirements.") and isinstance(v, float) and "conf" not in k]
+    with pytest.raises(DesignError, match="at least one limit"):
+        solve(slow.replace(dict.fromkeys(keys)))
+
+
+@given(st.floats(1e-12, 1e12))
+def test_rounding_down_never_breaks_the_limit(value):
+    rounded = round_down(value)
+    assert rounded <= value * (1 + 1e-11)
+    assert rounded > 0.99 * value

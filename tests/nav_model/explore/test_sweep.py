@@ -1,0 +1,176 @@
+"""Sweeps: every row an analysis, nothing lost or repeated when killed, the same file whoever does the work."""
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pyarrow.parquet
+import pytest
+
+from nav_model.budget import analyse
+from nav_model.design_file import format_design, parse_design, preset_fill
+from nav_model.explore.sweep import run_sweep
+from nav_model.explore.sweep_plan import parse_plan, read_plan
+from nav_model.inputs import DesignError
+
+VARY = """
+design = "design.toml"
+rows_per_part = 7
+
+[vary]
+imu.preset = ["LN-200", "STIM300"]
+imu.angle_random_walk = { from = "0.01 °/√h", to = "1 °/√h", points = 4, spacing = "log" }
+gnss.position_noise = ["2 cm", "1 m"]
+radar.window = ["uniform", "taylor"]
+requirements.quadratic_phase = ["45°", "90°"]
+"""
+
+
+@pytest.fixture
+def plan_file(tmp_path, open_design):
+    (tmp_path / "design.toml").write_text(format_design(open_design), encoding="utf-8")
+    path = tmp_path / "sweep.toml"
+    path.write_text(VARY, encoding="utf-8")
+    return path
+
+
+def test_rows_are_analysed_designs(plan_file, tmp_path, open_design):
+    plan = read_plan(plan_file)
+    assert plan.rows == 2 * 4 * 2 * 2 * 2
+    out = tmp_path / "out.csv"
+    assert run_sweep(plan, out) == 0
+    with out.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["row"]) for row in rows] == list(range(plan.rows))
+    for row in rows[::5]:
+        changes = preset_fill("imu", row["imu.preset"])[0] | {
+            "imu.angle_random_walk": float(row["imu.angle_random_walk"]),
+            "gnss.position_noise": float(row["gnss.position_noise"]),
+            "radar.window": row["radar.window"],
+            "requirements.quadratic_phase": float(row["requirements.quadratic_phase"]),
+        }
+        budget = analyse(open_design.replace(changes))
+        assert float(row["quadratic_phase_sigma_rad"]) == pytest.approx(budget.sar.quadratic, rel=1e-12)
+        assert row["closes"] == str(budget.verdict.closes)
+        for check in budget.verdict.checks:
+            assert float(row[f"{check.name}_margin"]) == pytest.approx(check.margin, rel=1e-9, abs=1e-12)
+    assert not out.with_name("out.csv.parts").exists()
+
+
+def test_parquet_and_two_processes_say_the_same(plan_file, tmp_path):
+    plan = read_plan(plan_file)
+    run_sweep(plan, tmp_path / "one.csv")
+    run_sweep(plan, tmp_path / "two.csv", workers=2)
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
+    run_sweep(plan, tmp_path / "all.parquet")
+    table = pyarrow.parquet.read_table(tmp_path / "all.parquet")
+    with (tmp_path / "one.csv").open(newline="") as file:
+        rows = list(csv.reader(file))
+    assert table.column_names == rows[0]
+    assert [repr(x) for x in table["tilt_sigma_rad"].to_pylist()] == [
+        r[rows[0].index("tilt_sigma_rad")] for r in rows[1:]
+    ]
+
+
+def test_killed_midway_it_goes_on_where_it_was(plan_file, tmp_path):
+    """kill -9 while parts are being written; then nothing is computed twice, and the file is the same."""
+    plan_file.write_text(
+        VARY.replace("points = 4", "points = 600").replace("rows_per_part = 7", "rows_per_part = 50"),
+        encoding="utf-8",
+    )
+    plan = read_plan(plan_file)
+    out, parts = tmp_path / "out.csv", tmp_path / "out.csv.parts"
+    command = [sys.executable, "-m", "app.cli", "sweep", str(plan_file), "-o", str(out), "--workers", "1"]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
+        deadline = time.monotonic() + 60
+        while len(list(parts.glob("*.csv"))) < 5 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        os.kill(process.pid, signal.SIGKILL)
+    assert process.returncode == -signal.SIGKILL
+    assert not out.exists()
+    done = {path: path.stat().st_mtime_ns for path in parts.glob("*.csv")}
+    assert 5 <= len(done) < plan.parts
+
+    seen = []
+    kept = run_sweep(plan, out, progress=lambda done, total: seen.append(done))
+    assert kept == 50 * len(done)
+    assert seen[0] == kept
+    assert len(seen) - 1 == plan.parts - len(done)
+    whole = tmp_path / "whole.csv"
+    run_sweep(plan, whole)
+    assert out.read_bytes() == whole.read_bytes()
+
+
+def test_parts_of_another_sweep_are_not_taken(plan_file, tmp_path):
+    out = tmp_path / "out.csv"
+    parts = tmp_path / "out.csv.parts"
+    parts.mkdir()
+    (parts / "plan.json").write_text('{"identity": "another"}')
+    with pytest.raises(DesignError, match="another sweep"):
+        run_sweep(read_plan(plan_file), out)
+
+
+def test_the_same_file_from_a_cluster_of_two_processes(plan_file, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    plan = read_plan(plan_file)
+    run_sweep(plan, tmp_path / "here.csv")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+    ) as cluster:
+        run_sweep(plan, tmp_path / "there.csv", scheduler=cluster.scheduler_address)
+    assert (tmp_path / "here.csv").read_bytes() == (tmp_path / "there.csv").read_bytes()
+
+
+def test_side_by_side_and_inline_designs():
+    plan = parse_plan(
+        b"""
+combine = "together"
+results = ["tilt"]
+[design]
+name = "inline"
+[vary]
+"gnss.interval" = ["1 s", "2 s", "5 s"]
+"gnss.position_noise" = { from = "1 m", to = "3 m", points = 3 }
+"""
+    )
+    assert plan.rows == 3
+    assert plan.results == ("tilt",)
+    assert parse_design(plan.design).name == "inline"
+    assert [list(i) for i in plan.indices(0, 3)] == [[0, 1, 2], [0, 1, 2]]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x = [", "not a sweep file"),
+        ("other = 1", "unknown key"),
+        ("[design]\nname='x'", "gives no input"),
+        ("[design]\nname='x'\n[vary]\nimu.wings = ['1']", "unknown key"),
+        ("[design]\nname='x'\n[vary]\ngnss.interval = []", "must be a list"),
+        ("[design]\nname='x'\n[vary]\ngnss.interval = ['-1 s']", "at least"),
+        ("[design]\nname='x'\n[vary]\ngnss.interval = {from='1 s', to='2 s'}", "a range is"),
+        ("[design]\nname='x'\n[vary]\nimu.gyro_bias = {from='0 °/h', to='2 °/h', points=3, spacing='log'}",
+         "above zero"),
+        ("[design]\nname='x'\n[vary]\nimu.preset = ['nothing']", "not in the catalogue"),
+        ("results=['weight']\n[design]\nname='x'\n[vary]\ngnss.interval=['1 s']", "not one of"),
+        ("rows_per_part=0\n[design]\nname='x'\n[vary]\ngnss.interval=['1 s']", "whole number"),
+        ("combine='together'\n[design]\nname='x'\n[vary]\ngnss.interval=['1 s']\ngnss.position_noise=['1 m','2 m']",
+         "one length"),
+        ("[design]\nname='x'\n[vary]\ngnss.interval={from='1 s', to='2 s', points=100000}\n"
+         "gnss.position_noise={from='1 m', to='2 m', points=100000}", "at most"),
+    ],
+)  # fmt: skip
+def test_refused_plans(text, message):
+    with pytest.raises(DesignError, match=message):
+        parse_plan(text.encode())
+
+
+def test_refused_outputs_and_schedulers(plan_file, tmp_path):
+    plan = read_plan(plan_file)
+    with pytest.raises(DesignError, match=r"must end in \.csv or \.parquet"):
+        run_sweep(plan, tmp_path / "out.xls")
+    with pytest.raises(DesignError, match="cannot be written"):
+        run_sweep(plan, tmp_path / "no" / "out.csv")

@@ -1,0 +1,85 @@
+"""Probabilities: against closed forms, plain Monte Carlo and their own error bars."""
+
+import numpy as np
+import pytest
+
+from nav_model.explore.margins import ratios, worst
+from nav_model.explore.solve import solve
+from nav_model.explore.uncertainty import Uncertain, read_uncertain, uncertain_verdict
+from nav_model.inputs import DesignError
+
+ARW = "imu.angle_random_walk"
+DEG = np.pi / 180 / 60
+
+
+def test_one_uniform_input_has_a_probability_in_closed_form(open_design):
+    """Everything below the solved largest value closes."""
+    threshold = next(s for s in solve(open_design) if s.key == ARW).together.value
+    low, high = 0.02 * DEG, 0.06 * DEG
+    found = uncertain_verdict(open_design, {ARW: Uncertain("uniform", low, high)}).closes
+    exact = (threshold - low) / (high - low)
+    assert found.low <= exact <= found.high
+    assert found.value == pytest.approx(exact, abs=2e-3)
+    found = uncertain_verdict(open_design, {ARW: Uncertain("log-uniform", low, high)}).closes
+    assert found.value == pytest.approx(np.log(threshold / low) / np.log(high / low), abs=2e-3)
+
+
+def test_the_interval_covers_at_its_rate(open_design):
+    """Exact probability inside the 95 % interval in at least 88 of 100 seeds (binomial, 1 in 500 below)."""
+    threshold = next(s for s in solve(open_design) if s.key == ARW).together.value
+    from scipy.special import ndtr
+
+    exact = ndtr(np.log(threshold / (0.04 * DEG)) / np.log(1.5))
+    spread = {ARW: Uncertain("lognormal", 0.04 * DEG, 1.5)}
+    found = [uncertain_verdict(open_design, spread, seed, points=64).closes for seed in range(100)]
+    assert sum(p.low <= exact <= p.high for p in found) >= 88
+
+
+def test_agrees_with_plain_monte_carlo(open_design):
+    spread = {
+        ARW: Uncertain("uniform", 0.02 * DEG, 0.06 * DEG),
+        "imu.velocity_random_walk": Uncertain("lognormal", 0.06 / 60, 1.4),
+        "gnss.position_noise": Uncertain("log-uniform", 0.3, 3.0),
+    }
+    rng = np.random.default_rng(5)
+    draws = {key: u.at(rng.random(200_000)) for key, u in spread.items()}
+    plain = float(np.mean(worst(ratios(open_design, draws)) <= 1))
+    found = uncertain_verdict(open_design, spread)
+    tolerance = 4 * np.sqrt(plain * (1 - plain) / 200_000) + found.closes.high - found.closes.low
+    assert found.closes.value == pytest.approx(plain, abs=tolerance)
+    assert found.margin[0] < found.margin[1] < found.margin[2]
+    assert sum(found.limiting.values()) == pytest.approx(1)
+    assert found == uncertain_verdict(open_design, spread)
+
+
+def test_certainty_still_has_an_error_bar(closed_design):
+    sure = uncertain_verdict(closed_design, {ARW: Uncertain("uniform", 0.01 * DEG, 0.02 * DEG)}).closes
+    assert sure.value == 1
+    assert sure.low == pytest.approx(1 - 3 / 10240)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0.1 °/√h", "not a range"),
+        ("0.2 °/√h .. 0.1 °/√h", "below the upper"),
+        ("0.1 m .. 0.2 m", "not a unit"),
+        ("0.1 °/√h */ 0.5", "factor"),
+        ("0.1 °/√h */ much", "factor"),
+        ("-1 °/√h .. 0.1 °/√h", "more than|at least"),
+    ],
+)
+def test_refused_ranges(text, message):
+    with pytest.raises(DesignError, match=message):
+        read_uncertain(ARW, text)
+
+
+def test_refused_inputs(closed_design):
+    with pytest.raises(DesignError, match="cannot be uncertain"):
+        read_uncertain("imu.rate", "1 Hz .. 2 Hz")
+    with pytest.raises(DesignError, match="choice"):
+        read_uncertain("radar.window", "a .. b")
+    with pytest.raises(DesignError, match="no input"):
+        uncertain_verdict(closed_design, {})
+    with pytest.raises(DesignError, match="leaves what the input may be"):
+        uncertain_verdict(closed_design, {"imu.vibration_factor": Uncertain("lognormal", 500.0, 3.0)})
