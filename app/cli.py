@@ -106,6 +106,36 @@ def _parser() -> argparse.ArgumentParser:
         "--noise-runs", type=int, default=0, metavar="N", help="also fly N INS with white noise alone (Monte Carlo)"
     )
     suborbital.set_defaults(run=_suborbital)
+    simulate = commands.add_parser("simulate", help="Monte Carlo of a design against the closed forms")
+    _design_arguments(simulate, one=True)
+    simulate.add_argument("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
+    simulate.add_argument("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
+    simulate.add_argument(
+        "--duration", type=float, metavar="S", help="length of a run (default 500 s, or the file's)"
+    )
+    simulate.add_argument(
+        "--outage",
+        dest="outages",
+        action="append",
+        default=[],
+        metavar="START,STOP",
+        help="seconds between which fixes are lost; may be repeated",
+    )
+    simulate.add_argument(
+        "--trajectory",
+        default="wandering",
+        metavar="NAME-or-FILE",
+        help="wandering, straight, turns, climb, or a CSV file",
+    )
+    simulate.add_argument(
+        "--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)"
+    )
+    simulate.add_argument("--states", type=int, choices=(9, 15), default=9, help="of the filter; 15 estimates biases")
+    simulate.add_argument("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
+    simulate.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
+    simulate.add_argument("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
+    simulate.set_defaults(run=_simulate)
+
     _allan_arguments(commands.add_parser("allan", help="noise parameters from a static log (CSV or NPZ) as JSON"))
     sar = commands.add_parser("sar", help="image quality for every way of navigating through the aperture, as JSON")
     _design_arguments(sar, one=True)
@@ -313,6 +343,14 @@ def _suborbital(options: argparse.Namespace) -> int:
     }
     design = _read(designs[0], of_design) if designs else None
     return run(design, asked, options.trajectory, options.noise_runs)
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    (path,) = _paths(options)
+    from app.simulate_command import simulate_design
+
+    simulate_design(_read(path, options.changes), options)
+    return 0
 
 
 def _allan(options: argparse.Namespace) -> int:

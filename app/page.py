@@ -37,6 +37,7 @@ class Page(Protocol):
 
 PAGES: tuple[tuple[str, str], ...] = (
     ("Budget", "app.pages.budget:BudgetPage"),
+    ("Simulate", "app.pages.simulate:SimulatePage"),
     ("SAR", "app.pages.sar:SarPage"),
     ("Suborbital", "app.pages.suborbital:SuborbitalPage"),
     ("Explore", "app.pages.explore:ExplorePage"),

@@ -15,12 +15,14 @@ _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
 
+WORKERS = max(1, (os.cpu_count() or 2) - 1)
+"""Processes of the pool: one core is left to the server itself."""
+
+
 @functools.cache
 def pool() -> ProcessPoolExecutor:
     """The pool; its processes start with the first task."""
-    return ProcessPoolExecutor(
-        max_workers=max(1, (os.cpu_count() or 2) - 1), mp_context=multiprocessing.get_context("spawn")
-    )
+    return ProcessPoolExecutor(max_workers=WORKERS, mp_context=multiprocessing.get_context("spawn"))
 
 
 async def elsewhere(function: Callable[_P, _T], *arguments: _P.args) -> _T:

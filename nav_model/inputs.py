@@ -41,6 +41,10 @@ class DesignError(ValueError):
         self.key = key
         self.reason = reason
 
+    def __reduce__(self) -> tuple[type[DesignError], tuple[str, str]]:
+        """So that it comes back whole from a worker process."""
+        return type(self), (self.key, self.reason)
+
 
 def shown(content: Any) -> str:
     """What was given, short enough for a one-line message, however long or deep it is."""

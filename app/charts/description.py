@@ -78,6 +78,15 @@ STYLES: dict[str, Style] = {
     "mark": Style(ORANGE, "solid", 2.0),
     "star": Style(BLUE, "solid", 1.5),
     "measured star": Style(ORANGE, "solid", 1.5),
+    "simulated": Style(BLUE, "solid", 2.5),
+    "simulated, second axis": Style(ORANGE, "solid", 2.0),
+    "filter": Style(SKY, "dashed", 2.0),
+    "filter, second axis": Style("#e69f00", "dashed", 1.6),
+    "closed form": Style(GREEN, "dotted", 2.5),
+    "refined": Style(PURPLE, "dashdot", 2.0),
+    "worst run": Style(BLUE, "dotted", 1.2),
+    "worst run, second axis": Style(ORANGE, "dotted", 1.2),
+    "third axis": Style(GREEN, "dashed", 1.6),
     "design 1": Style(BLUE, "solid", 2.5),
     "design 2": Style(ORANGE, "dashed", 2.0),
     "design 3": Style(GREEN, "dotdash", 2.0),
@@ -170,7 +179,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Span:
-    """A stretch of the x axis, shaded and named."""
+    """A stretch of the x axis, shaded and named; one with a NaN start is not drawn."""
 
     key: str
     label: str

@@ -136,6 +136,8 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
         axes.set_yscale("log")
     handles: list[Any] = []
     for span in chart.spans:
+        if math.isnan(span.start):
+            continue
         axes.axvspan(span.start, span.stop, color="#7b8794", alpha=0.18, linewidth=0)
         handles.append(Patch(color="#7b8794", alpha=0.18, linewidth=0, label=span.label))
     for band in chart.bands:

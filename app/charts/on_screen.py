@@ -6,6 +6,7 @@ message with the arrays that moved.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -62,7 +63,10 @@ class Figure:
     def _feed_ranges(self, chart: Chart) -> None:
         for span in chart.spans:
             box, label = self._spans[span.key]
-            if (box.left, box.right) != (span.start, span.stop):
+            shown = not math.isnan(span.start)
+            if box.visible != shown:
+                box.visible = label.visible = shown
+            if shown and (box.left, box.right) != (span.start, span.stop):
                 box.update(left=span.start, right=span.stop)
                 label.x = span.start
         if chart.y_range is not None and (self.plot.y_range.start, self.plot.y_range.end) != chart.y_range:
@@ -209,6 +213,9 @@ def _hover(plot: figure, renderers: list[Any], tooltip: str) -> None:
 def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnotation, Label]:
     box = BoxAnnotation(left=start, right=stop, fill_color="#7b8794", fill_alpha=0.18, line_alpha=0)
     label = Label(x=start, y=6, x_offset=3, y_units="screen", text=text, text_font_size="11px", text_color="#7b8794")
+    if math.isnan(start):
+        box.update(left=0.0, right=0.0, visible=False)
+        label.update(x=0.0, visible=False)
     plot.add_layout(box)
     plot.add_layout(label)
     return box, label

@@ -17,6 +17,7 @@ stop. Import from the modules; this one imports nothing, so that the commands st
     statistics.py       sums over runs, in memory that does not grow with them
     monte_carlo.py      simulate(spec, ...): all the runs, here, in a pool or on a cluster (cluster.py)
     result.py           SimulationResult: rms, sigmas, percentiles, consistency; to_json, to_arrays, to_csv
+    design_study.py     Design -> SimulationSpec, and a study beside the closed forms of its design
     departures.py       where closed form and simulation part, and why
     compiled.py         the decorator of every compiled kernel
 

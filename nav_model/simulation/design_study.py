@@ -1,0 +1,314 @@
+"""From a design to its Monte Carlo study, and the study beside the design's closed forms.
+
+A `Design` says what `SimulationSpec` needs once the flight, the number of runs and the outages are chosen;
+`specification` is that one step. The closed forms come from `nav_model.budget.analyse`, so the simulator is
+held against the same figures every other face shows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.analytic.steady_state import yaw_variance
+from nav_model.budget import analyse
+from nav_model.design import Design
+from nav_model.design_file import format_design, parse_design
+from nav_model.inputs import BaseQuantity, DesignError
+from nav_model.parts import declaration_of
+from nav_model.simulation.specification import (
+    TRAJECTORY_KINDS,
+    FilterModel,
+    GnssModel,
+    ImuModel,
+    InitialErrors,
+    SimulationSpec,
+    TrajectorySpec,
+    TriadModel,
+)
+
+if TYPE_CHECKING:
+    from nav_model.simulation.departures import Departure
+    from nav_model.simulation.result import SimulationResult
+    from nav_model.simulation.single_run import RunRecord
+    from nav_model.simulation.statistics import Statistics
+
+FloatArray = NDArray[np.float64]
+NAMED_TRAJECTORIES: Final = tuple(kind for kind in TRAJECTORY_KINDS if kind != "file")
+LONGEST_OUTAGE: Final = 7200.0
+"""Seconds: as far as the closed forms of a design are followed."""
+
+# What the specification calls a thing, and the key or option under which a person gave it.
+_GIVEN_AS: Final[Mapping[str, str]] = {
+    "ImuModel.rate": "imu.rate",
+    "gnss.interval": "gnss.interval",
+    "TrajectorySpec.speed": "flight.speed",
+    "TrajectorySpec.climb_rate": "flight.speed",
+    "TrajectorySpec.latitude": "flight.latitude",
+    "TrajectorySpec.height": "flight.altitude",
+    "FilterModel.states": "states",
+    "outages": "outage",
+}
+
+
+def specification(
+    design: Design,
+    *,
+    trajectory: str | TrajectorySpec = "wandering",
+    runs: int = 100,
+    seed: int = 1,
+    duration: float = 500.0,
+    outages: Sequence[tuple[float, float]] = (),
+    every: float = 1.0,
+    states: int = 9,
+    keep_runs: bool = False,
+) -> SimulationSpec:
+    """The study of a design.
+
+    The IMU takes the design's random walks with its vibration factor, its rate, and its residual biases as
+    turn-on biases: constant through a run, drawn anew for each. GNSS takes the fix noise, horizontal and
+    vertical, the interval, and the slow error where it is switched on. The flight starts at the design's
+    latitude, altitude, speed and heading. Errors start at the closed form's horizontal steady-state sigmas
+    [T-3] on all axes, so that little time is spent settling; yaw starts at 0.1°.
+
+    trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as `read_trajectory` gives.
+    duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases.
+
+    Raises DesignError naming the key of the design, or the option, that cannot be flown.
+    """
+    imu, gnss = design.imu, design.gnss
+    settled = analyse(design).steady_state.closed
+    longest = max((stop - start for start, stop in outages), default=0.0)
+    if longest > LONGEST_OUTAGE:
+        raise DesignError("outage", f"{longest:g} s long; at most {LONGEST_OUTAGE:g} s go")
+    slow = gnss.correlated_noise if gnss.correlated else 0.0
+    try:
+        return SimulationSpec(
+            imu=ImuModel(
+                gyro=TriadModel(random_walk=imu.angle_random_walk, turn_on_bias=imu.gyro_bias),
+                accelerometer=TriadModel(random_walk=imu.velocity_random_walk, turn_on_bias=imu.accelerometer_bias),
+                rate=imu.rate,
+                vibration_factor=imu.vibration_factor,
+            ),
+            gnss=GnssModel(
+                position_noise=gnss.position_noise,
+                vertical_position_noise=gnss.vertical_position_noise,
+                interval=gnss.interval,
+                markov_noise=slow,
+                vertical_markov_noise=slow,
+                markov_time=gnss.correlation_time,
+            ),
+            trajectory=_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
+            filter=FilterModel(states=states),
+            initial=InitialErrors(
+                position=settled.position_horizontal, velocity=settled.velocity_horizontal, tilt=settled.tilt
+            ),
+            runs=runs,
+            seed=seed,
+            duration=duration,
+            outages=tuple((float(start), float(stop)) for start, stop in outages),
+            every=every,
+            keep_runs=keep_runs,
+        )
+    except ValueError as error:
+        raise refusal(error, design) from error
+
+
+def refusal(error: ValueError, design: Design) -> DesignError:
+    """What the simulator refused, under the key of the design or the option it was given as."""
+    if isinstance(error, DesignError):
+        return error
+    name, found, rest = str(error).partition(" = ")
+    if not found:
+        return DesignError("trajectory", str(error).removeprefix("trajectory: "))
+    key = _GIVEN_AS.get(name, name.rpartition(".")[2])
+    value, _, allowed = rest.partition(": ")
+    if "." in key:
+        quantity = declaration_of(key)
+        assert isinstance(quantity, BaseQuantity)
+        value = quantity.show(float(design[key]))  # type: ignore[arg-type]  # a required quantity is a number
+    return DesignError(key, f"{value} cannot be simulated; {allowed}")
+
+
+def _flight(design: Design, kind: str) -> TrajectorySpec:
+    if kind not in NAMED_TRAJECTORIES:
+        raise DesignError("trajectory", f"{kind!r} is not known; {', '.join(NAMED_TRAJECTORIES)}, or a CSV file")
+    flight = design.flight
+    return TrajectorySpec(
+        kind=kind,  # type: ignore[arg-type]  # checked above
+        speed=flight.speed,
+        latitude=flight.latitude,
+        height=flight.altitude,
+        heading=flight.heading,
+    )
+
+
+@dataclass(frozen=True)
+class DesignClosedForm:
+    """The closed forms of a design as `simulate` takes them; picklable, so it travels to a worker.
+
+    design_file: the design as TOML text. initial_yaw: sigma at the start [rad].
+    Called with (coast_s, elapsed_s), both (outputs,), it gives the sigmas (outputs, 9) of `result.STATES`:
+    [T-3], [T-4] where fixes come, [T-9], [T-10] in an outage, residual biases in quadrature; yaw [T-5].
+    """
+
+    design_file: str
+    initial_yaw: float
+
+    def __call__(self, coast_s: FloatArray, elapsed_s: FloatArray) -> FloatArray:
+        design = parse_design(self.design_file)
+        coast = analyse(design, coast_s).coast
+        level, upright, tilt = coast.position_horizontal, coast.position_vertical, coast.tilt
+        speed, sink = coast.velocity_horizontal, coast.velocity_vertical
+        density = design.imu.angle_random_walk * design.imu.vibration_factor
+        yaw = np.sqrt(self.initial_yaw**2 + yaw_variance(density, elapsed_s))
+        sigmas: FloatArray = np.stack([level, level, upright, speed, speed, sink, tilt, tilt, yaw], axis=1)
+        return sigmas
+
+
+def closed_form(design: Design, spec: SimulationSpec) -> DesignClosedForm:
+    """The closed forms of `design` for a study of it."""
+    return DesignClosedForm(format_design(design), spec.initial.yaw)
+
+
+@dataclass(frozen=True, eq=False)
+class DesignStudy:
+    """A study of a design with what stands beside it. Arrays over the result's `time_s` (outputs,).
+
+    refined_sigma: position north, east, down [m] by [T-17], residual biases in quadrature, shape
+    (outputs, 3); NaN outside outages. path: along the initial track, right of it and up, from the start [m],
+    shape (outputs, 3). departures: where filter and closed form part. conditions: what a reader must know.
+    """
+
+    design_file: str
+    result: SimulationResult
+    refined_sigma: FloatArray
+    path: FloatArray
+    departures: tuple[Departure, ...]
+    conditions: tuple[str, ...]
+
+
+def study_of(design: Design, result: SimulationResult) -> DesignStudy:
+    """A finished study beside the closed forms of the design it was flown for."""
+    from nav_model.simulation.departures import departures
+
+    return DesignStudy(
+        design_file=format_design(design),
+        result=result,
+        refined_sigma=_refined(design, result.coast_s),
+        path=_path(result),
+        departures=tuple(departures(result, settling_s=_settling(design))),
+        conditions=conditions(design, result.spec),
+    )
+
+
+def _settling(design: Design) -> float:
+    """Four time constants of the slower channel, the vertical one, s²/v11; at least a minute. [T-4], [T-8]"""
+    gnss = design.gnss
+    noise = gnss.vertical_position_noise or gnss.position_noise
+    sigma = analyse(design).steady_state.closed.position_vertical
+    return max(60.0, 4.0 * gnss.interval * (noise / sigma) ** 2)
+
+
+def conclude(
+    design_file: str, spec: SimulationSpec, total: Statistics, nominal: RunRecord, wall_s: float
+) -> DesignStudy:
+    """The study from the runs summed so far, `spec.runs` of them, for a worker process to make.
+
+    total, nominal: as `monte_carlo.run_chunk` and `single_run.fly_without_errors` give them.
+    """
+    from nav_model.simulation.result import summarise
+
+    design = parse_design(design_file)
+    return study_of(design, summarise(spec, total, nominal, closed_form(design, spec), wall_s))
+
+
+def _refined(design: Design, coast_s: FloatArray) -> FloatArray:
+    coast = analyse(design, coast_s).coast
+    level, upright = coast.refined_horizontal, coast.refined_vertical
+    sigmas: FloatArray = np.stack([level, level, upright], axis=1)
+    return np.where(coast_s[:, None] > 0.0, sigmas, np.nan)
+
+
+def _path(result: SimulationResult) -> FloatArray:
+    """Along, right, up [m], integrated from the true velocity: a constant heading is a straight line."""
+    velocity = result.truth.velocity
+    trajectory = result.spec.trajectory
+    heading = trajectory.heading
+    if trajectory.kind == "file":
+        heading = math.atan2(velocity[0, 1], velocity[0, 0])
+    c, s = math.cos(heading), math.sin(heading)
+    along, right = c * velocity[:, 0] + s * velocity[:, 1], c * velocity[:, 1] - s * velocity[:, 0]
+    rates = np.stack([along, right], axis=1)
+    steps = 0.5 * (rates[1:] + rates[:-1]) * np.diff(result.time_s)[:, None]
+    level = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    up = result.truth.position[:, 2] - result.truth.position[0, 2]
+    path: FloatArray = np.column_stack([level, up])
+    return path
+
+
+def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
+    """Where the simulated world is not the one of the closed forms, a sentence each."""
+    from nav_model.simulation.earth import normal_gravity
+
+    flight, said = design.flight, []
+    if spec.trajectory.kind == "file":
+        said.append("The flight is the file's: the design's speed, latitude, altitude and heading are not flown.")
+    else:
+        local = float(normal_gravity(math.sin(flight.latitude), flight.altitude))
+        said.append(
+            f"Gravity in the simulator is WGS 84's normal gravity, {local:.5f} m/s² at the start of the flight; the "
+            f"closed forms use the design's {flight.gravity:.5f} m/s² ({100 * (flight.gravity / local - 1):+.2f} %)."
+        )
+    if design.imu.accelerometer_bias or design.imu.gyro_bias:
+        filter_knows = (
+            "the filter of 15 states estimates them: an outage starts with less of them than the closed forms assume"
+            if spec.filter.states == 15
+            else "the filter of 9 states does not know them, so its covariance is optimistic; in level flight tilt "
+            "takes up most of an accelerometer bias"
+        )
+        said.append(f"Residual biases are constant turn-on biases, drawn for each run: {filter_knows}.")
+    if design.gnss.correlated:
+        said.append(
+            "The slow GNSS error is flown, but this filter does not model it: expect an optimistic verdict. The "
+            "closed forms [T-3], [T-9] hold white fix noise only; the refined curve [T-17] starts from a filter "
+            "that does model it."
+        )
+    said.append(
+        "Errors start at the closed form's steady-state sigmas (yaw 0.1°), without its correlations, which settle "
+        "first. Fixes come at the IMU sample nearest to each multiple of the interval."
+    )
+    return tuple(said)
+
+
+def to_document(study: DesignStudy) -> dict[str, Any]:
+    """The study as plain data for JSON: `result.to_json`, and the refined curve, departures and conditions.
+
+    ``refined_sigma_m`` of each position axis is null outside outages.
+    """
+    from nav_model.simulation.result import to_json
+
+    document = to_json(study.result)
+    for column, axis in enumerate(("north", "east", "down")):
+        document["position"][axis]["refined_sigma_m"] = [
+            None if math.isnan(sigma) else sigma for sigma in study.refined_sigma[:, column].tolist()
+        ]
+    document["departures"] = [
+        {
+            "group": found.group,
+            "axis": found.axis,
+            "start_s": found.start_s,
+            "stop_s": found.stop_s,
+            "filter_over_closed_form": found.ratio,
+            "reason": found.reason,
+        }
+        for found in study.departures
+    ]
+    document["conditions"] = list(study.conditions)
+    document["design"] = parse_design(study.design_file).name
+    return document

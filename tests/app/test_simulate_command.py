@@ -1,0 +1,144 @@
+"""`navbudget simulate`: what it writes, where, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import app.cli
+from app.cli import main
+
+ROOT = Path(app.cli.__file__).parent.parent
+MEMS = str(ROOT / "examples" / "mems_x_band.toml")
+SHORT = ["--runs", "6", "--seed", "4", "--duration", "40", "--outage", "30,40", "--every", "2", "--workers", "1"]
+
+
+def _simulate(*arguments: str) -> int:
+    return main(["simulate", MEMS, *SHORT, *arguments])
+
+
+def test_standard_output_holds_the_contracts_document(capsys) -> None:
+    assert _simulate() == 0
+    out, err = capsys.readouterr()
+    document = json.loads(out)
+    assert (document["runs"], document["seed"], document["simulated_s"]) == (6, 4, 240.0)
+    assert document["wall_s"] > 0
+    assert isinstance(document["consistent"], bool)
+    assert document["nees"].keys() == {"mean", "low", "high", "states"}
+    assert document["nees"]["states"] == 9
+    assert document["time_s"] == pytest.approx(list(range(0, 41, 2)))
+    for group, unit, axes in (
+        ("position", "m", ("north", "east", "down")),
+        ("velocity", "m_s", ("north", "east", "down")),
+        ("attitude", "rad", ("roll", "pitch", "yaw")),
+    ):
+        for axis in axes:
+            for kind in ("rms", "filter_sigma", "closed_form_sigma"):
+                curve = document[group][axis][f"{kind}_{unit}"]
+                assert len(curve) == 21
+                assert all(value > 0 and math.isfinite(value) for value in curve)
+    assert "6 of 6 runs" in err
+    assert document["verdict"] in err
+
+
+def test_the_same_seed_gives_the_same_numbers_and_another_does_not(capsys) -> None:
+    documents = []
+    for extra in ([], ["--workers", "2"], ["--seed", "5"]):
+        assert _simulate(*extra) == 0
+        documents.append(json.loads(capsys.readouterr().out))
+    same, also, other = (document["position"]["north"]["rms_m"] for document in documents)
+    assert same == also
+    assert same != other
+
+
+def test_files_of_each_kind(tmp_path, capsys) -> None:
+    for suffix in ("json", "npz", "csv"):
+        assert _simulate("-o", str(tmp_path / f"a.{suffix}")) == 0
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert f"wrote {tmp_path / f'a.{suffix}'}" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "a.json", "a.npz"]
+    document = json.loads((tmp_path / "a.json").read_text("utf-8"))
+    arrays = np.load(tmp_path / "a.npz")
+    assert arrays["run_errors"].shape == (6, 21, 9)
+    north = np.sqrt(np.mean(arrays["run_errors"][:, :, 0] ** 2, axis=0))
+    assert north == pytest.approx(document["position"]["north"]["rms_m"], rel=1e-12)
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text("utf-8"))))
+    assert [float(row["position_north_rms_m"]) for row in rows] == pytest.approx(list(north), rel=1e-12)
+
+
+def test_fifteen_states_and_a_flight_from_a_file(tmp_path, capsys) -> None:
+    flight = tmp_path / "flight.csv"
+    lines = ["time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg"]
+    lines += [f"{t},{45 + 9e-6 * 60 * t},7,2000,0,0,0" for t in range(0, 36)]
+    flight.write_text("\n".join(lines))
+    arguments = [MEMS, "--runs", "2", "--trajectory", str(flight), "--states", "15", "--workers", "1"]
+    assert main(["simulate", *arguments]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["nees"]["states"] == 15
+    assert document["time_s"][-1] == 35.0  # the file's length, as none was given
+    assert "The flight is the file's" in document["conditions"][0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "key"),
+    [
+        (["--runs", "0"], "--runs"),
+        (["--seed", "-1"], "--seed"),
+        (["--workers", "0"], "--workers"),
+        (["--duration", "nan"], "--duration"),
+        (["--duration", "-5"], "--duration"),
+        (["--every", "0"], "--every"),
+        (["--outage", "a,b"], "--outage"),
+        (["--outage", "5"], "--outage"),
+        (["--outage", "20,10"], "--outage"),
+        (["--outage", "25,35"], "--outage"),  # overlaps 30,40
+        (["--trajectory", "loop"], "--trajectory"),
+        (["--trajectory", MEMS], "--trajectory"),
+        (["--trajectory", "turns"], "--duration"),  # too short for the turns
+        (["--set", "imu.rate=2 Hz"], "imu.rate"),
+        (["--set", "flight.latitude=89°"], "flight.latitude"),
+        (["-o", "result.txt"], "-o"),
+        (["-o", "/nowhere/result.json"], "-o"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2(capsys, arguments, key) -> None:
+    assert _simulate(*arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.startswith(f"navbudget: {key}: ")
+
+
+def test_a_scheduler_that_is_not_there_is_one_line(capsys, monkeypatch) -> None:
+    from nav_model.simulation import cluster
+
+    pytest.importorskip("distributed")
+    answer = cluster.cluster_pool
+    monkeypatch.setattr(cluster, "cluster_pool", lambda address: answer(address, 1.0))
+    assert _simulate("--scheduler", "tcp://127.0.0.1:1") == 2
+    assert "--scheduler: 'tcp://127.0.0.1:1'" in capsys.readouterr().err
+
+
+def test_a_failure_leaves_the_old_file(tmp_path, capsys) -> None:
+    target = tmp_path / "a.json"
+    target.write_text("old")
+    assert _simulate("--trajectory", "turns", "-o", str(target)) == 2
+    assert target.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
+
+
+def test_the_command_in_a_process_of_its_own_with_workers() -> None:
+    command = [sys.executable, "-m", "app.cli", "simulate", MEMS, *SHORT, "--runs", "130", "--workers", "2"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["runs"] == 130
+    assert b"130 of 130 runs" in done.stderr

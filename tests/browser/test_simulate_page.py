@@ -1,0 +1,72 @@
+"""The Simulate page as a person uses it."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Locator, Page, expect
+
+Visit = Callable[..., Page]
+
+_COMPILING = 180_000  # ms: the first use of a clone compiles the simulator
+_CURVE = """(name) => {
+  const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
+  const data = sources.find(m => m.name === name).data
+  const columns = data instanceof Map ? data : new Map(Object.entries(data))
+  return [...columns.get([...columns.keys()].find(key => key !== "x"))]
+}"""
+
+
+def field(page: Page, label: str) -> Locator:
+    return page.get_by_role("textbox", name=label, exact=True)
+
+
+def enter(page: Page, label: str, text: str) -> None:
+    field(page, label).fill(text)
+    field(page, label).press("Enter")
+
+
+def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(visit: Visit, tmp_path: Path) -> None:
+    page = visit()
+    page.get_by_text("Simulate", exact=True).click()
+    start, cancel = (page.get_by_role("button", name=name, exact=True) for name in ("Start", "Cancel"))
+    enter(page, "Outages [s]", "soon")
+    start.click()
+    expect(page.get_by_text("is not start,stop in seconds")).to_be_visible()
+    enter(page, "Runs", "20")
+    enter(page, "Length [s]", "120")
+    enter(page, "Outages [s]", "90,120")
+    start.click()
+    expect(page.locator("progress")).to_be_visible()
+    expect(page.get_by_role("status").filter(has_text="NEES")).to_have_text(
+        re.compile(r"(Consistent|Optimistic|Pessimistic).*NEES \d+\.\d\d, 95 % band .*, 20 runs"), timeout=_COMPILING
+    )
+    expect(start).to_be_enabled()
+    page.wait_for_function(f"() => ({_CURVE})('sim-position-horizontal lines 0').length === 121")
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Everything (JSON)").click()
+    waiting.value.save_as(tmp_path / "a.json")
+    document = json.loads((tmp_path / "a.json").read_text("utf-8"))
+    assert document["runs"] == 20
+    assert page.evaluate(_CURVE, "sim-position-horizontal lines 0") == document["position"]["north"]["rms_m"]
+
+    expect(page.get_by_text("stale")).to_have_count(0)
+    page.get_by_role("slider", name="Angle random walk").press("ArrowRight")
+    expect(page.get_by_text("stale")).to_be_visible()
+
+    enter(page, "Runs", "2000")
+    start.click()
+    expect(page.get_by_text(re.compile(r"[1-9]\d* of 2000 runs, \d+ s left"))).to_be_visible(timeout=_COMPILING)
+    cancel.click()
+    expect(page.get_by_text(re.compile(r"Cancelled after \d+ of 2000 runs"))).to_be_visible(timeout=10_000)
+    expect(start).to_be_enabled()
+
+    found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]}).response["violations"]
+    assert [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}] == []
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.wait_for_timeout(500)
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390

@@ -1,0 +1,203 @@
+"""Design -> SimulationSpec, and a study beside the closed forms of its design."""
+
+from __future__ import annotations
+
+import json
+import math
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nav_model.design import Design
+from nav_model.inputs import DesignError
+from nav_model.simulation.design_study import (
+    LONGEST_OUTAGE,
+    closed_form,
+    conclude,
+    conditions,
+    refusal,
+    specification,
+    study_of,
+    to_document,
+)
+from nav_model.simulation.monte_carlo import run_chunk, simulate
+from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
+from nav_model.simulation.specification import TrajectorySpec
+from nav_model.simulation.statistics import Statistics
+
+DPH = math.radians(1) / 3600
+PAPER = Design({"flight.speed": 50.0})  # 0.05 m/s/√h, 0.5 °/√h, 1 m at 1 Hz are the defaults
+
+
+def test_every_input_reaches_its_place() -> None:
+    design = Design(
+        {
+            "imu.velocity_random_walk": 0.06 / 60,
+            "imu.angle_random_walk": math.radians(0.2) / 60,
+            "imu.accelerometer_bias": 2e-3,
+            "imu.gyro_bias": 3 * DPH,
+            "imu.vibration_factor": 4.0,
+            "imu.rate": 200.0,
+            "gnss.position_noise": 0.5,
+            "gnss.vertical_position_noise": 0.8,
+            "gnss.interval": 0.2,
+            "gnss.correlated": True,
+            "gnss.correlated_noise": 1.5,
+            "gnss.correlation_time": 77.0,
+            "flight.speed": 90.0,
+            "flight.altitude": 4000.0,
+            "flight.latitude": -0.6,
+            "flight.heading": 1.2,
+        }
+    )
+    spec = specification(
+        design, trajectory="climb", runs=7, seed=9, duration=250, outages=[(100, 150)], every=2, states=15
+    )
+    assert spec.imu.gyro.random_walk == math.radians(0.2) / 60
+    assert spec.imu.gyro.turn_on_bias == 3 * DPH
+    assert spec.imu.accelerometer.random_walk == 0.06 / 60
+    assert spec.imu.accelerometer.turn_on_bias == 2e-3
+    assert (spec.imu.rate, spec.imu.vibration_factor) == (200.0, 4.0)
+    assert spec.gnss.axis_noise == (0.5, 0.5, 0.8)
+    assert (spec.gnss.interval, spec.gnss.markov_time) == (0.2, 77.0)
+    assert (spec.gnss.markov_noise, spec.gnss.vertical_markov_noise) == (1.5, 1.5)
+    flight = spec.trajectory
+    assert (flight.kind, flight.speed, flight.height) == ("climb", 90.0, 4000.0)
+    assert (flight.latitude, flight.heading) == (-0.6, 1.2)
+    assert (spec.filter.states, spec.runs, spec.seed, spec.duration) == (15, 7, 9, 250)
+    assert (spec.outages, spec.every) == (((100.0, 150.0),), 2)
+    off = specification(design.replace({"gnss.correlated": False}))
+    assert (off.gnss.markov_noise, off.gnss.vertical_markov_noise) == (0.0, 0.0)
+
+
+def test_runs_start_at_the_steady_state_of_the_theory_page() -> None:
+    start = specification(PAPER).initial
+    assert start.position == pytest.approx(0.474565, abs=5e-7)
+    assert start.velocity == pytest.approx(0.0654609, abs=5e-8)
+    assert math.degrees(start.tilt) == pytest.approx(0.0351388, abs=5e-8)
+
+
+def test_the_closed_form_gives_the_theory_pages_figures() -> None:
+    coast = np.array([0.0, 10.0, 20.0, 50.0, 100.0])
+    elapsed = 400.0 + coast
+    spec = specification(PAPER)
+    compare = pickle.loads(pickle.dumps(closed_form(PAPER, spec)))
+    sigmas = compare(coast, elapsed)
+    assert sigmas.shape == (5, 9)
+    # [T-3], [T-9] and [T-4], [T-10], printed in theory.md sections 2 and 3.
+    assert sigmas[:, 0] == pytest.approx([0.474565, 1.313629, 2.805036, 12.063485, 48.014141], abs=6e-7)
+    assert sigmas[:, 2] == pytest.approx([0.202052, 0.247235, 0.299363, 0.488001, 0.882712], abs=6e-7)
+    assert np.array_equal(sigmas[:, 0], sigmas[:, 1])
+    assert sigmas[0, 3:6] == pytest.approx([0.0654609, 0.0654609, 0.00583273], abs=5e-8)
+    assert np.degrees(sigmas[0, 6:8]) == pytest.approx([0.0351388] * 2, abs=5e-8)
+    # [T-5]: an ARW of 0.5 °/√h over 400 s, on 0.1° at the start.
+    assert math.degrees(sigmas[0, 8]) == pytest.approx(math.hypot(0.1, 0.5 * math.sqrt(400 / 3600)), rel=1e-12)
+    louder = closed_form(PAPER.replace({"imu.vibration_factor": 3.0}), spec)(coast, elapsed)
+    assert math.degrees(louder[0, 8]) == pytest.approx(math.hypot(0.1, 1.5 * math.sqrt(400 / 3600)), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "options", "key"),
+    [
+        ({"imu.rate": 5.0}, {}, "imu.rate"),
+        ({"imu.rate": 10.0, "gnss.interval": 0.05}, {}, "gnss.interval"),
+        ({"flight.latitude": math.radians(89)}, {}, "flight.latitude"),
+        ({"flight.speed": 5000.0}, {}, "flight.speed"),
+        ({"flight.speed": 3.0}, {"trajectory": "climb"}, "flight.speed"),
+        ({}, {"trajectory": "loop"}, "trajectory"),
+        ({}, {"runs": 0}, "runs"),
+        ({}, {"seed": -1}, "seed"),
+        ({}, {"duration": -1.0}, "duration"),
+        ({}, {"every": 1e4}, "every"),
+        ({}, {"outages": [(5, 2)]}, "outage"),
+        ({}, {"outages": [(1, 20), (10, 30)]}, "outage"),
+        ({}, {"outages": [(0, LONGEST_OUTAGE + 1)], "duration": 9000}, "outage"),
+        ({}, {"states": 12}, "states"),
+    ],
+)
+def test_what_cannot_be_flown_is_refused_under_its_own_name(changes, options, key) -> None:
+    with pytest.raises(DesignError) as caught:
+        specification(PAPER.replace(changes), **options)
+    assert caught.value.key == key
+    assert "\n" not in str(caught.value)
+
+
+def test_a_refusal_speaks_in_the_designs_units_and_survives_the_way_from_a_worker() -> None:
+    with pytest.raises(DesignError, match=r"flight\.latitude: 89° cannot be simulated; must be within 85") as caught:
+        specification(PAPER.replace({"flight.latitude": math.radians(89)}))
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (again.key, again.reason) == (caught.value.key, caught.value.reason)
+    assert refusal(again, PAPER) is again
+    assert refusal(ValueError("trajectory: leaves"), PAPER).key == "trajectory"
+
+
+@pytest.fixture(scope="module")
+def study():
+    spec = specification(PAPER, runs=40, duration=180.0, outages=[(120, 180)], every=2.0)
+    return study_of(PAPER, simulate(spec, closed_form=closed_form(PAPER, spec)))
+
+
+def test_the_filter_follows_the_refined_curve_in_the_outage(study) -> None:
+    result = study.result
+    coasting = result.coast_s > 0
+    assert coasting.sum() == 30
+    assert np.isnan(study.refined_sigma[~coasting]).all()
+    # Covariance against covariance, no sampling noise; the start is settled to 1 % of the posterior [T-8], [T-17].
+    ratio = result.nominal_sigma[POSTERIOR, coasting, :3] / study.refined_sigma[coasting]
+    assert ratio == pytest.approx(1.0, abs=0.02)
+    assert result.consistent, result.verdict
+
+
+def test_the_path_is_the_flight_that_was_asked_for() -> None:
+    for heading in (0.0, 2.0):
+        design = PAPER.replace({"flight.heading": heading})
+        spec = specification(design, runs=1, duration=100.0, trajectory="straight")
+        path = study_of(design, simulate(spec, closed_form=closed_form(design, spec))).path
+        assert path[:, 0] == pytest.approx(50.0 * np.arange(101.0), rel=1e-6, abs=1e-6)
+        assert path[:, 1:] == pytest.approx(np.zeros((101, 2)), abs=1e-4)
+
+
+def test_a_worker_concludes_the_same_study(study) -> None:
+    spec = study.result.spec
+    nominal = fly_without_errors(spec)
+    total = Statistics.empty(nominal.filter_sigma[POSTERIOR])
+    total.merge(run_chunk(spec, total.scale, 0, 25))
+    total.merge(run_chunk(spec, total.scale, 25, 40))
+    arguments = pickle.loads(pickle.dumps((study.design_file, spec, total, nominal, 1.0)))
+    found = pickle.loads(pickle.dumps(conclude(*arguments)))
+    assert found.result.rms == pytest.approx(study.result.rms, rel=1e-12)
+    assert [replace(d, ratio=0) for d in found.departures] == [replace(d, ratio=0) for d in study.departures]
+    assert [d.ratio for d in found.departures] == pytest.approx([d.ratio for d in study.departures], rel=1e-12)
+    assert found.conditions == study.conditions
+
+
+def test_the_document_has_the_contracts_keys_and_no_nan(study) -> None:
+    document = json.loads(json.dumps(to_document(study), allow_nan=False))
+    assert {"runs", "seed", "simulated_s", "wall_s", "consistent", "nees", "time_s", "departures"} <= document.keys()
+    for group, unit in (("position", "m"), ("velocity", "m_s"), ("attitude", "rad")):
+        for axis in document[group].values():
+            for kind in ("rms", "filter_sigma", "closed_form_sigma"):
+                assert len(axis[f"{kind}_{unit}"]) == 91
+    refined = document["position"]["north"]["refined_sigma_m"]
+    assert refined[60] is None
+    assert refined[61] > 0
+
+
+def test_conditions_say_what_differs() -> None:
+    def said(**changes: float | bool) -> str:
+        design = PAPER.replace({key.replace("__", "."): value for key, value in changes.items()})
+        return " ".join(conditions(design, specification(design)))
+
+    plain = said()
+    # Normal gravity at 45° and 3 km: 9.80620 - 3.0855e-6 x 3000 m/s², by the usual free-air gradient.
+    assert float(plain.split("gravity, ")[1].split()[0]) == pytest.approx(9.80620 - 3.0855e-6 * 3000, abs=2e-5)
+    assert "9.80665" in plain
+    assert "bias" not in plain
+    assert "slow" not in plain
+    assert "9 states does not know them" in said(imu__gyro_bias=DPH)
+    assert "slow GNSS error" in said(gnss__correlated=True)
+    spec = specification(PAPER)
+    filed = replace(spec, trajectory=TrajectorySpec(kind="file", samples=b"x"))
+    assert "The flight is the file's" in conditions(PAPER, filed)[0]
