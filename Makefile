@@ -32,7 +32,8 @@ lint: .venv/.test
 	$(BIN)/hadolint Dockerfile
 
 test: .venv/.test browser lint
-	$(BIN)/python -m pytest -n 2 --dist loadfile -p no:benchmark
+	$(BIN)/python -m pytest -n 2 --dist loadfile -p no:benchmark --ignore tests/browser
+	$(BIN)/python -m pytest -n 2 --dist load -p no:benchmark tests/browser
 
 test-slow: .venv/.test
 	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark

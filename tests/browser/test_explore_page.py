@@ -39,7 +39,8 @@ def test_click_on_the_map_adopts_a_point(visit: Visit) -> None:
         "() => [...Bokeh.documents[0]._all_models.values()].some(m => m.name === 'map image')", timeout=20_000
     )
     canvas = page.locator(".bk-Figure").first
-    canvas.scroll_into_view_if_needed()
+    canvas.evaluate("element => element.scrollIntoView({block: 'center'})")
+    page.wait_for_timeout(1000)
     place = canvas.bounding_box()
     assert place is not None
     page.mouse.click(place["x"] + 0.3 * place["width"], place["y"] + 0.7 * place["height"])
