@@ -35,7 +35,10 @@ class Page(Protocol):
         """Follow the budget in force."""
 
 
-PAGES: tuple[tuple[str, str], ...] = (("Budget", "app.pages.budget:BudgetPage"),)
+PAGES: tuple[tuple[str, str], ...] = (
+    ("Budget", "app.pages.budget:BudgetPage"),
+    ("Review", "app.pages.review:ReviewPage"),
+)
 """The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
 
 A page is imported and built when its tab is first opened, so a tab costs the first screen nothing.
@@ -215,8 +218,15 @@ class Frame:
         self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
 
 
+def is_review_link(query: str) -> bool:
+    """Whether a query is for the Review page and not a design's."""
+    return query.startswith(("?compare=", "?review="))
+
+
 def _asked_for() -> int:
-    """The tab the address names behind its #."""
+    """The tab the address names behind its #; a link to a comparison or a review names the Review page."""
+    if pn.state.location and is_review_link(pn.state.location.search):
+        return next(i for i, (name, _) in enumerate(PAGES) if name == "Review")
     wanted = (pn.state.location.hash if pn.state.location else "").lstrip("#").lower()
     return next((i for i, (name, _) in enumerate(PAGES) if name.lower() == wanted), 0)
 

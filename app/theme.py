@@ -64,7 +64,17 @@ table.checks th, table.checks td { text-align: left; padding: 4px 10px 4px 0; ve
   border-bottom: 1px solid; border-color: color-mix(in srgb, currentColor 15%, transparent); }
 table.checks th { font-weight: 500; }
 table.checks td.num, table.checks th.num { text-align: right; }
+table.checks caption { text-align: left; font-weight: 600; padding: 10px 0 4px; }
+table.checks td { overflow-wrap: anywhere; min-width: 7ch; }
 .scroll { overflow-x: auto; }
+.line { display: flex; flex-wrap: wrap; gap: 0 16px; font-size: 13px; overflow-wrap: anywhere; }
+.line > .mark { min-width: 15ch; }
+.tag { border: 1px solid; border-radius: 9px; padding: 0 7px; font-size: 12px; }
+.slide { font-size: 24px; padding: 24px 28px; border: 1px solid; border-radius: 6px;
+  border-color: color-mix(in srgb, currentColor 25%, transparent); }
+.slide h2 { font-size: 44px; margin: 8px 0; font-weight: 600; }
+.slide p { margin: 6px 0; overflow-wrap: anywhere; }
+.slide .figure { font-size: 40px; white-space: normal; }
 ul.legend { display: flex; flex-wrap: wrap; gap: 2px 16px; list-style: none; margin: 0 0 4px; padding: 0;
   font-size: 12.5px; }
 ul.legend svg { vertical-align: -1px; }

@@ -102,7 +102,7 @@ def test_a_signed_review_never_changes(library: Library, review: Review) -> None
         lambda: decide(library, review.id, 1, name, False, "Eve", "too late"),
         lambda: sign(library, review.id, "Eve", signed.version),
     ):
-        with pytest.raises(DesignError, match="signed by Chief .* never changes"):
+        with pytest.raises(DesignError, match=r"signed by Chief .* never changes"):
             attempt()
     assert load_review(library, review.id) == signed
 
