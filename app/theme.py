@@ -63,7 +63,7 @@ table.checks { border-collapse: collapse; width: 100%; font-size: 13px; }
 table.checks th, table.checks td { text-align: left; padding: 4px 10px 4px 0; vertical-align: top;
   border-bottom: 1px solid; border-color: color-mix(in srgb, currentColor 15%, transparent); }
 table.checks th { font-weight: 500; }
-table.checks td.num, table.checks th.num { text-align: right; }
+table.checks td.num, table.checks th.num { text-align: right; padding-right: 18px; }
 table.checks caption { text-align: left; font-weight: 600; padding: 10px 0 4px; }
 table.checks td { overflow-wrap: anywhere; min-width: 7ch; }
 .scroll { overflow-x: auto; }

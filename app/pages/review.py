@@ -36,7 +36,7 @@ class ReviewPage:
             sizing_mode="stretch_width",
         )
         self._tabs.param.watch(self._turned, "active")
-        self.view = pn.Column(self._desk.notice, self._tabs, sizing_mode="stretch_width")
+        self.view = pn.Column(self._desk.author, self._desk.notice, self._tabs, sizing_mode="stretch_width")
         self._follow_link()
 
     def show(self, budget: Budget) -> None:

@@ -34,7 +34,9 @@ class CompareView:
         self._revisions: tuple[Revision, ...] = ()
         self._tables = html_pane(_EMPTY)
         self._charts = pn.Column(sizing_mode="stretch_width", margin=0)
-        self._link = pmui.TextInput(label="Link to this comparison", width=420, **LOOK)
+        self._link = pmui.TextInput(
+            label="Link to this comparison", sizing_mode="stretch_width", max_width=420, **LOOK
+        )
         reports = [
             pmui.FileDownload(
                 callback=functools.partial(self._report, kind), filename=f"comparison.{kind}",
@@ -60,11 +62,12 @@ class CompareView:
         )
         tables = "".join(map(table_html, difference_tables(budgets, labels)))
         charts = [_chart(draw(budgets, labels)) for draw in (position_comparison, phase_comparison)]
-        with pn.io.hold():
-            self._tables.object = f'<ul class="legend" aria-label="Compared">{origin}</ul>{tables}'
-            self._charts.objects = charts
-            self._link.value = comparison_link(revisions)
-            self._tools.visible = True
+        self._tables.object = f'<ul class="legend" aria-label="Compared">{origin}</ul>{tables}'
+        self._charts.objects = charts
+        self._link.value = comparison_link(revisions)
+        self._tools.visible = True
+        closing = sum(budget.verdict.closes for budget in budgets)
+        self._desk.say(f"{len(budgets)} revisions side by side, {closing} of which close.")
         return True
 
     async def _report(self, kind: str) -> io.BytesIO:

@@ -61,7 +61,7 @@ class LibraryView:
         )  # fmt: skip
         self._chosen = html_pane("", margin=(4, 10))
         self.view = pn.Column(
-            pn.FlexBox(desk.author, self._note, self._new, self._next, align_items="center", margin=(6, 4)),
+            pn.FlexBox(self._note, self._new, self._next, align_items="center", margin=(6, 4)),
             pn.FlexBox(
                 self._search,
                 self._tag,
