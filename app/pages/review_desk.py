@@ -40,7 +40,12 @@ class Desk(param.Parameterized):
         user = pn.state.user
         known = user if user and user != "guest" else ""
         self.author = pmui.TextInput(
-            label="Your name", value=known, disabled=bool(known), max_length=100, width=260, **LOOK
+            label="Your name",
+            value=known,
+            disabled=bool(known),
+            max_length=100,
+            width=260,
+            **{**LOOK, "margin": (14, 10, 4, 10)},
         )
         self._said = html_pane("", margin=(2, 10))
         self.notice = self._said

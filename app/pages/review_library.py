@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import io
 from collections.abc import Callable
 from functools import partial
@@ -126,7 +127,8 @@ class LibraryView:
             partial(self._toggle, saved.id), variant="text", disabled=not many, margin=(0, 4), width=150,
         )  # fmt: skip
         tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in saved.tags)
-        cells = f"{_verdict(saved.closes)}<span>{escape(saved.author)}</span><span>{moment(saved.saved)}</span>{tags}"
+        when = f"<span>{moment(saved.saved)}</span>"
+        cells = f'{_verdict(saved.closes)}<span class="who">{escape(saved.author)}</span>{when}{tags}'
         rows = [self._row(f"{saved.id}.{saved.number}", shortened(saved.name, 60), cells, history)]
         if shown and many:
             rows += [
@@ -238,10 +240,18 @@ class LibraryView:
 
         saved = await self._desk.ask(work)
         if saved is None:
+            if base is not None:
+                await self._catch_up(base)
             return
         self._note.value = ""
         self._desk.param.update(base=saved, changed=self._desk.changed + 1)
         self._desk.say(f"Saved: revision {saved.number} of {saved.name}. {saved.verdict}")
+
+    async def _catch_up(self, base: Revision) -> None:
+        """After somebody else's save: the next press is on top of theirs, as the button then says."""
+        history = await asyncio.to_thread(lambda: library().revisions(base.design))
+        if history[0].number != base.number:
+            self._desk.param.update(base=history[0], changed=self._desk.changed + 1)
 
     async def _zip(self) -> io.BytesIO:
         picked = [revision.design for revision in self._desk.picked]
@@ -275,6 +285,6 @@ def _revision_cells(revision: Revision) -> str:
     note = f'<span class="quiet">{escape(shortened(revision.note, 120))}</span>' if revision.note else ""
     origin = " (imported)" if revision.origin else ""
     return (
-        f"{_verdict(revision.closes)}<span>{escape(revision.author)}{origin}</span>"
+        f'{_verdict(revision.closes)}<span class="who">{escape(revision.author)}{origin}</span>'
         f'<span>{moment(revision.saved)}</span><span class="quiet">{revision.content_hash[:12]}</span>{note}'
     )

@@ -118,6 +118,8 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     said(page, "Revision 1 of Shared design is in force")
     press(page, re.compile("Save as revision 2"))
     said(page, re.compile("Ann saved revision 2 .* nothing was overwritten"))
+    press(page, re.compile("Save as revision 3"))
+    said(page, "Saved: revision 3 of Shared design")
 
     tab(page, "Reviews")
     field(page, "Title of a new review").fill("PDR")

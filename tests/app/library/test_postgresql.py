@@ -23,7 +23,8 @@ from nav_model.budget import Budget
 from nav_model.inputs import DesignError
 
 _TABLES = (
-    "review_decisions", "review_comments", "review_items", "reviews", "tags", "revisions", "designs", "schema_version",
+    "review_decisions", "review_comments", "review_items", "reviews",
+    "tags", "revisions", "designs", "schema_version",
 )  # fmt: skip
 _MISSING = "no PostgreSQL: `make test` installs it (`make postgresql`)"
 
