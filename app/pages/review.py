@@ -18,7 +18,7 @@ from app.state import Session
 from nav_model.budget import Budget
 from nav_model.inputs import DesignError
 
-_COMPARE, _REVIEWS = 1, 2
+_LIBRARY, _COMPARE, _REVIEWS = range(3)
 
 
 class ReviewPage:
@@ -28,8 +28,9 @@ class ReviewPage:
         self._desk = Desk(session)
         self._compared = CompareView(self._desk)
         self._room = ReviewRoom(self._desk)
+        self._library = LibraryView(self._desk, self._compare)
         self._tabs = pn.Tabs(
-            ("Library", LibraryView(self._desk, self._compare).view),
+            ("Library", self._library.view),
             ("Compare", self._compared.view),
             ("Reviews", self._room.view),
             dynamic=True,
@@ -43,7 +44,12 @@ class ReviewPage:
         """The page shows saved designs; the one in force is saved as it stands when asked."""
 
     def _turned(self, event: object) -> None:
-        if self._tabs.active == _REVIEWS:
+        """A turn brings what others have written meanwhile; what was said about another part goes."""
+        if self._tabs.active != _COMPARE:
+            self._desk.say("")
+        if self._tabs.active == _LIBRARY:
+            self._library.refresh()
+        elif self._tabs.active == _REVIEWS:
             self._room.refresh()
 
     async def _compare(self) -> None:
@@ -63,8 +69,8 @@ class ReviewPage:
             self._desk.picked = found
             pn.state.execute(self._compare)
         elif "review" in asked:
-            self._room.open(asked["review"][0])
             self._tabs.active = _REVIEWS
+            self._room.open(asked["review"][0])
 
 
 def _revisions(place: Library, keys: list[str]) -> tuple[Revision, ...]:

@@ -79,12 +79,12 @@ class LibraryView:
             ),
             sizing_mode="stretch_width",
         )
-        self._list()
+        self.refresh()
         self._say_picked()
         for field in (self._search, self._tag, self._archived):
-            field.param.watch(lambda _: self._list(), "value")
+            field.param.watch(lambda _: self.refresh(), "value")
         self._bring.param.watch(self._brought, "value")
-        desk.param.watch(lambda _: self._list(), "changed")
+        desk.param.watch(lambda _: self.refresh(), "changed")
         desk.param.watch(self._picks, "picked")
         desk.param.watch(self._based, "base")
 
@@ -97,7 +97,8 @@ class LibraryView:
 
     # --- the list --------------------------------------------------------------------------------------
 
-    def _list(self) -> None:
+    def refresh(self) -> None:
+        """List what the library holds now."""
         tag = "" if self._tag.value == _ANY else self._tag.value
         self._ticks = {}
         try:
@@ -157,7 +158,7 @@ class LibraryView:
 
     async def _toggle(self, design: str) -> None:
         self._open_designs ^= {design}
-        self._list()
+        self.refresh()
 
     # --- the picked ones -------------------------------------------------------------------------------
 
