@@ -3,7 +3,7 @@ PYTHON ?= python3
 PORT ?= 5006
 BIN := .venv/bin
 
-.PHONY: run test test-slow bench lint browser clean
+.PHONY: run test test-slow bench lint browser postgresql clean
 .DEFAULT_GOAL := run
 
 .venv/.runtime: pyproject.toml
@@ -24,6 +24,12 @@ browser:
 	  sudo=$$(test "$$(id -u)" = 0 || echo sudo); \
 	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends chromium; }
 
+# The library is tested against a real PostgreSQL, which the test starts itself.
+postgresql:
+	@test -n "$$(ls /usr/lib/postgresql/*/bin/initdb 2>/dev/null)" || command -v initdb >/dev/null || { \
+	  sudo=$$(test "$$(id -u)" = 0 || echo sudo); \
+	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends postgresql; }
+
 lint: .venv/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -31,7 +37,7 @@ lint: .venv/.test
 	$(BIN)/lint-imports
 	$(BIN)/hadolint Dockerfile
 
-test: .venv/.test browser lint
+test: .venv/.test browser postgresql lint
 	$(BIN)/python -m pytest -n 2 --dist loadfile -p no:benchmark --ignore tests/browser
 	$(BIN)/python -m pytest -n 2 --dist load -p no:benchmark tests/browser
 

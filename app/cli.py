@@ -70,6 +70,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="HOST[:PORT]",
         help="public host the page is reached under, when not the address itself; may be repeated",
     )
+    serve.add_argument(
+        "--library",
+        default="",
+        metavar="PATH-or-URL",
+        help="saved designs: a file, or postgresql://... (default: a file in the user's data folder)",
+    )
     serve.set_defaults(run=_serve)
 
     evaluate = commands.add_parser("evaluate", help="the whole budget of a design as JSON")
@@ -464,8 +470,10 @@ def _sweep(options: argparse.Namespace) -> int:
 
 
 def _serve(options: argparse.Namespace) -> int:
+    from app.library.place import use_library
     from app.server import serve
 
+    use_library(options.library)
     serve(options.address, options.port, options.allow_origin)
     return 0
 

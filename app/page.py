@@ -42,6 +42,7 @@ PAGES: tuple[tuple[str, str], ...] = (
     ("Suborbital", "app.pages.suborbital:SuborbitalPage"),
     ("Explore", "app.pages.explore:ExplorePage"),
     ("Sensors", "app.pages.sensors:SensorsPage"),
+    ("Review", "app.pages.review:ReviewPage"),
 )
 """The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
 
@@ -76,7 +77,7 @@ class Frame:
         if pn.state.location:
             # What stands behind # reaches the server from the page only, before the page can be changed.
             location = pn.state.location
-            pn.state.onload(lambda: self._go_to(location.hash))
+            pn.state.onload(lambda: self._go_to("review" if is_review_link(location.search) else location.hash))
             location.param.watch(lambda event: self._go_to(event.new) if self._loaded else None, "hash")
 
     def _show(self, event: Any) -> None:
@@ -234,6 +235,11 @@ class Frame:
 
     def _say(self, text: str, severity: str = "error") -> None:
         self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
+
+
+def is_review_link(query: str) -> bool:
+    """Whether a query is for the Review page and not a design's."""
+    return query.startswith(("?compare=", "?review="))
 
 
 _TOOL_LOOK: dict[str, Any] = {"description": "", "variant": "text", "size": "small", "margin": 2}

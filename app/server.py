@@ -8,7 +8,7 @@ from typing import Any
 
 import panel as pn
 
-from app.page import Frame
+from app.page import Frame, is_review_link
 from app.state import Session
 from nav_model.design import Design
 from nav_model.design_file import parse_design
@@ -28,7 +28,7 @@ def build() -> Any:
     """The page of one session. A link that is wrong is said so on the page, which opens all the same."""
     design, notice = first_design(), ""
     query = pn.state.location.search if pn.state.location else ""
-    if query:
+    if query and not is_review_link(query):
         try:
             design = from_query(query)
         except DesignError as error:

@@ -65,8 +65,21 @@ table.checks th, table.checks td { text-align: left; padding: 4px 10px 4px 0; ve
 table.checks th.wrap { white-space: normal; }
 table.checks th.name { white-space: nowrap; }
 table.checks th { font-weight: 500; }
-table.checks td.num, table.checks th.num { text-align: right; }
+table.checks td.num, table.checks th.num { text-align: right; padding-right: 18px; }
+table.checks caption { text-align: left; font-weight: 600; padding: 10px 0 4px; }
+table.checks td, table.checks th { overflow-wrap: break-word; }
+table.checks td { min-width: 8ch; }
+table.checks th[scope="row"] { min-width: 14ch; max-width: 60ch; }
 .scroll { overflow-x: auto; }
+.line { display: flex; flex-wrap: wrap; gap: 0 16px; font-size: 13px; overflow-wrap: anywhere; }
+.line > .mark { min-width: 17ch; }
+.line > .who { min-width: 10ch; }
+.tag { border: 1px solid; border-radius: 9px; padding: 0 7px; font-size: 12px; }
+.slide { font-size: 24px; padding: 24px 28px; border: 1px solid; border-radius: 6px;
+  border-color: color-mix(in srgb, currentColor 25%, transparent); }
+.slide h2 { font-size: 44px; margin: 8px 0; font-weight: 600; }
+.slide p { margin: 6px 0; overflow-wrap: anywhere; }
+.slide .figure { font-size: 40px; white-space: normal; }
 ul.legend { display: flex; flex-wrap: wrap; gap: 2px 16px; list-style: none; margin: 0 0 4px; padding: 0;
   font-size: 12.5px; }
 ul.legend svg { vertical-align: -1px; }

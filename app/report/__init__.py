@@ -12,6 +12,7 @@ from datetime import datetime
 from pathlib import Path
 
 from app.files import whole_file
+from app.report.document import Section
 from nav_model.budget import Budget, analyse
 from nav_model.design_file import parse_design
 from nav_model.inputs import DesignError
@@ -43,11 +44,16 @@ def write_report(budgets: Sequence[Budget], path: str | Path, now: datetime | No
         file.write(report_bytes(budgets, kind, now))
 
 
-def report_bytes(budgets: Sequence[Budget], kind: str, now: datetime | None = None) -> bytes:
-    """The report as the bytes of a file of `kind`, one of `SUFFIXES`; for pages that offer it for download."""
+def report_bytes(
+    budgets: Sequence[Budget], kind: str, now: datetime | None = None, added: Sequence[Section] = ()
+) -> bytes:
+    """The report as the bytes of a file of `kind`, one of `SUFFIXES`; for pages that offer it for download.
+
+    Sections `added` come before the shared ones.
+    """
     from app.report.content import report_of
 
-    report = report_of(budgets, now)
+    report = report_of(budgets, now, added)
     if kind == ".pdf":
         from app.report.pdf import to_pdf
 
@@ -65,7 +71,18 @@ def report_of_text(text: str, kind: str) -> bytes:
     DesignError
         If the text is not a design.
     """
-    return report_bytes([analyse(parse_design(text))], kind)
+    return report_of_texts([text], kind)
+
+
+def report_of_texts(texts: Sequence[str], kind: str, added: Sequence[Section] = ()) -> bytes:
+    """The report of the designs in some files' texts, as `report_bytes`, in a worker process.
+
+    Raises
+    ------
+    DesignError
+        If a text is not a design.
+    """
+    return report_bytes([analyse(parse_design(text)) for text in texts], kind, added=added)
 
 
 def _kind(target: Path) -> str:

@@ -38,6 +38,13 @@ def comparison_chapter(
     )
 
 
+def difference_tables(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[Table, Table, Table]:
+    """Verdicts, figures and inputs that differ, each as one table of any width; for the screen."""
+    wide = len(budgets)
+    (figures,), (inputs,) = _figures(budgets, labels, wide), _inputs(budgets, labels, wide)
+    return _verdicts(budgets, labels), figures, inputs
+
+
 def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
     def row(budget: Budget, label: str) -> tuple[Cell, ...]:
         word, tone, _ = verdict_of(budget)
@@ -84,7 +91,7 @@ _FIGURES: tuple[_Figure, ...] = (
 )  # fmt: skip
 
 
-def _figures(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[Table, ...]:
+def _figures(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUMNS) -> tuple[Table, ...]:
     marks = []
     for _, _, value in _FIGURES:
         values = [value(budget) for budget in budgets]
@@ -108,10 +115,10 @@ def _figures(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[Table, .
             "Outages end where each design says; phases hold for each design's own radar and aperture.",
         )
 
-    return _in_parts(len(budgets), labels, table)
+    return _in_parts(len(budgets), labels, table, wide)
 
 
-def _inputs(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[Table, ...]:
+def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUMNS) -> tuple[Table, ...]:
     designs = [budget.design for budget in budgets]
     keys = [
         (section, name)
@@ -137,12 +144,14 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[Table, ..
             "" if keys else "The designs have the same inputs.",
         )
 
-    return _in_parts(len(budgets), labels, table)
+    return _in_parts(len(budgets), labels, table, wide)
 
 
-def _in_parts(count: int, labels: Sequence[str], table: Callable[[range, str], Table]) -> tuple[Table, ...]:
-    """As many tables as it takes for no more than a page's width of designs in each."""
-    parts = [range(start, min(start + _COLUMNS, count)) for start in range(0, count, _COLUMNS)]
+def _in_parts(
+    count: int, labels: Sequence[str], table: Callable[[range, str], Table], wide: int
+) -> tuple[Table, ...]:
+    """As many tables as it takes for no more than `wide` designs in each."""
+    parts = [range(start, min(start + wide, count)) for start in range(0, count, wide)]
     return tuple(
         table(part, "" if len(parts) == 1 else f", {labels[part.start]} to {labels[part.stop - 1]}") for part in parts
     )

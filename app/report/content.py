@@ -53,7 +53,7 @@ _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
 _REPORT = "Navigation error budget"
 
 
-def report_of(budgets: Sequence[Budget], now: datetime | None = None) -> Report:
+def report_of(budgets: Sequence[Budget], now: datetime | None = None, added: Sequence[Section] = ()) -> Report:
     """The report of some budgets; several make a comparison and a chapter each.
 
     Parameters
@@ -62,6 +62,8 @@ def report_of(budgets: Sequence[Budget], now: datetime | None = None) -> Report:
         At least one.
     now : datetime, optional
         Date of the report, with its time zone; by default this moment.
+    added : sequence of Section
+        What else belongs before the shared sections, such as the record of a review.
     """
     now = (now or datetime.now(UTC)).astimezone(UTC)
     facts = (("Written", f"{now:%d %B %Y, %H:%M} UTC"), ("Program", f"NavBudget {version('navbudget')}"))
@@ -72,7 +74,9 @@ def report_of(budgets: Sequence[Budget], now: datetime | None = None) -> Report:
         title = f"Comparison of {len(budgets)} navigation error budgets"
     else:
         title = f"{_REPORT}: {title_of(budgets[0].design)}"
-    return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), chapters, _shared(budgets, labels))
+    return Report(
+        title, now.isoformat(timespec="seconds"), version("navbudget"), chapters, (*added, *_shared(budgets, labels))
+    )
 
 
 def _chapter(budget: Budget, label: str, facts: tuple[tuple[str, str], ...]) -> Chapter:

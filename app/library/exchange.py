@@ -1,0 +1,200 @@
+"""A library as files: a zip with one TOML per revision and a list of who saved what; and back.
+
+Nothing of an archive is ever unpacked to the disk, and no size it states is believed.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import zipfile
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import IO, Any
+
+from sqlalchemy import text
+
+from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
+from app.library.texts import clean_tags
+from nav_model.design_file import MAX_BYTES
+from nav_model.inputs import DesignError
+
+MAX_ARCHIVE = 20_000_000
+"""The largest archive taken, in bytes as it comes."""
+_MAX_FILES = 2_000
+_MAX_UNPACKED = 50_000_000
+_LIST = "library.json"
+_FORMAT = 1
+_KEPT = ("file", "name", "author", "note", "saved")  # of the list, by an import; the rest is worked out anew
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What an import did: designs and revisions added, designs that were there already."""
+
+    designs: int
+    revisions: int
+    known: int
+
+
+def export_archive(library: Library, designs: Sequence[str]) -> bytes:
+    """The designs with these ids, every revision of each, as the bytes of a zip.
+
+    Raises
+    ------
+    DesignError
+        If a design is not there.
+    """
+    tags = {saved.id: saved.tags for archived in (False, True) for saved in library.designs(archived=archived)}
+    listed = []
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
+        for design in dict.fromkeys(designs):
+            history = library.revisions(design)[::-1]
+            folder = f"{slug(history[-1].name)}-{design[:8]}"
+            rows = []
+            for revision in history:
+                path = f"{folder}/revision-{revision.number:04d}.toml"
+                archive.writestr(path, revision.text)
+                rows.append(
+                    {
+                        "file": path,
+                        **{name: getattr(revision, name) for name in ("name", "author", "note", "saved")},
+                        **{name: getattr(revision, name) for name in ("content_hash", "verdict", "product")},
+                    }
+                )
+            listed.append({"id": design, "tags": list(tags[design]), "revisions": rows})
+        archive.writestr(_LIST, json.dumps({"format": _FORMAT, "designs": listed}, ensure_ascii=False, indent=1))
+    return data.getvalue()
+
+
+def import_archive(library: Library, data: bytes, author: str) -> Imported:
+    """Add what an archive of `export_archive` holds, or any zip of design files: all of it or nothing.
+
+    A design whose revisions are already here, text for text, is left alone. Every revision is judged anew; names
+    and dates of an archive are kept, marked as imported. A file outside the list becomes a design of its own,
+    saved by `author`.
+
+    Raises
+    ------
+    DesignError
+        Naming the file that is wrong, too many or too large.
+    """
+    files = _unpack(data)
+    listed = _listed(files)
+    histories = [(_history(rows, files), tags) for rows, tags in listed]
+    in_list = {row["file"] for rows, _ in listed for row in rows}
+    for path, content in files.items():
+        if path not in in_list:
+            stem = PurePosixPath(path).stem
+            histories.append(([revision_from_file(content, path, author, f"from {path}"[:4000], now(), stem)], ()))
+    if not histories:
+        raise DesignError("archive", "holds no design file (*.toml)")
+    added = revisions = 0
+    with library.write() as connection:
+        known = _fingerprints(connection.execute(text("SELECT design, text FROM revisions ORDER BY design, number")))
+        for history, tags in histories:
+            if tuple(revision.text for revision in history) in known:
+                continue
+            design = new_id()  # never the archive's own: a forged one could name somebody else's design
+            put_history(connection, design, history)
+            put_tags(connection, design, tags)
+            added, revisions = added + 1, revisions + len(history)
+    return Imported(added, revisions, len(histories) - added)
+
+
+def slug(name: str) -> str:
+    """A name as the stem of a file, in letters every file system takes."""
+    return re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()[:60] or "design"
+
+
+def _fingerprints(rows: Any) -> set[tuple[str, ...]]:
+    texts: dict[str, tuple[str, ...]] = {}
+    for design, content in rows:
+        texts[design] = (*texts.get(design, ()), content)
+    return set(texts.values())
+
+
+def _unpack(data: bytes) -> dict[str, bytes]:
+    """Path -> content of every file of interest, read up to bounds that are counted here."""
+    if len(data) > MAX_ARCHIVE:
+        raise DesignError("archive", f"larger than {MAX_ARCHIVE} bytes")
+    files: dict[str, bytes] = {}
+    left = _MAX_UNPACKED
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
+            if len(entries) > _MAX_FILES:
+                raise DesignError("archive", f"{len(entries)} files; at most {_MAX_FILES} are read")
+            for entry in entries:
+                path = _safe(entry.filename)
+                if path in files:
+                    raise DesignError(path, "stands twice in the archive")
+                if path != _LIST and not path.lower().endswith(".toml"):
+                    raise DesignError(path, f"is neither a design file (*.toml) nor {_LIST}")
+                with archive.open(entry) as file:
+                    files[path] = _read(file, path, left)
+                left -= len(files[path])
+    except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, RuntimeError, OSError) as error:
+        raise DesignError("archive", f"is not a zip this program reads: {error}") from error
+    return files
+
+
+def _safe(path: str) -> str:
+    parts = path.split("/")
+    if path.startswith("/") or "\\" in path or ":" in path or ".." in parts or not path.isprintable():
+        raise DesignError("archive", f"{path[:80]!r} is not a path inside the archive")
+    if len(path) > 500:
+        raise DesignError("archive", f"{path[:80]!r}... is longer than 500 characters")
+    return path
+
+
+def _read(file: IO[bytes], path: str, left: int) -> bytes:
+    bound = min(MAX_ARCHIVE if path == _LIST else MAX_BYTES, left)
+    content = file.read(bound + 1)
+    if len(content) > bound:
+        raise DesignError(path, f"unpacks to more than {bound} bytes")
+    return content
+
+
+def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[str, ...]]]:
+    """The list's rows and tags by design; the list itself leaves `files`."""
+    if _LIST not in files:
+        return []
+    try:
+        content = json.loads(files.pop(_LIST).decode("utf-8"))
+        if content["format"] != _FORMAT:
+            raise DesignError(_LIST, f"has format {content['format']!r}; this program reads {_FORMAT}")
+        designs = [
+            (
+                [
+                    {key: str(row[key]) for key in ("file", "name", "author", "note", "saved")}
+                    for row in d["revisions"]
+                ],
+                clean_tags(",".join(map(str, d["tags"]))),
+            )
+            for d in content["designs"]
+        ]
+    except DesignError:
+        raise
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise DesignError(_LIST, f"is not the list of an exported library: {error!r}"[:300]) from error
+    if any(not rows for rows, _ in designs):
+        raise DesignError(_LIST, "names a design without a revision")
+    return designs
+
+
+def _history(rows: Sequence[dict[str, str]], files: dict[str, bytes]) -> list[Revision]:
+    history = []
+    for row in rows:
+        path = row["file"]
+        if path not in files:
+            raise DesignError(_LIST, f"names {path[:80]!r}, which is not in the archive")
+        saved = row["saved"]
+        if not re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d{1,6})?\+00:00", saved):
+            raise DesignError(_LIST, f"{saved[:60]!r} is not a date such as 2026-11-21T09:30:00.000+00:00")
+        history.append(revision_from_file(files[path], path, row["author"], row["note"], saved, row["name"]))
+    return history

@@ -1,0 +1,44 @@
+"""Which library this process uses. It is opened when somebody first asks for it: a visitor who only looks at a
+budget needs none."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+from app.library.store import Library
+
+_lock = threading.Lock()
+_address = ""
+_library: Library | None = None
+
+
+def default_address() -> Path:
+    """The library of a person who named none: a file in the user's data folder."""
+    from platformdirs import user_data_path
+
+    return user_data_path("navbudget", appauthor=False) / "library.db"
+
+
+def use_library(address: str) -> None:
+    """Use the library at a path or database URL from now on; the empty address is the default."""
+    global _address, _library
+    with _lock:
+        if _library is not None:
+            _library.close()
+        _address, _library = address, None
+
+
+def library() -> Library:
+    """The library in use, opened at the first call.
+
+    Raises
+    ------
+    DesignError
+        If it cannot be opened; the next call tries again.
+    """
+    global _library
+    with _lock:
+        if _library is None:
+            _library = Library(_address or default_address())
+        return _library

@@ -1,0 +1,293 @@
+"""Reviews: a frozen set of revisions, what people say about it, what they decide, and the signature under it.
+
+A review holds revisions (which never change) by key, content hash and the hash of their text, with the version of
+the program it was opened with. Comments and decisions are only ever added; the latest decision on a requirement
+counts. Signing seals the whole content with a SHA-256; after that nothing is taken any more, and a change made
+behind the library's back is found when the review is read.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from typing import Any
+
+from sqlalchemy import Connection, text
+
+from app.library.store import Conflict, Library, Revision, find, new_id, now
+from app.library.texts import clean
+from nav_model.inputs import DesignError
+from nav_model.parts import all_keys
+from nav_model.verdict import Check
+
+MAX_ITEMS = 6
+"""The most revisions one review, or one comparison, takes: what fits side by side."""
+RESULTS = (
+    "quadratic_phase", "along_track_quadratic_phase", "detrended_phase", "horizontal_position", "vertical_position",
+    "horizontal_velocity", "vertical_velocity", "tilt", "coast_horizontal_position", "coast_vertical_position",
+)  # fmt: skip
+"""Names of the results that a comment or a decision can be about."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """One frozen revision; ``place`` counts from 1."""
+
+    place: int
+    key: str
+    content_hash: str
+    text_hash: str
+
+
+@dataclass(frozen=True)
+class Comment:
+    """What somebody said; ``subject`` is a dotted input, a result's name, or empty for the design as a whole."""
+
+    number: int
+    place: int
+    subject: str
+    author: str
+    written: str
+    comment: str
+
+
+@dataclass(frozen=True)
+class Decision:
+    """Accept or reject of one requirement; ``figure`` is value and limit as they stood."""
+
+    number: int
+    place: int
+    requirement: str
+    accepted: bool
+    figure: str
+    author: str
+    decided: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Review:
+    """A review. ``version`` counts what was added; ``intact`` is whether the seal, if any, and hashes hold."""
+
+    id: str
+    title: str
+    author: str
+    opened: str
+    product: str
+    version: int
+    items: tuple[Item, ...]
+    revisions: tuple[Revision, ...]
+    comments: tuple[Comment, ...]
+    decisions: tuple[Decision, ...]
+    signed_by: str | None
+    signed: str | None
+    seal: str | None
+    intact: bool
+
+    def standing(self, place: int, requirement: str) -> Decision | None:
+        """The decision in force on a requirement of an item."""
+        own = [d for d in self.decisions if (d.place, d.requirement) == (place, requirement)]
+        return own[-1] if own else None
+
+    def open_points(self) -> list[tuple[int, Check]]:
+        """Requirements nobody has decided on yet, with the item's place."""
+        return [
+            (item.place, check)
+            for item, revision in zip(self.items, self.revisions, strict=True)
+            for check in revision.budget().verdict.checks
+            if self.standing(item.place, check.name) is None
+        ]
+
+
+def open_review(library: Library, title: str, author: str, keys: Sequence[str]) -> Review:
+    """Freeze revisions, by key, into a new review.
+
+    Raises
+    ------
+    DesignError
+        For no revision or more than `MAX_ITEMS`, an unknown one, or a title or author missing.
+    """
+    keys = list(dict.fromkeys(keys))
+    if not 1 <= len(keys) <= MAX_ITEMS:
+        raise DesignError("review", f"{len(keys)} revisions; a review takes 1 to {MAX_ITEMS}")
+    review = new_id()
+    head = {
+        "id": review, "title": clean("title", title, required=True), "author": clean("author", author, required=True),
+        "opened": now(), "product": version("navbudget"),
+    }  # fmt: skip
+    with library.write() as connection:
+        _insert(connection, "reviews", head)
+        for place, key in enumerate(keys, start=1):
+            revision = find(connection, key)
+            _insert(
+                connection, "review_items",
+                {"review": review, "place": place, "design": revision.design, "number": revision.number,
+                 "content_hash": revision.content_hash, "text_hash": _sha256(revision.text)},
+            )  # fmt: skip
+        return _load(connection, review)
+
+
+def list_reviews(library: Library) -> tuple[Review, ...]:
+    """Every review, latest first."""
+    with library.read() as connection:
+        ids = connection.execute(text("SELECT id FROM reviews ORDER BY opened DESC, id")).scalars().all()
+        return tuple(_load(connection, review) for review in ids)
+
+
+def load_review(library: Library, review: str) -> Review:
+    """A review by its id.
+
+    Raises
+    ------
+    DesignError
+        If there is none.
+    """
+    with library.read() as connection:
+        return _load(connection, review)
+
+
+def add_comment(library: Library, review: str, place: int, subject: str, author: str, comment: str) -> Review:
+    """Say something about an input (dotted key), a result (its name) or, with an empty subject, the whole.
+
+    Raises
+    ------
+    DesignError
+        If the review is signed or unknown, or a text is missing or too long.
+    """
+    if subject not in ("", *RESULTS, *all_keys()):
+        raise DesignError("subject", f"{subject[:60]!r} is neither an input nor a result")
+    row = {
+        "place": place, "subject": subject, "author": clean("author", author, required=True), "written": now(),
+        "comment": clean("comment", comment, required=True),
+    }  # fmt: skip
+    return _add(library, review, "review_comments", row)
+
+
+def decide(
+    library: Library, review: str, place: int, requirement: str, accepted: bool, author: str, reason: str = "",
+    *, figure: str = "",
+) -> Review:  # fmt: skip
+    """Accept or reject a requirement of an item; a rejection says why. The latest decision counts.
+
+    Raises
+    ------
+    DesignError
+        If the review is signed or unknown, the design has no such requirement, or a text is missing or too long.
+    """
+    row = {
+        "place": place, "requirement": requirement, "accepted": int(accepted), "figure": figure,
+        "author": clean("author", author, required=True), "decided": now(),
+        "reason": clean("reason", reason, required=not accepted),
+    }  # fmt: skip
+    return _add(library, review, "review_decisions", row)
+
+
+def sign(library: Library, review: str, author: str, seen: int) -> Review:
+    """Close a review for good. `seen` is the version the signer has before them.
+
+    Raises
+    ------
+    Conflict
+        If something was added since; nothing is signed.
+    DesignError
+        If it is signed or unknown, damaged, or a requirement is not decided.
+    """
+    signer = clean("author", author, required=True)
+    with library.write() as connection:
+        _touch(connection, review)
+        now_there = _load(connection, review)
+        if now_there.version != seen + 1:
+            raise Conflict("review", "somebody added to it after you opened it; look again before you sign")
+        if not now_there.intact:
+            raise DesignError("review", "what it froze is not what the library holds; it cannot be signed")
+        left = now_there.open_points()
+        if left:
+            raise DesignError("review", f"{len(left)} requirements are not decided, the first: {left[0][1].label}")
+        moment = now()
+        connection.execute(
+            text("UPDATE reviews SET signed_by = :signer, signed = :moment WHERE id = :review"),
+            {"signer": signer, "moment": moment, "review": review},
+        )
+        connection.execute(
+            text("UPDATE reviews SET seal = :seal WHERE id = :review"),
+            {"seal": _seal(_load(connection, review)), "review": review},
+        )
+        return _load(connection, review)
+
+
+def _add(library: Library, review: str, table: str, row: dict[str, Any]) -> Review:
+    with library.write() as connection:
+        _touch(connection, review)
+        before = _load(connection, review)
+        if row["place"] not in {item.place for item in before.items}:
+            raise DesignError("review", f"has no design number {row['place']!r}")
+        if table == "review_decisions":
+            revision = before.revisions[row["place"] - 1]
+            if row["requirement"] not in {check.name for check in revision.budget().verdict.checks}:
+                raise DesignError("requirement", f"{row['requirement'][:60]!r} is none that {revision.name!r} states")
+        entries = before.comments if table == "review_comments" else before.decisions
+        _insert(connection, table, {**row, "review": review, "number": len(entries) + 1})
+        return _load(connection, review)
+
+
+def _touch(connection: Connection, review: str) -> None:
+    """Take the review for this transaction; a signed one is not given."""
+    taken = None
+    if "\0" not in review:
+        taken = connection.execute(
+            text("UPDATE reviews SET version = version + 1 WHERE id = :review AND signed IS NULL"), {"review": review}
+        )
+    if taken is None or taken.rowcount != 1:
+        standing = _load(connection, review)
+        raise DesignError(
+            "review", f"{standing.title!r} was signed by {standing.signed_by} at {standing.signed}; it never changes"
+        )
+
+
+def _insert(connection: Connection, table: str, row: dict[str, Any]) -> None:
+    values = ", ".join(f":{column}" for column in row)
+    connection.execute(text(f"INSERT INTO {table} ({', '.join(row)}) VALUES ({values})"), row)
+
+
+def _load(connection: Connection, review: str) -> Review:
+    def rows(query: str) -> list[dict[str, Any]]:
+        return [dict(row) for row in connection.execute(text(query), {"review": review}).mappings()]
+
+    heads = [] if "\0" in review else rows("SELECT * FROM reviews WHERE id = :review")
+    if not heads:
+        raise DesignError("review", f"{review[:60]!r} is not in the library")
+    items = tuple(
+        Item(row["place"], f"{row['design']}.{row['number']}", row["content_hash"], row["text_hash"])
+        for row in rows("SELECT * FROM review_items WHERE review = :review ORDER BY place")
+    )
+    comments = rows("SELECT * FROM review_comments WHERE review = :review ORDER BY number")
+    decisions = rows("SELECT * FROM review_decisions WHERE review = :review ORDER BY number")
+    for row in (*comments, *decisions):
+        del row["review"]
+    revisions = tuple(find(connection, item.key) for item in items)
+    loaded = Review(
+        **heads[0],
+        items=items,
+        revisions=revisions,
+        comments=tuple(Comment(**row) for row in comments),
+        decisions=tuple(Decision(**{**row, "accepted": bool(row["accepted"])}) for row in decisions),
+        intact=all(
+            item.text_hash == _sha256(revision.text) and item.content_hash == revision.content_hash
+            for item, revision in zip(items, revisions, strict=True)
+        ),
+    )
+    broken = loaded.signed is not None and loaded.seal != _seal(loaded)
+    return Review(**{**vars(loaded), "intact": False}) if broken else loaded
+
+
+def _seal(review: Review) -> str:
+    """SHA-256 over everything a signature stands under, except the seal itself."""
+    content = {name: value for name, value in asdict(review).items() if name not in ("seal", "intact", "revisions")}
+    return _sha256(json.dumps(content, sort_keys=True, ensure_ascii=False))
+
+
+def _sha256(content: str) -> str:
+    return hashlib.sha256(content.encode()).hexdigest()

@@ -1,0 +1,112 @@
+"""The tables, as numbered steps from nothing to now.
+
+The steps are a list in one file and not Alembic's folder of scripts: there are a handful of tables, every step
+is plain SQL that SQLite and PostgreSQL both take, libraries migrate by themselves when opened (nobody runs a
+command), and a step once released is never edited. A dependency with its own configuration, templates and
+environment script would be larger than what it manages.
+"""
+
+from __future__ import annotations
+
+from sqlalchemy import Connection, inspect, text
+
+from nav_model.inputs import DesignError
+
+STEPS: tuple[tuple[str, ...], ...] = (
+    (
+        """CREATE TABLE designs (
+            id TEXT PRIMARY KEY,
+            name TEXT NOT NULL,
+            head INTEGER NOT NULL,
+            archived INTEGER NOT NULL DEFAULT 0)""",
+        """CREATE TABLE revisions (
+            design TEXT NOT NULL REFERENCES designs(id),
+            number INTEGER NOT NULL,
+            name TEXT NOT NULL,
+            author TEXT NOT NULL,
+            note TEXT NOT NULL,
+            saved TEXT NOT NULL,
+            text TEXT NOT NULL,
+            content_hash TEXT NOT NULL,
+            closes INTEGER,
+            verdict TEXT NOT NULL,
+            product TEXT NOT NULL,
+            PRIMARY KEY (design, number))""",
+        """CREATE TABLE tags (
+            design TEXT NOT NULL REFERENCES designs(id),
+            tag TEXT NOT NULL,
+            PRIMARY KEY (design, tag))""",
+    ),
+    ("ALTER TABLE revisions ADD COLUMN origin TEXT NOT NULL DEFAULT ''",),
+    (
+        """CREATE TABLE reviews (
+            id TEXT PRIMARY KEY,
+            title TEXT NOT NULL,
+            author TEXT NOT NULL,
+            opened TEXT NOT NULL,
+            product TEXT NOT NULL,
+            version INTEGER NOT NULL DEFAULT 1,
+            signed_by TEXT,
+            signed TEXT,
+            seal TEXT)""",
+        """CREATE TABLE review_items (
+            review TEXT NOT NULL REFERENCES reviews(id),
+            place INTEGER NOT NULL,
+            design TEXT NOT NULL,
+            number INTEGER NOT NULL,
+            content_hash TEXT NOT NULL,
+            text_hash TEXT NOT NULL,
+            PRIMARY KEY (review, place),
+            FOREIGN KEY (design, number) REFERENCES revisions(design, number))""",
+        """CREATE TABLE review_comments (
+            review TEXT NOT NULL,
+            number INTEGER NOT NULL,
+            place INTEGER NOT NULL,
+            subject TEXT NOT NULL,
+            author TEXT NOT NULL,
+            written TEXT NOT NULL,
+            comment TEXT NOT NULL,
+            PRIMARY KEY (review, number),
+            FOREIGN KEY (review, place) REFERENCES review_items(review, place))""",
+        """CREATE TABLE review_decisions (
+            review TEXT NOT NULL,
+            number INTEGER NOT NULL,
+            place INTEGER NOT NULL,
+            requirement TEXT NOT NULL,
+            accepted INTEGER NOT NULL,
+            figure TEXT NOT NULL,
+            author TEXT NOT NULL,
+            decided TEXT NOT NULL,
+            reason TEXT NOT NULL,
+            PRIMARY KEY (review, number),
+            FOREIGN KEY (review, place) REFERENCES review_items(review, place))""",
+    ),
+)
+"""What each version adds to the one before; version n is the first n steps. Released steps never change."""
+
+_LOCK = 0x6E6176  # of PostgreSQL: one process migrates, the others wait
+
+
+def migrate(connection: Connection) -> None:
+    """Bring the tables to this version, inside the caller's transaction: all steps or none.
+
+    Raises
+    ------
+    DesignError
+        If the library was written by a newer version of the product.
+    """
+    if connection.dialect.name == "postgresql":
+        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _LOCK})
+    if not inspect(connection).has_table("schema_version"):
+        connection.execute(text("CREATE TABLE schema_version (version INTEGER NOT NULL)"))
+        connection.execute(text("INSERT INTO schema_version (version) VALUES (0)"))
+    version = connection.execute(text("SELECT version FROM schema_version")).scalar_one()
+    if version > len(STEPS):
+        raise DesignError(
+            "library", f"has schema version {version}; this program knows up to {len(STEPS)}: use a newer one"
+        )
+    for step in STEPS[version:]:
+        for statement in step:
+            connection.execute(text(statement))
+    if version < len(STEPS):
+        connection.execute(text("UPDATE schema_version SET version = :version"), {"version": len(STEPS)})

@@ -1,0 +1,380 @@
+"""Designs and their revisions. A revision is never changed or removed; saving adds one.
+
+Every write is one transaction that is on the disk before the call returns (SQLite: write-ahead log, synchronous
+FULL). Two people who save the same design are told apart by the revision each started from: the second gets
+`Conflict` and loses nothing.
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, Engine, create_engine, event, text
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
+
+from app.library.schema import migrate
+from app.library.texts import clean, clean_tags
+from app.report.wording import verdict_of
+from nav_model.budget import Budget, analyse
+from nav_model.design_file import format_design, parse_design
+from nav_model.inputs import DesignError
+
+_WAIT = 15.0  # seconds a writer waits for another before it is told
+
+
+class Conflict(DesignError):
+    """Somebody saved in between; nothing was written."""
+
+
+@dataclass(frozen=True)
+class Saved:
+    """A design of the library at its latest revision. ``closes`` is None without a requirement."""
+
+    id: str
+    name: str
+    number: int
+    archived: bool
+    tags: tuple[str, ...]
+    author: str
+    saved: str
+    closes: bool | None
+    verdict: str
+    content_hash: str
+
+
+@dataclass(frozen=True)
+class Revision:
+    """One revision: the design file's text, who saved it when and why, its hash, and its verdict as of then.
+
+    ``saved`` is ISO 8601 in UTC, ``product`` the version of the program that judged it, ``origin`` is "import"
+    when author and date are what a file said and not what this library saw.
+    """
+
+    design: str
+    number: int
+    name: str
+    author: str
+    note: str
+    saved: str
+    text: str
+    content_hash: str
+    closes: bool | None
+    verdict: str
+    product: str
+    origin: str
+
+    @property
+    def key(self) -> str:
+        """Its address in the library, such as ``0123456789abcdef.3``."""
+        return f"{self.design}.{self.number}"
+
+    def budget(self) -> Budget:
+        """The revision worked out by this version of the program."""
+        return analyse(parse_design(self.text, f"revision {self.number} of {self.name!r}"))
+
+
+class Library:
+    """A library at an address: a file's path, or a database URL that SQLAlchemy takes.
+
+    Raises
+    ------
+    DesignError
+        If it cannot be opened, or was written by a newer program.
+    """
+
+    def __init__(self, address: str | Path) -> None:
+        self.engine = _engine(address)
+        try:
+            with self.write() as connection:
+                migrate(connection)
+        except DBAPIError as error:
+            raise DesignError("library", f"cannot be opened: {_reason(error)}") from error
+
+    def close(self) -> None:
+        """Let go of the file or the connections."""
+        self.engine.dispose()
+
+    @contextmanager
+    def write(self) -> Iterator[Connection]:
+        """A transaction that writes: whole or not at all."""
+        with self.engine.connect().execution_options(writes=True) as connection, connection.begin():
+            yield connection
+
+    @contextmanager
+    def read(self) -> Iterator[Connection]:
+        """A transaction that reads one state of the library."""
+        with self.engine.connect() as connection, connection.begin():
+            yield connection
+
+    # --- saving ----------------------------------------------------------------------------------------
+
+    def save(
+        self, budget: Budget, author: str, note: str = "", *, design: str = "", base: int = 0, name: str = ""
+    ) -> Revision:
+        """Save a design: a new one, or the revision after `base` of the one with the id `design`.
+
+        Returns when the revision is on the disk.
+
+        Raises
+        ------
+        Conflict
+            If `base` is not the latest revision any more; the message says who saved what.
+        DesignError
+            For a text too long or an author missing, or an unknown design.
+        """
+        revision = _revision(budget, author, note, name=name, product=version("navbudget"), saved=now())
+        with self.write() as connection:
+            return _append(connection, revision, design, base)
+
+    def retag(self, design: str, tags: str) -> tuple[str, ...]:
+        """Give a design these tags, separated by commas, instead of the ones it has."""
+        wanted = clean_tags(tags)
+        with self.write() as connection:
+            _existing(connection, design)
+            connection.execute(text("DELETE FROM tags WHERE design = :design"), {"design": design})
+            put_tags(connection, design, wanted)
+        return wanted
+
+    def archive(self, design: str, archived: bool = True) -> None:
+        """Put a design out of sight, or back."""
+        with self.write() as connection:
+            _existing(connection, design)
+            connection.execute(
+                text("UPDATE designs SET archived = :archived WHERE id = :design"),
+                {"archived": int(archived), "design": design},
+            )
+
+    # --- looking ---------------------------------------------------------------------------------------
+
+    def designs(self, search: str = "", tag: str = "", *, archived: bool = False) -> tuple[Saved, ...]:
+        """The designs, latest first, whose name, note, author or tag holds every word of `search`."""
+        with self.read() as connection:
+            tags: dict[str, list[str]] = {}
+            for design, own in connection.execute(text("SELECT design, tag FROM tags ORDER BY tag")):
+                tags.setdefault(design, []).append(own)
+            rows = connection.execute(
+                text(
+                    "SELECT d.id, d.archived, r.* FROM designs d JOIN revisions r ON r.design = d.id "
+                    "AND r.number = d.head WHERE d.archived = :archived ORDER BY r.saved DESC, d.id"
+                ),
+                {"archived": int(archived)},
+            ).mappings()
+            words = search.lower().split()
+            return tuple(
+                _saved(row, own)
+                for row in rows
+                if (not tag or tag in tags.get(row["id"], ()))
+                and _holds(words, (row["name"], row["note"], row["author"], *(own := tags.get(row["id"], []))))
+            )
+
+    def tags(self) -> tuple[str, ...]:
+        """Every tag in use."""
+        with self.read() as connection:
+            return tuple(connection.execute(text("SELECT DISTINCT tag FROM tags ORDER BY tag")).scalars())
+
+    def revisions(self, design: str) -> tuple[Revision, ...]:
+        """Every revision of a design, latest first.
+
+        Raises
+        ------
+        DesignError
+            If there is no such design.
+        """
+        with self.read() as connection:
+            _existing(connection, design)
+            query = text("SELECT * FROM revisions WHERE design = :design ORDER BY number DESC")
+            return tuple(_as_revision(row) for row in connection.execute(query, {"design": design}).mappings())
+
+    def revision(self, key: str) -> Revision:
+        """One revision by its key, such as ``0123456789abcdef.3``.
+
+        Raises
+        ------
+        DesignError
+            If there is no such revision.
+        """
+        with self.read() as connection:
+            return find(connection, key)
+
+
+def now() -> str:
+    """This moment, as the library writes it."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def new_id() -> str:
+    """An id nobody can guess or has used."""
+    return secrets.token_hex(8)
+
+
+def find(connection: Connection, key: str) -> Revision:
+    """One revision by its key, inside a transaction.
+
+    Raises
+    ------
+    DesignError
+        If there is no such revision.
+    """
+    design, _, number = key.partition(".")
+    row = None
+    if number.isascii() and number.isdigit() and len(number) < 10 and "\0" not in design:
+        query = text("SELECT * FROM revisions WHERE design = :design AND number = :number")
+        row = connection.execute(query, {"design": design, "number": int(number)}).mappings().first()
+    if row is None:
+        raise DesignError("library", f"has no revision {key[:60]!r}")
+    return _as_revision(row)
+
+
+def put_tags(connection: Connection, design: str, tags: Iterable[str]) -> None:
+    """Add tags to a design that has none of them."""
+    for tag in tags:
+        connection.execute(text("INSERT INTO tags VALUES (:design, :tag)"), {"design": design, "tag": tag})
+
+
+def put_history(connection: Connection, design: str, history: Sequence[Revision]) -> None:
+    """Add a design with its revisions, numbered from 1 on."""
+    last = history[-1]
+    connection.execute(
+        text("INSERT INTO designs (id, name, head) VALUES (:id, :name, :head)"),
+        {"id": design, "name": last.name, "head": len(history)},
+    )
+    for number, revision in enumerate(history, start=1):
+        _insert(connection, revision, design, number)
+
+
+def revision_from_file(data: bytes | str, where: str, author: str, note: str, saved: str, name: str = "") -> Revision:
+    """A revision as a file brings it, judged by this program; it has no place in a library yet.
+
+    Raises
+    ------
+    DesignError
+        If the text is not a design, or a text is too long.
+    """
+    budget = analyse(parse_design(data, where))
+    return _revision(
+        budget, author or "not stated", note, name=name, product=version("navbudget"), saved=saved, origin="import"
+    )
+
+
+def _revision(
+    budget: Budget, author: str, note: str, *, name: str, product: str, saved: str, origin: str = ""
+) -> Revision:
+    word, _, sentence = verdict_of(budget)
+    return Revision(
+        design="",
+        number=0,
+        name=clean("name", name or budget.design.name) or "Untitled design",
+        author=clean("author", author, required=True),
+        note=clean("note", note),
+        saved=saved,
+        text=format_design(budget.design),
+        content_hash=budget.design.content_hash,
+        closes=budget.verdict.closes if budget.verdict.checks else None,
+        verdict=f"{word}. {sentence}",
+        product=product,
+        origin=origin,
+    )
+
+
+def _append(connection: Connection, revision: Revision, design: str, base: int) -> Revision:
+    if not design:
+        design = new_id()
+        put_history(connection, design, [revision])
+        return find(connection, f"{design}.1")
+    moved = connection.execute(
+        text("UPDATE designs SET head = head + 1, name = :name WHERE id = :design AND head = :base"),
+        {"name": revision.name, "design": design, "base": base},
+    )
+    if moved.rowcount != 1:
+        last = find(connection, f"{design}.{_existing(connection, design)}")
+        raise Conflict(
+            "library",
+            f"{last.author} saved revision {last.number} of {last.name!r} at {last.saved}, after revision {base} "
+            "that this change started from; nothing was overwritten. Save on top of it, or as a new design",
+        )
+    _insert(connection, revision, design, base + 1)
+    return find(connection, f"{design}.{base + 1}")
+
+
+def _insert(connection: Connection, revision: Revision, design: str, number: int) -> None:
+    row = {**vars(revision), "design": design, "number": number}
+    row["closes"] = None if revision.closes is None else int(revision.closes)
+    columns = ", ".join(row)
+    values = ", ".join(f":{column}" for column in row)
+    connection.execute(text(f"INSERT INTO revisions ({columns}) VALUES ({values})"), row)
+
+
+def _existing(connection: Connection, design: str) -> int:
+    """The latest revision's number of a design that must be there."""
+    head = None
+    if "\0" not in design:
+        head = connection.execute(text("SELECT head FROM designs WHERE id = :id"), {"id": design}).scalar()
+    if head is None:
+        raise DesignError("library", f"has no design {design[:60]!r}")
+    return int(head)
+
+
+def _holds(words: Sequence[str], texts: Sequence[str]) -> bool:
+    all_text = "\n".join(texts).lower()
+    return all(word in all_text for word in words)
+
+
+def _as_revision(row: Mapping[str, Any]) -> Revision:
+    closes = None if row["closes"] is None else bool(row["closes"])
+    return Revision(**{**{name: row[name] for name in Revision.__dataclass_fields__}, "closes": closes})
+
+
+def _saved(row: Mapping[str, Any], tags: Sequence[str]) -> Saved:
+    latest = _as_revision(row)
+    return Saved(
+        latest.design, latest.name, latest.number, bool(row["archived"]), tuple(tags), latest.author, latest.saved,
+        latest.closes, latest.verdict, latest.content_hash,
+    )  # fmt: skip
+
+
+def _engine(address: str | Path) -> Engine:
+    try:
+        url = make_url(address) if isinstance(address, str) and "://" in address else None
+        if url is None:
+            path = Path(address).expanduser()
+            path.parent.mkdir(parents=True, exist_ok=True)
+            url = make_url("sqlite://").set(database=str(path))
+        elif url.drivername in ("postgres", "postgresql"):
+            url = url.set(drivername="postgresql+psycopg")
+        if url.get_backend_name() == "postgresql":
+            return create_engine(url, pool_pre_ping=True)
+        if url.get_backend_name() != "sqlite" or not url.database or url.database == ":memory:":
+            raise DesignError("library", "is neither the path of a file nor a sqlite or postgresql address")
+        engine = create_engine(url, connect_args={"timeout": _WAIT})
+    except (ArgumentError, NoSuchModuleError, ImportError) as error:
+        raise DesignError("library", f"cannot be used: {error}") from error
+    except OSError as error:
+        raise DesignError("library", f"{str(address)!r} cannot be used: {error.strerror or error}") from error
+    event.listen(engine, "connect", _set_up)
+    event.listen(engine, "begin", _begin)
+    return engine
+
+
+def _set_up(connection: Any, _: Any) -> None:
+    """SQLite: durable when a save returns; transactions begin where we say and not where the driver guesses."""
+    connection.isolation_level = None
+    for setting in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON"):
+        connection.execute(f"PRAGMA {setting}")
+
+
+def _begin(connection: Connection) -> None:
+    # A writer takes its lock at once: one that read first could not upgrade when another wrote in between.
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if connection.get_execution_options().get("writes") else "BEGIN")
+
+
+def _reason(error: DBAPIError) -> str:
+    lines = str(error.orig).strip().splitlines()  # never the statement or the address, which may hold a password
+    return lines[0] if lines else type(error.orig).__name__

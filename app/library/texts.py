@@ -1,0 +1,66 @@
+"""What people type, made safe to keep: bounded, one meaning on every database, nothing invisible.
+
+Markup is kept as it is; whoever shows a text escapes it.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+
+from nav_model.inputs import DesignError
+
+LIMITS = {"name": 200, "author": 100, "note": 4000, "tag": 40, "title": 200, "comment": 4000, "reason": 1000}
+"""The longest text of each kind, in characters."""
+
+_LINES = {"note", "comment", "reason"}  # kinds that may have several lines
+_BIDI = {*range(0x202A, 0x202F), *range(0x2066, 0x206A)}
+TAGS = 20
+"""The most tags one design may carry."""
+
+
+def clean(kind: str, text: str, *, required: bool = False) -> str:
+    """A text of one of the kinds of `LIMITS`, trimmed.
+
+    Control characters, which PostgreSQL or a terminal would not take, become their visible pictures (NUL is ␀);
+    marks that turn the direction of writing, which make one text look like another, become U+FFFD.
+
+    Raises
+    ------
+    DesignError
+        Naming the kind: too long, missing though required, or not Unicode text.
+    """
+    text = text.replace("\r\n", "\n").strip()
+    if len(text) > LIMITS[kind]:
+        raise DesignError(kind, f"{len(text)} characters; at most {LIMITS[kind]} are kept")
+    if required and not text:
+        raise DesignError(kind, "is empty; give one")
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        raise DesignError(kind, f"{text[:60]!r} is not Unicode text") from error
+    return "".join(_sign(sign, kind) for sign in text)
+
+
+def _sign(sign: str, kind: str) -> str:
+    code = ord(sign)
+    if sign == "\n" and kind in _LINES:
+        return sign
+    if code in _BIDI:
+        return "\ufffd"
+    if unicodedata.category(sign) != "Cc":
+        return sign
+    return chr(0x2400 + code) if code < 0x20 else "\u2421" if code == 0x7F else "\ufffd"
+
+
+def clean_tags(text: str) -> tuple[str, ...]:
+    """Tags from a line of them, separated by commas: lower case, each once, in order.
+
+    Raises
+    ------
+    DesignError
+        For a tag too long or too many tags.
+    """
+    tags = tuple(sorted({tag for part in text.split(",") if (tag := clean("tag", part).lower())}))
+    if len(tags) > TAGS:
+        raise DesignError("tag", f"{len(tags)} tags; at most {TAGS} are kept")
+    return tags

@@ -1,0 +1,79 @@
+"""The Review page: the library, comparisons, and reviews, which share what was picked."""
+
+from __future__ import annotations
+
+import re
+from urllib.parse import parse_qs
+
+import panel as pn
+
+from app.library.place import library
+from app.library.reviews import MAX_ITEMS
+from app.library.store import Library, Revision
+from app.pages.review_compare import CompareView
+from app.pages.review_desk import Desk
+from app.pages.review_library import LibraryView
+from app.pages.review_room import ReviewRoom
+from app.state import Session
+from nav_model.budget import Budget
+from nav_model.inputs import DesignError
+
+_LIBRARY, _COMPARE, _REVIEWS = range(3)
+
+
+class ReviewPage:
+    """Everything below the tab."""
+
+    def __init__(self, session: Session) -> None:
+        self._desk = Desk(session)
+        self._compared = CompareView(self._desk)
+        self._room = ReviewRoom(self._desk)
+        self._library = LibraryView(self._desk, self._compare)
+        self._tabs = pn.Tabs(
+            ("Library", self._library.view),
+            ("Compare", self._compared.view),
+            ("Reviews", self._room.view),
+            dynamic=True,
+            sizing_mode="stretch_width",
+        )
+        self._tabs.param.watch(self._turned, "active")
+        self.view = pn.Column(self._desk.author, self._desk.notice, self._tabs, sizing_mode="stretch_width")
+        self._follow_link()
+
+    def show(self, budget: Budget) -> None:
+        """The page shows saved designs; the one in force is saved as it stands when asked."""
+
+    def _turned(self, event: object) -> None:
+        """A turn brings what others have written meanwhile; what was said about another part goes."""
+        if self._tabs.active != _COMPARE:
+            self._desk.say("")
+        if self._tabs.active == _LIBRARY:
+            self._library.refresh()
+        elif self._tabs.active == _REVIEWS:
+            self._room.refresh()
+
+    async def _compare(self) -> None:
+        if await self._compared.show(self._desk.picked):
+            self._tabs.active = _COMPARE
+
+    def _follow_link(self) -> None:
+        """Open the comparison or review that the address names."""
+        asked = parse_qs((pn.state.location.search if pn.state.location else "").lstrip("?"))
+        if "compare" in asked:
+            keys = [key for key in asked["compare"][0].split(",") if re.fullmatch(r"[0-9a-f]{16}\.\d{1,9}", key)]
+            try:
+                found = _revisions(library(), keys)
+            except DesignError as error:
+                self._desk.say(f"The link was not used. {error}", wrong=True)
+                return
+            self._desk.picked = found
+            pn.state.execute(self._compare)
+        elif "review" in asked:
+            self._tabs.active = _REVIEWS
+            self._room.open(asked["review"][0])
+
+
+def _revisions(place: Library, keys: list[str]) -> tuple[Revision, ...]:
+    if not 2 <= len(set(keys)) <= MAX_ITEMS:
+        raise DesignError("link", f"names {len(set(keys))} revisions; a comparison takes 2 to {MAX_ITEMS}")
+    return tuple(place.revision(key) for key in dict.fromkeys(keys))

@@ -1,0 +1,296 @@
+"""The reviews' part of the Review page: open one, comment, decide, sign, present, take away."""
+
+from __future__ import annotations
+
+import functools
+import io
+from collections.abc import Callable
+from html import escape
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.chart_view import html_pane
+from app.library.place import library
+from app.library.reviews import (
+    RESULTS,
+    Review,
+    add_comment,
+    decide,
+    list_reviews,
+    load_review,
+    open_review,
+    sign,
+)
+from app.library.store import Library
+from app.pages.review_desk import BUTTON, LOOK, Desk, button
+from app.report import report_of_texts
+from app.report.audit import (
+    audit_sections,
+    audit_table,
+    comment_table,
+    decision_table,
+    status_table,
+    subject_label,
+)
+from app.report.wording import requirement_quantity, shortened, signed_percent
+from app.tables import table_html
+from app.workers import elsewhere
+from nav_model.inputs import DesignError
+from nav_model.parts import INPUTS
+from nav_model.verdict import Check
+
+_NONE = "choose a review"
+_EMPTY = (
+    "<p>A review freezes the picked revisions with the program's version and their hashes. Tick designs in the "
+    "library, give the review a title, and open it; then everybody comments and decides here, requirement by "
+    "requirement, until somebody signs it off.</p>"
+)
+_SUBJECTS = {
+    subject_label(subject): subject
+    for subject in ("", *RESULTS, *(f"{section}.{name}" for section, names in INPUTS.items() for name in names))
+}
+
+
+class ReviewRoom:
+    """One review at a time."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._review: Review | None = None
+        self._title = pmui.TextInput(label="Title of a new review", max_length=200, width=240, **LOOK)
+        self._choice = pmui.Select(label="Review", options={_NONE: ""}, value="", width=340, **LOOK)
+        self._present = pmui.Switch(label="Presenter view", description="", margin=(12, 8))
+        self._about = pmui.Select(label="Requirement", options={}, width=330, **LOOK)
+        self._reason = pmui.TextInput(label="Reason (needed to reject)", max_length=1000, width=300, **LOOK)
+        self._design = pmui.Select(label="Design", options={}, width=200, **LOOK)
+        self._subject = pmui.Select(label="Comment on", options=_SUBJECTS, value="", width=240, **LOOK)
+        self._comment = pmui.TextAreaInput(label="Comment", max_length=4000, rows=2, width=330, **LOOK)
+        self._slide = html_pane("")
+        self._status = html_pane(_EMPTY)
+        self._reports = [
+            pmui.FileDownload(
+                callback=functools.partial(self._report, kind), filename=f"review.{kind}",
+                label=f"Review report ({kind.upper()})", visible=False, **BUTTON,
+            )
+            for kind in ("html", "pdf")
+        ]  # fmt: skip
+        self._decide = pn.FlexBox(
+            button("Previous", functools.partial(self._turn, -1)),
+            button("Next", functools.partial(self._turn, 1)),
+            self._about,
+            self._reason,
+            button("Accept", functools.partial(self._judge, True), variant="contained"),
+            button("Reject", functools.partial(self._judge, False)),
+            align_items="center",
+            visible=False,
+            margin=(2, 4),
+        )
+        self._talk = pn.FlexBox(
+            self._design, self._subject, self._comment, button("Add comment", self._say),
+            button("Sign off", self._sign), align_items="center", visible=False, margin=(2, 4),
+        )  # fmt: skip
+        self.view = pn.Column(
+            pn.FlexBox(
+                self._choice, self._title, button("Open a review of the picked", self._begin), self._present,
+                *self._reports, align_items="center", margin=(6, 4),
+            ),
+            self._slide,
+            self._decide,
+            self._talk,
+            self._status,
+            sizing_mode="stretch_width",
+        )  # fmt: skip
+        self._list()
+        self._choice.param.watch(self._chosen, "value")
+        self._about.param.watch(lambda _: self._draw_slide(), "value")
+        self._present.param.watch(lambda _: self._show(self._review), "value")
+
+    # --- which review ----------------------------------------------------------------------------------
+
+    def refresh(self) -> None:
+        """Show what others have added meanwhile."""
+        self._list()
+        if self._review is not None:
+            self.open(self._review.id)
+
+    def open(self, review: str) -> None:
+        """Show a review by its id; an unknown one is said so."""
+        try:
+            self._show(load_review(library(), review))
+        except DesignError as error:
+            self._desk.say(str(error), wrong=True)
+
+    def _list(self) -> None:
+        try:
+            reviews = list_reviews(library())
+        except DesignError as error:
+            self._desk.say(str(error), wrong=True)
+            return
+        options = {_NONE: ""}
+        for review in reviews:
+            state = "signed off" if review.signed else "open"
+            options[f"{shortened(review.title, 60)} ({state}, {review.opened[:10]}, {review.id[:4]})"] = review.id
+        if self._choice.options != options:
+            self._choice.options = options
+
+    def _chosen(self, event: object) -> None:
+        if self._choice.value and (self._review is None or self._choice.value != self._review.id):
+            self.open(self._choice.value)
+
+    async def _begin(self) -> None:
+        keys = [revision.key for revision in self._desk.picked]
+        if not keys:
+            self._desk.say("Tick the revisions to review in the library first.", wrong=True)
+            return
+        title, author = self._title.value or "", self._desk.author.value or ""
+        review = await self._desk.ask(lambda place: open_review(place, title, author, keys))
+        if review is not None:
+            self._title.value = ""
+            self._desk.say(f"Review {review.title} is open; {len(keys)} revisions are frozen.")
+            self._show(review)
+
+    def _show(self, review: Review | None) -> None:
+        self._review = review
+        if review is None:
+            return
+        self._list()
+        points = {
+            f"D{item.place}: {check.label}{_mark(review, item.place, check)}": (item.place, check.name)
+            for item, revision in zip(review.items, review.revisions, strict=True)
+            for check in revision.budget().verdict.checks
+        }
+        at = self._about.value
+        with pn.io.hold():
+            self._choice.value = review.id
+            self._about.options = points
+            self._about.value = at if at in points.values() else next(iter(points.values()), None)
+            self._design.options = {
+                f"D{item.place}: {shortened(r.name, 30)}": item.place
+                for item, r in zip(review.items, review.revisions, strict=True)
+            }
+            self._design.value = self._design.value or 1
+            open_ = review.signed is None
+            self._decide.visible = open_ or self._present.value
+            self._talk.visible = open_
+            for part in self._decide[3:]:
+                part.visible = open_
+            for report in self._reports:
+                report.visible = True
+            tables = (status_table(review), comment_table(review), decision_table(review), audit_table(review))
+            self._status.visible = not self._present.value
+            self._status.object = _headline(review) + "".join(map(table_html, tables))
+            self._draw_slide()
+
+    # --- what people do --------------------------------------------------------------------------------
+
+    async def _change(self, work: Callable[[Library, str, str], Review]) -> bool:
+        review, author = self._review, self._desk.author.value or ""
+        if review is None:
+            return False
+        changed = await self._desk.ask(lambda place: work(place, review.id, author))
+        if changed is not None:
+            self._desk.say("")
+            self._show(changed)
+        return changed is not None
+
+    async def _judge(self, accepted: bool) -> None:
+        point, reason = self._point(), self._reason.value or ""
+        if point is None or self._review is None:
+            self._desk.say("The designs under review state no requirement to decide on.", wrong=True)
+            return
+        place, check, figure = point
+        done = await self._change(
+            lambda library, review, author: decide(
+                library, review, place, check.name, accepted, author, reason, figure=figure
+            )
+        )
+        if done:
+            self._reason.value = ""
+            await self._turn(1)
+
+    async def _say(self) -> None:
+        design, subject, said = self._design.value, self._subject.value or "", self._comment.value or ""
+        if await self._change(
+            lambda library, review, author: add_comment(library, review, design, subject, author, said)
+        ):
+            self._comment.value = ""
+
+    async def _sign(self) -> None:
+        seen = self._review.version if self._review else 0
+        if await self._change(lambda library, review, author: sign(library, review, author, seen)):
+            self._desk.say("Signed off and sealed; this review never changes again.")
+
+    async def _turn(self, step: int) -> None:
+        points = list(self._about.options.values())
+        if points:
+            self._about.value = points[(points.index(self._about.value) + step) % len(points)]
+
+    # --- presenter view and report ---------------------------------------------------------------------
+
+    def _point(self) -> tuple[int, Check, str] | None:
+        """The requirement at hand: its place, its check, and value against limit in words."""
+        if self._review is None or self._about.value is None:
+            return None
+        place, name = self._about.value
+        budget = self._review.revisions[place - 1].budget()
+        check = next(check for check in budget.verdict.checks if check.name == name)
+        value, limit = (requirement_quantity(budget.design, name, x) for x in (check.value, check.limit))
+        return place, check, f"{value} against {limit} at {budget.verdict.confidence:g}σ"
+
+    def _draw_slide(self) -> None:
+        point = self._point() if self._present.value else None
+        if point is None or self._review is None:
+            self._slide.object = ""
+            return
+        place, check, figure = point
+        standing = self._review.standing(place, check.name)
+        decided = (
+            "Open"
+            if standing is None
+            else f"{'✓ Accepted' if standing.accepted else '✗ Rejected'} by {standing.author}"
+        )
+        names = list(self._about.options.values())
+        self._slide.object = (
+            f'<section class="slide" aria-live="polite"><p class="quiet">{escape(self._review.title)} · decision '
+            f"{names.index(self._about.value) + 1} of {len(names)}</p>"
+            f"<p>D{place}: {escape(self._review.revisions[place - 1].name)}</p><h2>{escape(check.label)}</h2>"
+            f'<p class="figure num">{escape(figure)}</p>'
+            f"<p>{'✓ met' if check.met else '✗ not met'}, margin {signed_percent(check.margin)}; dominated by "
+            f"{escape(check.sensor)}</p><p><b>{escape(decided)}</b></p></section>"
+        )
+
+    async def _report(self, kind: str) -> io.BytesIO:
+        assert self._review is not None
+        self._desk.session.running = True
+        try:
+            texts = [revision.text for revision in self._review.revisions]
+            return io.BytesIO(await elsewhere(report_of_texts, texts, f".{kind}", audit_sections(self._review)))
+        finally:
+            self._desk.session.running = False
+
+
+def _mark(review: Review, place: int, check: Check) -> str:
+    standing = review.standing(place, check.name)
+    return "" if standing is None else " ✓" if standing.accepted else " ✗"
+
+
+def _headline(review: Review) -> str:
+    left = len(review.open_points())
+    if not review.intact:
+        css, mark, word = "fails", "✗", "Changed outside the program: do not rely on it"
+    elif review.signed:
+        css, mark, word = "closes", "✓", f"Signed off by {review.signed_by}"
+    else:
+        css, mark, word = "open", "–", f"Open, {left} to decide" if left else "Open, all decided: can be signed"
+    rejected = sum(
+        not standing.accepted
+        for item, revision in zip(review.items, review.revisions, strict=True)
+        for check in revision.budget().verdict.checks
+        if (standing := review.standing(item.place, check.name)) is not None
+    )
+    return (
+        f'<div class="strip {css}"><h2>{escape(review.title)}</h2><p><span aria-hidden="true">{mark}</span> '
+        f"<b>{escape(word)}</b></p><p>{len(review.items)} designs, {rejected} requirements rejected, "
+        f"{len(review.comments)} comments</p></div>"
+    )

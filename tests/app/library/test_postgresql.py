@@ -1,0 +1,154 @@
+"""The library on a real PostgreSQL, started here from Debian's package."""
+
+from __future__ import annotations
+
+import os
+import pwd
+import shutil
+import socket
+import subprocess
+import tempfile
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sqlalchemy import text
+
+from app.library.exchange import export_archive, import_archive
+from app.library.reviews import add_comment, decide, load_review, open_review, sign
+from app.library.schema import STEPS
+from app.library.store import Conflict, Library
+from nav_model.budget import Budget
+from nav_model.inputs import DesignError
+
+_TABLES = (
+    "review_decisions", "review_comments", "review_items", "reviews",
+    "tags", "revisions", "designs", "schema_version",
+)  # fmt: skip
+_MISSING = "no PostgreSQL: `make test` installs it (`make postgresql`)"
+
+
+def _program(name: str) -> str:
+    found = sorted(Path("/usr/lib/postgresql").glob(f"*/bin/{name}")) or [Path(p) for p in [shutil.which(name)] if p]
+    assert found, _MISSING
+    return str(found[-1])
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[str]:
+    """Address of an empty database server; it refuses to run as root, so root hands it to another user."""
+    root = os.geteuid() == 0
+    user = next((name for name in ("postgres", "nobody") if name in {p.pw_name for p in pwd.getpwall()}), "nobody")
+    run = ["setpriv", f"--reuid={user}", f"--regid={pwd.getpwnam(user).pw_gid}", "--clear-groups"] if root else []
+    folder = Path(tempfile.mkdtemp(prefix="navbudget-pg-"))
+    if root:
+        os.chown(folder, pwd.getpwnam(user).pw_uid, -1)
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    options = f"-c listen_addresses=127.0.0.1 -p {port} -c unix_socket_directories={folder}"
+    data = str(folder / "data")
+    quiet = {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT, "cwd": folder}
+    try:
+        initdb = [_program("initdb"), "-D", data, "-U", "nav", "--auth=trust", "-E", "UTF8", "--locale=C"]
+        subprocess.run([*run, *initdb], **quiet)
+        start = [_program("pg_ctl"), "-D", data, "-o", options, "-l", str(folder / "log"), "-w", "start"]
+        subprocess.run([*run, *start], **quiet)
+        try:
+            yield f"postgresql://nav@127.0.0.1:{port}/postgres"
+        finally:
+            subprocess.run([*run, _program("pg_ctl"), "-D", data, "-m", "immediate", "-w", "stop"], **quiet)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture
+def shared(server: str) -> Iterator[Library]:
+    library = Library(server)
+    yield library
+    with library.write() as connection:
+        for table in _TABLES:
+            connection.execute(text(f"DROP TABLE {table}"))
+    library.close()
+
+
+def test_designs_reviews_and_archives_work_alike(shared: Library, library: Library, mems: Budget) -> None:
+    first = shared.save(mems, "Ann \x00 <b>", "a\x00note 🛰️")
+    shared.save(mems, "Bob", design=first.design, base=1)
+    with pytest.raises(Conflict, match="Bob saved revision 2"):
+        shared.save(mems, "Eve", design=first.design, base=1)
+    assert shared.retag(first.design, "b, a") == ("a", "b")
+    assert [s.number for s in shared.designs("bob", "a")] == [2]
+    shared.archive(first.design)
+    assert shared.designs() == ()
+    data = export_archive(shared, [first.design])
+    assert import_archive(library, data, "Zoe").revisions == 2
+    review = open_review(shared, "PDR", "Ann", [first.key])
+    review = add_comment(shared, review.id, 1, "tilt", "Bob", "\x00 hm")
+    for place, check in review.open_points():
+        review = decide(shared, review.id, place, check.name, True, "Bob")
+    review = sign(shared, review.id, "Chief", review.version)
+    assert review.intact
+    with pytest.raises(DesignError, match="never changes"):
+        add_comment(shared, review.id, 1, "", "Eve", "late")
+    with shared.write() as connection:
+        connection.execute(text("UPDATE review_comments SET comment = 'fine'"))
+    assert not load_review(shared, review.id).intact
+    with pytest.raises(DesignError, match="no design"):
+        shared.revisions("x\0y")
+
+
+def test_writers_at_once_lose_no_revision(shared: Library, mems: Budget) -> None:
+    design = shared.save(mems, "Ann").design
+    told: list[str] = []
+
+    def write(author: str) -> None:
+        for i in range(15):
+            while True:
+                try:
+                    base = shared.revisions(design)[0].number
+                    shared.save(mems, author, str(i), design=design, base=base)
+                    break
+                except Conflict:
+                    told.append(author)
+
+    threads = [threading.Thread(target=write, args=(f"writer {i}",)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    history = shared.revisions(design)
+    assert [r.number for r in history] == list(range(61, 0, -1))
+    for i in range(4):
+        assert [r.note for r in history[::-1] if r.author == f"writer {i}"] == [str(n) for n in range(15)]
+    assert told, "the writers never met: the test shows nothing"
+
+
+def test_several_processes_that_open_an_old_library_migrate_it_once(shared: Library, server: str) -> None:
+    with shared.write() as connection:
+        for table in _TABLES[:4]:
+            connection.execute(text(f"DROP TABLE {table}"))
+        connection.execute(text("UPDATE schema_version SET version = 2"))
+    failed: list[Exception] = []
+
+    def open_it() -> None:
+        try:
+            Library(server).close()
+        except DesignError as error:
+            failed.append(error)
+
+    threads = [threading.Thread(target=open_it) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not failed
+    with shared.read() as connection:
+        assert connection.execute(text("SELECT version FROM schema_version")).scalars().all() == [len(STEPS)]
+
+
+def test_a_server_that_is_not_there_is_said_without_its_password() -> None:
+    with pytest.raises(DesignError, match="cannot be opened") as refused:
+        Library("postgresql://nav:sesame@127.0.0.1:9/x?connect_timeout=2")
+    assert "sesame" not in str(refused.value)

@@ -1,0 +1,329 @@
+"""Saving designs: nothing lost, nothing half written, nothing that a hostile text can do."""
+
+from __future__ import annotations
+
+import multiprocessing
+import random
+import sqlite3
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from app.library.schema import STEPS
+from app.library.store import Conflict, Library
+from app.library.texts import LIMITS
+from nav_model.budget import Budget, analyse
+from nav_model.design import Design
+from nav_model.design_file import format_design, parse_design
+from nav_model.inputs import DesignError
+
+ROOT = Path(__file__).parents[3]
+HOSTILE = "<script>alert(1)</script> '; DROP TABLE designs; -- \" ${7*7} {{7*7}} =cmd|'/c calc'!A0 ../../etc/passwd"
+
+
+def test_a_saved_design_comes_back_equal_with_its_verdict(library: Library, mems: Budget) -> None:
+    saved = library.save(mems, "Ann", "first try")
+    assert saved.number == 1
+    assert saved.origin == ""
+    back = library.revision(saved.key)
+    assert back == saved
+    assert parse_design(back.text) == mems.design
+    assert back.content_hash == mems.design.content_hash
+    assert back.closes is mems.verdict.closes
+    (listed,) = library.designs()
+    assert (listed.author, listed.number, listed.name) == ("Ann", 1, mems.design.name)
+
+
+def test_a_design_without_requirements_has_no_verdict(library: Library) -> None:
+    assert library.save(analyse(Design()), "Ann").closes is None
+
+
+def test_every_save_is_a_revision_and_none_changes(library: Library, mems: Budget, tactical: Budget) -> None:
+    first = library.save(mems, "Ann")
+    second = library.save(tactical, "Bob", "better unit", design=first.design, base=1)
+    assert [r.number for r in library.revisions(first.design)] == [2, 1]
+    assert library.revision(first.key) == first
+    assert library.designs()[0].name == second.name
+
+
+def test_the_second_of_two_writers_is_told_and_nothing_is_lost(library: Library, mems: Budget) -> None:
+    first = library.save(mems, "Ann")
+    library.save(mems, "Bob", design=first.design, base=1)
+    with pytest.raises(Conflict, match=r"Bob saved revision 2 .* after revision 1"):
+        library.save(mems, "Eve", design=first.design, base=1)
+    assert library.save(mems, "Eve", design=first.design, base=2).number == 3
+
+
+def test_search_tags_and_archive(library: Library, mems: Budget, tactical: Budget) -> None:
+    one, two = library.save(mems, "Ann", "for the coast guard"), library.save(tactical, "Bob")
+    assert library.retag(one.design, "Maritime, x-band,, maritime") == ("maritime", "x-band")
+    assert [s.id for s in library.designs("GUARD ann")] == [one.design]
+    assert [s.id for s in library.designs("mari")] == [one.design]
+    assert library.designs("guard bob") == ()
+    assert [s.id for s in library.designs(tag="x-band")] == [one.design]
+    assert library.tags() == ("maritime", "x-band")
+    library.archive(one.design)
+    assert [s.id for s in library.designs()] == [two.design]
+    assert [s.id for s in library.designs(archived=True)] == [one.design]
+    library.archive(one.design, False)
+    assert len(library.designs()) == 2
+
+
+@pytest.mark.parametrize("text", [HOSTILE, "\x00\x07\x1b[31mred", "\u202egnp.exe", "🛰️ Ω" * 20, "%s %(x)s :design"])
+def test_hostile_texts_are_kept_as_text(library: Library, mems: Budget, text: str) -> None:
+    design = analyse(mems.design.replace({"name": text}))
+    saved = library.save(design, text[:100], text + "\nline two", name=text)
+    library.retag(saved.design, text[:40].replace(",", ""))
+    back = library.revision(saved.key)
+    assert parse_design(back.text).name == text  # the design file escapes: exact
+    shown = "".join((back.name, back.author, back.note, *library.designs()[0].tags))
+    assert all(sign.isprintable() or sign == "\n" or ord(sign) in (0x200D, 0xFE0F) for sign in shown), repr(shown)
+    if text == HOSTILE:
+        assert back.name == text
+        assert back.note.startswith(text)
+    assert len(library.designs()) == 1
+
+
+@pytest.mark.parametrize("field", ["author", "note", "name"])
+def test_huge_or_broken_texts_are_refused(library: Library, mems: Budget, field: str) -> None:
+    texts = {"author": "Ann", "note": "", "name": ""}
+    with pytest.raises(DesignError, match=rf"{field}: {LIMITS[field] + 1} characters"):
+        library.save(mems, **{**texts, field: "x" * (LIMITS[field] + 1)})
+    with pytest.raises(DesignError, match="not Unicode"):
+        library.save(mems, **{**texts, field: "\ud800"})
+    with pytest.raises(DesignError, match="author: is empty"):
+        library.save(mems, " \n")
+    assert library.designs() == ()
+
+
+@pytest.mark.parametrize("key", ["", ".", "x.1", "x.99999999999999999999", "\0.1", "1' OR '1'='1.1", "x" * 10_000])
+def test_a_forged_key_finds_nothing(library: Library, mems: Budget, key: str) -> None:
+    library.save(mems, "Ann")
+    with pytest.raises(DesignError, match="no revision"):
+        library.revision(key)
+    with pytest.raises(DesignError, match="no design"):
+        library.revisions(key)
+    with pytest.raises(DesignError, match="no design"):
+        library.save(mems, "Ann", design=key or "-", base=1)
+
+
+# --- several writers ---------------------------------------------------------------------------------------
+
+
+def _save_stubbornly(library: Library, design: str, budget: Budget, author: str, count: int) -> int:
+    """Save `count` revisions, each on top of the latest; returns how often this writer was told."""
+    told = 0
+    for i in range(count):
+        while True:
+            base = library.revisions(design)[0].number
+            try:
+                library.save(budget, author, str(i), design=design, base=base)
+                break
+            except Conflict:
+                told += 1
+    return told
+
+
+def _process(path: Path, design: str, text: str, author: str, count: int) -> None:
+    library = Library(path)
+    _save_stubbornly(library, design, analyse(parse_design(text)), author, count)
+    library.close()
+
+
+def _check_history(library: Library, design: str, writers: int, count: int) -> None:
+    history = library.revisions(design)
+    assert [r.number for r in history] == list(range(writers * count + 1, 0, -1))
+    for writer in range(writers):
+        own = [r.note for r in history[::-1] if r.author == f"writer {writer}"]
+        assert own == [str(i) for i in range(count)]
+
+
+def test_threads_lose_no_revision(library: Library, mems: Budget) -> None:
+    design = library.save(mems, "Ann").design
+    told: list[int] = []
+    threads = [
+        threading.Thread(
+            target=lambda name: told.append(_save_stubbornly(library, design, mems, name, 10)), args=(f"writer {i}",)
+        )
+        for i in range(4)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    _check_history(library, design, 4, 10)
+    assert sum(told) > 0, "the writers never met: the test shows nothing"
+
+
+def test_processes_lose_no_revision(tmp_path: Path, mems: Budget) -> None:
+    path = tmp_path / "library.db"
+    library = Library(path)
+    design = library.save(mems, "Ann").design
+    context = multiprocessing.get_context("spawn")
+    arguments = [(path, design, format_design(mems.design), f"writer {i}", 15) for i in range(2)]
+    processes = [context.Process(target=_process, args=own) for own in arguments]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join(60)
+        assert process.exitcode == 0
+    _check_history(library, design, 2, 15)
+    library.close()
+
+
+_SAVER = textwrap.dedent("""
+    import sys
+    from pathlib import Path
+    from app.library.store import Library
+    from nav_model.budget import analyse
+    from nav_model.design_file import read_design
+    budget = analyse(read_design(sys.argv[2]))
+    library = Library(sys.argv[1])
+    print("ready", flush=True)
+    for line in sys.stdin:
+        saved = library.save(budget, "Ann", "n" * 4000)
+        print(saved.key, flush=True)
+""")
+
+
+def _kill_during_saves(path: Path, kills: int, saves: int, seed: int) -> tuple[int, int]:
+    """Kill a saving process again and again; returns how many saves were answered and how many it was asked for."""
+    draw = random.Random(seed)
+    answered: list[str] = []
+    asked = 0
+    for _ in range(kills):
+        command = [sys.executable, "-c", _SAVER, str(path), str(ROOT / "examples" / "mems_x_band.toml")]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT) as process:
+            assert process.stdin is not None
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+            process.stdin.write("\n" * saves)
+            process.stdin.flush()
+            asked += saves
+            time.sleep(draw.uniform(0.0, 0.006 * saves))
+            process.kill()
+            answered += [line.strip() for line in process.stdout.read().splitlines(keepends=True) if line[-1] == "\n"]
+    raw = sqlite3.connect(path)
+    assert raw.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+    raw.close()
+    library = Library(path)
+    kept = {saved.id for saved in library.designs()}
+    assert {key.partition(".")[0] for key in answered} <= kept
+    for design in kept:
+        (revision,) = library.revisions(design)
+        assert parse_design(revision.text).content_hash == revision.content_hash
+        assert len(revision.note) == 4000
+    library.close()
+    return len(answered), asked
+
+
+def test_a_kill_during_saves_loses_nothing_that_was_answered(tmp_path: Path) -> None:
+    answered, asked = _kill_during_saves(tmp_path / "library.db", kills=4, saves=25, seed=6)
+    assert 0 < answered < asked, "no kill fell among the saves: the test shows nothing"
+
+
+@pytest.mark.slow
+def test_two_hundred_saves_under_kills(tmp_path: Path) -> None:
+    answered, asked = _kill_during_saves(tmp_path / "library.db", kills=200, saves=6, seed=7)
+    assert answered >= 200
+    assert answered < asked
+
+
+# --- schema ------------------------------------------------------------------------------------------------
+
+
+def _old_library(path: Path, version: int) -> None:
+    """A library as a program of that schema version left it, made with SQLite alone."""
+    raw = sqlite3.connect(path)
+    raw.execute("CREATE TABLE schema_version (version INTEGER NOT NULL)")
+    raw.execute("INSERT INTO schema_version VALUES (?)", (version,))
+    for step in STEPS[:version]:
+        for statement in step:
+            raw.execute(statement)
+    raw.execute("INSERT INTO designs VALUES ('0123456789abcdef', 'Old one', 1, 0)")
+    text = format_design(Design({"name": "Old one"}))
+    columns = "design, number, name, author, note, saved, text, content_hash, closes, verdict, product"
+    raw.execute(
+        f"INSERT INTO revisions ({columns}) VALUES (?,?,?,?,?,?,?,?,?,?,?)",
+        (
+            "0123456789abcdef",
+            1,
+            "Old one",
+            "Ann",
+            "",
+            "2025-01-02T03:04:05.000+00:00",
+            text,
+            "0" * 64,
+            None,
+            "",
+            "0.0",
+        ),
+    )
+    raw.commit()
+    raw.close()
+
+
+@pytest.mark.parametrize("version", range(1, len(STEPS) + 1))
+def test_an_older_library_is_brought_up_with_what_it_holds(tmp_path: Path, mems: Budget, version: int) -> None:
+    path = tmp_path / "library.db"
+    _old_library(path, version)
+    for _ in range(2):  # the second opening finds nothing to do
+        library = Library(path)
+        (revision,) = library.revisions("0123456789abcdef")
+        assert (revision.name, revision.author, revision.origin) == ("Old one", "Ann", "")
+        library.close()
+    library = Library(path)
+    assert library.save(mems, "Bob", design="0123456789abcdef", base=1).number == 2
+    library.close()
+
+
+def test_old_and_new_libraries_end_with_the_same_tables(tmp_path: Path) -> None:
+    def tables(path: Path) -> list[tuple[object, ...]]:
+        Library(path).close()
+        raw = sqlite3.connect(path)
+        query = "SELECT m.name, c.name, c.type, c.[notnull], c.pk FROM sqlite_master m, pragma_table_info(m.name) c"
+        found = sorted(raw.execute(query).fetchall())
+        raw.close()
+        return found
+
+    _old_library(tmp_path / "old.db", 1)
+    assert tables(tmp_path / "old.db") == tables(tmp_path / "new.db")
+
+
+def test_a_migration_that_fails_leaves_the_old_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _old_library(tmp_path / "library.db", 1)
+    monkeypatch.setattr(
+        "app.library.schema.STEPS", (*STEPS, ("CREATE TABLE extra (x TEXT)", "CREATE TABLE tags (x)"))
+    )
+    with pytest.raises(DesignError, match="already exists"):
+        Library(tmp_path / "library.db")
+    raw = sqlite3.connect(tmp_path / "library.db")
+    assert raw.execute("SELECT version FROM schema_version").fetchall() == [(1,)]
+    assert not raw.execute("SELECT * FROM sqlite_master WHERE name IN ('extra', 'reviews')").fetchall()
+    raw.close()
+
+
+def test_a_newer_or_foreign_file_is_refused(tmp_path: Path) -> None:
+    _old_library(tmp_path / "library.db", len(STEPS))
+    raw = sqlite3.connect(tmp_path / "library.db")
+    raw.execute("UPDATE schema_version SET version = 99")
+    raw.commit()
+    raw.close()
+    with pytest.raises(DesignError, match="schema version 99"):
+        Library(tmp_path / "library.db")
+    (tmp_path / "photo.db").write_bytes(b"\xff\xd8\xff" * 1000)
+    with pytest.raises(DesignError, match="not a database"):
+        Library(tmp_path / "photo.db")
+    with pytest.raises(DesignError, match="cannot be used"):
+        Library(tmp_path / "photo.db" / "below.db")
+
+
+@pytest.mark.parametrize("address", ["mysql://h/x", "sqlite://", "nonsense://x", "sqlite:///:memory:"])
+def test_an_address_of_another_kind_is_refused(address: str) -> None:
+    with pytest.raises(DesignError, match="library"):
+        Library(address)

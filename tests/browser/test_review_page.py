@@ -1,0 +1,173 @@
+"""The Review page as a team uses it."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pypdf
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Download, Locator, Page, expect
+
+Visit = Callable[..., Page]
+HOSTILE = "<img src=x onerror=\"document.title='owned'\"><script>document.title='owned'</script>{{7*7}}"
+
+
+def content(download: Download) -> bytes:
+    path = download.path()
+    assert path is not None
+    return Path(path).read_bytes()
+
+
+def tab(page: Page, name: str) -> None:
+    page.locator(".bk-tab").get_by_text(name, exact=True).click()
+
+
+def press(page: Page, name: str | re.Pattern[str]) -> None:
+    page.get_by_role("button", name=name, exact=isinstance(name, str)).click()
+
+
+def field(page: Page, label: str) -> Locator:
+    return page.get_by_role("textbox", name=label, exact=True)
+
+
+def said(page: Page, text: str | re.Pattern[str]) -> None:
+    expect(page.get_by_role("status").filter(has_text=text).first).to_be_visible()
+
+
+def save(page: Page, name: str, author: str = "Ann") -> None:
+    """Save the design in force under a name, on the Review page."""
+    field(page, "Design").first.fill(name)
+    field(page, "Design").first.press("Enter")
+    if field(page, "Your name").input_value() != author:
+        field(page, "Your name").fill(author)
+    press(page, "Save as new design")
+    expect(page.get_by_role("checkbox", name=name[:40])).to_be_visible()
+
+
+def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: Visit) -> None:
+    page = visit()
+    actions = 0
+
+    def act(action: Callable[..., Any], *arguments: Any) -> None:
+        nonlocal actions
+        actions += 1
+        action(*arguments)
+
+    act(tab, page, "Review")
+    act(field(page, "Your name").fill, "Ann")
+    act(press, page, "Save as new design")
+    said(page, "Saved: revision 1")
+    act(field(page, "Design").first.fill, "Better gyro")
+    act(field(page, "Angle random walk").fill, "0.01 °/√h")
+    act(field(page, "Angle random walk").press, "Enter")
+    act(press, page, "Save as new design")
+    said(page, "Saved: revision 1 of Better gyro")
+    act(page.get_by_role("checkbox", name="MEMS IMU at X band").check)
+    act(page.get_by_role("checkbox", name="Better gyro").check)
+    expect(page.get_by_label("Picked revisions")).to_contain_text("D2")
+    act(press, page, "Compare")
+    expect(page.get_by_role("region", name=re.compile("Standard deviations"))).to_contain_text("best")
+    expect(page.get_by_role("region", name=re.compile("Inputs that are not"))).to_contain_text("0.01 °/√h")
+    with page.expect_download() as download:
+        act(press, page, re.compile(r"Comparison report \(PDF\)"))
+    text = "".join(sheet.extract_text() for sheet in pypdf.PdfReader(io.BytesIO(content(download.value))).pages)
+    assert "Better gyro" in text
+    assert actions <= 15, actions
+    link = field(page, "Link to this comparison").input_value()
+    page = visit("/?" + link.partition("?")[2])
+    expect(page.get_by_label("Compared")).to_contain_text("Better gyro")
+    axe = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]})
+    assert not [v["id"] for v in axe.response["violations"]], axe.generate_report()
+
+
+def test_hostile_names_notes_and_comments_are_shown_and_do_nothing(visit: Visit) -> None:
+    page = visit()
+    tab(page, "Review")
+    field(page, "Note").fill(HOSTILE)
+    save(page, HOSTILE, HOSTILE[:100])
+    page.get_by_role("checkbox", name=HOSTILE[:40]).first.check()
+    expect(page.get_by_label("Picked revisions")).to_contain_text("<img")
+    tab(page, "Reviews")
+    field(page, "Title of a new review").fill(HOSTILE)
+    press(page, "Open a review of the picked")
+    expect(page.get_by_role("heading", name=HOSTILE[:40])).to_be_visible()
+    field(page, "Comment").fill(HOSTILE)
+    press(page, "Add comment")
+    expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text(HOSTILE)
+    page.get_by_label("Presenter view").check()
+    expect(page.locator(".slide")).to_contain_text("<script>")
+    assert page.title() == "NavBudget"
+    assert page.locator("img[src=x]").count() == 0
+
+
+def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visit) -> None:
+    page = visit()
+    tab(page, "Review")
+    save(page, "Shared design")
+    press(page, re.compile("Save as revision 2"))
+    said(page, "revision 2 of Shared design")
+    page.get_by_role("button", name="Show 2 revisions").first.click()
+    page.get_by_role("checkbox", name="Revision 1: Shared design").check()
+    expect(page.get_by_label("Picked revisions")).to_contain_text("revision 1")
+    press(page, "Open on the left")
+    said(page, "Revision 1 of Shared design is in force")
+    press(page, re.compile("Save as revision 2"))
+    said(page, re.compile("Ann saved revision 2 .* nothing was overwritten"))
+    press(page, re.compile("Save as revision 3"))
+    said(page, "Saved: revision 3 of Shared design")
+
+    tab(page, "Reviews")
+    field(page, "Title of a new review").fill("PDR")
+    press(page, "Open a review of the picked")
+    heading = page.locator(".strip").filter(has=page.get_by_role("heading", name="PDR"))
+    expect(heading).to_contain_text("5 to decide")
+    press(page, "Reject")
+    said(page, "reason: is empty")
+    press(page, "Sign off")
+    said(page, "5 requirements are not decided")
+    for left in (4, 3, 2, 1):
+        press(page, "Accept")
+        expect(heading).to_contain_text(f"{left} to decide")
+    press(page, "Accept")
+    expect(heading).to_contain_text("can be signed")
+    press(page, "Sign off")
+    expect(heading).to_contain_text("Signed off by Ann")
+    expect(page.get_by_role("button", name="Accept", exact=True)).to_have_count(0)
+    with page.expect_download() as download:
+        press(page, re.compile(r"Review report \(HTML\)"))
+    text = content(download.value).decode()
+    assert "Seal (SHA-256)" in text
+    assert "✓ accepted" in text
+
+
+def test_a_library_goes_out_and_comes_in_as_a_zip(visit: Visit, tmp_path: Path) -> None:
+    page = visit()
+    tab(page, "Review")
+    save(page, "Traveller")
+    with page.expect_download() as download:
+        press(page, re.compile("Export"))
+    data = content(download.value)
+    assert [name for name in zipfile.ZipFile(io.BytesIO(data)).namelist() if name.startswith("traveller-")]
+    page.locator("input[type=file][accept='.zip']").set_input_files(
+        {"name": "../../l.zip", "mimeType": "application/zip", "buffer": data}
+    )
+    said(page, re.compile("Imported 0 designs.*were here already"))
+    evil = io.BytesIO()
+    with zipfile.ZipFile(evil, "w") as archive:
+        archive.writestr("../evil.toml", "x")
+    page.locator("input[type=file][accept='.zip']").set_input_files(
+        {"name": "evil.zip", "mimeType": "application/zip", "buffer": evil.getvalue()}
+    )
+    said(page, "not a path inside the archive")
+
+
+def test_forged_links_are_said_so(visit: Visit) -> None:
+    for query in ("?compare=../../etc/passwd,%3Cscript%3E", "?review=%27%20OR%201=1", "?compare=" + "0" * 16 + ".1"):
+        page = visit("/" + query)
+        expect(page.get_by_role("status").first).to_contain_text(re.compile("not used|not in the library"))
+        assert page.title() == "NavBudget"
