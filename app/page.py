@@ -35,7 +35,10 @@ class Page(Protocol):
         """Follow the budget in force."""
 
 
-PAGES: tuple[tuple[str, str], ...] = (("Budget", "app.pages.budget:BudgetPage"),)
+PAGES: tuple[tuple[str, str], ...] = (
+    ("Budget", "app.pages.budget:BudgetPage"),
+    ("Theory", "app.pages.theory:TheoryPage"),
+)
 """The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
 
 A page is imported and built when its tab is first opened, so a tab costs the first screen nothing.

@@ -94,11 +94,12 @@ def _math(report: Report) -> dict[str, Markup]:
     for block in report.blocks():
         if isinstance(block, Equations | Symbols):
             wanted |= {item.math: isinstance(block, Equations) for item in block.items}
-    return dict(zip(wanted, map(Markup, _mathml(tuple(wanted.items()))), strict=True))
+    return dict(zip(wanted, map(Markup, mathml(tuple(wanted.items()))), strict=True))
 
 
 @cache
-def _mathml(items: tuple[tuple[str, bool], ...]) -> tuple[str, ...]:
+def mathml(items: tuple[tuple[str, bool], ...]) -> tuple[str, ...]:
+    """Typst math, each with whether it stands as a block of its own -> MathML."""
     data = json.dumps([{"math": math, "block": block} for math, block in items], ensure_ascii=False)
     page = typst.compile(_TYPST_MATH.encode(), format="html", sys_inputs={"items": data}).decode()
     return tuple(_MATH.findall(page))
