@@ -12,7 +12,7 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is first imported
 
-import pytest  # noqa: E402
+import pytest
 
 RECORD = Path(__file__).parents[1] / "app" / "validation.json"
 _rows = []

@@ -222,7 +222,8 @@ _BEYOND: tuple[Equation, ...] = (
     Equation(
         "B-1",
         "Sensor errors over a suborbital flight",
-        "delta bold(f) = bold(B)_a + (bold(S)_a + bold(N)_a) bold(f) + bold(w)_a, quad delta bold(omega) = bold(B)_g + "
+        "delta bold(f) = bold(B)_a + (bold(S)_a + bold(N)_a) bold(f) + bold(w)_a, quad delta bold(omega) = "
+        "bold(B)_g + "
         "(bold(S)_g + bold(N)_g) bold(omega) + bold(w)_g, quad X = X_c + X_o sin (2 pi t) / tau",
         "Every parameter X is a constant plus an oscillation.",
     ),
@@ -243,7 +244,8 @@ _BEYOND: tuple[Equation, ...] = (
     Equation(
         "B-4",
         "Linear errors in inertial axes",
-        "dot(bold(psi)) = bold(C) delta bold(omega), quad dot.double(delta bold(r)) = bold(C) delta bold(f) + bold(psi) "
+        "dot(bold(psi)) = bold(C) delta bold(omega), quad dot.double(delta bold(r)) = bold(C) delta bold(f) "
+        "+ bold(psi) "
         "times bold(f) + w^2 (3 bold(u) bold(u)^upright(T) - bold(I)) delta bold(r), quad w^2 = mu / r^3",
         "u is the unit radius. Gravity feeds a height error back with the wrong sign.",
     ),
@@ -266,7 +268,8 @@ _BEYOND: tuple[Equation, ...] = (
         "B-7",
         "Aiding by a star tracker, without a filter",
         "bold(C)_(b n) = bold(C)_(i n) (phi.alt, l + Omega t) thin bold(C)_(b i)",
-        "The tracker's attitude takes the gyros' place at each frame, l is longitude; between frames the gyros carry on.",
+        "The tracker's attitude takes the gyros' place at each frame, l is longitude; between frames the "
+        "gyros carry on.",
     ),
     Equation(
         "B-8",
@@ -278,7 +281,8 @@ _BEYOND: tuple[Equation, ...] = (
         "B-9",
         "Covariance of an attitude from stars",
         'bold(P)_"opt" &= sigma^2 (sum_k bold(I) - bold(b)_k bold(b)_k^upright(T))^(-1) \\ '
-        'bold(P)_"TRIAD" &= sigma^2 (bold(I) + (bold(b)_1 dot.op bold(b)_2) (bold(b)_1 bold(b)_2^upright(T) + bold(b)_2 '
+        'bold(P)_"TRIAD" &= sigma^2 (bold(I) + (bold(b)_1 dot.op bold(b)_2) (bold(b)_1 bold(b)_2^upright(T) "
+        "+ bold(b)_2 '
         "bold(b)_1^upright(T)) / abs(bold(b)_1 times bold(b)_2)^2) \\ "
         'bold(P)_"N" &= sigma^2 / 4 sum_k [bold(w)_k times] (bold(I) - bold(b)_k bold(b)_k^upright(T)) '
         "[bold(w)_k times]^upright(T), quad bold(w)_k = (sum_j bold(b)_j bold(b)_j^upright(T))^(-1) bold(b)_k",
