@@ -281,8 +281,8 @@ _BEYOND: tuple[Equation, ...] = (
         "B-9",
         "Covariance of an attitude from stars",
         'bold(P)_"opt" &= sigma^2 (sum_k bold(I) - bold(b)_k bold(b)_k^upright(T))^(-1) \\ '
-        'bold(P)_"TRIAD" &= sigma^2 (bold(I) + (bold(b)_1 dot.op bold(b)_2) (bold(b)_1 bold(b)_2^upright(T) "
-        "+ bold(b)_2 '
+        'bold(P)_"TRIAD" &= sigma^2 (bold(I) + (bold(b)_1 dot.op bold(b)_2) (bold(b)_1 bold(b)_2^upright(T) '
+        "+ bold(b)_2 "
         "bold(b)_1^upright(T)) / abs(bold(b)_1 times bold(b)_2)^2) \\ "
         'bold(P)_"N" &= sigma^2 / 4 sum_k [bold(w)_k times] (bold(I) - bold(b)_k bold(b)_k^upright(T)) '
         "[bold(w)_k times]^upright(T), quad bold(w)_k = (sum_j bold(b)_j bold(b)_j^upright(T))^(-1) bold(b)_k",
