@@ -37,7 +37,10 @@ _XSRF = re.compile(r'name="_xsrf" value="([^"]+)"')
 
 async def hang_up(connection: WebSocketClientConnection) -> None:
     connection.close()
-    await asyncio.sleep(0.05)
+    with suppress(TimeoutError):
+        async with asyncio.timeout(0.5):
+            while await connection.read_message() is not None:
+                pass
 
 
 @dataclass
