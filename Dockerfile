@@ -16,6 +16,7 @@ ENV NUMBA_CACHE_DIR=/home/navbudget/.cache/numba
 EXPOSE 5006
 HEALTHCHECK --interval=30s --timeout=5s --start-period=20s --retries=3 \
   CMD ["/opt/navbudget/bin/python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:5006/liveness', timeout=4)"]
-# Browsers reach the page under the host they typed: name it with --allow-origin HOST:PORT.
+# Off loopback the server wants to know who may enter: mount a password file, or give another command with --open.
+# Browsers reach the page under the host they typed: name it with --allow-origin HOST:PORT. See deploy/README.md.
 ENTRYPOINT ["/opt/navbudget/bin/navbudget"]
-CMD ["serve", "--address", "0.0.0.0", "--port", "5006"]
+CMD ["serve", "--address", "0.0.0.0", "--port", "5006", "--password-file", "/run/secrets/people"]

@@ -3,7 +3,7 @@ PYTHON ?= python3
 PORT ?= 5006
 BIN := .venv/bin
 
-.PHONY: run test test-slow bench lint browser postgresql clean
+.PHONY: run test test-slow validation bench lint browser postgresql clean
 .DEFAULT_GOAL := run
 
 .venv/.runtime: pyproject.toml
@@ -43,6 +43,10 @@ test: .venv/.test browser postgresql lint
 
 test-slow: .venv/.test
 	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark
+
+# What the Theory page says results were compared with, from the tests that compare them.
+validation: .venv/.test
+	$(BIN)/python -m pytest -p no:benchmark tests/acceptance/test_validation_record.py -k "not record_has" --write-validation
 
 bench: .venv/.test browser
 	$(BIN)/python -m pytest benchmarks --benchmark-columns=median,iqr,ops,rounds

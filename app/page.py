@@ -43,6 +43,7 @@ PAGES: tuple[tuple[str, str], ...] = (
     ("Explore", "app.pages.explore:ExplorePage"),
     ("Sensors", "app.pages.sensors:SensorsPage"),
     ("Review", "app.pages.review:ReviewPage"),
+    ("Theory", "app.pages.theory:TheoryPage"),
 )
 """The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
 

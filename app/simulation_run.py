@@ -12,7 +12,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from typing import Any
 
-from app.workers import WORKERS, elsewhere
+from app.workers import elsewhere, size
 from nav_model.design import Design
 from nav_model.design_file import format_design
 from nav_model.inputs import DesignError
@@ -97,7 +97,7 @@ class SimulationRun:
         try:
             while waiting or flying:
                 # One chunk more than there are workers: they never wait, and another person's come in between.
-                while waiting and len(flying) <= WORKERS:
+                while waiting and len(flying) <= size():
                     flying.append(asyncio.create_task(elsewhere(many.run_chunk, spec, scale, *waiting.popleft())))
                 total.merge(await flying[0])
                 flying.popleft()

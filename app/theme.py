@@ -6,12 +6,15 @@ from typing import Any
 
 ACCENT = "#0b5c8a"
 
-# The frame's own progress bar has no name; screen readers need one.
-_NAMED: dict[str, Any] = {"MuiLinearProgress": {"defaultProps": {"aria-label": "long work under way"}}}
+_SHARED: dict[str, Any] = {
+    # The frame's own progress bar has no name; screen readers need one.
+    "MuiLinearProgress": {"defaultProps": {"aria-label": "long work under way"}},
+    "MuiTab": {"styleOverrides": {"root": {"textTransform": "none", "minWidth": 0}}},
+}
 
 LIGHT: dict[str, Any] = {
     "chart_style": "standard",
-    "components": _NAMED,
+    "components": _SHARED,
     "palette": {"primary": {"main": ACCENT}, "background": {"default": "#f6f7f8", "paper": "#ffffff"}},
     "shape": {"borderRadius": 6},
 }
@@ -23,7 +26,7 @@ DARK: dict[str, Any] = {
     },
     "shape": {"borderRadius": 6},
     "components": {
-        **_NAMED,
+        **_SHARED,
         "MuiAppBar": {"styleOverrides": {"root": {"backgroundColor": "#0d2230", "color": "#e8eef2"}}},
     },
 }

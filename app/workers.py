@@ -14,15 +14,25 @@ from typing import ParamSpec, TypeVar
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
+_asked_for: int | None = None
+_under_way = 0
 
-WORKERS = max(1, (os.cpu_count() or 2) - 1)
-"""Processes of the pool: one core is left to the server itself."""
+
+def use(count: int | None) -> None:
+    """How many processes the pool shall have, before it starts; None for a core less than there are."""
+    global _asked_for
+    _asked_for = count
+
+
+def size() -> int:
+    """Processes of the pool; unless asked otherwise, one core is left to the server itself."""
+    return _asked_for or max(1, (os.cpu_count() or 2) - 1)
 
 
 @functools.cache
 def pool() -> ProcessPoolExecutor:
     """The pool; its processes start with the first task."""
-    return ProcessPoolExecutor(max_workers=WORKERS, mp_context=multiprocessing.get_context("spawn"))
+    return ProcessPoolExecutor(max_workers=size(), mp_context=multiprocessing.get_context("spawn"))
 
 
 async def elsewhere(function: Callable[_P, _T], *arguments: _P.args) -> _T:
@@ -33,8 +43,27 @@ async def elsewhere(function: Callable[_P, _T], *arguments: _P.args) -> _T:
     BrokenProcessPool
         If the worker died; the next call gets a new pool.
     """
+    global _under_way
+    _under_way += 1
     try:
         return await asyncio.get_running_loop().run_in_executor(pool(), function, *arguments)
     except BrokenProcessPool:
         pool.cache_clear()
         raise
+    finally:
+        _under_way -= 1
+
+
+def under_way() -> int:
+    """Tasks waiting or running in the pool."""
+    return _under_way
+
+
+def stop() -> None:
+    """End every worker process now, whatever it is doing."""
+    if pool.cache_info().currsize:
+        pool().shutdown(wait=False, cancel_futures=True)
+    for process in multiprocessing.active_children():
+        process.terminate()
+    for process in multiprocessing.active_children():
+        process.join(timeout=5)

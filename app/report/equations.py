@@ -188,3 +188,142 @@ REFERENCES: tuple[str, ...] = (
     "covariance solutions and Monte Carlo runs in its test suite.",
     "Sources of sensor and radar values stand beside each value in the table of inputs.",
 )
+
+# --- beyond a report: what the other pages rest on ---------------------------------------------------------
+
+_BEYOND: tuple[Equation, ...] = (
+    Equation(
+        "T-14",
+        "What a fitted polynomial leaves",
+        "integral_0^T (e(t) - hat(e)_m (t))^2 (dif t) / T",
+        "Each error process less its least-squares line (m = 1) or quadratic (m = 2) over the aperture. The "
+        "coefficients of [T-15] and [S-6] are these integrals, exact.",
+    ),
+    Equation(
+        "T-16",
+        "A quadratic fitted to INS minus GNSS",
+        "sigma_r^2 approx s^2 / T N^4 / ((N^2 - 1)(N^2 - 4)) + sigma_a^2 / 2520 T^3 + "
+        "(g^2 sigma_omega^2) / 55440 T^5",
+        "N fixes in the aperture, at least three. The noise factor is exact; the inertial terms treat the fit as "
+        "continuous.",
+    ),
+    Equation(
+        "S-4",
+        "Limits on phase, in metres of line of sight",
+        "pi / 4 = hat(lambda / 16), quad pi / 2 = hat(lambda / 8), quad pi = hat(lambda / 4)",
+        "A hat reads: corresponds to.",
+    ),
+    Equation(
+        "S-7",
+        "GNSS noise through the quadratic fit",
+        'sigma_"QPE" = T^2 / 4 sigma_"GNSS" sqrt(180 / (Delta t^4 N (N^2 - 1)(N^2 - 4)))',
+        "In metres at the ends of the aperture.",
+    ),
+    Equation(
+        "B-1",
+        "Sensor errors over a suborbital flight",
+        "delta bold(f) = bold(B)_a + (bold(S)_a + bold(N)_a) bold(f) + bold(w)_a, quad delta bold(omega) = "
+        "bold(B)_g + "
+        "(bold(S)_g + bold(N)_g) bold(omega) + bold(w)_g, quad X = X_c + X_o sin (2 pi t) / tau",
+        "Every parameter X is a constant plus an oscillation.",
+    ),
+    Equation(
+        "B-2",
+        "Mechanisation in the navigation frame",
+        "dot(bold(C)) = bold(C) [bold(omega)_(i b) times] - [(bold(omega)_(i e) + bold(omega)_(e n)) times] bold(C), "
+        "quad dot(bold(v)) = bold(C) bold(f) + bold(g) - (2 bold(omega)_(i e) + bold(omega)_(e n)) times bold(v) - "
+        "bold(omega)_(i e) times (bold(omega)_(i e) times bold(r))",
+        "North, east, down; position from velocity over the sphere.",
+    ),
+    Equation(
+        "B-3",
+        "Mechanisation in inertial axes",
+        "dot.double(bold(r)) = bold(C)_(b i) bold(f) - mu bold(r) / abs(bold(r))^3",
+        "Must agree with [B-2].",
+    ),
+    Equation(
+        "B-4",
+        "Linear errors in inertial axes",
+        "dot(bold(psi)) = bold(C) delta bold(omega), quad dot.double(delta bold(r)) = bold(C) delta bold(f) "
+        "+ bold(psi) "
+        "times bold(f) + w^2 (3 bold(u) bold(u)^upright(T) - bold(I)) delta bold(r), quad w^2 = mu / r^3",
+        "u is the unit radius. Gravity feeds a height error back with the wrong sign.",
+    ),
+    Equation(
+        "B-5",
+        "Decoupled channels",
+        "dot.double(x) + w^2 x = a_x, quad dot.double(z) - 2 w^2 z = a_z",
+        "For a local frame that does not rotate; on a long arc they explain but do not predict.",
+    ),
+    Equation(
+        "B-6",
+        "Channels in closed form",
+        "x &= b / w^2 (1 - cos w t) + (f epsilon) / w^2 (t - (sin w t) / w) + x_0 cos w t + v_0 / w sin w t + "
+        "A / (w^2 - O^2) (sin O t - O / w sin w t) \\ "
+        "z &= b / k^2 (cosh k t - 1) + (f epsilon) / k^2 ((sinh k t) / k - t) + z_0 cosh k t + v_0 / k sinh k t + "
+        "A / (k^2 + O^2) (O / k sinh k t - sin O t), quad k = sqrt(2) w",
+        "Accelerometer bias b, gyro bias ε under constant specific force f, start x₀ and v₀, oscillation A sin(O t).",
+    ),
+    Equation(
+        "B-7",
+        "Aiding by a star tracker, without a filter",
+        "bold(C)_(b n) = bold(C)_(i n) (phi.alt, l + Omega t) thin bold(C)_(b i)",
+        "The tracker's attitude takes the gyros' place at each frame, l is longitude; between frames the "
+        "gyros carry on.",
+    ),
+    Equation(
+        "B-8",
+        "Star camera",
+        'x = f_c X / Z, quad y = f_c Y / Z, quad "FOV" = 2 arctan (N p) / (2 f_c)',
+        "Pin-hole: focal length, N pixels of pitch p.",
+    ),
+    Equation(
+        "B-9",
+        "Covariance of an attitude from stars",
+        'bold(P)_"opt" &= sigma^2 (sum_k bold(I) - bold(b)_k bold(b)_k^upright(T))^(-1) \\ '
+        'bold(P)_"TRIAD" &= sigma^2 (bold(I) + (bold(b)_1 dot.op bold(b)_2) (bold(b)_1 bold(b)_2^upright(T) '
+        "+ bold(b)_2 "
+        "bold(b)_1^upright(T)) / abs(bold(b)_1 times bold(b)_2)^2) \\ "
+        'bold(P)_"N" &= sigma^2 / 4 sum_k [bold(w)_k times] (bold(I) - bold(b)_k bold(b)_k^upright(T)) '
+        "[bold(w)_k times]^upright(T), quad bold(w)_k = (sum_j bold(b)_j bold(b)_j^upright(T))^(-1) bold(b)_k",
+        "Optimal methods, TRIAD of two stars, and the N-vector after projection on a rotation; σ is the noise of a "
+        "direction per axis.",
+    ),
+)
+
+
+def _place(equation: Equation) -> tuple[int, int]:
+    letter, _, number = equation.mark.partition("-")
+    return "TSB".index(letter), int(number)
+
+
+ALL_EQUATIONS: tuple[Equation, ...] = tuple(sorted((*EQUATIONS, *_BEYOND), key=_place))
+"""Every equation of the product: navigation, radar, suborbital flight."""
+
+ALL_SYMBOLS: tuple[Symbol, ...] = (
+    *SYMBOLS,
+    Symbol("N, p", "in [T-16], [S-7] fixes in the aperture; in [B-8] pixels and their pitch", "1, m"),
+    Symbol("bold(f), bold(omega)", "specific force and angular rate in body axes", "m/s², rad/s"),
+    Symbol("bold(B), bold(S), bold(N)", "bias, scale and misalignment errors of a sensor", "as sensed, 1, 1"),
+    Symbol("X_c, X_o, tau", "constant and oscillating part of a parameter, its period", "as X, s"),
+    Symbol("bold(C), bold(psi)", "rotation from body to the frame named, and its error", "1, rad"),
+    Symbol("bold(omega)_(i b), bold(omega)_(i e), bold(omega)_(e n)", "rates: body, Earth, transport", "rad/s"),
+    Symbol("mu, bold(r), bold(v)", "gravitational constant of the Earth, position, velocity", "m³/s², m, m/s"),
+    Symbol("w, k", "Schuler rate at the radius; growth rate of a height error", "rad/s, 1/s"),
+    Symbol("f_c, X, Y, Z", "focal length; a star's direction in camera axes", "m, 1"),
+    Symbol("bold(b)_k, sigma", "direction of star k in body axes, its noise per axis", "1, rad"),
+)
+
+
+def source_of(mark: str) -> str:
+    """Where an equation comes from."""
+    letter, _, number = mark.partition("-")
+    if letter == "T" and (int(number) <= 7 or 9 <= int(number) <= 12):
+        return "[A] Makarem and Cheraghi Mahmudabadi 2019"
+    if mark == "T-13":
+        return "[C] Cheraghi Mahmudabadi, Makarem and Hatam"
+    if letter == "B":
+        return "derived here after [B] Moghtadaei Rad, Heyrani Nobari and Nikkhah, whose printed equations are lost"
+    if mark in {"T-16", "S-7"}:
+        return "derived here for the correction of [C] Cheraghi Mahmudabadi, Makarem and Hatam"
+    return "derived here"

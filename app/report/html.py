@@ -28,6 +28,7 @@ _MATH = re.compile(r"<math.*?</math>", re.DOTALL)
 _TYPST_MATH = """
 #for item in json(bytes(sys.inputs.items)) { math.equation(block: item.block, eval(item.math, mode: "math")) }
 """
+_ROOT = '<mrow><mo stretchy="false">√</mo><mrow style="border-top: 1px solid; padding: 1px 2px 0">'
 _TABLE_ROWS = 11  # of a curve's table of data
 _HEIGHT = 340
 _ROW_HEIGHT = 42
@@ -98,13 +99,16 @@ def _math(report: Report) -> dict[str, Markup]:
     for block in report.blocks():
         if isinstance(block, Equations | Symbols):
             wanted |= {item.math: isinstance(block, Equations) for item in block.items}
-    return dict(zip(wanted, map(Markup, _mathml(tuple(wanted.items()))), strict=True))
+    return dict(zip(wanted, map(Markup, mathml(tuple(wanted.items()))), strict=True))
 
 
 @cache
-def _mathml(items: tuple[tuple[str, bool], ...]) -> tuple[str, ...]:
+def mathml(items: tuple[tuple[str, bool], ...]) -> tuple[str, ...]:
+    """Typst math, each with whether it stands as a block of its own -> MathML."""
     data = json.dumps([{"math": math, "block": block} for math, block in items], ensure_ascii=False)
     page = typst.compile(_TYPST_MATH.encode(), format="html", sys_inputs={"items": data}).decode()
+    # A browser without a mathematical font leaves out the sign of a root, which makes the equation a wrong one.
+    page = page.replace("<msqrt>", _ROOT).replace("</msqrt>", "</mrow></mrow>")
     return tuple(_MATH.findall(page))
 
 

@@ -1,0 +1,105 @@
+"""Results against solvers written by others; what is held here stands on the Theory page."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import expm, solve_continuous_are, solve_discrete_are
+
+from app.report.equations import ALL_EQUATIONS
+from nav_model.budget import analyse
+from nav_model.design import Design
+
+ROOT = Path(__file__).parents[2]
+SIGMA_A, SIGMA_W, G = 0.05 / 60, math.radians(0.5) / 60, 9.80665
+F = np.array([[0, 1, 0], [0, 0, G], [0, 0, 0.0]])
+Q = np.diag([0, SIGMA_A**2, SIGMA_W**2])
+H = np.array([[1.0, 0, 0]])
+TABLE_1 = Design(
+    {
+        "imu.velocity_random_walk": SIGMA_A,
+        "imu.angle_random_walk": SIGMA_W,
+        "gnss.position_noise": 1.0,
+        "gnss.interval": 1.0,
+        "flight.gravity": G,
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def budget():
+    return analyse(TABLE_1, [0.0, 10.0, 100.0])
+
+
+def process_noise(t):
+    """Van Loan's integral of the noise over t."""
+    block = expm(np.block([[-F, Q], [np.zeros((3, 3)), F.T]]) * t)
+    return block[3:, 3:].T @ block[:3, 3:]
+
+
+def sigmas(moment):
+    return np.array([moment.position_horizontal, moment.velocity_horizontal, moment.tilt])
+
+
+def test_steady_state(budget, validated):
+    exact = np.sqrt(np.diag(solve_continuous_are(F.T, H.T, Q, np.eye(1))))
+    off = np.max(np.abs(sigmas(budget.steady_state.closed) / exact - 1))
+    validated(
+        "Steady-state sigmas, horizontal", "T-3", "SciPy, continuous Riccati equation", off, 1e-7, "largest ratio − 1"
+    )
+
+
+def test_sawtooth(budget, validated):
+    prior = solve_discrete_are(expm(F).T, H.T, process_noise(1.0), np.eye(1))
+    off = np.max(np.abs(sigmas(budget.steady_state.prior) / np.sqrt(np.diag(prior)) - 1))
+    validated("Sigmas just before a fix", "T-8", "SciPy, discrete Riccati equation", off, 1e-6, "largest ratio − 1")
+
+
+def test_outage(budget, validated):
+    start = solve_continuous_are(F.T, H.T, Q, np.eye(1))
+    worst = 0.0
+    for t, sigma in zip(budget.coast.time, budget.coast.position_horizontal, strict=True):
+        phi = expm(F * t)
+        worst = max(worst, abs(sigma / math.sqrt((phi @ start @ phi.T + process_noise(t))[0, 0]) - 1))
+    validated(
+        "Horizontal position after the fixes stop",
+        "T-9",
+        "SciPy, matrix exponential (Van Loan)",
+        worst,
+        1e-6,
+        "largest ratio − 1",
+    )
+
+
+def test_published_table(budget, validated):
+    closed = budget.steady_state.closed
+    printed = np.array([0.474565, 0.0654609, math.radians(0.0351388)])
+    off = np.max(np.abs(sigmas(closed) / printed - 1))
+    validated(
+        "Steady-state sigmas of the worked design", "T-3", "published: [A] table 1", off, 3e-6, "largest ratio − 1"
+    )
+
+
+def test_every_equation_cited_is_on_the_theory_page():
+    known = {equation.mark for equation in ALL_EQUATIONS}
+    sources = [*ROOT.glob("nav_model/**/*.py"), *ROOT.glob("app/**/*.py")]
+    cited = {mark for path in sources for mark in re.findall(r"\[([TSB]-\d+)\]", path.read_text())}
+    assert cited <= known
+    assert known == {
+        *(f"T-{i}" for i in range(1, 19)),
+        *(f"S-{i}" for i in range(1, 8)),
+        *(f"B-{i}" for i in range(1, 10)),
+    }
+
+
+def test_the_committed_record_has_no_row_that_no_test_makes():
+    rows = json.loads((ROOT / "app" / "validation.json").read_text())["rows"]
+    for row in rows:
+        path, _, name = row["test"].rpartition(":")
+        body = re.search(rf"def {name}\(.*?(?=\ndef |\Z)", (ROOT / path).read_text(), re.DOTALL)
+        assert body, row["test"]
+        assert "validated(" in body[0]
+        assert f'"{row["result"]}"' in body[0]
