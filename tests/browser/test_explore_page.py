@@ -38,7 +38,7 @@ def test_click_on_the_map_adopts_a_point(visit: Visit) -> None:
     page.wait_for_function(
         "() => [...Bokeh.documents[0]._all_models.values()].some(m => m.name === 'map image')", timeout=20_000
     )
-    canvas = page.locator(".bk-Figure").first
+    canvas = page.locator(".bk-Figure:visible").first
     canvas.evaluate("element => element.scrollIntoView({block: 'center'})")
     page.wait_for_timeout(1000)
     place = canvas.bounding_box()
