@@ -16,7 +16,6 @@ from bokeh.core.properties import value
 from bokeh.models import (
     BoxAnnotation,
     ColumnDataSource,
-    CustomJSTickFormatter,
     FactorRange,
     GlyphRenderer,
     HoverTool,
@@ -33,21 +32,13 @@ from bokeh.plotting import figure
 from bokeh.transform import dodge
 
 from app.charts.description import BAR_STYLES, STYLES, AnyChart, BarChart, Chart, Line
+from app.charts.log_axis import mark_in_powers
 from app.charts.on_screen_grid import columns_of, draw
 
 # The page's theme sets chart text in em; this is what an em is.
 TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 _BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
-# Powers of ten as 10ⁿ; the 2 and 5 between them, which only a narrow axis has, as plain numbers.
-LOG_TICKS = """
-const n = Math.log10(tick)
-const sup = {"-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹"}
-const power = (k) => "10" + String(k).split("").map(c => sup[c]).join("")
-if (Math.abs(n - Math.round(n)) < 1e-6) return power(Math.round(n))
-if (tick >= 1e-3 && tick < 1e4) return String(Number(tick.toPrecision(2)))
-return Number((tick / 10 ** Math.floor(n)).toPrecision(2)) + "·" + power(Math.floor(n))
-"""
 
 
 @dataclass
@@ -94,7 +85,7 @@ def to_bokeh(chart: AnyChart, height: int = 320) -> Figure:
     plot.styles = TEXT_SIZE
     for axis in (plot.xaxis, plot.yaxis):
         if isinstance(axis[0], LogAxis):
-            axis.formatter = CustomJSTickFormatter(code=LOG_TICKS)
+            mark_in_powers(axis[0])
     return Figure(plot, sources, dict(columns))
 
 
@@ -196,7 +187,7 @@ def _curves(chart: Chart, height: int) -> Figure:
     plot.styles = TEXT_SIZE
     for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
         if is_log:
-            axis.formatter = CustomJSTickFormatter(code=LOG_TICKS)
+            mark_in_powers(axis[0])
     return Figure(plot, sources, dict(columns), spans)
 
 
