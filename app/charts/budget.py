@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 
 from app.charts.description import Array, Band, Bar, BarChart, Chart, Limit, Line, Points, Span
+from app.figures import decibels
 from nav_model.analytic import regime
 from nav_model.budget import Budget
 from nav_model.provenance import WIDE_SAWTOOTH, provenance
@@ -276,9 +277,9 @@ def response_chart(budget: Budget) -> Chart:
         if response is None
         else (
             f"1σ quadratic: width {float(response.half_power_extent_cells) * sar.cell_length:.3g} m "
-            f"({float(response.half_power_extent_cells):.4g} cells), PSLR {float(response.pslr_fixed_db):.2f} dB, "
-            f"ISLR {float(response.islr_fixed_db):.2f} dB (outside the error-free main lobe, whole line), "
-            f"peak loss {-float(response.peak_loss_db):.2f} dB."
+            f"({float(response.half_power_extent_cells):.4g} cells), PSLR {decibels(response.pslr_fixed_db)}, "
+            f"ISLR {decibels(response.islr_fixed_db)} (outside the error-free main lobe, whole line), "
+            f"peak loss {decibels(-response.peak_loss_db)}."
         )
     )
     metres = cells * sar.cell_length
@@ -292,7 +293,7 @@ def response_chart(budget: Budget) -> Chart:
                 key,
                 label,
                 metres,
-                np.maximum(values, -60.0),
+                np.where(np.isfinite(values), values, np.nan),  # an exact null has no logarithm
                 style,
                 "aperture integral [S-5]",
             )
