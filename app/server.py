@@ -17,7 +17,7 @@ import panel as pn
 from app import workers
 from app.page import Frame, is_review_link
 from app.serving.access import provider_of
-from app.serving.handlers import Metrics, around
+from app.serving.handlers import Metrics, around, close_door
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.rules import Rules
 from app.state import Session
@@ -28,6 +28,7 @@ from nav_model.link import from_query
 
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
 _MAX_HEADER = 65_536  # a design as a link is far shorter
+_LAST_WORDS = 0.5  # seconds for results to reach the pages once all work has ended
 
 
 def first_design() -> Design:
@@ -112,7 +113,8 @@ def _counted(metrics: Metrics) -> Any:
 
 
 def _run(server: Any, grace: float) -> None:
-    """Run until told to stop: nobody new is let in, heavy work may end, then everything is closed.
+    """Run until told to stop: nobody new is let in, heavy work may end and reach who asked for it, then everything
+    is closed.
 
     A second signal does not wait.
     """
@@ -120,9 +122,14 @@ def _run(server: Any, grace: float) -> None:
     stopping: list[asyncio.Task[None]] = []
 
     async def wind_down() -> None:
-        server.unlisten()
+        # Not Bokeh's `unlisten`, which also cuts what is just being answered.
+        server._http.stop()
+        close_door()
         deadline = loop.time() + grace
-        while workers.under_way() and loop.time() < deadline:
+        idle_since = loop.time()
+        while loop.time() < min(deadline, idle_since + _LAST_WORDS):
+            if workers.under_way():
+                idle_since = loop.time()
             await asyncio.sleep(0.05)
         server.io_loop.stop()
 

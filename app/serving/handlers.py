@@ -69,10 +69,16 @@ class Metrics:
 
 
 class _Limit:
-    """How many sessions there may be, and what the handlers tell of them."""
+    """How many sessions there may be, whether new ones are let in, and what the handlers tell of them."""
 
     most = 1
+    stopping = False
     metrics: Metrics
+
+
+def close_door() -> None:
+    """Let no new session in, over connections that are open already either."""
+    _Limit.stopping = True
 
 
 class LimitedDocHandler(DocHandler):
@@ -80,24 +86,27 @@ class LimitedDocHandler(DocHandler):
 
     async def get(self, *arguments: Any, **options: Any) -> None:
         """The page of a new session, or 503 with a page that says so."""
+        if _Limit.stopping:
+            self._turn_away("Restarting", "This server is being stopped or restarted.", after=10)
+            return
         if self.current_user is not None and len(list(self.application_context.sessions)) >= _Limit.most:
             _Limit.metrics.refused.inc()
             event("full", sessions=_Limit.most)
-            self.set_status(503)
-            self.set_header("Retry-After", "60")
-            self.finish(
-                plain_page(
-                    "All places are taken",
-                    f"This server keeps {_Limit.most} sessions at a time, and all are in use. A place becomes free "
-                    "shortly after somebody closes the page.",
-                    again=self.request.uri,
-                    link_text="Try again",
-                )
+            self._turn_away(
+                "All places are taken",
+                f"This server keeps {_Limit.most} sessions at a time, and all are in use. A place becomes free "
+                "shortly after somebody closes the page.",
+                after=60,
             )
             return
         page = super().get(*arguments, **options)
         if page is not None:  # None: sent to log in
             await page
+
+    def _turn_away(self, title: str, text: str, after: int) -> None:
+        self.set_status(503)
+        self.set_header("Retry-After", str(after))
+        self.finish(plain_page(title, text, again=self.request.uri, link_text="Try again"))
 
 
 class LimitedWSHandler(WSHandler):
@@ -116,7 +125,7 @@ class LimitedWSHandler(WSHandler):
             self.finish()
             return
         known = {session.id for session in self.application_context.sessions}
-        if wanted not in known and len(known) >= _Limit.most:
+        if wanted not in known and (_Limit.stopping or len(known) >= _Limit.most):
             _Limit.metrics.refused.inc()
             self.set_status(503)
             self.finish()
@@ -173,7 +182,7 @@ class _Headers(OutputTransform):
 
 def around(rules: Rules, metrics: Metrics, server: dict[str, Any]) -> dict[str, Any]:
     """What the server must be told, beside the dashboard itself."""
-    _Limit.most, _Limit.metrics = rules.max_sessions, metrics
+    _Limit.most, _Limit.metrics, _Limit.stopping = rules.max_sessions, metrics, False
     metrics.limit.set(rules.max_sessions)
     # The page and its connection; the ways to embed the page elsewhere are not offered.
     per_app_patterns[:] = [(r"/ws", LimitedWSHandler), (r"/?", LimitedDocHandler)]
