@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import ipaddress
 import secrets
 import signal
@@ -13,6 +14,7 @@ from importlib.resources import files
 from typing import Any
 
 import panel as pn
+import panel.io.document
 
 from app import workers
 from app.page import Frame, is_review_link
@@ -97,10 +99,23 @@ def serve(rules: Rules) -> None:
         raise DesignError("--address", f"cannot listen on {rules.address}:{rules.port}: {error.strerror}") from error
     running |= {"server": server, "uptime": lambda: time.monotonic() - began}
     Frame(Session(first_design()))  # the first visitor should not wait for what Python loads late
+    _settle()
     print(f"NavBudget on http://{_host(rules.address)}:{port}", flush=True)
     event("started", address=rules.address, port=port, protected=rules.protected)
     _run(server, rules.grace)
     event("stopped")
+
+
+def _settle() -> None:
+    """Keep Python's collector from holding everybody up.
+
+    A page is some 50,000 objects, and a full collection looks at all of every open page: a second with fifty of them.
+    What is loaded by now stays, and need not be looked at again. And Panel collects in full whenever a page was
+    closed; left to itself Python does so once a quarter of what is alive is new, which bounds memory all the same.
+    """
+    gc.collect()
+    gc.freeze()
+    panel.io.document._garbage_collect = lambda: None
 
 
 def _counted(metrics: Metrics) -> Any:

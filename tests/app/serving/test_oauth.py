@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 
-
 def test_oauth_sends_to_the_provider(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PANEL_OAUTH_SECRET", "secret-of-the-client")
     with serving("--oauth-provider", "github", "--oauth-key", "the-id", "--oauth-allow", "ada") as served:
