@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from bokeh.protocol.exceptions import ProtocolError
 from bokeh.server.urls import per_app_patterns
 from bokeh.util.token import get_session_id
 from panel.io.server import DocHandler, WSHandler
@@ -129,6 +130,18 @@ class LimitedWSHandler(WSHandler):
             _Limit.metrics.refused.inc()
             self.set_status(503)
             self.finish()
+
+    async def _handle(self, message: Any) -> Any:
+        """As Bokeh, but a page may change what it shows, not put another document in its place."""
+        if message.msgtype == "PUSH-DOC":
+            raise ProtocolError("PUSH-DOC is not taken")
+        return await super()._handle(message)
+
+    async def send_message(self, message: Any) -> None:
+        """As Bokeh, but a fault is not told with its traceback, which says where and what is installed here."""
+        if message.msgtype == "ERROR":
+            message.content = {"text": "the server could not do this", "traceback": None}
+        await super().send_message(message)
 
 
 class Alive(RequestHandler):

@@ -26,14 +26,6 @@ _TOKEN = re.compile(r'"token":"([^"]+)"')
 _XSRF = re.compile(r'name="_xsrf" value="([^"]+)"')
 
 
-async def hang_up(connection: WebSocketClientConnection) -> None:
-    connection.close()
-    with suppress(TimeoutError):
-        async with asyncio.timeout(0.5):
-            while await connection.read_message() is not None:
-                pass
-
-
 @dataclass
 class Served:
     """A running server and the cookies of one visitor."""
@@ -85,6 +77,15 @@ class Served:
             subprotocols=["bokeh", token],
         )
 
+    @staticmethod
+    async def hang_up(connection: WebSocketClientConnection) -> None:
+        """Close and let the server know."""
+        connection.close()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(0.5):
+                while await connection.read_message() is not None:
+                    pass
+
     def hello(self, token: str, origin: str | None = None) -> str | None:
         """The first thing the server says to a connection; None if it hangs up instead."""
 
@@ -92,7 +93,7 @@ class Served:
             connection = await self.connect(token, origin)
             said = await asyncio.wait_for(connection.read_message(), 20)
             if said is not None:
-                await hang_up(connection)
+                await self.hang_up(connection)
             return said if said is None else str(said)
 
         return asyncio.run(first())
@@ -111,7 +112,7 @@ class Served:
 
 
 @contextmanager
-def serving(*options: str, log: Path | None = None) -> Iterator[Served]:
+def _serving(*options: str, log: Path | None = None) -> Iterator[Served]:
     with open(log or os.devnull, "w") as errors:
         process = subprocess.Popen(
             [sys.executable, "-m", "app.cli", "serve", "--port", "0", *options],
@@ -131,16 +132,22 @@ def serving(*options: str, log: Path | None = None) -> Iterator[Served]:
                 assert process.wait(timeout=20) == 0
 
 
+@pytest.fixture(scope="session")
+def serving() -> Callable[..., Any]:
+    """A context manager: a server started with options, seen by a visitor without cookies."""
+    return _serving
+
+
 @pytest.fixture(scope="module")
 def people(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("people") / "people"
-    path.write_text(f"# the team\n\n{password_line('ada', PASSWORD)}\n{password_line('bob', PASSWORD + '2')}\n")
+    path.write_text(f"# the team\n\n{password_line('ada', _PASSWORD)}\n{password_line('bob', _PASSWORD + '2')}\n")
     return path
 
 
 @pytest.fixture(scope="module")
 def guarded(people: Path) -> Iterator[Served]:
-    with serving("--password-file", str(people)) as served:
+    with _serving("--password-file", str(people)) as served:
         yield served
 
 

@@ -14,7 +14,7 @@ from app.serving.access import Tries
 PASSWORD = "correct horse battery"
 
 
-def test_nothing_without_login(visitor: Served) -> None:
+def test_nothing_without_login(visitor: Any) -> None:
     status, _, headers = visitor.ask("/?arw=0.5deg/sqrt(h)")
     assert status == 302
     assert headers["Location"].startswith("./login?next=%2F%3Farw")
@@ -24,7 +24,7 @@ def test_nothing_without_login(visitor: Served) -> None:
     assert visitor.ask("/metadata")[0] == 404
 
 
-def test_login_leads_to_where_the_visitor_was_going(visitor: Served) -> None:
+def test_login_leads_to_where_the_visitor_was_going(visitor: Any) -> None:
     status, _, headers = visitor.log_in("ada", PASSWORD, "/login?next=%2F%3Farw%3D1")
     assert status == 302
     assert headers["Location"] == "/?arw=1"
@@ -38,7 +38,7 @@ def test_login_leads_to_where_the_visitor_was_going(visitor: Served) -> None:
     ("name", "password"),
     [("ada", PASSWORD + "2"), ("eve", PASSWORD), ("ada", ""), ("", ""), ("ada", "x" * 5000), ("<b>ada", PASSWORD)],
 )
-def test_wrong_password(visitor: Served, name: str, password: str) -> None:
+def test_wrong_password(visitor: Any, name: str, password: str) -> None:
     status, text, _ = visitor.log_in(name, password)
     assert status == 401
     assert "Name or password is wrong." in text
@@ -47,7 +47,7 @@ def test_wrong_password(visitor: Served, name: str, password: str) -> None:
     assert visitor.ask("/")[0] == 302
 
 
-def test_login_form_must_come_from_the_page(visitor: Served) -> None:
+def test_login_form_must_come_from_the_page(visitor: Any) -> None:
     assert visitor.ask("/login", {"username": "ada", "password": PASSWORD})[0] == 403
     assert "user" not in visitor.cookies
 
@@ -55,18 +55,18 @@ def test_login_form_must_come_from_the_page(visitor: Served) -> None:
 @pytest.mark.parametrize(
     "wanted", ["https://example.org/", "//example.org/", "/\\example.org", "javascript:alert(1)"]
 )
-def test_login_does_not_send_anybody_elsewhere(visitor: Served, wanted: str) -> None:
+def test_login_does_not_send_anybody_elsewhere(visitor: Any, wanted: str) -> None:
     assert visitor.ask(f"/login?next={urllib.parse.quote(wanted, safe='')}")[0] == 400
 
 
-def test_forged_cookie(visitor: Served) -> None:
+def test_forged_cookie(visitor: Any) -> None:
     for secret in ("", "secret", "x" * 64):
         visitor.cookies["user"] = create_signed_value(secret, "user", "ada").decode() if secret else "ada"
         assert visitor.ask("/")[0] == 302
         assert visitor.refused(generate_jwt_token(generate_session_id())) == 403
 
 
-def test_a_session_nobody_was_given_is_not_opened(visitor: Served) -> None:
+def test_a_session_nobody_was_given_is_not_opened(visitor: Any) -> None:
     visitor.log_in("ada", PASSWORD)
     assert visitor.hello(generate_jwt_token(generate_session_id())) is None
     assert visitor.refused("no.token") == 403
@@ -76,12 +76,12 @@ def test_a_session_nobody_was_given_is_not_opened(visitor: Served) -> None:
 
 
 @pytest.mark.parametrize("origin", ["http://example.org", "null", "http://127.0.0.1", "http://127.0.0.1.example.org"])
-def test_wrong_origin_on_the_websocket(visitor: Served, origin: str) -> None:
+def test_wrong_origin_on_the_websocket(visitor: Any, origin: str) -> None:
     visitor.log_in("ada", PASSWORD)
     assert visitor.refused(visitor.token(), origin) == 403
 
 
-def test_logout(visitor: Served) -> None:
+def test_logout(visitor: Any) -> None:
     visitor.log_in("ada", PASSWORD)
     assert visitor.ask("/")[0] == 200
     status, text, _ = visitor.ask("/logout")

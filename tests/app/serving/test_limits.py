@@ -11,11 +11,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import pytest
 from tornado.websocket import WebSocketClosedError
 
+PASSWORD = "correct horse battery"
 
-def test_session_limit(tmp_path: Path) -> None:
+
+def test_session_limit(serving: Any) -> None:
     with serving("--max-sessions", "2", "--session-lifetime", "1") as served:
 
         async def crowd() -> None:
@@ -30,7 +31,7 @@ def test_session_limit(tmp_path: Path) -> None:
             assert "All places are taken" in text
             connections.append(await served.connect(tokens[0]))  # the same page again is not a new session
             for connection in connections:
-                await hang_up(connection)
+                await served.hang_up(connection)
 
         asyncio.run(crowd())
         metrics = served.metrics()
@@ -42,7 +43,7 @@ def test_session_limit(tmp_path: Path) -> None:
             time.sleep(0.2)
 
 
-def test_metrics_and_liveness(visitor: Served) -> None:
+def test_metrics_and_liveness(visitor: Any) -> None:
     assert visitor.ask("/liveness")[0] == 200
     before = visitor.metrics()
     visitor.log_in("ada", PASSWORD)
@@ -54,18 +55,18 @@ def test_metrics_and_liveness(visitor: Served) -> None:
     assert 5e7 < after["process_resident_memory_bytes"] < 2e9
 
 
-def test_metrics_are_not_for_a_forwarded_stranger(visitor: Served) -> None:
+def test_metrics_are_not_for_a_forwarded_stranger(visitor: Any) -> None:
     stranger = {"X-Forwarded-For": "192.0.2.7"}
     assert visitor.ask("/metrics", **stranger)[0] == 403
     visitor.log_in("ada", PASSWORD)
     assert visitor.ask("/metrics", **stranger)[0] == 200
 
 
-def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(people: Path, tmp_path: Path) -> None:
+def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(serving: Any, people: Path, tmp_path: Path) -> None:
     log = tmp_path / "log"
     with serving("--password-file", str(people), "--behind-proxy", "--log", "json", log=log) as served:
         assert served.ask("/metrics", **{"X-Forwarded-For": "192.0.2.7"})[0] == 403
-        found = _XSRF.search(served.ask("/login")[1])
+        found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
         assert found
         body = {"_xsrf": found[1], "username": "ada", "password": PASSWORD}
         _, _, headers = served.ask("/login", body, **{"X-Forwarded-For": "192.0.2.7", "X-Forwarded-Proto": "https"})
@@ -76,7 +77,7 @@ def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(people: Path, tmp_path
     )
 
 
-def test_every_answer_keeps_other_sites_out(visitor: Served) -> None:
+def test_every_answer_keeps_other_sites_out(visitor: Any) -> None:
     for path in ("/login", "/liveness", "/metrics", "/nowhere", "/static/js/bokeh.min.js"):
         headers = visitor.ask(path)[2]
         assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
@@ -84,7 +85,7 @@ def test_every_answer_keeps_other_sites_out(visitor: Served) -> None:
         assert "Tornado" not in headers["Server"]
 
 
-def test_oversized_requests_do_not_stop_the_server(visitor: Served) -> None:
+def test_oversized_requests_do_not_stop_the_server(visitor: Any) -> None:
     with socket.create_connection(("127.0.0.1", visitor.port), timeout=20) as raw:
         raw.sendall(b"POST /login HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10000000\r\n\r\n")
         assert raw.recv(100).startswith((b"HTTP/1.1 400", b"HTTP/1.1 413"))
@@ -96,14 +97,14 @@ def test_oversized_requests_do_not_stop_the_server(visitor: Served) -> None:
         await connection.read_message()
         with suppress(WebSocketClosedError):
             await connection.write_message("x" * 21_000_000)
-        await hang_up(connection)
+        await visitor.hang_up(connection)
         return connection.close_code
 
     assert asyncio.run(flood()) in {1006, 1009, None}
     assert visitor.ask("/liveness")[0] == 200
 
 
-def test_json_log_never_says_what_a_design_says(tmp_path: Path) -> None:
+def test_json_log_never_says_what_a_design_says(serving: Any, tmp_path: Path) -> None:
     log = tmp_path / "log"
     with serving("--log", "json", log=log) as served:
         served.ask("/?n=SECRETNAME&arw=0.777deg/sqrt(h)")
@@ -115,7 +116,7 @@ def test_json_log_never_says_what_a_design_says(tmp_path: Path) -> None:
             connection = await served.connect(token)
             await connection.read_message()
             await connection.write_message('{"SECRETMESSAGE": 1}')
-            await hang_up(connection)
+            await served.hang_up(connection)
 
         asyncio.run(rubbish())
     text = log.read_text()

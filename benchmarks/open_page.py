@@ -32,12 +32,13 @@ class Tab:
     _reading: asyncio.Task[None] | None = None
 
     @classmethod
-    async def open(cls, server: str) -> Tab:
+    async def open(cls, server: str, cookies: str = "") -> Tab:
         """Fetch the page, connect, take the document, say that it stands."""
-        page = await AsyncHTTPClient().fetch(server + "/", request_timeout=120)
+        known = {"Cookie": cookies} if cookies else {}
+        page = await AsyncHTTPClient().fetch(server + "/", headers=known, request_timeout=120)
         found = _TOKEN.search(page.body.decode())
         assert found, "no token in the page"
-        request = HTTPRequest(server.replace("http", "ws") + "/ws", headers={"Origin": server})
+        request = HTTPRequest(server.replace("http", "ws") + "/ws", headers={"Origin": server, **known})
         connection = await websocket_connect(
             request, subprotocols=["bokeh", found[1]], max_message_size=100_000_000, ping_interval=0
         )
@@ -51,7 +52,7 @@ class Tab:
     async def pull(self) -> None:
         """Take the document as it is now."""
         self._reply = asyncio.get_running_loop().create_future()
-        await self._send("PULL-DOC-REQ", {})
+        await self.send("PULL-DOC-REQ", {})
         self.objects = list(_objects(json.loads(await asyncio.wait_for(self._reply, 120))["doc"]))
 
     def find(self, **wanted: Any) -> dict[str, Any]:
@@ -65,18 +66,19 @@ class Tab:
         """Change a model as the browser's side does."""
         for name, value in values.items():
             change = {"kind": "ModelChanged", "model": {"id": model}, "attr": name, "new": value}
-            await self._send("PATCH-DOC", {"events": [change]})
+            await self.send("PATCH-DOC", {"events": [change]})
 
     async def event(self, name: str, **values: Any) -> None:
         """Send an event such as a click."""
         entries = {"entries": list(values.items())} if values else {}
         data = {"type": "event", "name": name, "values": {"type": "map", **entries}}
-        await self._send(
+        await self.send(
             "PATCH-DOC", {"events": [{"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": data}]}
         )
 
-    async def click(self, model: str) -> None:
-        """Press a button."""
+    async def click(self, data: str) -> None:
+        """Press the button that shows this model's data."""
+        model = next(m["id"] for m in self.objects if _id(m["attributes"].get("data")) == data)
         await self.event("dom_event", model={"id": model}, node="click", data={"type": "map", "entries": []})
 
     def expect(self, models: set[str]) -> asyncio.Future[None]:
@@ -91,11 +93,12 @@ class Tab:
         if self._reading is not None:
             await asyncio.wait([self._reading], timeout=5)
 
-    async def _send(self, kind: str, content: dict[str, Any]) -> None:
+    async def send(self, kind: str, content: Any) -> None:
+        """Send a message; text goes as it is."""
         self._sent += 1
         await self.connection.write_message(json.dumps({"msgid": str(self._sent), "msgtype": kind}))
         await self.connection.write_message("{}")
-        await self.connection.write_message(json.dumps(content))
+        await self.connection.write_message(content if isinstance(content, str) else json.dumps(content))
 
     async def _read(self) -> None:
         """Take messages apart by their first and third frame; the frames of arrays are counted, not looked at."""
@@ -129,6 +132,10 @@ def _objects(part: Any) -> Iterator[dict[str, Any]]:
     elif isinstance(part, list):
         for value in part:
             yield from _objects(value)
+
+
+def _id(value: Any) -> str | None:
+    return value.get("id") if isinstance(value, dict) else None
 
 
 def _plain(value: Any) -> bool:
