@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import asyncio
 import multiprocessing
-import os
 from collections.abc import Callable
 from functools import cache
 from multiprocessing.connection import Connection
 
+from app import workers
 from app.log_study import LogRequest, Study, study_log
 from nav_model.inputs import DesignError
 
@@ -36,35 +36,37 @@ async def study_elsewhere(request: LogRequest, progress: Callable[[float, str], 
     places = _places()
     if places.locked():
         progress(0.0, WAITING)
-    async with places:
-        context = multiprocessing.get_context("spawn")
-        receiver, sender = context.Pipe(duplex=False)
-        process = context.Process(target=_work, args=(sender, request), daemon=True)
-        process.start()
-        sender.close()
-        try:
-            while True:
-                kind, *content = await asyncio.to_thread(receiver.recv)
-                if kind == "progress":
-                    progress(*content)
-                elif kind == "refused":
-                    raise DesignError(*content)
-                else:
-                    return content[0]
-        except EOFError as error:
-            raise LogJobLost("the analysis ended without an answer; the log may need more memory") from error
-        finally:
-            process.kill()
-            await asyncio.to_thread(process.join)
+    with workers.counted():
+        async with places:
+            context = multiprocessing.get_context("spawn")
+            receiver, sender = context.Pipe(duplex=False)
+            process = context.Process(target=_work, args=(sender, request), daemon=True)
+            process.start()
+            sender.close()
+            try:
+                while True:
+                    kind, *content = await asyncio.to_thread(receiver.recv)
+                    if kind == "progress":
+                        progress(*content)
+                    elif kind == "refused":
+                        raise DesignError(*content)
+                    else:
+                        return content[0]
+            except EOFError as error:
+                raise LogJobLost("the analysis ended without an answer; the log may need more memory") from error
+            finally:
+                process.kill()
+                await asyncio.to_thread(process.join)
 
 
 @cache
 def _places() -> asyncio.Semaphore:
-    """As many logs at a time as leave one core to the pages."""
-    return asyncio.Semaphore(max(1, (os.cpu_count() or 2) - 1))
+    """As many logs at a time as the pool has processes."""
+    return asyncio.Semaphore(workers.size())
 
 
 def _work(sender: Connection, request: LogRequest) -> None:
+    workers.step_back()
     try:
         study = study_log(request, lambda fraction, what: sender.send(("progress", fraction, what)))
     except DesignError as error:
