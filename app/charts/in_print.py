@@ -152,8 +152,8 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
             "linestyle": "none",
             "markersize": 4.5,
         }
-        if points.sizes is None:
-            axes.plot(points.x, points.y, zorder=3, **look)
+        if points.sizes is None:  # whole even on the edge of the frame, unless the frame was chosen
+            axes.plot(points.x, points.y, zorder=3, clip_on=bool(chart.x_range or chart.y_range), **look)
         else:
             marker = {"color": look["color"], "marker": look["marker"], "zorder": 3}
             axes.scatter(points.x, points.y, s=(LINE_SCALE * points.sizes) ** 2, linewidths=0.9, **marker)

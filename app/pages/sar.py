@@ -159,6 +159,7 @@ class SarPage:
                 self._state.object = f'<p role="status">{escape(news)}</p>'
                 return
             self._result = news
+            self._session.keep("sar", news)
             self._write()
             for pane, pictures, (_, draw) in zip(self._pictures, (news.points, news.scene), _PICTURES, strict=True):
                 pane.object = picture_gallery(draw(pictures))

@@ -32,7 +32,9 @@ from app.report.equations import REFERENCES, with_cited
 from app.report.inputs import MARKS_EXPLAINED, doubtful_inputs, input_rows
 from app.report.wording import (
     best_of,
+    chapter_key,
     degrees,
+    design_labels,
     labelled,
     millimetres,
     number,
@@ -87,16 +89,6 @@ def report_of(
     told = [section for chapter in chapters for section in chapter.sections] + [*added]
     shared = (*added, *_shared(budgets, labels, told))
     return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), chapters, shared)
-
-
-def design_labels(count: int) -> list[str]:
-    """What designs are called beside one another; one alone has no label."""
-    return [""] if count == 1 else [f"D{i}" for i in range(1, count + 1)]
-
-
-def chapter_key(label: str) -> str:
-    """What the keys of a design's sections begin with; its label is empty for one design alone."""
-    return label.lower() or "d"
 
 
 def _chapter(budget: Budget, label: str, facts: tuple[tuple[str, str], ...], studies: Sequence[Section]) -> Chapter:

@@ -16,8 +16,8 @@ from nav_model.sar.geometry import metres_to_phase
 
 REFERENCES = (
     "Strategies: Rauch, Tung and Striebel, Maximum likelihood estimates of linear dynamic systems, AIAA Journal "
-    "3(8), 1965 (8). After Kim, Fellerhoff and Kohler, 2001 (6), and Song et al., 2015 and 2017 (7): reconstructions, the "
-    "literature names the schemes and not their gains.",
+    "3(8), 1965 (8). After Kim, Fellerhoff and Kohler, 2001 (6), and Song et al., 2015 and 2017 (7): "
+    "reconstructions, the literature names the schemes and not their gains.",
 )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 from app.charts import simulate as charts
 from app.report.chart_block import chart_block
@@ -44,7 +45,7 @@ REFERENCES = (
 
 def belongs(study: DesignStudy, design: Design) -> bool:
     """Whether the study was flown for exactly this design."""
-    return _design(study).content_hash == design.content_hash
+    return _content_hash(study.design_file) == design.content_hash
 
 
 def of_design(study: DesignStudy) -> str:
@@ -67,6 +68,12 @@ def sections(study: DesignStudy, key: str) -> tuple[Section, ...]:
         ),
         Section(f"{key}-simulation-charts", "Simulation: errors against time", drawn),
     )  # fmt: skip
+
+
+@lru_cache(maxsize=32)
+def _content_hash(design_file: str) -> str:
+    """Asked for at every step of a slider."""
+    return parse_design(design_file).content_hash
 
 
 def _design(study: DesignStudy) -> Design:

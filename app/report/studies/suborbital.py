@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 from app.charts import suborbital as charts
+from app.charts.description import Chart
 from app.charts.suborbital import Shown
 from app.report.chart_block import chart_block
 from app.report.document import Block, Cell, Column, Section, Text, Verdict
-from app.report.document import Table as Block_Table
+from app.report.document import Table as ReportTable
 from app.report.wording import number, percent
 from app.suborbital import tables
 from app.suborbital.finding import Finding
@@ -46,7 +50,7 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
         Section(
             f"{key}-suborbital",
             "Suborbital flight: what a star tracker repairs, and what it does not",
-            (*_answer(finding), *(_table(table, key) for table in tables.paper_tables(shown))),
+            (*_answer(finding), *_paper_tables(shown, key)),
             REFERENCES,
         ),
         Section(
@@ -71,8 +75,8 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
     )  # fmt: skip
 
 
-def _drawn(describe: tuple[tables.Callable[[Shown], object], ...], shown: Shown, key: str) -> tuple[Block, ...]:
-    return tuple(chart_block(draw(shown), f"{key}-suborbital") for draw in describe)  # type: ignore[arg-type]
+def _drawn(describe: tuple[Callable[[Shown], Chart], ...], shown: Shown, key: str) -> tuple[Block, ...]:
+    return tuple(chart_block(draw(shown), f"{key}-suborbital") for draw in describe)
 
 
 def _takes_a_design(settings: Settings) -> bool:
@@ -110,7 +114,7 @@ def _answer(finding: Finding) -> tuple[Block, ...]:
     )
 
 
-def _table(table: tables.Table, key: str) -> Block_Table:
+def _table(table: tables.Table, key: str) -> ReportTable:
     """A table of the page as a table of the report: the same rows, the same digits."""
 
     def cell(value: tables.Cell) -> Cell:
@@ -118,16 +122,23 @@ def _table(table: tables.Table, key: str) -> Block_Table:
             return Cell("–", tone="quiet")
         return Cell(value if isinstance(value, str) else tables.number(value, table.digits))
 
-    return Block_Table(
+    first = max(1.9, 0.28 * len(table.heads))  # the more columns of numbers, the narrower each
+    return ReportTable(
         f"{key}-suborbital-{table.key}",
         table.title,
-        tuple(Column(head, numeric=i > 0, width=1.9 if i == 0 else 1.0) for i, head in enumerate(table.heads)),
+        (Column(table.heads[0], width=first), *(Column(head, numeric=True, width=1) for head in table.heads[1:])),
         tuple(tuple(cell(value) for value in row) for row in table.rows),
         table.knowledge,
     )
 
 
-def _inputs(finding: Finding, key: str) -> Block_Table:
+def _paper_tables(shown: Shown, key: str) -> tuple[ReportTable, ...]:
+    """The four tables; what all have under them stands under the last."""
+    *first, last = (_table(table, key) for table in tables.paper_tables(shown))
+    return (*(replace(table, note="") if table.note == last.note else table for table in first), last)
+
+
+def _inputs(finding: Finding, key: str) -> ReportTable:
     rows: list[tuple[Cell, ...]] = []
     for title, group in GROUPS.items():
         rows.append((Cell(title),))
@@ -139,7 +150,7 @@ def _inputs(finding: Finding, key: str) -> Block_Table:
             )
             for setting in group
         ]
-    return Block_Table(
+    return ReportTable(
         f"{key}-suborbital-inputs-table",
         "Every input of the suborbital study, with its origin",
         (Column("Input", width=1.3), Column("Value", width=1.2), Column("Origin", width=1.2)),
