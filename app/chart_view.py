@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import re
 from collections.abc import Callable
 from html import escape
 from typing import Generic, TypeVar
@@ -15,18 +14,13 @@ from app.charts.description import AnyChart, to_csv
 from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
+from app.prose import prose
 from app.state import Session
 from app.theme import FRAME, SHEET
 from app.workers import elsewhere
 from nav_model.budget import Budget
 
 _T = TypeVar("_T")
-_MARK = re.compile(r"\[[A-Z]-\d+\]")
-
-
-def prose(text: str) -> str:
-    """Text for our own HTML: escaped, equation marks such as [T-9] kept in one piece."""
-    return _MARK.sub(r'<span class="nw">\g<0></span>', escape(text))
 
 
 def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> pn.pane.HTML:

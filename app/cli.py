@@ -82,6 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     report = commands.add_parser("report", help="write a design report")
     _design_arguments(report, one=False)
     report.add_argument("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
+    _study_arguments(report)
     report.set_defaults(run=_report)
 
     suborbital = commands.add_parser(
@@ -156,6 +157,25 @@ def _parser() -> argparse.ArgumentParser:
     sweep.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do the work")
     sweep.set_defaults(run=_sweep)
     return parser
+
+
+def _study_arguments(report: argparse.ArgumentParser) -> None:
+    report.add_argument(
+        "--with",
+        dest="studies",
+        default="",
+        metavar="STUDY,...",
+        help="run these and tell their results in each design's chapter: simulation, sar, suborbital",
+    )
+    add = report.add_argument_group("the studies of --with").add_argument
+    add("--runs", type=int, metavar="N", help="of simulation and SAR (default 100 and 200)")
+    add("--seed", type=int, default=1, metavar="S", help="of every study (default 1)")
+    add("--trajectory", default="wandering", metavar="NAME-or-FILE", help="of the simulation, as in `simulate`")
+    add("--duration", type=float, metavar="S",
+        help="of a simulated run (default: 400 s with fixes, then the design's outage; or the file's)")  # fmt: skip
+    add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
+        help="of the simulation; may be repeated (default: the design's own, at the end)")  # fmt: skip
+    add("--workers", type=int, metavar="W", help="processes of the simulation (default: all cores but one)")
 
 
 def _explore_arguments(commands: Any) -> None:
@@ -350,9 +370,9 @@ def check_lines(path: str, budget: Budget) -> list[str]:
 
 def _report(options: argparse.Namespace) -> int:
     paths = _paths(options)
-    from app.report import write_report
+    from app.report_command import write_report_with
 
-    write_report([analyse(_read(path, options.changes)) for path in paths], options.output)
+    write_report_with([_read(path, options.changes) for path in paths], options)
     print(f"wrote {options.output}", file=sys.stderr)
     return 0
 

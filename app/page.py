@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import html
 import importlib
@@ -17,6 +18,9 @@ from panel.util import edit_readonly
 from app.controls import SECTION_TITLES, Control, section_controls
 from app.once_shown import once_shown
 from app.report import report_of_text
+from app.report.studies import study_sections
+from app.report.wording import chapter_key
+from app.report_choice import ReportChoice
 from app.state import Session
 from app.theme import DARK, LIGHT
 from app.workers import elsewhere
@@ -185,6 +189,7 @@ class Frame:
             label="Open", accept=".toml", icon="folder_open", max_file_size=MAX_BYTES, **_TOOL_LOOK
         )
         self._open.param.watch(self._opened, "value")
+        self._choice = ReportChoice(session)
         return pn.FlexBox(
             undo,
             redo,
@@ -194,6 +199,7 @@ class Frame:
             link,
             self._download("HTML report", "description", "html", functools.partial(self._report, "html")),
             self._download("PDF report", "picture_as_pdf", "pdf", functools.partial(self._report, "pdf")),
+            self._choice.view,
             sizing_mode="stretch_width",
             margin=(2, 6, 0, 6),
         )
@@ -212,7 +218,10 @@ class Frame:
     async def _report(self, suffix: str) -> io.BytesIO:
         self.session.running = True
         try:
-            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), f".{suffix}"))
+            text, findings = format_design(self.session.design), self._choice.chosen()
+            # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
+            study = await asyncio.to_thread(study_sections, findings, parse_design(text), chapter_key(""))
+            return io.BytesIO(await elsewhere(report_of_text, text, f".{suffix}", study))
         finally:
             self.session.running = False
 

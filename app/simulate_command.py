@@ -52,6 +52,17 @@ def simulate_design(design: Design, options: argparse.Namespace) -> None:
     print(f"wrote {options.output}", file=sys.stderr)
 
 
+def fly_design(design: Design, options: argparse.Namespace) -> DesignStudy:
+    """The study of a design with options as `navbudget simulate` has them, progress on standard error.
+
+    Raises
+    ------
+    DesignError
+        For an option or a key of the design that cannot be flown.
+    """
+    return _fly(design, _specification(design, options, keep_runs=False), options)
+
+
 def _kind(options: argparse.Namespace) -> str:
     if options.output is None:
         return ".json"

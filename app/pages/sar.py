@@ -14,23 +14,24 @@ from app.charts.description import AnyChart
 from app.charts.sar import (
     FILTERED,
     INERTIAL,
+    POINT_TITLE,
+    SCENE_TITLE,
     arw_winner_chart,
     gnss_winner_chart,
     navigation_chart,
+    point_picture,
     quadratic_chart,
     residual_chart,
     responses_chart,
-    short_name,
+    scene_picture,
 )
 from app.pages.sar_upload import UploadedPicture
-from app.pictures import gallery
+from app.pictures import picture_gallery
 from app.sar_run import Progress, SarResult, SarRun
 from app.sar_words import answer, caution_list, error_table, response_table
 from app.state import Session
 from nav_model.budget import Budget
 from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
-from nav_model.sar.pictures import Pictures
-from nav_model.sar.strategies import STRATEGY_KEYS
 
 _RUNS = (100, 200, 500, 1000)
 
@@ -158,9 +159,10 @@ class SarPage:
                 self._state.object = f'<p role="status">{escape(news)}</p>'
                 return
             self._result = news
+            self._session.keep("sar", news)
             self._write()
-            for pane, pictures, (_, over) in zip(self._pictures, (news.points, news.scene), _PICTURES, strict=True):
-                pane.object = _strategy_gallery(pictures, over)
+            for pane, pictures, (_, draw) in zip(self._pictures, (news.points, news.scene), _PICTURES, strict=True):
+                pane.object = picture_gallery(draw(pictures))
             stale = news.stale(self._budget)
             self._state.object = _standing(news.study, stale)
             for chart, _ in self._charts:
@@ -172,26 +174,7 @@ class SarPage:
         self._stop.disabled = not running
 
 
-_PICTURES = (
-    ("Point target, azimuth by range", "over the error-free peak; the typical run"),
-    (
-        "Eight point targets on the ground: pairs four and two cells apart, one at −14 dB beside a strong one",
-        "over a unit target; the typical run",
-    ),
-)
-
-
-def _strategy_gallery(pictures: Pictures, over: str) -> str:
-    peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
-    captions = [f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks]
-    axes = f"azimuth across ±{pictures.x[-1]:.3g} m, range upwards ±{pictures.y[-1]:.3g} m"
-    cell = f"range cell {pictures.range_cell:.3g} m" + (
-        ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
-        if pictures.bandwidth_cut
-        else ", taken equal to the azimuth resolution"
-    )
-    names = [short_name(key) for key in STRATEGY_KEYS]
-    return gallery(pictures.power_db, names, captions, axes, f"{over}; {cell}")
+_PICTURES = ((POINT_TITLE, point_picture), (SCENE_TITLE, scene_picture))
 
 
 def _standing(study: DesignStudy | None, stale: bool) -> str:

@@ -23,6 +23,7 @@ from app.sortable_table import SortableTable
 from app.state import Session
 from app.suborbital.answer import answer, waiting
 from app.suborbital.controls import SettingControl, setting_controls
+from app.suborbital.finding import Finding
 from app.suborbital.tables import (
     Table,
     gravity_table,
@@ -352,6 +353,7 @@ class SuborbitalPage:
     def _put_on_screen(self, study: Any) -> None:
         assert self.survey is not None
         self.shown = Shown(self.survey, study, **self._looks)
+        self._session.keep("suborbital", Finding(self.shown, self.settings, self.gap))
         with pn.io.hold():
             self._answer.object = answer(self.shown, self.settings, self.gap)
             self._draw()

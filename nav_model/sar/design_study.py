@@ -7,7 +7,7 @@ their own, so the result does not depend on who runs them or in which order; wha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -190,8 +190,10 @@ def gather(
     )
 
 
-def design_study(design: Design, runs: int = 200, seed: int = 0) -> DesignStudy:
-    """The whole study of one design, in this process.
+def design_study(
+    design: Design, runs: int = 200, seed: int = 0, progress: Callable[[int, int], None] | None = None
+) -> DesignStudy:
+    """The whole study of one design, in this process; progress takes the runs done and all of them.
 
     Raises
     ------
@@ -204,7 +206,11 @@ def design_study(design: Design, runs: int = 200, seed: int = 0) -> DesignStudy:
     budget = analyse(design)
     case = design_case(budget)
     tuning = choose_tuning(case.models[1], case.aperture_time, seed)
-    parts = [run_chunk(case, tuning, seed, index, size) for index, size in enumerate(sizes)]
+    parts = []
+    for index, size in enumerate(sizes):
+        parts.append(run_chunk(case, tuning, seed, index, size))
+        if progress is not None:
+            progress(sum(sizes[: index + 1]), runs)
     history = typical_history(case, tuning, seed, *typical_place(parts))
     return gather(budget, case, tuning, seed, parts, history)
 

@@ -207,6 +207,19 @@ def study_of(design: Design, result: SimulationResult) -> DesignStudy:
     )
 
 
+def moments(study: DesignStudy) -> tuple[tuple[str, int], ...]:
+    """Where a study is summed up: what the moment is called and its place in the result's `time_s`.
+
+    The last fix before the longest outage and the end of that outage; without one, the last fix of the flight.
+    """
+    spec, time_s = study.result.spec, study.result.time_s
+    outage = max(spec.outages, key=lambda pair: pair[1] - pair[0], default=None)
+    named = [("at the last fix", outage[0] if outage else spec.duration)]
+    if outage:
+        named.append(("at the end of the outage", min(outage[1], spec.duration)))
+    return tuple((name, int(np.argmin(np.abs(time_s - at)))) for name, at in named)
+
+
 def _settling(design: Design) -> float:
     """Four time constants of the slower channel, the vertical one, s²/v11; at least a minute. [T-4], [T-8]"""
     gnss = design.gnss
