@@ -94,15 +94,20 @@ class Frame:
         self._pages[event.new].show(self.session.budget)
         for index, place in enumerate(self._places):
             place.visible = index == event.new
-        if pn.state.location:
-            pn.state.location.hash = f"#{PAGES[event.new][0].lower()}"
+        name, location = PAGES[event.new][0].lower(), pn.state.location
+        if location and location.hash.lstrip("#").lower().partition("-")[0] != name:
+            location.hash = f"#{name}"
 
     def _go_to(self, address: str) -> None:
+        """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
         self._loaded = True
-        wanted = address.lstrip("#").lower()
+        wanted, _, place = address.lstrip("#").partition("-")
         for index, (name, _) in enumerate(PAGES):
-            if name.lower() == wanted and index != self._tabs.active:
+            if name.lower() == wanted.lower():
                 self._tabs.active = index
+                go_to = getattr(self._pages[index], "go_to", None)
+                if place and go_to:
+                    go_to(place)
 
     def _open_page(self, index: int) -> None:
         if index not in self._pages:

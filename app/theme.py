@@ -44,6 +44,8 @@ SHEET = """
 .num { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .nw { white-space: nowrap; }
 .quiet { opacity: .78; }
+a { color: inherit; text-underline-offset: 2px; }
+a.eq { white-space: nowrap; text-decoration: underline dotted; }
 .strip { display: flex; flex-wrap: wrap; gap: 6px 28px; align-items: center; padding: 10px 16px;
   border: 1px solid; border-color: color-mix(in srgb, currentColor 25%, transparent);
   border-left: 8px solid; border-radius: 6px; }
