@@ -151,8 +151,8 @@ def differences() -> str:
     )
     head = ("Result", "Stated elsewhere", "Here", "Holds", "Why")
     return (
-        '<h2 id="differences">Where figures differ</h2><p>Papers, design notes and simpler methods that say something '
-        "else. Each row is shown by a test.</p>" + _table("Where figures differ", head, rows)
+        '<h2 id="differences">Where figures differ</h2><p>Papers, design notes and simpler methods that say '
+        "something else. Each row is shown by a test.</p>" + _table("Where figures differ", head, rows)
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from app.charts.budget import BUDGET_CHARTS
 from app.charts.description import BarChart, Chart
+from app.charts.spoken import in_words
 from app.report.comparison import comparison_chapter
 from app.report.document import (
     Approval,
@@ -199,13 +200,9 @@ def _steady(budget: Budget, key: str) -> Table:
 
 def _chart(chart: Chart | BarChart, key: str) -> ChartBlock:
     """A chart with its description; limits that are not given leave no trace, not even in the legend."""
-    if isinstance(chart, BarChart):
-        series = f"Bars for {', '.join(bar.label for bar in chart.bars)}."
-    else:
+    if isinstance(chart, Chart):
         chart = replace(chart, limits=tuple(limit for limit in chart.limits if not math.isnan(limit.level)))
-        labels = [item.label for group in (chart.bands, chart.lines, chart.points) for item in group]
-        series = f"{chart.y_label} against {chart.x_label}: {', '.join(labels)}."
-    return ChartBlock(f"{key}-chart-{chart.key}", chart, f"{chart.title}. {series} {chart.knowledge}")
+    return ChartBlock(f"{key}-chart-{chart.key}", chart, f"{chart.title}. {in_words(chart)} {chart.knowledge}")
 
 
 def _growth(budget: Budget, key: str) -> tuple[ChartBlock | Table, ...]:

@@ -97,7 +97,8 @@ def test_the_shrunk_fit_can_lose_along_the_line_of_sight(differs):
     differs(
         "Shrunk quadratic correction (5w) against the INS alone (2)", "S-2", "5w never loses",
         f"5w leaves {shrunk:.1f} mm, 2 leaves {ins:.1f} mm, navigation grade, 1 m fixes, 10 s at 5 km from 100 m/s",
-        "ours", "on one axis 5w is never worse; along the line of sight its fitted line brings the fixes' velocity noise, "
+        "ours",
+        "on one axis 5w is never worse; along the line of sight its fitted line brings the fixes' velocity noise, "
         "which the turning line of sight bends into a quadratic, as exact ranges show",
     )  # fmt: skip
 
