@@ -32,7 +32,7 @@ _MAX_HEADER = 65_536  # a design as a link is far shorter
 
 def first_design() -> Design:
     """What a visitor without a link sees: a real inertial unit under a real radar."""
-    text = files("app").joinpath("first_design.toml").read_text(encoding="utf-8")
+    text = files("app").joinpath("examples/mems_x_band.toml").read_text(encoding="utf-8")
     return parse_design(text, "first design")
 
 

@@ -37,6 +37,9 @@ FRAME = {
 }
 """Around a chart; follows the page's text colour, so it holds in the dark."""
 
+PRINT_NOTHING = "@media print { :host { display: none !important; } }"
+"""Sheet of what has no place on paper: tools, tabs, fields."""
+
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.
 SHEET = """
