@@ -35,7 +35,7 @@ _LAST_WORDS = 0.5  # seconds for results to reach the pages once all work has en
 
 def first_design() -> Design:
     """What a visitor without a link sees: a real inertial unit under a real radar."""
-    text = files("app").joinpath("first_design.toml").read_text(encoding="utf-8")
+    text = files("app").joinpath("examples/mems_x_band.toml").read_text(encoding="utf-8")
     return parse_design(text, "first design")
 
 
@@ -69,7 +69,7 @@ def serve(rules: Rules) -> None:
         If the rules contradict each other, or the address cannot be listened on.
     """
     rules.check()
-    pn.extension("tabulator")
+    pn.extension()
     set_up(rules.log)
     workers.use(rules.workers)
     began, running, metrics = time.monotonic(), dict[str, Any](), Metrics()
