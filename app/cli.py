@@ -104,8 +104,14 @@ def _parser() -> argparse.ArgumentParser:
         "--noise-runs", type=int, default=0, metavar="N", help="also fly N INS with white noise alone (Monte Carlo)"
     )
     suborbital.set_defaults(run=_suborbital)
-    simulate = commands.add_parser("simulate", help="Monte Carlo of a design against the closed forms")
+    simulate = commands.add_parser(
+        "simulate",
+        help="Monte Carlo of a design against the closed forms",
+        description="Flies the design as a strapdown INS with a Kalman filter, many times over. --set takes keys of "
+        "the design and sensor errors, receiver and tuning beyond it, e.g. --set gyro.bias_instability='25 °/h'.",
+    )
     _design_arguments(simulate, one=True)
+    simulate.add_argument("--inputs", action="store_true", help="list what --set takes beyond the design and stop")
     simulate.add_argument("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
     simulate.add_argument("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
     simulate.add_argument(
@@ -388,10 +394,14 @@ def _suborbital(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> int:
-    (path,) = _paths(options)
-    from app.simulate_command import simulate_design
+    from app.simulate_command import list_inputs, simulate_design
+    from nav_model.simulation.study_inputs import read_study_inputs, split_changes
 
-    simulate_design(_read(path, options.changes), options)
+    if options.inputs:
+        return list_inputs()
+    (path,) = _paths(options)
+    of_design, of_study = split_changes(options.changes)
+    simulate_design(_read(path, of_design), read_study_inputs(of_study), options)
     return 0
 
 

@@ -13,7 +13,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nav_model.simulation.departures import departures
+from nav_model.design import Design
+from nav_model.design_file import format_design
+from nav_model.simulation.departures import chain, departures
 from nav_model.simulation.monte_carlo import SimulationCancelled, chunks, local_pool, run_chunk, simulate
 from nav_model.simulation.result import to_arrays, to_csv, to_json
 from nav_model.simulation.single_run import POSTERIOR, fly
@@ -152,7 +154,7 @@ def check_against_closed_form(spec: SimulationSpec) -> None:
         ratio = result.rms[POSTERIOR, row] / result.closed_form_sigma[row]
         columns = [0, 1, 3, 4, 6, 7] + ([2, 5] if after <= 45.0 else [])
         assert np.all((ratio[columns] > low) & (ratio[columns] < high)), after
-    found = departures(result)
+    found = departures(result, chain(format_design(Design({"flight.speed": 50.0})), spec))
     assert not any(d.group == "position" and d.axis == "north" and d.start_s > 400.0 for d in found)
     assert all(d.reason for d in found)
     share = result.tilt_share_m[-1, 0] / result.closed_form_sigma[-1, 0]
