@@ -134,7 +134,8 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument(
         "--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)"
     )
-    simulate.add_argument("--states", type=int, choices=(9, 15), default=9, help="of the filter; 15 estimates biases")
+    simulate.add_argument("--states", type=int, choices=(9, 15, 21), default=9,
+        help="of the filter; 15 estimates biases, 21 two kinds of them apart")  # fmt: skip
     simulate.add_argument("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
     simulate.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
     simulate.add_argument("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")

@@ -28,8 +28,9 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
         said.append(f"Flown beyond the design, and not in the closed forms: {listed}.")
     if design.imu.accelerometer_bias or design.imu.gyro_bias:
         filter_knows = (
-            "the filter of 15 states estimates them: an outage starts with less of them than the closed forms assume"
-            if spec.filter.states == 15
+            f"the filter of {spec.filter.states} states estimates them: an outage starts with less of them than the "
+            "closed forms assume"
+            if spec.filter.states > 9
             else "the filter of 9 states does not know them, so its covariance is optimistic; in level flight tilt "
             "takes up most of an accelerometer bias"
         )
@@ -61,8 +62,8 @@ def _of_the_filter(spec: SimulationSpec) -> list[str]:
     if spec.filter.states == 15 and mixed:
         said.append(
             f"The {' and '.join(mixed)} bias is a Gauss-Markov process on top of a constant or a random walk, and "
-            "the filter has one state for the sum, a random walk of the same drive 2σ²/τ: exact for times short against "
-            "the correlation time, pessimistic for long ones."
+            "the filter has one state for the sum, a random walk of the same drive 2σ²/τ: exact for times short "
+            "against the correlation time, pessimistic for long ones. The filter of 21 states keeps the two apart."
         )
     told = {key: value for key, value in added(spec).items() if key.endswith("noise_scale")}
     if told:

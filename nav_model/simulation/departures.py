@@ -214,7 +214,10 @@ def instruments_beside(spec: SimulationSpec) -> list[str]:
     gyro, accelerometer, tuning = spec.imu.gyro, spec.imu.accelerometer, spec.filter
     moving = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in (gyro, accelerometer))
     cases = (
-        (tuning.states == 15 and moving, "15 states, of which six are biases that the closed form does not hold"),
+        (
+            tuning.states > 9 and moving,
+            f"{tuning.states} states, {tuning.states - 9} of them biases, which the closed form does not hold",
+        ),
         (tuning.process_noise_scale != 1.0, f"process noise told ×{tuning.process_noise_scale:g}"),
         (tuning.gnss_noise_scale != 1.0, f"fix noise told ×{tuning.gnss_noise_scale:g}"),
         (spec.gnss.velocity_noise is not None, "velocity fixes"),

@@ -77,8 +77,8 @@ def specification(
     [T-3] on all axes, so that little time is spent settling; yaw starts at 0.1°.
 
     trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as `read_trajectory` gives.
-    duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases. more: sensor errors,
-    receiver and tuning beyond the design.
+    duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases, or 21 for one that
+    tells two kinds of bias apart. more: sensor errors, receiver and tuning beyond the design.
 
     Raises DesignError naming the key of the design, or the option, that cannot be flown.
     """

@@ -13,6 +13,7 @@ from typing import Final, Literal, get_args
 
 TrajectoryKind = Literal["wandering", "straight", "turns", "climb", "file"]
 TRAJECTORY_KINDS: Final[tuple[str, ...]] = get_args(TrajectoryKind)
+FILTER_STATES: Final = (9, 15, 21)
 HIGHEST_LATITUDE: Final = math.radians(85.0)
 
 
@@ -184,7 +185,10 @@ class InitialErrors:
 
 @dataclass(frozen=True)
 class FilterModel:
-    """The error-state filter: 9 states (position, velocity, attitude) or 15 (and both biases).
+    """The error-state filter: 9 states (position, velocity, attitude), 15 (and both biases) or 21.
+
+    With 15 one state holds all of a sensor's bias; where a Gauss-Markov bias comes on top of a constant or a
+    random walk, 21 keep the two apart, which is exact.
 
     The multipliers scale what the filter believes, as standard deviations, against what the sensors do:
     1 is matched tuning, `process_noise_scale` = sqrt(0.5) halves the process noise.
@@ -210,8 +214,8 @@ class FilterModel:
                 "initial_scale",
             ),
         )
-        if self.states not in (9, 15):
-            raise _refuse("FilterModel.states", self.states, "9 or 15")
+        if self.states not in FILTER_STATES:
+            raise _refuse("FilterModel.states", self.states, ", ".join(map(str, FILTER_STATES)))
 
 
 @dataclass(frozen=True)

@@ -196,7 +196,7 @@ class StudyInputs:
         return forward, right, down
 
     def filter(self, states: int) -> FilterModel:
-        """The filter of 9 or 15 states with this tuning."""
+        """The filter of so many states with this tuning."""
         tuning = {name: value for name, value in self._section("filter") if name != "initial_yaw"}
         return FilterModel(states=states, **tuning)
 

@@ -93,7 +93,7 @@ def test_a_plain_study_parts_only_where_the_earth_makes_it() -> None:
     [
         ({"trajectory": "turns"}, {}, "flight", "not straight and level"),
         ({}, {"filter.gnss_noise_scale": "2"}, "filter", "fix noise told ×2"),
-        ({"states": 15}, {"gyro.bias_instability": "60 °/h"}, "filter", "six are biases"),
+        ({"states": 15}, {"gyro.bias_instability": "60 °/h"}, "filter", "6 of them biases"),
         ({}, {"gyro.bias_instability": "60 °/h"}, "errors", "biases, for which 9 states have no place"),
         ({}, {"filter.process_noise_scale": "0.5"}, "errors", "mismatched tuning"),
     ],
