@@ -423,11 +423,7 @@ def _allan(options: argparse.Namespace) -> int:
             _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
         ),
     )
-    try:
-        result = study_log(request, _say_progress)
-    except OSError as error:
-        raise DesignError(options.log, f"cannot be read: {error.strerror or error}") from error
-    return _put_json(study_to_json(result), options.output)
+    return _put_json(study_to_json(study_log(request, _say_progress)), options.output)
 
 
 def _say_progress(fraction: float, what: str) -> None:
