@@ -105,8 +105,14 @@ def _parser() -> argparse.ArgumentParser:
         "--noise-runs", type=int, default=0, metavar="N", help="also fly N INS with white noise alone (Monte Carlo)"
     )
     suborbital.set_defaults(run=_suborbital)
-    simulate = commands.add_parser("simulate", help="Monte Carlo of a design against the closed forms")
+    simulate = commands.add_parser(
+        "simulate",
+        help="Monte Carlo of a design against the closed forms",
+        description="Flies the design as a strapdown INS with a Kalman filter, many times over. --set takes keys of "
+        "the design and sensor errors, receiver and tuning beyond it, e.g. --set gyro.bias_instability='25 °/h'.",
+    )
     _design_arguments(simulate, one=True)
+    simulate.add_argument("--inputs", action="store_true", help="list what --set takes beyond the design and stop")
     simulate.add_argument("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
     simulate.add_argument("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
     simulate.add_argument(
@@ -129,7 +135,8 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument(
         "--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)"
     )
-    simulate.add_argument("--states", type=int, choices=(9, 15), default=9, help="of the filter; 15 estimates biases")
+    simulate.add_argument("--states", type=int, choices=(9, 15, 21), default=9,
+        help="of the filter; 15 estimates biases, 21 two kinds of them apart")  # fmt: skip
     simulate.add_argument("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
     simulate.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
     simulate.add_argument("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
@@ -408,10 +415,14 @@ def _suborbital(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> int:
-    (path,) = _paths(options)
-    from app.simulate_command import simulate_design
+    from app.simulate_command import list_inputs, simulate_design
+    from nav_model.simulation.study_inputs import read_study_inputs, split_changes
 
-    simulate_design(_read(path, options.changes), options)
+    if options.inputs:
+        return list_inputs()
+    (path,) = _paths(options)
+    of_design, of_study = split_changes(options.changes)
+    simulate_design(_read(path, of_design), read_study_inputs(of_study), options)
     return 0
 
 
@@ -432,11 +443,7 @@ def _allan(options: argparse.Namespace) -> int:
             _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
         ),
     )
-    try:
-        result = study_log(request, _say_progress)
-    except OSError as error:
-        raise DesignError(options.log, f"cannot be read: {error.strerror or error}") from error
-    return _put_json(study_to_json(result), options.output)
+    return _put_json(study_to_json(study_log(request, _say_progress)), options.output)
 
 
 def _say_progress(fraction: float, what: str) -> None:
