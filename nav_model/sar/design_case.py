@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nav_model.analytic.discrete import cycle
+from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.inputs import DesignError
@@ -70,6 +70,8 @@ def design_case(budget: Budget) -> DesignCase:
             accelerometer_bias=design.imu.accelerometer_bias,
             gyro_bias=design.imu.gyro_bias,
             horizontal=horizontal,
+            slow_sigma=design.gnss.correlated_noise if design.gnss.correlated else 0.0,
+            slow_time=design.gnss.correlation_time,
         )
         for noise, horizontal in ((design.gnss.position_noise, True), (_vertical_noise(design), False))
     )
@@ -96,20 +98,23 @@ def conditions(
 
     The state at the last fix is that of the sampled filter just after it [T-8], for each fix noise
     (``gnss_factor`` times the design's, vertical with it) and each angle random walk [rad/s/sqrt(Hz)],
-    the vibration factor applied to what is given too.
+    the vibration factor applied to what is given too. A slow GNSS error that is switched on stays as it is.
     """
     design = budget.design
     imu, gnss, flight = design.imu, design.gnss, design.flight
     accelerometer = imu.velocity_random_walk * imu.vibration_factor
     gyro = (imu.angle_random_walk if gyro_noise is None else np.asarray(gyro_noise)) * imu.vibration_factor
     level, upright = gnss.position_noise * np.asarray(gnss_factor), _vertical_noise(design) * np.asarray(gnss_factor)
+    slow = SlowError(gnss.correlated_noise, gnss.correlation_time) if gnss.correlated else None
+    settled = cycle(accelerometer, gyro, flight.gravity, gnss.interval, level, upright, slow)
     return Conditions(
         aperture_time=budget.sar.aperture_time if aperture_time is None else aperture_time,
         gnss_sigma=level,
         fix_interval=gnss.interval,
         accelerometer_noise=accelerometer,
         gyro_noise=gyro,
-        start=cycle(accelerometer, gyro, flight.gravity, gnss.interval, level, upright).posterior.horizontal,
+        start=settled.posterior.horizontal,
+        start_vertical=settled.posterior.vertical,
         coast_time=design.coast.before_aperture,
         gravity=flight.gravity,
         accelerometer_bias=imu.accelerometer_bias,
@@ -118,6 +123,9 @@ def conditions(
         vertical_gnss_sigma=upright,
         turn_rate=flight.speed / design.radar.slant_range,
         autofocus_order=budget.sar.autofocus_order,
+        squint_angle=design.radar.squint_angle,
+        slow=slow,
+        slow_with_tilt=settled.slow_with_tilt,
     )
 
 
@@ -133,13 +141,13 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     said = []
     if design.gnss.correlated:
         said.append(
-            "The slow GNSS error is switched on and not covered here: strategies, map and advice take the white "
-            "fix noise alone. The Budget page's phase lines include its effect on the tilt."
+            "The slow GNSS error is switched on: the filter estimates it [T-8], the fits of 5 and 5w follow it. On the "
+            "map the fix noise is the white part; the slow error stays as it is."
         )
     if design.radar.squint_angle:
         said.append(
-            "Squint enters the simulated strategies and the pictures; closed forms, map, advice and the aperture "
-            "time [S-3] are broadside."
+            "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight bends velocity errors of all "
+            "axes; cells and widths are across the line of sight."
         )
     if design.coast.before_aperture > 0:
         said.append(

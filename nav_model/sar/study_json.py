@@ -34,7 +34,7 @@ def to_json(study: DesignStudy) -> dict[str, Any]:
         "autofocus_order": sar.autofocus_order,
         "window": sar.window,
         "fixes_in_aperture": study.fixes,
-        "slow_gnss_error": "not covered" if budget.design.gnss.correlated else "off",
+        "slow_gnss_error": "estimated by the filter" if budget.design.gnss.correlated else "off",
         "advice": advice(study.closed),
         "ensemble_sentence": study.sentence,
         "strategies": [_strategy(study, index) for index in range(len(STRATEGIES))],
