@@ -141,13 +141,13 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     said = []
     if design.gnss.correlated:
         said.append(
-            "The slow GNSS error is switched on: the filter estimates it [T-8], the fits of 5 and 5w follow it. On the "
-            "map the fix noise is the white part; the slow error stays as it is."
+            "The slow GNSS error is switched on: the filter estimates it [T-8], the fits of 5 and 5w follow it. On "
+            "the map the fix noise is the white part; the slow error stays as it is."
         )
     if design.radar.squint_angle:
         said.append(
-            "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight bends velocity errors of all "
-            "axes; cells and widths are across the line of sight."
+            "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight bends velocity errors of "
+            "all axes; cells and widths are across the line of sight."
         )
     if design.coast.before_aperture > 0:
         said.append(

@@ -116,7 +116,9 @@ def shrunk_residual_variance(
     left = shrunk_weight(ins_quadratic, fit_quadratic)
     with np.errstate(invalid="ignore"):
         gained = np.where(left > 0, left * np.asarray(fit_quadratic, float), 0.0)
-    gained = np.where(np.isfinite(fit_quadratic), gained, ins_quadratic) + 2 * left * (1 - left) * covariance
+    gained = np.where(np.isfinite(fit_quadratic), gained, ins_quadratic) + 2 * left * (1 - left) * np.asarray(
+        covariance, float
+    )
     return np.asarray(QUADRATIC_MEAN_SQUARE * gained + np.asarray(beyond_quadratic, float))
 
 

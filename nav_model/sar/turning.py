@@ -96,10 +96,19 @@ def free_quadratic_variance(
     return np.asarray(np.einsum("...i,...ij,...j", by_state, carried, by_state) + noise + (j * by_jerk) ** 2)
 
 
-def bent_variance(weights: _FloatArray, *free: _FloatArray | ArrayLike, **more: ArrayLike) -> _FloatArray:
-    """What the turn adds to the variance of the quadratic: with the weights less with the first alone.
+def bent_variance(
+    weights: _FloatArray,
+    start: _FloatArray,
+    accelerometer_noise: ArrayLike,
+    tilt_noise: ArrayLike,
+    aperture_time: ArrayLike,
+    coast_time: ArrayLike = 0.0,
+    jerk: ArrayLike = 0.0,
+) -> _FloatArray:
+    """What the turn adds to the variance [m²] of the quadratic: with the weights, less with the first alone.
 
     Arguments as `free_quadratic_variance`. It may be negative: the turn can work against the quadratic.
     """
-    still = weights * np.array([1.0, 0.0, 0.0])
-    return free_quadratic_variance(weights, *free, **more) - free_quadratic_variance(still, *free, **more)  # type: ignore[arg-type]
+    free = (start, accelerometer_noise, tilt_noise, aperture_time, coast_time, jerk)
+    still = np.asarray(weights * np.array([1.0, 0.0, 0.0]))
+    return np.asarray(free_quadratic_variance(weights, *free) - free_quadratic_variance(still, *free))
