@@ -203,7 +203,7 @@ def _refuse_hidden_target(squint: float, grazing: float) -> None:
         raise DesignError(
             "radar.squint_angle",
             f"{math.degrees(squint):.4g}° leaves no line of sight at a grazing angle of "
-            f"{math.degrees(grazing):.4g}°; at most {90 - math.degrees(grazing):.4g}° goes, or a smaller radar.grazing_angle",
+            f"{math.degrees(grazing):.4g}°; at most {90 - math.degrees(grazing):.4g}° goes, or less grazing angle",
         )
 
 

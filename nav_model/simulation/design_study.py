@@ -202,13 +202,15 @@ def study_of(design: Design, result: SimulationResult) -> DesignStudy:
         result=result,
         refined_sigma=_refined(design, result.coast_s),
         path=_path(result),
-        departures=tuple(departures(result, settling_s=_settling(design))),
+        departures=tuple(departures(result, settling_s=settling(design))),
         conditions=conditions(design, result.spec),
     )
 
 
-def _settling(design: Design) -> float:
-    """Four time constants of the slower channel, the vertical one, s²/v11; at least a minute. [T-4], [T-8]"""
+def settling(design: Design) -> float:
+    """Seconds until a run has forgotten its start: four time constants of the slower channel, the vertical one,
+    s²/v11; at least a minute. [T-4], [T-8]
+    """
     gnss = design.gnss
     noise = gnss.vertical_position_noise or gnss.position_noise
     sigma = analyse(design).steady_state.closed.position_vertical
