@@ -9,10 +9,9 @@ from typing import Any
 
 from nav_model.design import Design
 from nav_model.inputs import DesignError
+from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_study import DesignStudy, chunks, design_study
 from nav_model.sar.study_json import to_json
-
-_LEAST_BESIDE = 200  # runs of the fast engine beside the flights
 
 
 def sar(design: Design, options: argparse.Namespace) -> dict[str, Any]:
@@ -31,7 +30,7 @@ def sar(design: Design, options: argparse.Namespace) -> dict[str, Any]:
     if options.engine == "fast":
         return to_json(design_study(design, options.runs, options.seed))
     flown = _flown(design, options)
-    return to_json(flown, design_study(design, max(options.runs, _LEAST_BESIDE), options.seed))
+    return to_json(flown, design_study(design, max(options.runs, LEAST_BESIDE), options.seed))
 
 
 def _flown(design: Design, options: argparse.Namespace) -> DesignStudy:

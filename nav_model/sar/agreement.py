@@ -9,6 +9,9 @@ import numpy as np
 from nav_model.sar.design_study import DesignStudy
 from nav_model.sar.strategies import STRATEGIES
 
+LEAST_BESIDE = 200
+"""Runs of the fast engine, at least, that stand beside flights of the simulator."""
+
 _ALLOWED = 3.0  # standard errors
 
 
