@@ -42,8 +42,8 @@ def _flown(design: Design, options: argparse.Namespace) -> DesignStudy:
     try:
         with show_progress() as progress:
             if workers == 1:
-                return design_study(design, options.runs, options.seed, "simulator", None, progress)
+                return design_study(design, options.runs, options.seed, progress, engine="simulator")
             with local_pool(workers) as pool:
-                return design_study(design, options.runs, options.seed, "simulator", pool, progress)
+                return design_study(design, options.runs, options.seed, progress, engine="simulator", pool=pool)
     except ArithmeticError as error:
         raise DesignError("--engine", str(error)) from error

@@ -100,7 +100,7 @@ def response_table(study: DesignStudy | None, stale: bool) -> str:
             r, cell = study.responses, study.budget.sar.cell_length
             width = r["width_cells"]
             cells = [
-                f"{_number(float(width.median[index]))} cells = {_band(width, index, cell, ' m')}",
+                f"{_number(float(width.median[index]))} cells<br>{_band(width, index, cell, ' m')}",
                 *(
                     _decibels(r[name], index)
                     for name in (
@@ -145,7 +145,7 @@ def agreement_table(study: DesignStudy | None, beside: DesignStudy | None, stale
         "runs; ± one standard error of the ratio."
     )
     head = ("Simulator", "Error model", "Ratio", "Within three standard errors")
-    return _table("The two engines beside each other", note, head, rows, stale) + "<br>"
+    return "<br>" + _table("The two engines beside each other", note, head, rows, stale)
 
 
 def _table(title: str, note: str, head: tuple[str, ...], rows: list[tuple[str, list[str]]], stale: bool) -> str:

@@ -151,10 +151,10 @@ class SarPage:
         study = self._study
         self._answer.object = answer(self._budget, self._closed, study, stale)
         self._tables.object = (
-            agreement_table(study, self._result.beside if self._result else None, stale)
-            + error_table(self._budget, self._closed, study, stale)
+            error_table(self._budget, self._closed, study, stale)
             + "<br>"
             + response_table(study, stale)
+            + agreement_table(study, self._result.beside if self._result else None, stale)
             + caution_list(self._budget, study)
         )
         if not self._run.running:

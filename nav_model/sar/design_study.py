@@ -202,9 +202,10 @@ def design_study(
     design: Design,
     runs: int = 200,
     seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+    *,
     engine: Engine = "fast",
     pool: Executor | None = None,
-    progress: Callable[[int, int], None] | None = None,
 ) -> DesignStudy:
     """The whole study of one design, in this process or with the chunks sent to a `pool`.
 
