@@ -147,6 +147,15 @@ def _parser() -> argparse.ArgumentParser:
     _design_arguments(sar, one=True)
     sar.add_argument("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
     sar.add_argument("--seed", type=int, default=0, help="of the ensemble (default 0)")
+    sar.add_argument(
+        "--engine",
+        choices=("fast", "simulator"),
+        default="fast",
+        help="per-axis error model, or full flights of the simulator with the error model beside them (default fast)",
+    )
+    sar.add_argument(
+        "--workers", type=int, metavar="W", help="processes of the simulator (default: all cores but one)"
+    )
     sar.add_argument("-o", "--output", type=Path, metavar="FILE", help="write there instead of standard output")
     sar.set_defaults(run=_sar)
 
@@ -463,17 +472,9 @@ def _bench(option: str, key: str, text: str | None) -> float | None:
 
 def _sar(options: argparse.Namespace) -> int:
     (path,) = _paths(options)
-    design = _read(path, options.changes)
-    if options.seed < 0:
-        raise DesignError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
-    from nav_model.sar.design_study import chunks, design_study
-    from nav_model.sar.study_json import to_json as study_to_json
+    from app.sar_command import sar
 
-    try:
-        chunks(options.runs)
-    except ValueError as error:
-        raise DesignError("--runs", str(error)) from error
-    return _put_json(study_to_json(design_study(design, options.runs, options.seed)), options.output)
+    return _put_json(sar(_read(path, options.changes), options), options.output)
 
 
 def _put_json(data: dict[str, Any], output: Path | None) -> int:

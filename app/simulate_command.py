@@ -160,7 +160,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
     from nav_model.simulation.monte_carlo import chunks, simulate
 
     compare = closed_form(design, spec)
-    with _progress() as progress:
+    with show_progress() as progress:
         try:
             if options.scheduler:
                 with cluster_pool(options.scheduler) as (pool, threads):
@@ -178,7 +178,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
+def show_progress() -> Iterator[Callable[[int, int], None]]:
     """Runs done and time left: one line rewritten on a terminal, a line now and then elsewhere."""
     terminal = sys.stderr.isatty()
     began = said = time.monotonic()

@@ -29,10 +29,15 @@ class Sawtooth(NamedTuple):
 
 
 class Cycle(NamedTuple):
-    """The two ends of the sawtooth: just before a fix and just after it."""
+    """The two ends of the sawtooth: just before a fix and just after it.
+
+    ``slow_with_tilt`` [m rad]: after the fix, covariance of a horizontal channel's tilt error with the slow error
+    of the fixes itself; zero without one.
+    """
 
     prior: Sawtooth
     posterior: Sawtooth
+    slow_with_tilt: ArrayLike = 0.0
 
 
 class SlowError(NamedTuple):
@@ -201,7 +206,9 @@ def _augmented_cycle(
     posterior = after_fix(prior, row, r)
     if not all(np.all(np.diagonal(matrix, axis1=-2, axis2=-1).real > 0) for matrix in (prior, posterior)):
         raise ArithmeticError("the discrete Riccati equation lost the covariance to rounding")
-    return Cycle(*(_split(matrix[..., :3, :3], scale) for matrix in (prior, posterior)))
+    before, after = (_split(matrix[..., :3, :3], scale) for matrix in (prior, posterior))
+    # The estimate of the slow error is independent of the filter's errors; the error of that estimate is not.
+    return Cycle(before, after, -posterior[0, ..., 2, 3] * scale[0, ..., 2] * scale[0, ..., 0])
 
 
 def _augmented(

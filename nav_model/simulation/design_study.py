@@ -210,7 +210,7 @@ def study_of(design: Design, result: SimulationResult) -> DesignStudy:
         result=result,
         refined_sigma=_refined(design, result.coast_s),
         path=_path(result),
-        departures=tuple(departures(result, chain(text, result.spec), settling_s=_settling(design))),
+        departures=tuple(departures(result, chain(text, result.spec), settling_s=settling(design))),
         conditions=conditions(design, result.spec),
     )
 
@@ -228,8 +228,10 @@ def moments(study: DesignStudy) -> tuple[tuple[str, int], ...]:
     return tuple((name, int(np.argmin(np.abs(time_s - at)))) for name, at in named)
 
 
-def _settling(design: Design) -> float:
-    """Four time constants of the slower channel, the vertical one, s²/v11; at least a minute. [T-4], [T-8]"""
+def settling(design: Design) -> float:
+    """Seconds until a run has forgotten its start: four time constants of the slower channel, the vertical one,
+    s²/v11; at least a minute. [T-4], [T-8]
+    """
     gnss = design.gnss
     noise = gnss.vertical_position_noise or gnss.position_noise
     sigma = analyse(design).steady_state.closed.position_vertical
