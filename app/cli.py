@@ -164,7 +164,7 @@ def _parser() -> argparse.ArgumentParser:
     presets.add_argument("--json", action="store_true", help="as JSON")
     presets.set_defaults(run=_presets)
     _explore_arguments(commands)
-    sweep = commands.add_parser("sweep", help="evaluate grids of designs into a table")
+    sweep = commands.add_parser("sweep", help="evaluate grids of designs, in closed form or flown, into a table")
     sweep.add_argument("file", metavar="FILE", help="what to vary, TOML")
     sweep.add_argument("-o", "--output", required=True, metavar="OUT", help="OUT.csv or OUT.parquet")
     sweep.add_argument(
