@@ -35,7 +35,9 @@ from app.theme import FRAME
 from app.workers import elsewhere
 from nav_model.budget import Budget
 from nav_model.inputs import DesignError
-from nav_model.suborbital.settings import DEFAULTS, GROUPS, Settings, Value, from_design
+from nav_model.suborbital.input_table import GROUPS
+from nav_model.suborbital.setting import Value
+from nav_model.suborbital.settings import DEFAULTS, Settings, from_design
 from nav_model.suborbital.study import Gap, position_gap
 from nav_model.suborbital.survey import Renewed, Survey, moved, needs_other_matrices, needs_run, renewed, run_survey
 from nav_model.suborbital.survey_json import gap_json, survey_json

@@ -12,7 +12,8 @@ import numpy as np
 from nav_model.design import Design
 from nav_model.design_file import read_bytes
 from nav_model.inputs import DesignError
-from nav_model.suborbital.settings import DEFAULTS, GROUPS, from_design, read_changes
+from nav_model.suborbital.input_table import GROUPS
+from nav_model.suborbital.settings import DEFAULTS, from_design, read_changes
 from nav_model.suborbital.study import noise_ensemble
 from nav_model.suborbital.survey import Survey, run_survey
 from nav_model.suborbital.survey_json import survey_json

@@ -18,7 +18,9 @@ from bokeh.models import CustomJSTickFormatter
 
 from app.controls import LogSlider
 from nav_model.inputs import DesignError
-from nav_model.suborbital.settings import SETTINGS, Setting, Settings, Value
+from nav_model.suborbital.input_table import SETTINGS
+from nav_model.suborbital.setting import Setting, Value
+from nav_model.suborbital.settings import Settings
 from nav_model.units import from_si, to_si
 
 _STEP = 0.02  # decades: 4.7 % a key press

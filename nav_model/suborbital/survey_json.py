@@ -7,7 +7,8 @@ import shlex
 from typing import Any
 
 from nav_model.suborbital.frames import ARCSEC
-from nav_model.suborbital.settings import DEFAULTS, SETTINGS, Settings
+from nav_model.suborbital.input_table import SETTINGS
+from nav_model.suborbital.settings import DEFAULTS, Settings
 from nav_model.suborbital.study import Gap, Study
 from nav_model.suborbital.summary import to_json
 from nav_model.suborbital.survey import Survey

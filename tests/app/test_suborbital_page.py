@@ -18,7 +18,8 @@ from app.pages.suborbital import SuborbitalPage
 from app.server import first_design
 from app.state import Session
 from app.suborbital.tables import PAPER_NOTE, paper_tables, source_table
-from nav_model.suborbital.settings import DEFAULTS, SETTINGS
+from nav_model.suborbital.input_table import SETTINGS
+from nav_model.suborbital.settings import DEFAULTS
 from nav_model.suborbital.survey import Survey, run_survey
 
 # Panel Material UI warns of its own widgets.

@@ -1,0 +1,143 @@
+"""One input of the suborbital study: what it may be, and text with units <-> SI.
+
+Text with units exists only in `Setting.read` and `Setting.show`. Three-axis inputs take one number for all axes
+or three, separated by commas.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from nav_model.inputs import DesignError
+from nav_model.suborbital.errors import Triple
+from nav_model.units import DIMENSIONS, QuantityError, format_quantity, join_quantity, parse_quantity, plain_number
+
+Value = float | Triple | str | tuple[tuple[float, float], ...] | None
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One input.
+
+    kind: "number" (a plain one when dimension is empty), "whole", "triple" (three axes), "choice" or
+    "intervals" (pairs start-stop); low and high bound a number, or the size of each axis; optional: None is
+    allowed; small: where a slider starts above zero.
+    """
+
+    key: str
+    label: str
+    doc: str
+    kind: str
+    default: Value
+    dimension: str = ""
+    unit: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    small: float | None = None
+    optional: bool = False
+    choices: tuple[str, ...] = ()
+
+    def check(self, value: Value) -> Value:
+        """The value itself; DesignError with the key, the value and what is allowed."""
+        if value is None and self.optional:
+            return value
+        if self.kind == "choice":
+            if value not in self.choices:
+                raise DesignError(self.key, f"{value!r} is not allowed; it must be one of {', '.join(self.choices)}")
+            return value
+        if self.kind == "intervals":
+            assert isinstance(value, tuple)
+            for pair in value:
+                assert isinstance(pair, tuple)
+                if not (0 <= pair[0] < pair[1] < math.inf):
+                    said = f"{pair[0]:g}-{pair[1]:g} s"
+                    raise DesignError(self.key, f"{said} must start at 0 or later, and before it stops")
+            return value
+        numbers = value if isinstance(value, tuple) else (value,)
+        for number in numbers:
+            assert isinstance(number, float | int)
+            size = abs(number) if self.kind == "triple" else number
+            if not self.low <= size <= self.high:  # NaN lands here too
+                raise DesignError(self.key, f"{self._one(number, 6)} is not allowed; {self.allowed()}")
+            if self.kind == "whole" and number != round(number):
+                raise DesignError(self.key, f"{number:g} is not a whole number")
+        return value
+
+    def allowed(self) -> str:
+        """The bounds in words."""
+        low, high = (self._one(x, 6) for x in (self.low, self.high))
+        if self.kind == "triple":
+            return f"each axis must be at most {high} in size"
+        return f"it must be at least {low} and at most {high}"
+
+    def read(self, text: str, unit: str = "") -> Value:
+        """Text as a person writes it -> SI, checked. unit: taken where the text gives none.
+
+        Raises
+        ------
+        DesignError
+            Naming the key, what was given and what is allowed.
+        """
+        stripped = text.strip()
+        if self.optional and stripped.lower() in ("", "none"):
+            return None
+        if self.kind == "choice":
+            return self.check(stripped)
+        if self.kind == "intervals":
+            return self.check(_read_intervals(self.key, stripped))
+        parts = [part.strip() for part in re.split(r"[,;]", stripped)] if self.kind == "triple" else [stripped]
+        if len(parts) not in (1, 3):
+            raise DesignError(self.key, f"{stripped!r} has {len(parts)} values; give one for all axes, or three")
+        last = _NUMBER_FIRST.sub("", parts[-1]).strip() or unit
+        try:
+            numbers = [self._number(part, last) for part in parts]
+        except QuantityError as error:
+            raise DesignError(self.key, str(error)) from error
+        if self.kind != "triple":
+            return self.check(numbers[0])
+        x, y, z = numbers if len(numbers) == 3 else numbers * 3
+        return self.check((x, y, z))
+
+    def _number(self, part: str, unit: str) -> float:
+        if not self.dimension:
+            try:
+                return float(part.replace("−", "-"))
+            except ValueError as error:
+                raise QuantityError(f"{part[:40]!r} is not a number") from error
+        return parse_quantity(part if _NUMBER_FIRST.sub("", part).strip() else f"{part} {unit}", self.dimension).value
+
+    def show(self, value: Value, digits: int = 6) -> str:
+        """A value in SI as text that `read` takes back, to `digits` significant digits."""
+        if value is None:
+            return "none"
+        if isinstance(value, str):
+            return value
+        if self.kind == "intervals":
+            assert isinstance(value, tuple)
+            return ", ".join(f"{start:g}-{stop:g} s" for start, stop in value)  # type: ignore[misc]
+        if not isinstance(value, tuple):
+            return self._one(value, digits)
+        factor = float(DIMENSIONS[self.dimension].units[self.unit])
+        numbers = ", ".join(plain_number(float(x) / factor, digits) for x in value)  # type: ignore[arg-type]
+        return join_quantity(numbers, self.unit)
+
+    def _one(self, value: float, digits: int) -> str:
+        if not self.dimension or not math.isfinite(value):
+            return f"{value:.{digits}g}"
+        return format_quantity(value, self.unit, self.dimension, digits)
+
+
+_NUMBER_FIRST = re.compile(r"^[+\-−]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+\-−]?\d+)?")
+_INTERVAL = re.compile(r"(\d+(?:\.\d+)?)\s*[-–]\s*(\d+(?:\.\d+)?)\s*s?")
+
+
+def _read_intervals(key: str, text: str) -> tuple[tuple[float, float], ...]:
+    pairs = []
+    for part in filter(None, (piece.strip() for piece in re.split(r"[,;]", text))):
+        match = _INTERVAL.fullmatch(part)
+        if match is None:
+            raise DesignError(key, f'{part[:40]!r} is not an interval; write for example "200-260 s, 400-410 s"')
+        pairs.append((float(match[1]), float(match[2])))
+    return tuple(pairs)
