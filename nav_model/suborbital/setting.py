@@ -1,7 +1,7 @@
 """One input of the suborbital study: what it may be, and text with units <-> SI.
 
-Text with units exists only in `Setting.read` and `Setting.show`. Three-axis inputs take one number for all axes
-or three, separated by commas.
+Text with units exists only in `Setting.read`, `Setting.take` and `Setting.show`. Inputs of several axes take one
+number for all of them or one each, separated by commas.
 """
 
 from __future__ import annotations
@@ -9,21 +9,23 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
 
-from nav_model.inputs import DesignError
-from nav_model.suborbital.errors import Triple
-from nav_model.units import DIMENSIONS, QuantityError, format_quantity, join_quantity, parse_quantity, plain_number
+from nav_model.inputs import DesignError, shown
+from nav_model.units import QuantityError, format_quantity, join_quantity, parse_quantity
 
-Value = float | Triple | str | tuple[tuple[float, float], ...] | None
+Value = float | str | tuple[float, ...] | tuple[tuple[float, float], ...] | None
+"""What an input may hold, SI."""
 
 
 @dataclass(frozen=True)
 class Setting:
     """One input.
 
-    kind: "number" (a plain one when dimension is empty), "whole", "triple" (three axes), "choice" or
-    "intervals" (pairs start-stop); low and high bound a number, or the size of each axis; optional: None is
-    allowed; small: where a slider starts above zero.
+    kind: "number" (a plain one when dimension is empty), "whole", "axes" (as many numbers as the default has),
+    "choice" or "intervals" (pairs start-stop); low and high bound a number, or the size on each axis; optional:
+    None is allowed; small: where a slider starts above zero; grid: a slider stops at its multiples only.
     """
 
     key: str
@@ -36,6 +38,7 @@ class Setting:
     low: float = -math.inf
     high: float = math.inf
     small: float | None = None
+    grid: float | None = None
     optional: bool = False
     choices: tuple[str, ...] = ()
 
@@ -56,9 +59,11 @@ class Setting:
                     raise DesignError(self.key, f"{said} must start at 0 or later, and before it stops")
             return value
         numbers = value if isinstance(value, tuple) else (value,)
+        if self.kind == "axes" and len(numbers) != self._count:
+            raise DesignError(self.key, f"{shown(value)} is not {_COUNTS[self._count]} numbers")
         for number in numbers:
             assert isinstance(number, float | int)
-            size = abs(number) if self.kind == "triple" else number
+            size = abs(number) if self.kind == "axes" else number
             if not self.low <= size <= self.high:  # NaN lands here too
                 raise DesignError(self.key, f"{self._one(number, 6)} is not allowed; {self.allowed()}")
             if self.kind == "whole" and number != round(number):
@@ -68,7 +73,7 @@ class Setting:
     def allowed(self) -> str:
         """The bounds in words."""
         low, high = (self._one(x, 6) for x in (self.low, self.high))
-        if self.kind == "triple":
+        if self.kind == "axes":
             return f"each axis must be at most {high} in size"
         return f"it must be at least {low} and at most {high}"
 
@@ -87,18 +92,40 @@ class Setting:
             return self.check(stripped)
         if self.kind == "intervals":
             return self.check(_read_intervals(self.key, stripped))
-        parts = [part.strip() for part in re.split(r"[,;]", stripped)] if self.kind == "triple" else [stripped]
-        if len(parts) not in (1, 3):
-            raise DesignError(self.key, f"{stripped!r} has {len(parts)} values; give one for all axes, or three")
+        parts = [part.strip() for part in re.split(r"[,;]", stripped)] if self.kind == "axes" else [stripped]
+        if self.kind == "axes" and len(parts) not in (1, self._count):
+            raise DesignError(
+                self.key,
+                f"{shown(stripped)} has {len(parts)} values; give one for all axes, or {_COUNTS[self._count]}",
+            )
         last = _NUMBER_FIRST.sub("", parts[-1]).strip() or unit
         try:
             numbers = [self._number(part, last) for part in parts]
         except QuantityError as error:
             raise DesignError(self.key, str(error)) from error
-        if self.kind != "triple":
+        if self.kind != "axes":
             return self.check(numbers[0])
-        x, y, z = numbers if len(numbers) == 3 else numbers * 3
-        return self.check((x, y, z))
+        return self.check(tuple(numbers if len(numbers) > 1 else numbers * self._count))
+
+    def take(self, content: Any) -> Value:
+        """A value as a study file holds it: text as `read` takes it, or a bare number where there is no unit.
+
+        Raises
+        ------
+        DesignError
+            As `read`.
+        """
+        plain = isinstance(content, int | float) and not isinstance(content, bool)
+        if plain and self.kind in ("number", "whole") and not self.dimension:
+            return self.check(math.inf if abs(content) >= 1e300 else float(content))
+        if not isinstance(content, str):
+            example = self.show(self.default)
+            raise DesignError(self.key, f"{shown(content)} is not text in quotes; write for example {example!r}")
+        return self.read(content)
+
+    @property
+    def _count(self) -> int:
+        return len(self.default) if self.kind == "axes" and isinstance(self.default, tuple) else 1
 
     def _number(self, part: str, unit: str) -> float:
         if not self.dimension:
@@ -108,27 +135,32 @@ class Setting:
                 raise QuantityError(f"{part[:40]!r} is not a number") from error
         return parse_quantity(part if _NUMBER_FIRST.sub("", part).strip() else f"{part} {unit}", self.dimension).value
 
-    def show(self, value: Value, digits: int = 6) -> str:
-        """A value in SI as text that `read` takes back, to `digits` significant digits."""
+    def show(self, value: Value, digits: int | None = 6) -> str:
+        """A value in SI as text that `read` takes back, to `digits` significant digits; without digits, the
+        shortest text that gives the same value back."""
         if value is None:
             return "none"
         if isinstance(value, str):
             return value
         if self.kind == "intervals":
             assert isinstance(value, tuple)
-            return ", ".join(f"{start:g}-{stop:g} s" for start, stop in value)  # type: ignore[misc]
+            return ", ".join(f"{_plain(start)}-{_plain(stop)} s" for start, stop in value)  # type: ignore[misc]
         if not isinstance(value, tuple):
             return self._one(value, digits)
-        factor = float(DIMENSIONS[self.dimension].units[self.unit])
-        numbers = ", ".join(plain_number(float(x) / factor, digits) for x in value)  # type: ignore[arg-type]
-        return join_quantity(numbers, self.unit)
+        numbers = (self._one(x, digits).removesuffix(self.unit).strip() for x in value)  # type: ignore[arg-type]
+        return join_quantity(", ".join(numbers), self.unit)
 
-    def _one(self, value: float, digits: int) -> str:
+    def _one(self, value: float, digits: int | None) -> str:
         if not self.dimension or not math.isfinite(value):
-            return f"{value:.{digits}g}"
+            return f"{value:.{digits}g}" if digits else repr(value).removesuffix(".0")
         return format_quantity(value, self.unit, self.dimension, digits)
 
 
+def _plain(number: float) -> str:
+    return f"{Decimal(repr(number)).normalize():f}"
+
+
+_COUNTS = {1: "one", 3: "three", 6: "six"}
 _NUMBER_FIRST = re.compile(r"^[+\-−]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+\-−]?\d+)?")
 _INTERVAL = re.compile(r"(\d+(?:\.\d+)?)\s*[-–]\s*(\d+(?:\.\d+)?)\s*s?")
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from nav_model.inputs import DesignError
 from nav_model.suborbital.aiding import Aiding
-from nav_model.suborbital.errors import ErrorSet, InitialErrors, SensorErrors, Triple, scale_and_misalignment
+from nav_model.suborbital.errors import ErrorSet, InitialErrors, SensorErrors, Triple, scale_matrix
 from nav_model.suborbital.flight import FlightParameters
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.setting import Value
@@ -47,10 +47,10 @@ class Settings:
             changed.study_inputs()
             changed.camera()
         except ValueError as error:
-            raise DesignError(next(iter(changes), "study"), str(error)) from error
+            raise DesignError(_blamed(str(error), changes), str(error)) from error
         return changed
 
-    def study_inputs(self, step_s: float = FlightParameters().step_s) -> StudyInputs:
+    def study_inputs(self) -> StudyInputs:
         """The inputs of `run_study`. ValueError for values that do not fit together."""
         return StudyInputs(
             flight=FlightParameters(
@@ -60,9 +60,18 @@ class Settings:
                 initial_thrust_m_s2=self["flight.initial_thrust"],
                 final_thrust_m_s2=self["flight.final_thrust"],
                 burn_time_s=self["flight.burn_time"],
+                pitch_program_start_s=self["flight.pitch_start"],
+                pitch_program_end_s=self["flight.pitch_end"],
+                initial_pitch_rad=self["flight.initial_pitch"],
                 burnout_pitch_rad=self["flight.burnout_pitch"],
+                coast_pitch_down_rad_s=self["flight.coast_pitch_rate"],
+                coast_ramp_s=self["flight.coast_ramp"],
+                yaw_amplitude_rad=self["flight.yaw_amplitude"],
+                yaw_period_s=self["flight.yaw_period"],
+                roll_amplitude_rad=self["flight.roll_amplitude"],
+                roll_period_s=self["flight.roll_period"],
                 duration_s=self["flight.duration"],
-                step_s=step_s,
+                step_s=self["flight.step"],
                 gravity=self["flight.gravity"],
             ),
             errors=ErrorSet(
@@ -85,26 +94,61 @@ class Settings:
             constant_bias=self[f"{part}.bias"],
             oscillating_bias=self[f"{part}.bias_instability"],
             bias_period_s=self[f"{part}.bias_period"],
-            constant_matrix=scale_and_misalignment(self[f"{part}.scale_factor"]),
-            oscillating_matrix=scale_and_misalignment(self[f"{part}.scale_factor_instability"]),
+            constant_matrix=scale_matrix(self[f"{part}.scale_factor"], self[f"{part}.misalignment"]),
+            oscillating_matrix=scale_matrix(
+                self[f"{part}.scale_factor_instability"], self[f"{part}.misalignment_instability"]
+            ),
             matrix_period_s=self[f"{part}.scale_factor_period"],
             white_noise=self[f"{part}.white_noise"],
         )
 
     def camera(self) -> StarCamera:
-        """The star camera [B-8]."""
-        return StarCamera(
-            focal_length_m=focal_length(self["camera.field_of_view"]),
+        """The star camera [B-8]. ValueError for a focal length whose field is too wide or too narrow."""
+        pixels, pitch = int(self["camera.pixels"]), self["camera.pixel_pitch"]
+        given = self["camera.focal_length"]
+        camera = StarCamera(
+            pixels=pixels,
+            pixel_pitch_m=pitch,
+            focal_length_m=focal_length(self["camera.field_of_view"], pixels, pitch) if given is None else given,
             centroid_sigma_rad=self["camera.centroid_noise"],
             brightest=int(self["camera.brightest"]),
+            least_stars=int(self["camera.least_stars"]),
             roll_limit_rad=self["camera.roll_limit"],
         )
+        field = SETTINGS["camera.field_of_view"]
+        if not field.low <= camera.field_of_view_rad <= field.high:
+            raise ValueError(
+                f"a focal length of {1000 * camera.focal_length_m:g} mm gives a field of view of "
+                f"{field.show(camera.field_of_view_rad, 4)}; {field.allowed()}"
+            )
+        return camera
 
     def sky(self) -> Sky:
         """The sky the camera looks at. The synthetic one has the Hipparcos catalogue's number of stars."""
         limit, seed = self["sky.magnitude_limit"], int(self["seed"])
         real = hipparcos_sky(limit)
         return real if self["sky.stars"] == "Hipparcos" else synthetic_sky(len(real), seed, limit)
+
+
+_MODEL_NAMES = {
+    "pitch_program_start_s": "flight.pitch_start",
+    "pitch_program_end_s": "flight.pitch_end",
+    "burn_time_s": "flight.burn_time",
+    "duration_s": "flight.duration",
+    "step_s": "flight.step",
+    "frame_interval_s": "tracker.frame_interval",
+    "focal length": "camera.focal_length",
+    "brightest": "camera.brightest",
+    "least_stars": "camera.least_stars",
+}
+"""What the model calls the inputs that must fit together."""
+
+
+def _blamed(message: str, changes: Mapping[str, Value]) -> str:
+    """The input to name: one the model complains of and that was changed, else the only one changed."""
+    named = [key for name, key in _MODEL_NAMES.items() if name in message]
+    blamed = [key for key in named if key in changes]
+    return (blamed or (list(changes) if len(changes) == 1 else named) or [*changes, "study"])[0]
 
 
 DEFAULTS = Settings({key: s.default for key, s in SETTINGS.items()}, dict.fromkeys(SETTINGS, GP1))

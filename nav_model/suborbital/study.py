@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, perfect_frames
+from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, frame_stride, perfect_frames
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
 from nav_model.suborbital.flight import Flight, FlightParameters, golden_flight
@@ -47,6 +47,7 @@ class StudyInputs:
             self.ins_gravity in ZONALS,
             f"ins_gravity = {self.ins_gravity!r}: must be one of {', '.join(ZONALS)}",
         )
+        frame_stride(self.aiding, self.flight.step_s)
 
 
 @dataclass(frozen=True)
