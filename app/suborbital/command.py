@@ -9,20 +9,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from app.files import put_file
 from nav_model.design_file import parse_design, read_bytes
 from nav_model.inputs import DesignError
 from nav_model.suborbital.input_table import GROUPS
+from nav_model.suborbital.noise_ensemble import MOST_RUNS, fly_noise
 from nav_model.suborbital.settings import DEFAULTS, from_design, read_changes
-from nav_model.suborbital.study import noise_ensemble
 from nav_model.suborbital.study_file import format_study, is_study, parse_study
 from nav_model.suborbital.survey import Survey, run_survey
-from nav_model.suborbital.survey_json import survey_json
+from nav_model.suborbital.survey_json import noise_json, survey_json
 from nav_model.suborbital.trajectory_file import MAX_BYTES
-
-_MOST_NOISE_RUNS = 10_000
 
 
 def list_inputs() -> int:
@@ -49,8 +45,8 @@ def run(
     data, where: a design or a study file and its name, or None; of_design: assignments to keys of the design;
     changes: inputs of the study that come on top; save: where to write the study as a file.
     """
-    if not 0 <= noise_runs <= _MOST_NOISE_RUNS:
-        raise DesignError("--noise-runs", f"{noise_runs} is not allowed; it must be 0 to {_MOST_NOISE_RUNS}")
+    if not 0 <= noise_runs <= MOST_RUNS:
+        raise DesignError("--noise-runs", f"{noise_runs} is not allowed; it must be 0 to {MOST_RUNS}")
     settings, design, flown = DEFAULTS, None, None
     if of_design and (data is None or is_study(data)):
         key = of_design[0].partition("=")[0]
@@ -92,12 +88,5 @@ def run(
 
 
 def _noise(survey: Survey, runs: int, progress: Any) -> dict[str, Any]:
-    seed = int(survey.settings["seed"])
-    answer: dict[str, Any] = {"runs": runs, "seed": seed}
-    for key, aided in (("final_rms_m", False), ("aided_final_rms_m", True)):
-        final = noise_ensemble(
-            survey.study, runs, seed, aided=aided, progress=lambda share: progress(share, "white noise, Monte Carlo")
-        )[:, -1]
-        rms = np.sqrt(np.mean(final**2, axis=0))
-        answer[key] = dict(zip(("north", "east", "up"), map(float, rms), strict=True))
-    return answer
+    covariance = None if survey.track is None else survey.track.covariance
+    return noise_json(fly_noise(survey.study, runs, int(survey.settings["seed"]), covariance, progress=progress))

@@ -35,6 +35,10 @@ class Settings:
     def __getitem__(self, key: str) -> Any:
         return self.values[key]
 
+    def show(self, key: str) -> str:
+        """An input as text with its unit."""
+        return SETTINGS[key].show(self[key])
+
     def change(self, changes: Mapping[str, Value], origin: str) -> Settings:
         """Other settings with some values replaced. DesignError for an unknown key or a value not allowed, and
         for values that do not fit together."""

@@ -9,6 +9,7 @@ from app.charts.suborbital.attitude import (
 )
 from app.charts.suborbital.errors import aided_chart, growth_chart, source_chart
 from app.charts.suborbital.flight import force_chart, gravity_chart, height_chart, map_chart, rate_chart
+from app.charts.suborbital.sensors import noise_chart, sensor_chart
 from app.charts.suborbital.shown import CHANNELS, SHOWN_SOURCES, Shown
 
 __all__ = [
@@ -23,7 +24,9 @@ __all__ = [
     "inertial_attitude_chart",
     "map_chart",
     "navigation_attitude_chart",
+    "noise_chart",
     "rate_chart",
+    "sensor_chart",
     "source_chart",
     "star_chart",
     "star_count_chart",

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from app.charts.description import Array, Span
+from nav_model.suborbital.channels import closed_form_errors
+from nav_model.suborbital.noise_ensemble import NoiseEnsemble
+from nav_model.suborbital.sensor_history import SensorHistory, sensor_history
 from nav_model.suborbital.star_camera import StarFrame
-from nav_model.suborbital.study import Study
+from nav_model.suborbital.study import Gap, Study, matrix_gap
 from nav_model.suborbital.survey import Survey
 
 CHANNELS = ("north", "east", "height")
+TRACK_CHANNELS = ("down-range", "cross-range", "height")
+SENSORS = ("accelerometer", "gyro")
+SENSOR_CLASSES = ("bias", "instability", "total")
 SHOWN_SOURCES = (
     "accelerometer bias",
     "accelerometer instability",
@@ -24,14 +31,21 @@ TIME = "time since lift-off [s]"
 
 @dataclass(frozen=True)
 class Shown:
-    """What is on the page: the last run, the study at the sliders' positions, and what the person looks at."""
+    """What is on the page: the last run, the study at the sliders' positions, and what the person looks at.
+
+    along_track: down-range and cross-range in place of north and east; ensemble: white noise flown at these
+    inputs; gap: of the moved curves that the last exact run replaced.
+    """
 
     survey: Survey
     study: Study
     case: str = "gyro total"
     channel: int = 2
     aided_sources: bool = False
+    along_track: bool = False
     star_index: int = 50
+    ensemble: NoiseEnsemble | None = None
+    gap: Gap | None = None
 
     @property
     def exact(self) -> bool:
@@ -44,6 +58,37 @@ class Shown:
         step = self.study.flight.step_s
         run = f"Integrated INS [B-3] with sensor errors [B-1], RK4 at {step:g} s; with tracker [B-7]"
         return run if self.exact else f"{run}; then moved by the linear sensitivity matrix [B-4]"
+
+    def position_m(self, aided: bool, case: str, channel: int) -> Array:
+        """An error history in the axes looked at, m."""
+        study = self.study
+        errors, k = study.aided if aided else study.pure, study.case(case)
+        if self.along_track and channel < 2:
+            return (errors.down_range_m, errors.cross_range_m)[channel][k]
+        return errors.position_m[k, :, channel]
+
+    def axis(self, channel: int) -> str:
+        """Name of a channel in the axes looked at."""
+        return (TRACK_CHANNELS if self.along_track else CHANNELS)[channel]
+
+    @cached_property
+    def sensor_errors(self) -> SensorHistory:
+        """Sensor errors along the flight of the classes `SENSOR_CLASSES`, accelerometers then gyros."""
+        study = self.study
+        cases = [study.case(f"{sensor} {kind}") for sensor in SENSORS for kind in SENSOR_CLASSES]
+        return sensor_history(study.flight, study.parameters[cases], study.inputs.errors, every_of(study))
+
+    @cached_property
+    def closed_form_m(self) -> Array:
+        """The closed forms [B-6] of the case looked at, (m, 3), m."""
+        study = self.study
+        parameters = study.parameters[study.case(self.case)]
+        return closed_form_errors(study.flight, parameters, study.inputs.errors, every_of(study)).position_m[0]
+
+    @cached_property
+    def matrix_gap(self) -> Gap:
+        """What the plain product S p would be off by at the inputs of the last exact run."""
+        return matrix_gap(self.survey.study)
 
     @property
     def star_frame(self) -> StarFrame:
