@@ -78,7 +78,7 @@ class Frame:
         if pn.state.location:
             # What stands behind # reaches the server from the page only, before the page can be changed.
             location = pn.state.location
-            pn.state.onload(lambda: self._go_to("review" if is_review_link(location.search) else location.hash))
+            pn.state.onload(lambda: self._go_to(self._first_page(location)))
             location.param.watch(lambda event: self._go_to(event.new) if self._loaded else None, "hash")
 
     def _show(self, event: Any) -> None:
@@ -96,6 +96,12 @@ class Frame:
             place.visible = index == event.new
         if pn.state.location:
             pn.state.location.hash = f"#{PAGES[event.new][0].lower()}"
+
+    def _first_page(self, location: Any) -> str:
+        """The page a link is for: what stands behind # unless the query says more."""
+        if is_review_link(location.search):
+            return "review"
+        return str(location.hash) or ("suborbital" if self.session.study_link else "")
 
     def _go_to(self, address: str) -> None:
         self._loaded = True

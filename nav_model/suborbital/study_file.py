@@ -22,6 +22,7 @@ from urllib.parse import parse_qsl, urlencode
 import tomli_w
 
 from nav_model.inputs import DesignError, shown
+from nav_model.link import MAX_QUERY, STUDY_PREFIX
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.setting import Value
 from nav_model.suborbital.settings import DEFAULTS, Settings
@@ -29,9 +30,6 @@ from nav_model.suborbital.trajectory_file import MAX_BYTES as MAX_TRAJECTORY
 
 KIND = "suborbital"
 MAX_BYTES = MAX_TRAJECTORY + 1_000_000
-MAX_LINK = 16_000  # characters; browsers and proxies cut longer addresses
-PREFIX = "study."
-"""What the names of a study's inputs start with in a link, where a design's may stand beside them."""
 
 _SECTIONS = tuple(dict.fromkeys(key.rpartition(".")[0] for key in SETTINGS if "." in key))
 
@@ -154,18 +152,11 @@ def to_link(settings: Settings) -> str:
     """The part of a link's query that gives the study's inputs: what differs from GP-1. A trajectory from a file
     does not fit into an address."""
     pairs = [
-        (PREFIX + key, setting.show(settings[key], None))
+        (STUDY_PREFIX + key, setting.show(settings[key], None))
         for key, setting in SETTINGS.items()
         if settings[key] != DEFAULTS[key]
     ]
-    return urlencode(pairs or [(PREFIX + "seed", SETTINGS["seed"].show(settings["seed"], None))])
-
-
-def split_link(query: str) -> tuple[str, str]:
-    """A link's query in two: the design's part, and the study's. Nothing is judged here."""
-    parts = query.removeprefix("?").split("&")
-    study = [part for part in parts if part.startswith(PREFIX)]
-    return "&".join(part for part in parts if part not in study), "&".join(study)
+    return urlencode(pairs or [(STUDY_PREFIX + "seed", SETTINGS["seed"].show(settings["seed"], None))])
 
 
 def from_link(query: str) -> Settings:
@@ -176,15 +167,15 @@ def from_link(query: str) -> Settings:
     DesignError
         Naming the key that is wrong; nothing of a wrong link is used.
     """
-    if len(query) > MAX_LINK:
-        raise DesignError("link", f"longer than {MAX_LINK} characters")
+    if len(query) > MAX_QUERY:
+        raise DesignError("link", f"longer than {MAX_QUERY} characters")
     try:
         pairs = parse_qsl(query, keep_blank_values=True, strict_parsing=True, errors="strict")
     except (ValueError, UnicodeDecodeError) as error:
         raise DesignError("link", "not a query of the form key=value&key=value") from error
     values: dict[str, Value] = {}
     for name, text in pairs:
-        key = name.removeprefix(PREFIX)
+        key = name.removeprefix(STUDY_PREFIX)
         if key not in SETTINGS:
             raise DesignError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
         if key in values:

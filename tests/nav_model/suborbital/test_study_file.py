@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from nav_model.design_file import format_design, parse_design
 from nav_model.inputs import DesignError
+from nav_model.link import split_link
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.settings import DEFAULTS, read_changes
 from nav_model.suborbital.study_file import (
@@ -16,7 +17,6 @@ from nav_model.suborbital.study_file import (
     from_link,
     is_study,
     parse_study,
-    split_link,
     to_link,
 )
 
