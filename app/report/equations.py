@@ -248,8 +248,8 @@ _BEYOND: tuple[Equation, ...] = (
         "+ bold(psi) "
         "times bold(f) + w^2 (3 bold(u) bold(u)^upright(T) - bold(I)) delta bold(r), quad w^2 = mu / r^3",
         "u is the unit radius. Gravity feeds a height error back with the wrong sign. Linear in the 61 numbers of "
-        "[B-1], so the error is S p: within 0.5 % of the integrated INS on every row of GP-1 but everything together, "
-        "which is off by 0.59 %.",
+        "[B-1], so the error is S p: within 0.5 % of the integrated INS on every row of GP-1 but one; everything "
+        "together is off by 0.59 %.",
     ),
     Equation(
         "B-5",

@@ -230,8 +230,8 @@ def method_table(shown: Shown) -> Table:
         f"The same images of this flight for all five, one a second, centroid noise {sigma:.3g} arcsec per axis; "
         f"{shown.survey.scenes_refused} refused by the gate. Covariances [B-9]. TRIAD takes the two brightest stars: "
         "where these happen to stand close together its error is large, so its mean hangs on few scenes. Over 1000 "
-        "random scenes of five stars at 10 arcsec that mean is about 240 arcsec, but from 207 to 362 over twenty seeds, "
-        "where the optimal methods stay within 72 to 78.",
+        "random scenes of five stars at 10 arcsec that mean is about 240 arcsec, but from 207 to 362 over twenty "
+        "seeds, where the optimal methods stay within 72 to 78.",
         digits=2,
     )  # fmt: skip
 
