@@ -22,7 +22,7 @@ from nav_model.budget import Budget, analyse
 from nav_model.budget_json import to_json
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
-from nav_model.design_file import parse_design, read_bytes
+from nav_model.design_file import MAX_BYTES, parse_design, read_bytes
 from nav_model.inputs import BaseQuantity, DesignError
 from nav_model.parts import declaration_of
 from nav_model.units import format_quantity
@@ -88,11 +88,13 @@ def _parser() -> argparse.ArgumentParser:
     suborbital = commands.add_parser(
         "suborbital",
         help="the star-tracker study of a suborbital flight as JSON",
-        description="INS errors of a suborbital flight by source, with and without star tracker. Without DESIGN the "
-        "sensors are those of the set GP-1; a design's [imu] replaces white noise and constant biases. --set takes "
-        "keys of the design and inputs of the study, e.g. --set tracker.from_height='80 km'.",
+        description="INS errors of a suborbital flight by source, with and without star tracker. Without a file the "
+        "sensors are those of the set GP-1; a design's [imu] replaces white noise and constant biases; a study file "
+        "(saved on the Suborbital page or with --save) states every input. --set takes keys of the design and "
+        "inputs of the study, e.g. --set tracker.from_height='80 km'.",
     )
     _design_arguments(suborbital, one=True)
+    suborbital.add_argument("--save", type=Path, metavar="FILE", help="also write the study's inputs as a study file")
     suborbital.add_argument("--inputs", action="store_true", help="list the inputs of the study and stop")
     suborbital.add_argument("--trajectory", metavar="FILE", help="a flight from a CSV file instead of the golden one")
     suborbital.add_argument("--from-height", metavar="HEIGHT", help='tracker from a height, e.g. "80 km"')
@@ -321,9 +323,14 @@ def _paths(options: argparse.Namespace) -> list[str]:
 
 
 def _read(path: str, changes: Sequence[str]) -> Design:
+    return parse_design(*_content(path, MAX_BYTES), changes)
+
+
+def _content(path: str, most: int) -> tuple[bytes, str]:
+    """What a file or standard input holds, at most a byte more than it may, and what to call it."""
     if path == "-":
-        return parse_design(sys.stdin.buffer.read(), "standard input", changes)
-    return parse_design(read_bytes(path), path, changes)
+        return sys.stdin.buffer.read(most + 1), "standard input"
+    return read_bytes(path, most), path
 
 
 def _evaluate(options: argparse.Namespace) -> int:
@@ -395,6 +402,7 @@ def _report(options: argparse.Namespace) -> int:
 
 def _suborbital(options: argparse.Namespace) -> int:
     from app.suborbital.command import list_inputs, run
+    from nav_model.suborbital.study_file import MAX_BYTES as MAX_STUDY
 
     if options.inputs:
         return list_inputs()
@@ -404,8 +412,6 @@ def _suborbital(options: argparse.Namespace) -> int:
         changes = list(options.changes)
     sections = ("imu.", "gnss.", "coast.", "radar.", "requirements.")
     of_design = [change for change in changes if change.startswith(sections)]
-    if of_design and not designs:
-        raise DesignError(of_design[0].partition("=")[0], "is a key of a design, and no DESIGN is given")
     asked = dict(part.split("=", 1) for part in changes if part not in of_design)
     asked |= {
         key: text
@@ -419,8 +425,8 @@ def _suborbital(options: argparse.Namespace) -> int:
         )
         if text is not None
     }
-    design = _read(designs[0], of_design) if designs else None
-    return run(design, asked, options.trajectory, options.noise_runs)
+    data, where = _content(designs[0], MAX_STUDY) if designs else (None, "")
+    return run(data, where, of_design, asked, options.trajectory, options.noise_runs, options.save)
 
 
 def _simulate(options: argparse.Namespace) -> int:

@@ -86,7 +86,7 @@ class Frame:
         if pn.state.location:
             # What stands behind # reaches the server from the page only, before the page can be changed.
             location = pn.state.location
-            pn.state.onload(lambda: self._go_to("review" if is_review_link(location.search) else location.hash))
+            pn.state.onload(lambda: self._go_to(self._first_page(location)))
             location.param.watch(lambda event: self._go_to(event.new) if self._loaded else None, "hash")
 
     def _show(self, event: Any) -> None:
@@ -105,6 +105,12 @@ class Frame:
         name, location = PAGES[event.new][0].lower(), pn.state.location
         if location and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
+
+    def _first_page(self, location: Any) -> str:
+        """The page a link is for: what stands behind # unless the query says more."""
+        if is_review_link(location.search):
+            return "review"
+        return str(location.hash) or ("suborbital" if self.session.study_link else "")
 
     def _go_to(self, address: str) -> None:
         """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
