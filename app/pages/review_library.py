@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import io
 from collections.abc import Callable
 from functools import partial
@@ -250,8 +249,8 @@ class LibraryView:
 
     async def _catch_up(self, base: Revision) -> None:
         """After somebody else's save: the next press is on top of theirs, as the button then says."""
-        history = await asyncio.to_thread(lambda: library().revisions(base.design))
-        if history[0].number != base.number:
+        history = await self._desk.ask(lambda place: place.revisions(base.design))
+        if history and history[0].number != base.number:
             self._desk.param.update(base=history[0], changed=self._desk.changed + 1)
 
     async def _zip(self) -> io.BytesIO:
