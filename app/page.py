@@ -19,6 +19,7 @@ from app.once_shown import once_shown
 from app.report import report_of_text
 from app.state import Session
 from app.theme import DARK, LIGHT
+from app.upload import LimitedFileInput
 from app.workers import elsewhere
 from nav_model.budget import Budget
 from nav_model.design_file import MAX_BYTES, format_design, parse_design
@@ -181,8 +182,13 @@ class Frame:
         redo.on_click(lambda _: session.redo())
         reset.on_click(lambda _: session.reset())
         link.on_click(self._put_link)
-        self._open = pmui.FileInput(
-            label="Open", accept=".toml", icon="folder_open", max_file_size=MAX_BYTES, **_TOOL_LOOK
+        self._open = LimitedFileInput(
+            lambda why: self._say(f"Not opened. {why}"),
+            label="Open",
+            accept=".toml",
+            icon="folder_open",
+            max_file_size=MAX_BYTES,
+            **_TOOL_LOOK,
         )
         self._open.param.watch(self._opened, "value")
         return pn.FlexBox(

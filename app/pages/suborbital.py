@@ -32,6 +32,7 @@ from app.suborbital.tables import (
     star_table,
 )
 from app.theme import FRAME
+from app.upload import LimitedFileInput
 from app.workers import elsewhere
 from nav_model.budget import Budget
 from nav_model.inputs import DesignError
@@ -190,7 +191,8 @@ class SuborbitalPage:
         back = pmui.Button(label="GP-1 again", icon="restart_alt", variant="text", **_LOOK)
         take.on_click(lambda _: self._adopt(lambda: from_design(self.settings, self._session.design)))
         back.on_click(lambda _: self._adopt(lambda: DEFAULTS))
-        self._file = pmui.FileInput(
+        self._file = LimitedFileInput(
+            lambda why: self._file_said.param.update(object=_said(f"Not flown. {why}")),
             label="Trajectory from a file", accept=".csv", icon="upload_file", max_file_size=MAX_BYTES,
             variant="text", description="", **_LOOK,
         )  # fmt: skip

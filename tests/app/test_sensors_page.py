@@ -17,10 +17,10 @@ from app.log_job import LogJobLost, study_elsewhere
 from app.log_panel import progress_line
 from app.log_study import LogRequest
 from app.log_tables import coefficient_tables, origin_table
-from app.log_upload import LimitedFileInput
 from app.pages.sensors import SensorsPage
 from app.server import first_design
 from app.state import Session
+from app.upload import LimitedFileInput
 from nav_model.allan.log_file import LogOptions
 from nav_model.catalogue import catalogue
 
