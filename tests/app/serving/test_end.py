@@ -69,13 +69,14 @@ def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path:
 
         async def stay() -> None:
             tab = await Tab.open(address)
+            bars = (await tab.until(name="phase bars"))["id"]
             kept = http.client.HTTPConnection(address.rpartition("/")[2], timeout=20)
             kept.request("GET", "/liveness")
             assert kept.getresponse().read()
             process.send_signal(signal.SIGTERM)
             slider = tab.find(label="Angle random walk", show_value=False)
             await asyncio.sleep(0.5)
-            answered = tab.expect({tab.find(name="phase bars")["id"]})
+            answered = tab.expect({bars})
             await tab.set(slider["id"], value=slider["attributes"]["value"] - 0.02)
             await asyncio.wait_for(answered, 20)
             with pytest.raises(ConnectionRefusedError):
