@@ -24,6 +24,7 @@ from app.report_choice import ReportChoice
 from app.state import Session
 from app.theme import DARK, LIGHT, PRINT_NOTHING
 from app.tour import Tour
+from app.upload import LimitedFileInput
 from app.workers import elsewhere
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -210,8 +211,13 @@ class Frame:
         link.on_click(self._put_link)
         examples = _tool("Examples", "auto_awesome_mosaic")
         examples.on_click(self._show_examples)
-        self._open = pmui.FileInput(
-            label="Open", accept=".toml", icon="folder_open", max_file_size=MAX_BYTES, **_TOOL_LOOK
+        self._open = LimitedFileInput(
+            lambda why: self._say(f"Not opened. {why}"),
+            label="Open",
+            accept=".toml",
+            icon="folder_open",
+            max_file_size=MAX_BYTES,
+            **_TOOL_LOOK,
         )
         self._open.param.watch(self._opened, "value")
         self._choice = ReportChoice(session)
