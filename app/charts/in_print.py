@@ -26,7 +26,7 @@ _DASHES: dict[str, Any] = {
     "dashed": (0, (6, 2.5)),
     "dotted": (0, (1.2, 1.8)),
     "dotdash": (0, (1.2, 2, 5, 2)),
-    "dashdot": (0, (7, 2, 1.2, 2)),
+    "dashdot": (0, (7, 2, 1.2, 2, 1.2, 2)),
 }
 _MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^", "x": "x"}
 _Y_LABEL_LENGTH = 26  # characters that fit beside the axes
