@@ -14,6 +14,7 @@ from app.report.equations import ALL_EQUATIONS, ALL_SYMBOLS, REFERENCES, source_
 from app.report.html import mathml
 from app.state import Session
 from nav_model.budget import Budget
+from nav_model.sar.disagreements import disagreements
 
 _PARTS = {"T": "Navigation", "S": "Radar", "B": "Suborbital flight and star tracker"}
 _STYLE = """<style>
@@ -81,7 +82,19 @@ def validation() -> str:
         f"{escape(record['version'])}, commit {escape(record['commit'])}, {escape(record['date'])}. "
         "“Validated” stands only where the comparison comes from outside this product.</p>"
         + _table("Validation", head, rows)
+        + parted()
     )
+
+
+def parted() -> str:
+    """Where printed figures and the derivation disagree: both, and which holds."""
+    rows = "".join(
+        f"<tr><th scope='row'>{prose(d.what)}</th>"
+        f"<td>{prose(d.printed)}<br><span class='quiet'>{prose(d.source)}</span></td><td>{prose(d.ours)}</td><td>{prose(d.holds)}</td></tr>"
+        for d in disagreements()
+    )
+    head = ("What", "Printed", "Here", "Which holds, and why")
+    return "<h2>Where printed figures and ours part</h2>" + _table("Disagreements", head, rows)
 
 
 def _table(name: str, head: tuple[str, ...], rows: str) -> str:
