@@ -15,6 +15,7 @@ import panel_material_ui as pmui
 from panel.util import edit_readonly
 
 from app.controls import SECTION_TITLES, Control, section_controls
+from app.once_shown import once_shown
 from app.report import report_of_text
 from app.state import Session
 from app.theme import DARK, LIGHT
@@ -51,7 +52,7 @@ A page is imported and built when its tab is first opened, so a tab costs the fi
 """
 
 
-_FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with
+_FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with. The second is below the first screen.
 
 
 class Frame:
@@ -141,8 +142,8 @@ class Frame:
             sizing_mode="stretch_width",
             margin=0,
         )
-        for index in _FIRST_OPEN:
-            self._fill_section(index)
+        self._fill_section(_FIRST_OPEN[0])
+        once_shown(lambda: self._fill_section(_FIRST_OPEN[1]))
         accordion.param.watch(lambda event: [self._fill_section(index) for index in event.new], "active")
         self._explained.param.watch(self._explain, "value")
         self._name = pmui.TextInput(
