@@ -66,7 +66,7 @@ def serve(rules: Rules) -> None:
         If the rules contradict each other, or the address cannot be listened on.
     """
     rules.check()
-    pn.extension("tabulator")
+    pn.extension()
     set_up(rules.log)
     workers.use(rules.workers)
     began, running, metrics = time.monotonic(), dict[str, Any](), Metrics()

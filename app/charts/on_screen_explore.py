@@ -20,6 +20,7 @@ from bokeh.plotting import figure
 from app.charts.description import STYLES
 from app.charts.explore import LEVELS, RankChart, TradeMapChart
 from app.charts.on_screen import LOG_TICKS, TEXT_SIZE
+from nav_model.explore.trade_map import MapPoint
 
 # Light meets the limit, dark does not; the steps are told apart in grey too.
 _PALETTE = ("#f4f8fb", "#dfebf4", "#c3d9ea", "#93b7d3", "#5d8fb5", "#2f6690")
@@ -171,15 +172,22 @@ def _image(chart: TradeMapChart) -> dict[str, Any]:
 
 
 def _points(chart: TradeMapChart) -> dict[str, Any]:
-    words = {None: "no limit is given", True: "meets the limit", False: "does not meet the limit"}
     return {
         "x": chart.points_x,
         "y": chart.points_y,
         "unit": [point.name for point in chart.points],
         "marker": ["x" if point.met is False else "circle" for point in chart.points],
         **_labels(chart),
-        "said": [words[point.met] for point in chart.points],
+        "said": [_said(chart, point) for point in chart.points],
     }
+
+
+def _said(chart: TradeMapChart, point: MapPoint) -> str:
+    """Whether a unit passes, and with what margin."""
+    if point.met is None:
+        return "no limit is given"
+    margin = f"{100 * (1 - point.value / chart.trade.limit):+.0f} %".replace("-", "−")
+    return f"{'meets' if point.met else 'does not meet'} the limit, margin {margin}"
 
 
 def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:

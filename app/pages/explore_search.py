@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import csv
 import io
-from collections import Counter
 from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-import pandas as pd
 import panel as pn
 import panel_material_ui as pmui
 
 from app.chart_view import html_pane, prose
+from app.explore_words import pair_name, search_table
+from app.log_upload import LimitedFileInput
 from app.pages.explore_map import download
+from app.sortable_table import SortableTable
 from app.state import Session
 from app.theme import FRAME
 from nav_model.budget import Budget
-from nav_model.catalogue import Entry, catalogue, read_catalogue
-from nav_model.explore.margins import label_of
+from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.explore.search import Candidate, left_out, search
 from nav_model.inputs import DesignError
 
@@ -28,57 +29,37 @@ _KNOWLEDGE = (
     "logarithmic sensitivity, which is its share of the variance [T-18]. Residual biases and the vibration factor "
     "are the design's for every unit, because no data sheet prints them. A receiver's noise is taken as white."
 )
+_KINDS: tuple[Kind, ...] = ("imu", "gnss")
 
 
 class SearchPanel:
-    """The table, its filter, the user's own sensors, and the button that adopts a row."""
+    """The table, its filter, the user's own sensors, and the buttons that adopt a row."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._own: dict[str, Entry] = {}
+        self._own: dict[Kind, dict[str, Entry]] = {kind: {} for kind in _KINDS}
         self._found: tuple[Candidate, ...] = ()
         self._head = html_pane("", margin=(10, 14, 0, 14))
         self._said = html_pane("", margin=(0, 14))
-        self._table = pn.widgets.Tabulator(
-            pd.DataFrame(),
-            show_index=False,
-            disabled=True,
-            selectable=1,
-            pagination="local",
-            page_size=12,
-            layout="fit_data_stretch",
-            widths={
-                "IMU": 135,
-                "Receiver": 195,
-                "Verdict": 95,
-                "Margin [%]": 105,
-                "Tightest": 155,
-                "Dominant source": 175,
-            },
-            sizing_mode="stretch_width",
-            header_filters={"IMU": True, "Receiver": True, "Verdict": True},
-            theme="simple",
-            stylesheets=[":host .tabulator { font-size: 12.5px; }"],
-            margin=(4, 14),
-        )
-        self._adopt = pmui.Button(
-            label="Adopt the selected row", size="small", variant="outlined", disabled=True, margin=(6, 8, 6, 14)
-        )
-        self._file = pmui.FileInput(
-            label="Your own units (TOML)", description="", accept=".toml", size="small", variant="text",
-            max_file_size=MAX_BYTES, margin=(6, 8),
+        self._table = SortableTable(self._adopt, sizing_mode="stretch_width", margin=(4, 14))
+        self._words = pmui.TextInput(
+            label="Find in the table", placeholder="closes tactical carrier", description="", size="small", width=240,
+            margin=(6, 8, 6, 14),
         )  # fmt: skip
-        self._adopt.on_click(lambda _: self._adopt_selected())
-        self._table.param.watch(self._selected, "selection")
+        self._words.param.watch(lambda event: self._table.param.update(words=event.new), "value_input")
+        self._file = LimitedFileInput(
+            lambda reason: self._say(f"Not opened: {reason}."), label="Your own sensors (TOML)", description="",
+            accept=".toml", size="small", variant="text", max_file_size=MAX_BYTES, margin=(6, 8),
+        )  # fmt: skip
         self._file.param.watch(self._opened, "value")
         self.view = pn.Column(
             self._head,
-            self._table,
             pn.FlexBox(
-                self._adopt, self._file, download("Search: data (CSV)", "search.csv", self._csv),
-                sizing_mode="stretch_width",
+                self._words, self._file, download("Search: data (CSV)", "search.csv", self._csv),
+                align_items="center", sizing_mode="stretch_width",
             ),
             self._said,
+            self._table,
             html_pane(f'<p class="know quiet"><b>How do we know:</b> {prose(_KNOWLEDGE)}</p>'),
             styles=FRAME,
             sizing_mode="stretch_width",
@@ -86,36 +67,33 @@ class SearchPanel:
         )  # fmt: skip
         self.show(session.budget)
 
-    def _imus(self) -> Mapping[str, Entry]:
-        return {**catalogue("imu"), **self._own}
+    def _entries(self, kind: Kind) -> Mapping[str, Entry]:
+        return {**catalogue(kind), **self._own[kind]}
 
     def show(self, budget: Budget) -> None:
         """Judge every pair again."""
         if not budget.verdict.checks:
             self._found = ()
+            self._table.html = ""
             self._head.object = "<h3>Which sensors would do</h3><p>Give a limit under Requirements to search.</p>"
             return
-        self._found = search(budget.design, self._imus(), catalogue("gnss"))
-        frame = _frame(self._found)
-        if not frame.equals(self._table.value):
-            self._table.selection = []
-            self._table.value = frame
+        imus = self._entries("imu")
+        self._found = search(budget.design, imus, self._entries("gnss"))
+        self._table.html = search_table(self._found)
         good = sum(row.closes for row in self._found)
-        silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(self._imus()).items())
+        silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(imus).items())
         self._head.object = (
             f"<h3>Which sensors would do</h3><p>{good} of {len(self._found)} pairs of inertial unit and receiver "
             f"close under this radar. Left out, their sheet being silent: {escape(silent) or 'none'}.</p>"
         )
 
-    def _selected(self, event: Any) -> None:
-        self._adopt.disabled = not event.new
-
-    def _adopt_selected(self) -> None:
-        if not self._table.selection:
+    def _adopt(self, name: str) -> None:
+        """Take the pair of that name over into the design; one that is no longer listed is left alone."""
+        row = next((row for row in self._found if pair_name(row) == name), None)
+        if row is None:
             return
-        row = self._found[self._table.selection[0]]
         changes = dict(row.changes)
-        if row.imu in self._own:  # a unit of the user's own is no preset of the product
+        if row.imu in self._own["imu"]:  # a unit of the user's own is no preset of the product
             changes["imu.preset"] = None
         problem = self._session.change(changes, row.written)
         self._say(f"Not adopted. {problem}" if problem else f"Adopted {row.imu} with {row.gnss}; Undo takes it back.")
@@ -124,8 +102,13 @@ class SearchPanel:
         if not event.new:
             return
         try:
-            self._own = dict(read_catalogue(event.new.decode("utf-8-sig"), "imu"))
-            self._say(f"Added {', '.join(self._own) or 'nothing: the file has no [[imu]] entry'}.")
+            text = event.new.decode("utf-8-sig")
+            found = {kind: dict(read_catalogue(text, kind)) for kind in _KINDS}
+            names = [name for entries in found.values() for name in entries]
+            if not names:
+                raise DesignError("file", "has neither [[imu]] nor [[gnss]] entries")
+            self._own = found
+            self._say(f"Added {', '.join(names)}.")
         except UnicodeDecodeError as error:
             self._say(f"Not opened. Byte {error.start} is not UTF-8 text.")
         except DesignError as error:
@@ -136,26 +119,12 @@ class SearchPanel:
         self._said.object = f'<p role="status">{escape(text)}</p>'
 
     def _csv(self) -> io.BytesIO:
-        frame = _frame(self._found)
-        frame["Not confirmed"] = [", ".join(row.doubts) for row in self._found]
-        return io.BytesIO(frame.to_csv(index=False).encode())
-
-
-def _doubts(row: Candidate) -> str:
-    """How many values the sources do not confirm, by status."""
-    counts = Counter(doubt.rpartition(" ")[2] for doubt in row.doubts)
-    return ", ".join(f"{count} {status}" for status, count in counts.items())
-
-
-def _frame(found: tuple[Candidate, ...]) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "IMU": [row.imu for row in found],
-            "Receiver": [row.gnss for row in found],
-            "Verdict": ["✓ closes" if row.closes else "✗ does not" for row in found],
-            "Margin [%]": [round(100 * row.margin, 1) for row in found],
-            "Tightest": [label_of(row.tightest) for row in found],
-            "Dominant source": [f"{row.dominant} {100 * row.share:.0f} %" for row in found],
-            "Not confirmed": [_doubts(row) for row in found],
-        }
-    )
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(("IMU", "Receiver", "Closes", "Margin", "Tightest", "Dominant source", "Its share",
+                         *(f"Margin of {name}" for name in self._found[0].margins), "Not confirmed")
+                        if self._found else ("nothing to search: no requirement is set",))  # fmt: skip
+        for row in self._found:
+            writer.writerow((row.imu, row.gnss, row.closes, row.margin, row.tightest, row.dominant, row.share,
+                             *row.margins.values(), "; ".join(row.doubts)))  # fmt: skip
+        return io.BytesIO(text.getvalue().encode())
