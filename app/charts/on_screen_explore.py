@@ -192,7 +192,7 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
 
 def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
     """Where each name stands beside its mark: the first place that covers no other name or mark, as drawn about
-    500 pixels wide; a name that finds none is left to the hover."""
+    430 pixels wide; a name that finds none is left to the hover."""
     x, y = (
         (np.log(values) - np.log(ends[0])) / (np.log(ends[-1]) - np.log(ends[0]))
         if is_log
@@ -202,7 +202,7 @@ def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
             (chart.points_y, chart.y, chart.y_log),
         )
     )
-    across, down = 500 * x, -400 * y
+    across, down = 430 * x, -400 * y
     taken = [(px - 6, py - 6, px + 6, py + 6) for px, py in zip(across, down, strict=True)]
     placed: dict[str, list[Any]] = {"right": [], "down": [], "align": [], "name": []}
     for point, px, py in zip(chart.points, across, down, strict=True):
@@ -210,7 +210,7 @@ def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
         for right, lower, align in _PLACES:
             left = px + right - {"left": 0, "right": width, "center": width / 2}[align]
             box = (left, py + lower - 7, left + width, py + lower + 7)
-            if box[0] > 0 and box[2] < 560 and not any(_overlap(box, other) for other in taken):
+            if box[0] > 0 and box[2] < 490 and not any(_overlap(box, other) for other in taken):
                 taken.append(box)
                 break
         else:
