@@ -34,6 +34,8 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path) -> None:
     units.get_by_role("button", name="Angle random walk").click()
     expect(units.get_by_role("row").nth(1)).to_contain_text("LN-100")  # 0.001 °/√h, the smallest
 
+    # Typed before the file is chosen: Bokeh cannot send a message of a widget that has just arrived before anything
+    # else has been sent ("[object Function] is not serializable"), which only a script is quick enough to meet.
     page.get_by_label("Rate [Hz]").fill("100")
     page.get_by_label("Rate [Hz]").press("Tab")
     page.locator("input[type=file][accept*=npz]").set_input_files(log)
