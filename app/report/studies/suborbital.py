@@ -56,7 +56,7 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
         Section(
             f"{key}-suborbital-errors",
             "Suborbital flight: errors by source, with and without star tracker",
-            (*_drawn(_ERRORS, shown, key), chart_block(charts.growth_chart(shown), key),
+            (*_drawn((*_ERRORS, charts.growth_chart), shown, key),
              _table(tables.source_table(shown), key)),
         ),
         Section(
