@@ -16,6 +16,7 @@ import panel_material_ui as pmui
 from panel.util import edit_readonly
 
 from app.controls import SECTION_TITLES, Control, section_controls
+from app.once_shown import once_shown
 from app.report import report_of_text
 from app.report.studies import study_sections
 from app.report.wording import chapter_key
@@ -55,7 +56,7 @@ A page is imported and built when its tab is first opened, so a tab costs the fi
 """
 
 
-_FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with
+_FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with. The second is below the first screen.
 
 
 class Frame:
@@ -145,8 +146,8 @@ class Frame:
             sizing_mode="stretch_width",
             margin=0,
         )
-        for index in _FIRST_OPEN:
-            self._fill_section(index)
+        self._fill_section(_FIRST_OPEN[0])
+        once_shown(lambda: self._fill_section(_FIRST_OPEN[1]))
         accordion.param.watch(lambda event: [self._fill_section(index) for index in event.new], "active")
         self._explained.param.watch(self._explain, "value")
         self._name = pmui.TextInput(

@@ -18,7 +18,7 @@ WIDE_SAWTOOTH = 0.5
 INPUT, CLOSED, DISCRETE, SERIES, RESPONSE = (
     "input",
     "closed form",
-    "discrete Riccati equation",
+    "discrete Riccati equation, solved in closed form",
     "linear covariance propagation",
     "aperture integral",
 )
