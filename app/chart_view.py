@@ -11,9 +11,11 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.charts.description import AnyChart, to_csv
+from app.charts.explore import RankChart, TradeMapChart
 from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
+from app.charts.spoken import in_words
 from app.prose import prose
 from app.state import Session
 from app.theme import FRAME, SHEET
@@ -89,4 +91,12 @@ def _labels(chart: AnyChart) -> tuple[str, str]:
 
 
 def _know(chart: AnyChart) -> str:
-    return f'{legend_html(chart)}<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
+    return (
+        f"{described(chart)}{legend_html(chart)}"
+        f'<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
+    )
+
+
+def described(chart: AnyChart | RankChart | TradeMapChart) -> str:
+    """What a chart shows, in words, for screen readers: a canvas says nothing to them."""
+    return f'<p class="hidden">What the chart shows: {escape(in_words(chart))}</p>'

@@ -36,6 +36,7 @@ class Session(param.Parameterized):
     def __init__(self, design: Design) -> None:
         super().__init__(budget=analyse(design))
         self.start = design
+        self.study_link = ""  # what the link says of a suborbital study; its page reads it when it is opened
         self._past: list[Design] = []
         self._future: list[Design] = []
         self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)

@@ -232,8 +232,8 @@ def _winner_chart(
         contour=Line("limit", "phase limit", contour_x, contour_y, "limit", "requirement"),
         knowledge=(
             "Closed forms at every point [T-15], [T-16], [S-7], [S-1], [S-2], each with its own settled filter "
-            "[T-8]; white fix noise, broadside. Named is the simplest of 2, 3, 5, 5w within 5 % of the least "
-            "residual; 4, 6, 7 and 8 have no closed form. "
+            "[T-8]; the design's squint and slow GNSS error included. Named is the simplest of 2, 3, 5, 5w within "
+            "5 % of the least residual; 4, 6, 7 and 8 have no closed form. "
             + ("Give a limit on the detrended phase to see where it is met." if limit is None else
                f"The limit of {limit * _DEG:.3g}° at 1σ is met on the side of shorter apertures.")
         ),
