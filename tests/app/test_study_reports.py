@@ -34,6 +34,7 @@ from nav_model.sar.strategies import STRATEGIES
 from nav_model.sar.study_json import to_json as sar_json
 from nav_model.simulation.design_study import closed_form, specification, study_of, to_document
 from nav_model.simulation.monte_carlo import simulate
+from nav_model.simulation.study_inputs import NOTHING_ADDED
 from nav_model.suborbital.settings import DEFAULTS, from_design
 from nav_model.suborbital.survey import run_survey
 from nav_model.suborbital.survey_json import survey_json
@@ -126,8 +127,10 @@ def test_the_simulations_verdict_says_nees_nis_and_their_bands(told, findings):
     for name in ("nees", "nis"):
         for part in ("mean", "low", "high"):
             assert f"{document[name][part]:.2f}" in said.sentence
-    departures = [row for row in table(told, "simulation-departures").rows if len(row) > 1]
-    assert len(departures) == len(document["departures"])
+    rows = table(told, "simulation-departures").rows
+    assert sum(row[0].text.count(",") for row in rows) == len(document["departures"])  # alike ones share a row
+    reasons = {found["reason"].lower() for found in document["departures"]}
+    assert {row[4].text.lower() for row in rows} <= reasons
     bullets = next(b for s in told if s.key == "d-simulation" for b in s.blocks if isinstance(b, Bullets))
     assert list(bullets.items) == document["conditions"]
 
@@ -203,7 +206,7 @@ def test_every_chart_of_the_three_studies_is_there_once(told):
     assert len(keys) == len(set(keys))
     kinds = [type(block.chart).__name__ for s in told for block in s.blocks if isinstance(block, ChartBlock)]
     assert {kind: kinds.count(kind) for kind in set(kinds)} == {
-        "Chart": 11 + 4 + 16, "DotChart": 2, "MapChart": 2, "PictureChart": 2,
+        "Chart": 11 + 4 + 16 + 6, "DotChart": 2, "MapChart": 2, "PictureChart": 2,
     }  # fmt: skip
 
 
@@ -346,7 +349,7 @@ def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
     for strategy in STRATEGIES:
         assert strategy.key in page
     assert squeezed(study.sentence) in squeezed(page)
-    assert "20 runs, seed 5" in page
+    assert "20 runs of the error model, seed 5" in page
     assert "SAR: 20 of 20 runs" in capsys.readouterr().err
 
 
@@ -377,6 +380,6 @@ def test_the_default_simulation_of_a_report_flies_the_designs_own_outage(design,
     options = argparse.Namespace(runs=None, seed=1, duration=None, outages=[], trajectory="wandering", workers=None)
     report_command._simulation(design, options)
     (flown,) = asked
-    spec = simulate_command._specification(design, flown, keep_runs=False)
+    spec = simulate_command._specification(design, NOTHING_ADDED, flown, keep_runs=False)
     assert spec.outages == ((400.0, 400.0 + design.coast.duration),)
     assert np.isclose(spec.duration, 400.0 + design.coast.duration)
