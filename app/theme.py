@@ -40,6 +40,23 @@ FRAME = {
 PRINT_NOTHING = "@media print { :host { display: none !important; } }"
 """Sheet of what has no place on paper: tools, tabs, fields."""
 
+PRINT_PAGE = """
+@media print {
+  :host { height: auto !important; }
+  header, nav, [role=tooltip] { display: none !important; }
+  .page, .page > div, .page > div > div, .main, .main > div, .main-content { display: block !important;
+    position: static !important; width: auto !important; height: auto !important; max-height: none !important;
+    min-height: 0 !important; overflow: visible !important; margin: 0 !important; padding: 0 !important; }
+  .main > div > .MuiToolbar-root { display: none !important; }
+  .page.mui-dark { print-color-adjust: exact; background: #000 !important; filter: invert(1) hue-rotate(180deg); }
+  .page.mui-dark > div, .page.mui-dark > div > div, .mui-dark .main { background: #000 !important; }
+}
+"""
+"""Sheet of the frame: on paper the page alone; a dark one is turned over, and its hues turned back."""
+
+PRINT_WHOLE = "@media print { :host { break-inside: avoid; } }"
+"""Sheet of what must not be torn by a page's end."""
+
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.
 SHEET = """

@@ -17,6 +17,7 @@ from app.pages.explore_map import download
 from app.sortable_table import SortableTable
 from app.state import Session
 from app.theme import FRAME
+from app.upload import LimitedFileInput
 from nav_model.budget import Budget
 from nav_model.catalogue import Entry, catalogue, read_catalogue
 from nav_model.explore.margins import label_of
@@ -48,7 +49,8 @@ class SearchPanel:
         self._adopt = pmui.Button(
             label="Adopt the selected row", size="small", variant="outlined", disabled=True, margin=(6, 8, 6, 14)
         )
-        self._file = pmui.FileInput(
+        self._file = LimitedFileInput(
+            lambda why: self._say(f"Not used. {why}"),
             label="Your own units (TOML)", description="", accept=".toml", size="small", variant="text",
             max_file_size=MAX_BYTES, margin=(6, 8),
         )  # fmt: skip

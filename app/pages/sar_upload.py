@@ -17,6 +17,7 @@ from app.picture_downloads import PictureDownloads
 from app.pictures import gallery
 from app.sar_run import SarResult
 from app.state import Session
+from app.upload import LimitedFileInput
 from app.workers import elsewhere
 from nav_model.sar.pictures import Pictures, uploaded_pictures
 from nav_model.sar.strategies import STRATEGY_KEYS
@@ -38,7 +39,8 @@ class UploadedPicture:
         self._result = result
         self._file: tuple[str, bytes] | None = None
         look: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
-        self._input = pmui.FileInput(
+        self._input = LimitedFileInput(
+            lambda why: self._say(f"Not formed. {why}"),
             label="Open a phase history", accept=".npz", icon="upload_file", max_file_size=MOST_BYTES,
             variant="outlined", **look,
         )  # fmt: skip

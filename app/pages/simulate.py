@@ -20,6 +20,7 @@ from app.charts.description import Chart
 from app.simulation_controls import StudyControls
 from app.simulation_run import Compiling, News, Progress, Result, SimulationRun, outages_of, prepare, same_subject
 from app.state import Session
+from app.upload import LimitedFileInput
 from app.workers import elsewhere
 from nav_model.budget import Budget
 from nav_model.inputs import DesignError
@@ -105,7 +106,8 @@ class SimulatePage:
             width=250,
             **_LOOK,
         )
-        self._upload = pmui.FileInput(
+        self._upload = LimitedFileInput(
+            lambda why: self._say(f"Not used. {why}"),
             label="Trajectory file", accept=".csv", icon="upload_file", max_file_size=_UPLOAD, visible=False,
             variant="outlined", **_LOOK,
         )  # fmt: skip

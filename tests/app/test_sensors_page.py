@@ -16,11 +16,11 @@ from app.charts.sensors import axis_chart, triad_chart
 from app.log_panel import progress_line
 from app.log_study import LogRequest, study_log
 from app.log_tables import coefficient_tables, origin_table
-from app.log_upload import LimitedFileInput
 from app.long_run import RunLost, run_alone
 from app.pages.sensors import SensorsPage
 from app.server import first_design
 from app.state import Session
+from app.upload import LimitedFileInput
 from nav_model.allan.log_file import LogOptions
 from nav_model.catalogue import catalogue
 from nav_model.inputs import DesignError

@@ -20,7 +20,7 @@ _DATA = ("position lines 0", "velocity lines 0", "phase bars")
 async def _step(tab: Tab) -> None:
     """A slider step that must be answered."""
     slider = tab.find(**_SLIDER)
-    answered = tab.expect({tab.find(name=name)["id"] for name in _DATA})
+    answered = tab.expect({(await tab.until(name=name))["id"] for name in _DATA})
     slider["attributes"]["value"] -= 0.02
     await tab.set(slider["id"], value=slider["attributes"]["value"])
     await asyncio.wait_for(answered, 20)
@@ -95,21 +95,12 @@ def test_nobody_saves_under_another_name(serving: Any, people: Path, tmp_path: P
             tab = await Tab.open(f"http://127.0.0.1:{served.port}", cookies)
             bar = next(model for model in tab.objects if model["name"].startswith("Tabs"))
             await tab.set(bar["id"], active=6)
-            async with asyncio.timeout(30):
-                while not any(model["attributes"].get("label") == "Your name" for model in tab.objects):
-                    await asyncio.sleep(0.3)
-                    await tab.pull()
-            field = tab.find(label="Your name")
+            field = await tab.until(label="Your name")
             assert field["attributes"]["value"] == "ada"
             assert field["attributes"]["disabled"]
             await tab.set(field["id"], disabled=False, value=name)
             await tab.click(tab.find(label="Save as new design")["id"])
-            async with asyncio.timeout(30):
-                while not any(
-                    model["attributes"].get("label", "").startswith("Save as revision 2") for model in tab.objects
-                ):
-                    await asyncio.sleep(0.3)
-                    await tab.pull()
+            await tab.until(label="1 revision")
             await tab.close()
 
         asyncio.run(forge())
