@@ -15,7 +15,14 @@ from nav_model.simulation.single_run import POSTERIOR
 
 _DIMENSIONS = {"position": "length", "velocity": "speed", "attitude": "angle"}
 _SURELY_COMPILING = 4.0  # seconds: a worker that finds the compiled simulator on disk has started by then
-_PHASES = ("at the last fix", "at the end of the outage")
+
+
+DEPARTURES = (
+    "Where they differ most, if by more than 10 %, just after the fix. Causes are found by flying this design with "
+    "one thing changed at a time; their factors multiply to the whole, but for those below 3 % or a quarter of the "
+    "largest. Simulated errors count when chance would bring them once in a thousand."
+)
+"""How the table of departures is to be read."""
 
 
 def answer(result: Result, stale: bool) -> str:
@@ -85,29 +92,26 @@ def departure_table(study: DesignStudy) -> str:
     if not study.departures:
         return f"{title}<p>Nowhere by more than 10 %.</p>"
     rows = ""
-    for alike in _alike(study):
-        first = alike[0]
-        start, stop = min(d.start_s for d in alike), max(d.stop_s for d in alike)
+    for found in alike(study):
+        first = found[0]
+        start, stop = min(d.start_s for d in found), max(d.stop_s for d in found)
         reasons = prose(first.reason[:1].upper() + first.reason[1:])
         rows += (
-            f'<tr><th scope="row">{escape(first.group.capitalize())}, {", ".join(d.axis for d in alike)}</th>'
+            f'<tr><th scope="row">{escape(first.group.capitalize())}, {", ".join(d.axis for d in found)}</th>'
             f'<td class="num">{start:g} to {stop:g} s</td>'
-            f'<td class="num">{_range([d.simulated for d in alike])}</td>'
-            f'<td class="num">{_range([d.ratio for d in alike])}</td><td>{reasons}.</td></tr>'
+            f'<td class="num">{_range([d.simulated for d in found])}</td>'
+            f'<td class="num">{_range([d.ratio for d in found])}</td><td>{reasons}.</td></tr>'
         )
     return (
         f'{title}<div class="scroll" tabindex="0" role="region" aria-label="Departures">'
         '<table class="checks"><thead><tr><th scope="col">Error</th><th scope="col" class="num">When</th>'
         '<th scope="col" class="num">simulated / closed</th><th scope="col" class="num">filter / closed</th>'
         f'<th scope="col">Why, and how much of it</th></tr></thead><tbody>{rows}</tbody></table></div>'
-        '<p class="know quiet">Where they differ most, if by more than 10 %, just after the fix. Causes are found by '
-        "flying this design with one thing changed at a time; their factors multiply to the whole, but for those "
-        "below 3 % or a quarter of the largest. Simulated errors count when chance would bring them once in a "
-        "thousand.</p>"
+        f'<p class="know quiet">{escape(DEPARTURES)}</p>'
     )
 
 
-def _alike(study: DesignStudy) -> list[list[Departure]]:
+def alike(study: DesignStudy) -> list[list[Departure]]:
     """Departures of axes that part at about the same time for the same causes, together."""
     groups: dict[tuple[object, ...], list[Departure]] = {}
     for found in study.departures:
