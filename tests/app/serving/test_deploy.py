@@ -168,7 +168,7 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
             )  # fmt: skip
             connection = await websocket_connect(request, subprotocols=["bokeh", token[1]])
             said = str(await asyncio.wait_for(connection.read_message(), 30))
-            connection.close()
+            await served.hang_up(connection)
             return said
 
         with pytest.raises(HTTPClientError) as refused:
