@@ -1,6 +1,7 @@
 """A long run in a process of its own: it says how far it is and ends at once when cancelled.
 
-The pool of `app.workers` serves short work; its processes cannot be stopped within a task.
+The pool of `app.workers` serves short work; its processes cannot be stopped within a task, and one that has
+done something large keeps its memory.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from app import workers
+from nav_model.inputs import DesignError
 
 WAITING = "waiting for another run to finish"
 
@@ -30,7 +32,7 @@ async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Cal
     Raises
     ------
     ValueError
-        As the function raises it: the message is for the person.
+        As the function raises it, a DesignError with its key: the message is for the person.
     RunLost
         When the process died.
     """
@@ -49,7 +51,7 @@ async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Cal
                     if kind == "progress":
                         progress(*content)
                     elif kind == "refused":
-                        raise ValueError(content[0])
+                        raise content[0]
                     else:
                         return content[0]
             except (EOFError, OSError) as error:
@@ -70,7 +72,9 @@ def _work(sender: Connection, function: Callable[..., Any], arguments: tuple[Any
     workers.step_back()
     try:
         result = function(*arguments, progress=lambda share, what: sender.send(("progress", share, what)))
+    except DesignError as error:
+        sender.send(("refused", error))
     except ValueError as error:
-        sender.send(("refused", str(error)))
+        sender.send(("refused", ValueError(str(error))))  # not every kind of it survives the way
     else:
         sender.send(("done", result))

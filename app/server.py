@@ -26,7 +26,7 @@ from app.state import Session
 from nav_model.design import Design
 from nav_model.design_file import parse_design
 from nav_model.inputs import DesignError
-from nav_model.link import from_query
+from nav_model.link import from_query, split_link
 
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
 _MAX_HEADER = 65_536  # a design as a link is far shorter
@@ -35,7 +35,7 @@ _LAST_WORDS = 0.5  # seconds for results to reach the pages once all work has en
 
 def first_design() -> Design:
     """What a visitor without a link sees: a real inertial unit under a real radar."""
-    text = files("app").joinpath("first_design.toml").read_text(encoding="utf-8")
+    text = files("app").joinpath("examples/mems_x_band.toml").read_text(encoding="utf-8")
     return parse_design(text, "first design")
 
 
@@ -46,15 +46,17 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
     """
     design, notice = first_design(), ""
     query = pn.state.location.search if pn.state.location else ""
-    if query and not is_review_link(query):
+    of_design, of_study = split_link(query)
+    if of_design and not is_review_link(query):
         try:
-            design = from_query(query)
+            design = from_query(of_design)
         except DesignError as error:
             notice = f"The link was not used. {error}"
     try:
         session = Session(design)
     except DesignError as error:
         session, notice = Session(first_design()), f"The link was not used. {error}"
+    session.study_link = of_study
     if changed is not None:
         session.param.watch(changed, "budget")
     return Frame(session, notice).view
@@ -69,7 +71,7 @@ def serve(rules: Rules) -> None:
         If the rules contradict each other, or the address cannot be listened on.
     """
     rules.check()
-    pn.extension("tabulator")
+    pn.extension()
     set_up(rules.log)
     workers.use(rules.workers)
     began, running, metrics = time.monotonic(), dict[str, Any](), Metrics()

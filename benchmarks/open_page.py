@@ -12,6 +12,7 @@ from typing import Any
 from tornado.httpclient import AsyncHTTPClient, HTTPRequest
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
+_CHARTS = 6  # of the Budget page
 _TOKEN = re.compile(r'"token":"([^"]+)"')
 
 
@@ -47,7 +48,14 @@ class Tab:
         await asyncio.wait_for(tab._greeted.wait(), 120)  # what is sent before the greeting is lost
         await tab.pull()
         await tab.event("document_ready")
+        await asyncio.wait_for(tab._stand(), 120)
         return tab
+
+    async def _stand(self) -> None:
+        """Take the document until the charts below the first screen, which follow it, are there."""
+        while sum(model["name"] == "Figure" for model in self.objects) < _CHARTS:
+            await asyncio.sleep(0.05)
+            await self.pull()
 
     async def pull(self) -> None:
         """Take the document as it is now."""
