@@ -206,7 +206,7 @@ def judge(report: Report, log: list[str]) -> list[str]:
             f"server resident {phase.resident:.0f} MB"
         )
         for error in sorted(set(phase.errors)):
-            print(f"  error: {error}")
+            print(f"  error: {error[:300]}")
         if phase.errors:
             missed.append(f"{phase.name}: {len(phase.errors)} errors")
         if not phase.p95() < GOAL_P95_MS:

@@ -136,7 +136,7 @@ class Tab:
                 if not self._waiting and self._answered is not None and not self._answered.done():
                     self._answered.set_result(None)
             elif kind == "ERROR":
-                self.errors.append(str(content)[:300])
+                self.errors.append(str(content))
         if not self._closing:
             self.errors.append(f"the server hung up: {self.connection.close_code} {self.connection.close_reason}")
 
