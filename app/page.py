@@ -82,6 +82,7 @@ class Frame:
         self._open_page(self._tabs.active)
         self.view = self._shell()
         session.param.watch(self._show, "budget")
+        session.param.watch(self._present, "presenting")
         self._tabs.param.watch(self._turned, "active")
         if pn.state.curdoc:
             fit_to_paper(pn.state.curdoc)
@@ -99,7 +100,15 @@ class Frame:
             self._pages[self._tabs.active].show(budget)
             self._follow_name(budget)
 
+    def _present(self, event: Any) -> None:
+        """Leave the screen to the decision at hand, and come back."""
+        with pn.io.hold():
+            self.view.sidebar_open = not event.new
+            self._tools.visible = self._tabs.visible = not event.new
+
     def _turned(self, event: Any) -> None:
+        if leave := getattr(self._pages[event.old], "leave", None):
+            leave()
         self._open_page(event.new)
         self._pages[event.new].show(self.session.budget)
         for index, place in enumerate(self._places):
@@ -130,12 +139,13 @@ class Frame:
 
     def _shell(self) -> pmui.Page:
         mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
+        self._tools = self._toolbar()
         page = pmui.Page(
             title="NavBudget",
             sidebar=self._sidebar(),
             main=[
                 pn.Column(
-                    self._toolbar(),
+                    self._tools,
                     self._notice,
                     self._examples,
                     self._tabs,

@@ -43,10 +43,16 @@ class ReviewPage:
     def show(self, budget: Budget) -> None:
         """The page shows saved designs; the one in force is saved as it stands when asked."""
 
+    def leave(self) -> None:
+        """Another page is turned to."""
+        self._room.stand_back()
+
     def _turned(self, event: object) -> None:
         """A turn brings what others have written meanwhile; what was said about another part goes."""
         if self._tabs.active != _COMPARE:
             self._desk.say("")
+        if self._tabs.active != _REVIEWS:
+            self._room.stand_back()
         if self._tabs.active == _LIBRARY:
             self._library.refresh()
         elif self._tabs.active == _REVIEWS:
