@@ -77,8 +77,8 @@ class Frame:
             *((name, pn.Spacer(height=0)) for name, _ in PAGES),
             sizing_mode="stretch_width",
             margin=(0, 6),
-            stylesheets=[PRINT_NOTHING],
         )
+        self._bar = pn.Column(self._tabs, sizing_mode="stretch_width", margin=0, stylesheets=[PRINT_NOTHING])
         self._open_page(self._tabs.active)
         self.view = self._shell()
         session.param.watch(self._show, "budget")
@@ -104,7 +104,7 @@ class Frame:
         """Leave the screen to the decision at hand, and come back."""
         with pn.io.hold():
             self.view.sidebar_open = not event.new
-            self._tools.visible = self._tabs.visible = not event.new
+            self._tools.visible = self._bar.visible = not event.new
 
     def _turned(self, event: Any) -> None:
         if leave := getattr(self._pages[event.old], "leave", None):
@@ -148,7 +148,7 @@ class Frame:
                     self._tools,
                     self._notice,
                     self._examples,
-                    self._tabs,
+                    self._bar,
                     *self._places,
                     sizing_mode="stretch_width",
                 )

@@ -37,6 +37,9 @@ FRAME = {
 }
 """Around a chart; follows the page's text colour, so it holds in the dark."""
 
+NO_STEPPERS: dict[str, Any] = {"& .MuiIconButton-root": {"display": "none"}}
+"""Of a field for a number: its stepping buttons have no names, and the arrow keys step as well."""
+
 PRINT_NOTHING = "@media print { :host { display: none !important; } }"
 """Sheet of what has no place on paper: tools, tabs, fields."""
 

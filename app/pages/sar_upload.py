@@ -16,6 +16,7 @@ from app.charts.sar import short_name
 from app.pictures import gallery
 from app.sar_run import SarResult
 from app.state import Session
+from app.theme import NO_STEPPERS
 from app.workers import elsewhere
 from nav_model.sar.pictures import Pictures, uploaded_pictures
 from nav_model.sar.strategies import STRATEGY_KEYS
@@ -45,7 +46,9 @@ class UploadedPicture:
             label="Navigation error of strategy", value="2", width=230, **look,
             options={short_name(key): key for key in STRATEGY_KEYS[1:]},
         )  # fmt: skip
-        self._half = pmui.FloatInput(label="Half width [m]", value=50.0, start=1.0, end=5000.0, width=130, **look)
+        self._half = pmui.FloatInput(
+            label="Half width [m]", value=50.0, start=1.0, end=5000.0, width=130, sx=NO_STEPPERS, **look
+        )
         self._picture = html_pane("")
         self._input.param.watch(self._opened, "value")
         for widget in (self._key, self._half):
