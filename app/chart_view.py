@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import re
 from collections.abc import Callable
 from html import escape
 from typing import Generic, TypeVar
@@ -17,27 +16,13 @@ from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
 from app.charts.spoken import in_words
-from app.report.equations import ALL_EQUATIONS
+from app.prose import prose
 from app.state import Session
 from app.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE, SHEET
 from app.workers import elsewhere
 from nav_model.budget import Budget
 
 _T = TypeVar("_T")
-_MARK = re.compile(r"\[([A-Z]-\d+)\]")
-_TITLES = {equation.mark: equation.title for equation in ALL_EQUATIONS}
-
-
-def prose(text: str) -> str:
-    """Text for our own HTML: escaped, equation marks such as [T-9] linked to the Theory page."""
-    return _MARK.sub(_link, escape(text))
-
-
-def _link(found: re.Match[str]) -> str:
-    mark = found[1]
-    if mark not in _TITLES:
-        return f'<span class="nw">{found[0]}</span>'
-    return f'<a class="eq" href="#theory-{mark}" title="{escape(_TITLES[mark])}">{found[0]}</a>'
 
 
 def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> pn.pane.HTML:

@@ -56,9 +56,11 @@ _CHOICES: dict[str, dict[Any, str]] = {
 
 
 class LogSlider(pmui.FloatSlider):
-    """A slider whose steps reach the server without the framework's wait of 50 ms."""
+    """A slider whose steps reach the server without the framework's wait of 50 ms, and without turning the whole
+    server's busy flag on and off, which nothing here shows."""
 
     _priority_changes: ClassVar[list[str]] = ["value"]
+    _busy__ignore: ClassVar[list[str]] = ["value", "value_throttled"]
 
 
 class QuantityControl:

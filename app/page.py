@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import html
 import importlib
@@ -18,6 +19,9 @@ from app.controls import SECTION_TITLES, Control, section_controls
 from app.once_shown import once_shown
 from app.paper import fit_to_paper
 from app.report import report_of_text
+from app.report.studies import study_sections
+from app.report.wording import chapter_key
+from app.report_choice import ReportChoice
 from app.state import Session
 from app.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.tour import Tour
@@ -89,7 +93,7 @@ class Frame:
         if pn.state.location:
             # What stands behind # reaches the server from the page only, before the page can be changed.
             location = pn.state.location
-            pn.state.onload(lambda: self._go_to("review" if is_review_link(location.search) else location.hash))
+            pn.state.onload(lambda: self._go_to(self._first_page(location)))
             location.param.watch(lambda event: self._go_to(event.new) if self._loaded else None, "hash")
 
     def _show(self, event: Any) -> None:
@@ -116,6 +120,12 @@ class Frame:
         name, location = PAGES[event.new][0].lower(), pn.state.location
         if location and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
+
+    def _first_page(self, location: Any) -> str:
+        """The page a link is for: what stands behind # unless the query says more."""
+        if is_review_link(location.search):
+            return "review"
+        return str(location.hash) or ("suborbital" if self.session.study_link else "")
 
     def _go_to(self, address: str) -> None:
         """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
@@ -221,6 +231,7 @@ class Frame:
             label="Open", accept=".toml", icon="folder_open", max_file_size=MAX_BYTES, **_TOOL_LOOK
         )
         self._open.param.watch(self._opened, "value")
+        self._choice = ReportChoice(session)
         return pn.FlexBox(
             undo,
             redo,
@@ -230,6 +241,7 @@ class Frame:
             link,
             self._download("HTML report", "description", "html", functools.partial(self._report, "html")),
             self._download("PDF report", "picture_as_pdf", "pdf", functools.partial(self._report, "pdf")),
+            self._choice.view,
             examples,
             Tour(margin=2),
             sizing_mode="stretch_width",
@@ -266,7 +278,10 @@ class Frame:
     async def _report(self, suffix: str) -> io.BytesIO:
         self.session.running = True
         try:
-            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), f".{suffix}"))
+            text, findings = format_design(self.session.design), self._choice.chosen()
+            # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
+            study = await asyncio.to_thread(study_sections, findings, parse_design(text), chapter_key(""))
+            return io.BytesIO(await elsewhere(report_of_text, text, f".{suffix}", study))
         finally:
             self.session.running = False
 

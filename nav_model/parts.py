@@ -378,8 +378,7 @@ class Radar(Part):
         bounds=(-60 * _DEGREE, 60 * _DEGREE),
         softbounds=(-60 * _DEGREE, 60 * _DEGREE),
         label="Squint angle",
-        doc="Of the line of sight in the slant plane, forward positive. Used by the simulated strategies and "
-        "pictures of the SAR page; closed forms and the aperture time are broadside.",
+        doc="Of the line of sight in the slant plane, forward positive; lengthens the aperture for a resolution.",
         datasheet='Radar table: "squint".',
         typical="0° strip map, up to 45° spotlight",
     )

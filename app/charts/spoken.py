@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from app.charts.description import AnyChart, Array, BarChart, Chart, DotChart, Line, MapChart
+from app.charts.description import Array, BarChart, Chart, DotChart, Drawing, Line, MapChart, PictureChart
 from app.charts.explore import RankChart, TradeMapChart
 
 _MOST = 6  # rows told one by one
 
 
-def in_words(chart: AnyChart | RankChart | TradeMapChart) -> str:
+def in_words(chart: Drawing | RankChart | TradeMapChart) -> str:
     """Kind, axes and key values of a chart."""
     return _WORDS[type(chart)](chart)
 
@@ -91,6 +91,11 @@ def _map(chart: MapChart) -> str:
     return f"Map of {_axis(chart.y_label)} against {_axis(chart.x_label)}; which holds where: {said}.{points}"
 
 
+def _pictures(chart: PictureChart) -> str:
+    said = "; ".join(f"{name}, {caption}" for name, caption in zip(chart.names, chart.captions, strict=True))
+    return f"Images over one scale, {chart.axes}: {said}."
+
+
 def _rank(chart: RankChart) -> str:
     said = "; ".join(f"{bar.label} {_n(bar.percent)} %" for bar in chart.bars[:_MOST])
     return f"Bars of {_axis(chart.x_label)}, largest first: {said}."
@@ -124,6 +129,7 @@ _WORDS: dict[type, Callable[[Any], str]] = {
     BarChart: _bars,
     DotChart: _dots,
     MapChart: _map,
+    PictureChart: _pictures,
     RankChart: _rank,
     TradeMapChart: _trade,
 }

@@ -12,7 +12,7 @@ from app.chart_view import described, html_pane, prose
 from app.charts.description import to_csv
 from app.charts.explore import RankChart, rank_chart
 from app.charts.on_screen_explore import RankFigure
-from app.explore_words import answer, solved_table
+from app.explore_words import answer, solved_table, unsolved
 from app.pages.explore_map import MapPanel, download
 from app.pages.explore_search import SearchPanel
 from app.pages.explore_uncertainty import UncertaintyPanel
@@ -61,7 +61,14 @@ class ExplorePage:
             part.show(budget)
 
     def _answer_for(self, budget: Budget) -> None:
-        solutions: tuple[Solution, ...] = solve(budget.design, verify=False) if budget.verdict.checks else ()
+        solutions: tuple[Solution, ...] = ()
+        if budget.verdict.checks:
+            try:
+                solutions = solve(budget.design, verify="together")
+            except ArithmeticError as error:  # an answer that does not hold is not shown
+                self._answer.object = unsolved(str(error))
+                self._solved.object = ""
+                return
         self._answer.object = answer(budget, solutions)
         self._solved.object = solved_table(budget, solutions)
 

@@ -3,14 +3,7 @@
 import numpy as np
 import pytest
 
-from nav_model.analytic.discrete import (
-    SlowError,
-    after_fix,
-    cycle,
-    process_noise,
-    steady_prior,
-    transition,
-)
+from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.analytic.steady_state import horizontal, vertical
 
 ORACLE = "SciPy, discrete Riccati equation; mpmath, Newton steps in 40 digits"
@@ -24,18 +17,6 @@ def _vertical_matrix(v, i):
 @pytest.fixture(scope="module")
 def ours(fleet):
     return cycle(fleet.sigma_a, fleet.sigma_w, fleet.g, fleet.interval, fleet.sigma, fleet.sigma_vertical)
-
-
-def test_transition_and_process_noise_against_the_matrix_exponential(fleet, reference):
-    f = np.array([[0.0, 1, 0], [0, 0, 9.8], [0, 0, 0]])
-    for i in range(0, fleet.size, 8):
-        a, w, h = fleet.sigma_a[i], fleet.sigma_w[i], fleet.interval[i]
-        scale = np.array([a * h**1.5, a * h**0.5, w * h**0.5])  # bring the parts near one
-        inside = f * scale / scale[:, None]
-        q = np.diag([0, a**2, w**2]) / np.outer(scale, scale)
-        phi, added = reference.van_loan(inside, q, h)
-        np.testing.assert_allclose(transition(9.8, h), phi * scale[:, None] / scale, rtol=1e-11, atol=1e-14)
-        np.testing.assert_allclose(process_noise(a, w, 9.8, h), added * np.outer(scale, scale), rtol=1e-10)
 
 
 def test_horizontal_cycle(fleet, reference, ours, validated, ratio_off):
@@ -140,14 +121,3 @@ def test_cycle_broadcasts(worked):
     assert grid.prior.horizontal.p11.shape == (2, 3)
     one = cycle(worked.sigma_a, worked.sigma_w, worked.g, 1.0, 2.0, 1.0)
     assert grid.posterior.horizontal.p23[1, 2] == pytest.approx(float(one.posterior.horizontal.p23), rel=1e-11)
-
-
-def test_what_no_filter_can_settle_is_refused():
-    phi = np.diag([1.0, 2.0])  # an unstable state that is never seen
-    with pytest.raises(ArithmeticError):
-        steady_prior(phi, np.eye(2), np.array([1.0, 0.0]), np.array(1.0))
-
-
-def test_update_of_a_known_case():
-    posterior = after_fix(np.diag([3.0, 5.0]), np.array([1.0, 0.0]), np.array(1.0))
-    np.testing.assert_allclose(posterior, np.diag([0.75, 5.0]), rtol=1e-15)

@@ -11,8 +11,7 @@ from nav_model.sar.strategy_forms import (
     exact_corrected_variance,
     fit_noise_variance,
     fit_quadratic_sigma,
-    ins_quadratic_variance,
-    ins_residual_variance,
+    ins_variances,
     shrunk_residual_variance,
     shrunk_weight,
 )
@@ -44,7 +43,7 @@ def test_noise_terms_are_projections_of_the_integrated_noise(validated, ratio_of
         a, b = min(a, b), max(a, b)
         return a**3 * (10 * b**2 - 5 * a * b + a**2) / 120
 
-    after_line = ins_residual_variance(1, 1, 0, 0), ins_residual_variance(1, 0, 1, 0, gravity=1)
+    after_line = ins_variances(1, 1, 0, 0).detrended, ins_variances(1, 0, 1, 0, gravity=1).detrended
     after_quadratic = beyond_quadratic_variance(1, 1, 0), beyond_quadratic_variance(1, 0, 1, gravity=1)
     line, quadratic = ([_detrended(process, n) for process in (twice, thrice)] for n in (1, 2))
     oracle, measure = "SciPy, quadrature of the integrated noise's covariance", "largest ratio − 1"
@@ -55,12 +54,12 @@ def test_noise_terms_are_projections_of_the_integrated_noise(validated, ratio_of
 def test_the_quadratic_and_the_rest_add_up_to_the_whole():
     arguments = (np.array([2.0, 9.0, 33.0]), SA, SW, TILT)
     biases = {"accelerometer_bias": 3e-4, "gyro_bias": 2e-6}
-    whole = ins_residual_variance(*arguments, 40.0, **biases)
-    quadratic = 4 / 45 * ins_quadratic_variance(*arguments, 40.0, **biases)
+    whole = ins_variances(*arguments, 40.0, **biases).detrended
+    quadratic = 4 / 45 * ins_variances(*arguments, 40.0, **biases).quadratic
     rest = beyond_quadratic_variance(*arguments[:3], gyro_bias=2e-6)
     np.testing.assert_allclose(whole, quadratic + rest, rtol=1e-12)
     # [T-14]: a gyro bias alone leaves g^2 d^2 T^6 / 2800.
-    alone = ins_residual_variance(7.0, 0, 0, 0, gyro_bias=1e-5)
+    alone = ins_variances(7.0, 0, 0, 0, gyro_bias=1e-5).detrended
     assert alone == pytest.approx((G * 1e-5) ** 2 * 7.0**6 / 2800)
 
 
@@ -119,7 +118,7 @@ def test_exact_variance_against_random_walks(validated):
 def test_exact_variance_without_a_fit_is_t15():
     args = {"gnss_sigma": 1.0, "fix_times": np.arange(11.0), "weight": 0.0, "tilt_variance": TILT}
     variance = exact_corrected_variance(10.0, SA, SW, **args)
-    free = float(ins_residual_variance(10.0, SA, SW, TILT))
+    free = float(ins_variances(10.0, SA, SW, TILT).detrended)
     # Weight zero still takes the fitted line, which the removal of the line makes harmless.
     assert variance == pytest.approx(free, rel=1e-4)
 

@@ -12,8 +12,7 @@ from nav_model.sar.advice import advise
 from nav_model.sar.strategy_forms import (
     corrected_residual_variance,
     fit_quadratic_sigma,
-    ins_quadratic_variance,
-    ins_residual_variance,
+    ins_variances,
     shrunk_residual_variance,
 )
 from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners, strategy_variances
@@ -34,7 +33,7 @@ PLAIN = Conditions(20.0, 0.3, 1.0, SA, SW, settled(TILT))
 def test_break_even_is_where_t15_equals_t16(sigma, validated, ratio_off):
     def excess(span):
         corrected = corrected_residual_variance(span, SA, SW, sigma, 1.0, fixes=span + 1)
-        return float(ins_residual_variance(span, SA, SW, TILT) - corrected)
+        return float(ins_variances(span, SA, SW, TILT).detrended - corrected)
 
     root = brentq(excess, 2.01, 500)
     validated(
@@ -49,17 +48,17 @@ def test_axes_add_with_the_weights_of_s1():
     up = strategy_variances(replace(PLAIN, grazing_angle=psi, vertical_gnss_sigma=0.8)).detrended
     level, upright = np.cos(psi) ** 2, np.sin(psi) ** 2
     expected = {
-        0: level * ins_residual_variance(span, SA, SW, TILT) + upright * ins_residual_variance(span, SA, 0, 0),
+        0: level * ins_variances(span, SA, SW, TILT).detrended + upright * ins_variances(span, SA, 0, 0).detrended,
         2: level * corrected_residual_variance(span, SA, SW, 0.3, 1.0, fixes=n)
         + upright * corrected_residual_variance(span, SA, 0, 0.8, 1.0, fixes=n),
         3: level
         * shrunk_residual_variance(
-            ins_quadratic_variance(span, SA, SW, TILT), fit_quadratic_sigma(0.3, 1.0, span, n) ** 2,
+            ins_variances(span, SA, SW, TILT).quadratic, fit_quadratic_sigma(0.3, 1.0, span, n) ** 2,
             SA**2 * span**3 / 2520 + (G * SW) ** 2 * span**5 / 55440,
         )
         + upright
         * shrunk_residual_variance(
-            ins_quadratic_variance(span, SA, 0, 0), fit_quadratic_sigma(0.8, 1.0, span, n) ** 2,
+            ins_variances(span, SA, 0, 0).quadratic, fit_quadratic_sigma(0.8, 1.0, span, n) ** 2,
             SA**2 * span**3 / 2520,
         ),
     }  # fmt: skip

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from nav_model.suborbital.channels import (
+    closed_form_errors,
     height_e_folding_time,
     height_growth,
     horizontal_error,
@@ -117,3 +118,26 @@ def test_height_channel_grows_along_the_exponential_slope(study):
         expected = np.log(growth[stop] / growth[start]) + 0.5 * np.log(slow[stop] / slow[start])
         assert np.log(growing[stop] / growing[start]) == pytest.approx(expected, rel=0.03)
     assert growth[1] == pytest.approx(np.exp(1.0 / height_e_folding_time(0.0)), rel=1e-6)
+
+
+def test_closed_forms_hold_where_their_constants_are_and_fail_after(study):
+    """[B-6] with one height and constant forcing, against the integrated INS in height."""
+    closed = closed_form_errors(study.flight, study.parameters, study.inputs.errors).position_m[..., 2]
+    ins, time = study.pure.position_m[..., 2], study.pure.time_s
+
+    def gap(name, until):
+        k, part = study.case(name), time <= until
+        return np.abs(closed[k, part] - ins[k, part]).max() / np.abs(ins[k, part]).max()
+
+    assert gap("initial position and velocity", 1000) < 0.06
+    assert gap("accelerometer instability", 1300) < 0.10
+    assert gap("gyro total", 1500) > 10  # f = 0 in coast: the forcing the form assumes is gone
+
+
+def test_closed_forms_start_at_the_initial_error(study):
+    k = study.case("initial position and velocity")
+    closed = closed_form_errors(study.flight, study.parameters[k], study.inputs.errors)
+    np.testing.assert_allclose(closed.position_m[0, 0], [20.0, -20.0, 50.0])
+    slope = (closed.position_m[0, 1] - closed.position_m[0, 0]) / (closed.time_s[1] - closed.time_s[0])
+    np.testing.assert_allclose(slope, [0.1, 0.1, 0.1], atol=1e-3)
+    assert "[B-6]" in closed.source
