@@ -82,11 +82,12 @@ class Frame:
             *((name, pn.Spacer(height=0)) for name, _ in PAGES),
             sizing_mode="stretch_width",
             margin=(0, 6),
-            stylesheets=[PRINT_NOTHING],
         )
+        self._bar = pn.Column(self._tabs, sizing_mode="stretch_width", margin=0, stylesheets=[PRINT_NOTHING])
         self._open_page(self._tabs.active)
         self.view = self._shell()
         session.param.watch(self._show, "budget")
+        session.param.watch(self._present, "presenting")
         self._tabs.param.watch(self._turned, "active")
         if pn.state.curdoc:
             fit_to_paper(pn.state.curdoc)
@@ -104,7 +105,15 @@ class Frame:
             self._pages[self._tabs.active].show(budget)
             self._follow_name(budget)
 
+    def _present(self, event: Any) -> None:
+        """Leave the screen to the decision at hand, and come back."""
+        with pn.io.hold():
+            self.view.sidebar_open = not event.new
+            self._tools.visible = self._bar.visible = not event.new
+
     def _turned(self, event: Any) -> None:
+        if leave := getattr(self._pages[event.old], "leave", None):
+            leave()
         self._open_page(event.new)
         self._pages[event.new].show(self.session.budget)
         for index, place in enumerate(self._places):
@@ -141,15 +150,16 @@ class Frame:
 
     def _shell(self) -> pmui.Page:
         mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
+        self._tools = self._toolbar()
         page = pmui.Page(
             title="NavBudget",
             sidebar=self._sidebar(),
             main=[
                 pn.Column(
-                    self._toolbar(),
+                    self._tools,
                     self._notice,
                     self._examples,
-                    self._tabs,
+                    self._bar,
                     *self._places,
                     sizing_mode="stretch_width",
                 )

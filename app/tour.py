@@ -149,7 +149,7 @@ export function render({ model }) {
   }
   start.onclick = () => {
     step = 0
-    if (location.hash.length > 1) location.hash = "#budget"  # the page it tells of
+    if (location.hash.length > 1) location.hash = "#budget"  // the page it tells of
     card.hidden = false
     // As light or dark as the page, which says so by the colour of its text only.
     const ink = getComputedStyle(place).color

@@ -35,6 +35,7 @@ from app.pictures import picture_gallery
 from app.sar_run import Progress, SarResult, SarRun
 from app.sar_words import agreement_table, answer, caution_list, error_table, response_table
 from app.state import Session
+from app.theme import NO_STEPPERS
 from nav_model.budget import Budget
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
@@ -128,7 +129,7 @@ class SarPage:
         look: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
         self._engine = pmui.Select(label="Engine", options=_ENGINES, value="fast", width=200, **look)
         self._runs = pmui.Select(label="Runs", options=list(_RUNS), value=_RUNS[0], width=100, **look)
-        self._seed = pmui.IntInput(label="Seed", value=0, start=0, end=2**31, width=110, **look)
+        self._seed = pmui.IntInput(label="Seed", value=0, start=0, end=2**31, width=110, sx=NO_STEPPERS, **look)
         self._start = pmui.Button(label="Run the strategies", icon="play_arrow", variant="contained", **look)
         self._stop = pmui.Button(label="Cancel", icon="stop", variant="outlined", disabled=True, **look)
         self._start.on_click(self._begin)

@@ -17,6 +17,7 @@ from app.picture_downloads import PictureDownloads
 from app.pictures import gallery
 from app.sar_run import SarResult
 from app.state import Session
+from app.theme import NO_STEPPERS
 from app.upload import LimitedFileInput
 from app.workers import elsewhere
 from nav_model.sar.pictures import Pictures, uploaded_pictures
@@ -48,7 +49,9 @@ class UploadedPicture:
             label="Navigation error of strategy", value="2", width=230, **look,
             options={short_name(key): key for key in STRATEGY_KEYS[1:]},
         )  # fmt: skip
-        self._half = pmui.FloatInput(label="Half width [m]", value=50.0, start=1.0, end=5000.0, width=130, **look)
+        self._half = pmui.FloatInput(
+            label="Half width [m]", value=50.0, start=1.0, end=5000.0, width=130, sx=NO_STEPPERS, **look
+        )
         self._picture = html_pane("")
         self._take = PictureDownloads("Your phase history", "sar-phase-history", ["as it is", "with the error"])
         self._input.param.watch(self._opened, "value")
