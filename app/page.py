@@ -17,6 +17,7 @@ from panel.util import edit_readonly
 from app.controls import SECTION_TITLES, Control, section_controls
 from app.once_shown import once_shown
 from app.report import report_of_text
+from app.select_keys import SelectKeys
 from app.state import Session
 from app.theme import DARK, LIGHT
 from app.workers import elsewhere
@@ -119,7 +120,16 @@ class Frame:
         page = pmui.Page(
             title="NavBudget",
             sidebar=self._sidebar(),
-            main=[pn.Column(self._toolbar(), self._notice, self._tabs, *self._places, sizing_mode="stretch_width")],
+            main=[
+                pn.Column(
+                    self._toolbar(),
+                    self._notice,
+                    self._tabs,
+                    *self._places,
+                    SelectKeys(margin=0, width=0, height=0),
+                    sizing_mode="stretch_width",
+                )
+            ],
             sidebar_open=not mobile,
             sidebar_width=340,
             sidebar_resizable=False,

@@ -25,6 +25,7 @@ from app.charts.sar import (
     responses_chart,
     short_name,
 )
+from app.fields import whole_number
 from app.pages.sar_upload import UploadedPicture
 from app.picture_downloads import PictureDownloads
 from app.pictures import gallery
@@ -32,6 +33,7 @@ from app.sar_run import Progress, SarResult, SarRun
 from app.sar_words import agreement_table, answer, caution_list, error_table, response_table
 from app.state import Session
 from nav_model.budget import Budget
+from nav_model.inputs import DesignError
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
 from nav_model.sar.pictures import Pictures
@@ -125,7 +127,7 @@ class SarPage:
         look: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
         self._engine = pmui.Select(label="Engine", options=_ENGINES, value="fast", width=200, **look)
         self._runs = pmui.Select(label="Runs", options=list(_RUNS), value=_RUNS[0], width=100, **look)
-        self._seed = pmui.IntInput(label="Seed", value=0, start=0, end=2**31, width=110, **look)
+        self._seed = pmui.TextInput(label="Seed", value="0", width=80, **look)
         self._start = pmui.Button(label="Run the strategies", icon="play_arrow", variant="contained", **look)
         self._stop = pmui.Button(label="Cancel", icon="stop", variant="outlined", disabled=True, **look)
         self._start.on_click(self._begin)
@@ -166,7 +168,12 @@ class SarPage:
     # --- the run --------------------------------------------------------------------------------------
 
     async def _begin(self, _: Any = None) -> None:
-        self._run.start(self._session.budget, self._runs.value, self._seed.value or 0, self._engine.value)
+        try:
+            seed = whole_number("Seed", self._seed.value or "", 0, 2**31)
+        except DesignError as error:
+            self._state.object = f'<p role="status">Not run. {escape(str(error))}</p>'
+            return
+        self._run.start(self._session.budget, self._runs.value, seed, self._engine.value)
         self._busy(True)
 
     def _told(self, news: Progress | SarResult | str) -> None:

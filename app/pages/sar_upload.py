@@ -13,11 +13,13 @@ import panel_material_ui as pmui
 
 from app.chart_view import html_pane
 from app.charts.sar import short_name
+from app.fields import number
 from app.picture_downloads import PictureDownloads
 from app.pictures import gallery
 from app.sar_run import SarResult
 from app.state import Session
 from app.workers import elsewhere
+from nav_model.inputs import DesignError
 from nav_model.sar.pictures import Pictures, uploaded_pictures
 from nav_model.sar.strategies import STRATEGY_KEYS
 
@@ -46,7 +48,7 @@ class UploadedPicture:
             label="Navigation error of strategy", value="2", width=230, **look,
             options={short_name(key): key for key in STRATEGY_KEYS[1:]},
         )  # fmt: skip
-        self._half = pmui.FloatInput(label="Half width [m]", value=50.0, start=1.0, end=5000.0, width=130, **look)
+        self._half = pmui.TextInput(label="Half width [m]", value="50", width=110, **look)
         self._picture = html_pane("")
         self._take = PictureDownloads("Your phase history", "sar-phase-history", ["as it is", "with the error"])
         self._input.param.watch(self._opened, "value")
@@ -85,10 +87,15 @@ class UploadedPicture:
         name, data = self._file
         key = self._key.value
         residual = result.study.typical[[STRATEGY_KEYS.index(key)]]
+        try:
+            half = number("Half width [m]", self._half.value or "", 1.0, 5000.0)
+        except DesignError as error:
+            self._say(f"Not formed. {error}")
+            return
         self._session.running = True
         self._picture.object = f"<p class='quiet'>Forming {escape(name)} …</p>"
         try:
-            pictures = await elsewhere(uploaded_pictures, name, data, result.study.time, residual, self._half.value)
+            pictures = await elsewhere(uploaded_pictures, name, data, result.study.time, residual, half)
         except ValueError as error:
             self._say(f"Not formed. {error}")
         except BrokenProcessPool:

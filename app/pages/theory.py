@@ -90,7 +90,8 @@ def parted() -> str:
     """Where printed figures and the derivation disagree: both, and which holds."""
     rows = "".join(
         f"<tr><th scope='row'>{prose(d.what)}</th>"
-        f"<td>{prose(d.printed)}<br><span class='quiet'>{prose(d.source)}</span></td><td>{prose(d.ours)}</td><td>{prose(d.holds)}</td></tr>"
+        f"<td>{prose(d.printed)}<br><span class='quiet'>{prose(d.source)}</span></td>"
+        f"<td>{prose(d.ours)}</td><td>{prose(d.holds)}</td></tr>"
         for d in disagreements()
     )
     head = ("What", "Printed", "Here", "Which holds, and why")

@@ -106,6 +106,11 @@ def test_a_run_is_told_step_by_step_and_cancelled_at_once(session: Session) -> N
 
 
 def test_what_cannot_be_run_is_said(sar: SarPage, session: Session) -> None:
+    sar._seed.value = "-1"
+    run(sar)
+    assert "Seed" in sar._state.object
+    assert "whole number from 0" in sar._state.object
+    sar._seed.value = "0"
     session.change({"radar.grazing_angle": np.pi / 2})
     run(sar)
     assert "radar.grazing_angle" in sar._state.object
@@ -140,6 +145,11 @@ def test_an_upload_is_refused_by_name_and_formed_when_it_is_good(sar: SarPage) -
     asyncio.run(upload._opened(_event(upload, "point.npz", _point_file())))
     assert upload._picture.object.count("<figure") == 2
     assert "without navigation error" in upload._picture.object
+    assert upload._take.view.visible
+    upload._half.value = "wide"
+    asyncio.run(upload._form())
+    assert "'wide' is not a number from 1 to 5000" in upload._picture.object
+    assert not upload._take.view.visible
 
 
 def _event(upload: Any, name: str, data: bytes) -> Any:
