@@ -7,12 +7,13 @@ import math
 import numpy as np
 from contourpy import contour_generator
 
-from app.charts.description import Chart, Dot, DotChart, Line, MapChart, Points
+from app.charts.description import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
 from nav_model.budget import Budget
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, DesignStudy
 from nav_model.sar.geometry import metres_to_phase, phase_to_metres
 from nav_model.sar.impulse_response import aperture_of_phase, response_curve
+from nav_model.sar.pictures import Pictures
 from nav_model.sar.strategies import STRATEGIES, STRATEGY_KEYS
 from nav_model.units import from_si
 
@@ -147,6 +148,66 @@ def _worst_error(study: DesignStudy) -> float:
 
 def _removed(study: DesignStudy) -> str:
     return _LEFT[study.budget.sar.autofocus_order]
+
+
+POINT_TITLE = "Point target, azimuth by range"
+SCENE_TITLE = "Eight point targets on the ground: pairs four and two cells apart, one at −14 dB beside a strong one"
+
+
+def point_picture(pictures: Pictures) -> PictureChart:
+    """The focused point under each strategy."""
+    return _picture(pictures, "sar-point", POINT_TITLE, "the error-free peak", "range [m]")
+
+
+def scene_picture(pictures: Pictures) -> PictureChart:
+    """Eight point targets under each strategy."""
+    return _picture(pictures, "sar-scene", SCENE_TITLE, "a unit target", "ground range [m]")
+
+
+def uploaded_picture(pictures: Pictures, name: str, key: str) -> PictureChart:
+    """A phase history of the user's as it is and with the error of a strategy, side by side."""
+    (x, y), (moved_x, moved_y) = (_brightest(pictures, index) for index in (0, 1))
+    loss = float(pictures.power_db[1].max() - pictures.power_db[0].max())
+    return PictureChart(
+        key="sar-phase-history",
+        title=f"{name}, formed with and without the design's navigation error",
+        x_label="x [m]",
+        y_label="y [m]",
+        x=pictures.x,
+        y=pictures.y,
+        power_db=pictures.power_db,
+        names=("without navigation error", f"with that of {_SHORT[key]}"),
+        captions=("brightest 0 dB", f"brightest {loss:+.2f} dB".replace("-", "−")),
+        reference=f"over the brightest pixel of {name}; Taylor window; the brightest pixel moved by "
+        f"{math.hypot(moved_x - x, moved_y - y):.2g} m",
+    )
+
+
+def _brightest(pictures: Pictures, index: int) -> tuple[float, float]:
+    row, column = np.unravel_index(int(pictures.power_db[index].argmax()), pictures.power_db[index].shape)
+    return float(pictures.x[column]), float(pictures.y[row])
+
+
+def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) -> PictureChart:
+    peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
+    cell = f"range cell {pictures.range_cell:.3g} m" + (
+        ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
+        if pictures.bandwidth_cut
+        else ", taken equal to the azimuth resolution"
+    )
+    return PictureChart(
+        key=key,
+        title=title,
+        x_label="azimuth [m]",
+        y_label=y_label,
+        x=pictures.x,
+        y=pictures.y,
+        power_db=pictures.power_db,
+        names=tuple(_SHORT[strategy] for strategy in STRATEGY_KEYS),
+        captions=tuple(f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks),
+        reference=f"over {over}; the typical run; {cell}",
+        knowledge=f"Every image at one scale, over {over}; the typical run of the ensemble; {cell}.",
+    )
 
 
 def gnss_winner_chart(budget: Budget) -> MapChart:

@@ -17,18 +17,21 @@ from app.charts.description import AnyChart
 from app.charts.sar import (
     FILTERED,
     INERTIAL,
+    POINT_TITLE,
+    SCENE_TITLE,
     arw_winner_chart,
     gnss_winner_chart,
     navigation_chart,
+    point_picture,
     quadratic_chart,
     residual_chart,
     responses_chart,
-    short_name,
+    scene_picture,
 )
 from app.fields import whole_number
 from app.pages.sar_upload import UploadedPicture
 from app.picture_downloads import PictureDownloads
-from app.pictures import gallery
+from app.pictures import picture_gallery
 from app.sar_run import Progress, SarResult, SarRun
 from app.sar_words import agreement_table, answer, caution_list, error_table, response_table
 from app.state import Session
@@ -36,8 +39,6 @@ from nav_model.budget import Budget
 from nav_model.inputs import DesignError
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
-from nav_model.sar.pictures import Pictures
-from nav_model.sar.strategies import STRATEGY_KEYS
 from nav_model.sar.study_json import to_json
 
 _RUNS = (100, 200, 500, 1000)
@@ -59,8 +60,7 @@ class SarPage:
         # Heading and pictures apart: the mark of a stale study must not send the pictures again.
         self._headings = [html_pane("", margin=(8, 10, 0, 10)) for _ in _PICTURES]
         self._pictures = [html_pane("<p class='quiet'>Appears with the first run.</p>") for _ in _PICTURES]
-        names = [short_name(key) for key in STRATEGY_KEYS]
-        self._downloads = [PictureDownloads(title, key, names) for key, title, _ in _PICTURES]
+        self._downloads = [PictureDownloads(short, key) for key, short, *_ in _PICTURES]
         self._whole = pmui.FileDownload(
             callback=self._json, filename="sar-study.json", label="All of the study (JSON)", icon="download",
             variant="text", size="small", description="", margin=(0, 8), visible=False,
@@ -162,7 +162,7 @@ class SarPage:
         if not self._run.running:
             self._state.object = _standing(study, stale)
         mark = " <span class='stale'>stale: of an earlier design</span>" if stale else ""
-        for pane, (_, title, _) in zip(self._headings, _PICTURES, strict=True):
+        for pane, (*_, title, _) in zip(self._headings, _PICTURES, strict=True):
             pane.object = f"<h3>{title}{mark}</h3>"
 
     # --- the run --------------------------------------------------------------------------------------
@@ -186,12 +186,14 @@ class SarPage:
                 self._state.object = f'<p role="status">{escape(news)}</p>'
                 return
             self._result = news
+            self._session.keep("sar", news)
             self._write()
-            for pane, take, pictures, (*_, over) in zip(
+            for pane, take, pictures, (*_, draw) in zip(
                 self._pictures, self._downloads, (news.points, news.scene), _PICTURES, strict=True
             ):
-                pane.object = _strategy_gallery(pictures, over)
-                take.show(pictures)
+                chart = draw(pictures)
+                pane.object = picture_gallery(chart)
+                take.show(chart)
             self._whole.visible = True
             stale = news.stale(self._budget)
             self._state.object = _standing(news.study, stale)
@@ -211,26 +213,9 @@ class SarPage:
 
 
 _PICTURES = (
-    ("sar-point", "Point target, azimuth by range", "over the error-free peak; the typical run"),
-    (
-        "sar-scene",
-        "Eight point targets on the ground: pairs four and two cells apart, one at −14 dB beside a strong one",
-        "over a unit target; the typical run",
-    ),
+    ("sar-point", "Point target", POINT_TITLE, point_picture),
+    ("sar-scene", "Eight point targets", SCENE_TITLE, scene_picture),
 )
-
-
-def _strategy_gallery(pictures: Pictures, over: str) -> str:
-    peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
-    captions = [f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks]
-    axes = f"azimuth across ±{pictures.x[-1]:.3g} m, range upwards ±{pictures.y[-1]:.3g} m"
-    cell = f"range cell {pictures.range_cell:.3g} m" + (
-        ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
-        if pictures.bandwidth_cut
-        else ", taken equal to the azimuth resolution"
-    )
-    names = [short_name(key) for key in STRATEGY_KEYS]
-    return gallery(pictures.power_db, names, captions, axes, f"{over}; {cell}")
 
 
 def _standing(study: DesignStudy | None, stale: bool) -> str:
