@@ -147,7 +147,7 @@ def test_an_upload_is_refused_by_name_and_formed_when_it_is_good(sar: SarPage) -
     assert upload._take.view.visible
     upload._half.value = "wide"
     asyncio.run(upload._form())
-    assert "'wide' is not a number from 1 to 5000" in upload._picture.object
+    assert "wide&#x27; is not a number from 1 to 5000" in upload._picture.object
     assert not upload._take.view.visible
 
 
