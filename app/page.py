@@ -22,6 +22,7 @@ from app.report import report_of_text
 from app.report.studies import study_sections
 from app.report.wording import chapter_key
 from app.report_choice import ReportChoice
+from app.select_keys import SelectKeys
 from app.state import Session
 from app.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.tour import Tour
@@ -161,6 +162,7 @@ class Frame:
                     self._examples,
                     self._bar,
                     *self._places,
+                    SelectKeys(margin=0, width=0, height=0),
                     sizing_mode="stretch_width",
                 )
             ],
