@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
@@ -10,13 +10,14 @@ import numpy as np
 from app.chart_view import prose
 from app.figures import show
 from app.simulation_run import Compiling, Progress, Result
-from nav_model.simulation.departures import Departure
+from nav_model.simulation.departures import SMALL, Departure, cause_in_words
 from nav_model.simulation.design_study import DesignStudy
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
 
 _DIMENSIONS = {"position": "length", "velocity": "speed", "attitude": "angle"}
 _SURELY_COMPILING = 4.0  # seconds: a worker that finds the compiled simulator on disk has started by then
+_PHASES_IN_WORDS = {"settling": "settling", "aided": "with fixes", "coast": "outage"}
 _PHASES = ("at the last fix", "at the end of the outage")
 
 
@@ -90,15 +91,15 @@ def departure_table(study: DesignStudy) -> str:
     if not study.departures:
         return f"{title}<p>Nowhere by more than 10 %.</p>"
     rows = ""
-    for alike in _alike(study):
+    for alike in _alike(study.departures):
         first = alike[0]
         start, stop = min(d.start_s for d in alike), max(d.stop_s for d in alike)
-        reasons = prose(first.reason[:1].upper() + first.reason[1:])
+        axes = ", ".join(d.axis for d in alike)
         rows += (
-            f'<tr><th scope="row">{escape(first.group.capitalize())}, {", ".join(d.axis for d in alike)}</th>'
-            f'<td class="num">{start:g} to {stop:g} s</td>'
+            f'<tr><th scope="row">{first.group.capitalize()}, {axes}</th>'
+            f'<td class="num">{start:g} to {stop:g} s, {_PHASES_IN_WORDS[first.phase]}</td>'
             f'<td class="num">{_range([d.simulated for d in alike])}</td>'
-            f'<td class="num">{_range([d.ratio for d in alike])}</td><td>{reasons}.</td></tr>'
+            f'<td class="num">{_range([d.ratio for d in alike])}</td><td>{_why(alike, study)}</td></tr>'
         )
     return (
         f'{title}<div class="scroll" tabindex="0" role="region" aria-label="Departures">'
@@ -112,14 +113,22 @@ def departure_table(study: DesignStudy) -> str:
     )
 
 
-def _alike(study: DesignStudy) -> list[list[Departure]]:
-    """Departures of axes that part at about the same time for the same causes, together."""
+def _alike(departures: Sequence[Departure]) -> list[list[Departure]]:
+    """Departures of axes that part in the same phase for the same causes, together."""
     groups: dict[tuple[object, ...], list[Departure]] = {}
-    for found in study.departures:
-        in_outage = any(start < found.stop_s and found.start_s > start for start, _ in study.result.spec.outages)
-        size = tuple((cause, round(10 * math.log(factor))) for cause, factor in found.steps)
-        groups.setdefault((found.group, in_outage, found.start_s > 0.5 * found.stop_s, size), []).append(found)
+    for found in departures:
+        causes = tuple(cause for cause, _ in found.steps)
+        groups.setdefault((found.group, found.phase, causes), []).append(found)
     return list(groups.values())
+
+
+def _why(alike: Sequence[Departure], study: DesignStudy) -> str:
+    said = [
+        f"{prose(cause_in_words(cause, study.result.spec))} "
+        f'<span class="num">({_range([d.steps[place][1] for d in alike])})</span>'
+        for place, (cause, _) in enumerate(alike[0].steps)
+    ]
+    return "; ".join(said) or SMALL
 
 
 def _range(values: list[float]) -> str:
