@@ -1,6 +1,6 @@
 """What the command line and the Sensors page ask of a log: read it, analyse it at rest or in motion, say how far.
 
-Everything here pickles, so that the page can run it in a process of its own (`app.log_job`).
+Everything here pickles, so that the page can run it in a process of its own (`app.long_run`).
 """
 
 from __future__ import annotations

@@ -64,6 +64,17 @@ def simulate_design(design: Design, more: StudyInputs, options: argparse.Namespa
     print(f"wrote {options.output}", file=sys.stderr)
 
 
+def fly_design(design: Design, options: argparse.Namespace) -> DesignStudy:
+    """The study of a design with options as `navbudget simulate` has them, progress on standard error.
+
+    Raises
+    ------
+    DesignError
+        For an option or a key of the design that cannot be flown.
+    """
+    return _fly(design, _specification(design, options, keep_runs=False), options)
+
+
 def _kind(options: argparse.Namespace) -> str:
     if options.output is None:
         return ".json"
@@ -149,7 +160,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
     from nav_model.simulation.monte_carlo import chunks, simulate
 
     compare = closed_form(design, spec)
-    with _progress() as progress:
+    with show_progress() as progress:
         try:
             if options.scheduler:
                 with cluster_pool(options.scheduler) as (pool, threads):
@@ -167,7 +178,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
+def show_progress() -> Iterator[Callable[[int, int], None]]:
     """Runs done and time left: one line rewritten on a terminal, a line now and then elsewhere."""
     terminal = sys.stderr.isatty()
     began = said = time.monotonic()

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-import numpy as np
-
-from app.chart_view import prose
 from app.figures import show
+from app.prose import prose
 from app.simulation_run import Compiling, Progress, Result
 from nav_model.simulation.departures import SMALL, Departure, cause_in_words
-from nav_model.simulation.design_study import DesignStudy
+from nav_model.simulation.design_study import DesignStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
 
@@ -54,10 +52,7 @@ def comparison_table(study: DesignStudy) -> str:
     result = study.result
     closed = result.closed_form_sigma
     assert closed is not None
-    outage = max(result.spec.outages, key=lambda pair: pair[1] - pair[0], default=None)
-    start, stop = outage or (result.spec.duration, None)
-    moments = [(_PHASES[0], start)] + ([] if stop is None else [(_PHASES[1], min(stop, result.spec.duration))])
-    places = [(name, int(np.argmin(np.abs(result.time_s - time)))) for name, time in moments]
+    places = moments(study)
     heads = "".join(
         f'<th scope="colgroup" colspan="4" class="num">{name}, {result.time_s[row]:g} s</th>' for name, row in places
     )

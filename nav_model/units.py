@@ -118,6 +118,7 @@ DIMENSIONS: dict[str, Dimension] = {
                 "km": Fraction(1000),
                 "cm": Fraction(1, 100),
                 "mm": _MILLI,
+                "µm": _MICRO,
                 "ft": _FOOT,
                 "NM": Fraction(1852),
             },

@@ -232,6 +232,8 @@ class SimulatePage:
                 return
             if isinstance(news, Result):
                 self._result = news
+                if not news.partial:
+                    self._session.keep("simulation", news.study)
                 if not self._charts:
                     self._draw()
                 self._write(news)

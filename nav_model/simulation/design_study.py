@@ -210,13 +210,28 @@ def study_of(design: Design, result: SimulationResult) -> DesignStudy:
         result=result,
         refined_sigma=_refined(design, result.coast_s),
         path=_path(result),
-        departures=tuple(departures(result, chain(text, result.spec), settling_s=_settling(design))),
+        departures=tuple(departures(result, chain(text, result.spec), settling_s=settling(design))),
         conditions=conditions(design, result.spec),
     )
 
 
-def _settling(design: Design) -> float:
-    """Four time constants of the slower channel, the vertical one, s²/v11; at least a minute. [T-4], [T-8]"""
+def moments(study: DesignStudy) -> tuple[tuple[str, int], ...]:
+    """Where a study is summed up: what the moment is called and its place in the result's `time_s`.
+
+    The last fix before the longest outage and the end of that outage; without one, the last fix of the flight.
+    """
+    spec, time_s = study.result.spec, study.result.time_s
+    outage = max(spec.outages, key=lambda pair: pair[1] - pair[0], default=None)
+    named = [("at the last fix", outage[0] if outage else spec.duration)]
+    if outage:
+        named.append(("at the end of the outage", min(outage[1], spec.duration)))
+    return tuple((name, int(np.argmin(np.abs(time_s - at)))) for name, at in named)
+
+
+def settling(design: Design) -> float:
+    """Seconds until a run has forgotten its start: four time constants of the slower channel, the vertical one,
+    s²/v11; at least a minute. [T-4], [T-8]
+    """
     gnss = design.gnss
     noise = gnss.vertical_position_noise or gnss.position_noise
     sigma = analyse(design).steady_state.closed.position_vertical

@@ -65,8 +65,10 @@ def take_fix(
     generator: np.random.Generator,
     estimate: FloatArray,
     work: FloatArray,
+    error: FloatArray,
 ) -> float:
-    """Simulate one fix, update the filter with it; leaves the error estimate in `estimate`, returns the NIS.
+    """Simulate one fix, update the filter with it; leaves the error estimate in `estimate` and the position error
+    of the fix (3) in `error`, returns the NIS.
 
     rate: the INS's bias-corrected inertial rate, body axes [rad/s]. Residuals are predicted minus measured.
     """
@@ -90,6 +92,7 @@ def take_fix(
         j, k = (i + 1) % 3, (i + 2) % 3
         row[6 + j], row[6 + k] = -lever[k], lever[j]
         noise = receiver.white[i] * generator.standard_normal() + markov[i]
+        error[i] = noise
         nis += update(covariance, row, residual[i] - noise, tuning.position_sigma[i] ** 2, estimate, work)
     if receiver.velocity > 0.0:
         earth = np.array([ROTATION_RATE * cos_lat, 0.0, -ROTATION_RATE * np.sin(state[0])])

@@ -26,12 +26,13 @@ PRIOR, POSTERIOR = 0, 1
 
 class _Record(NamedTuple):
     """Where a run writes: errors and variances (2, outputs, states), prior then posterior; NEES per output;
-    NIS per fix."""
+    NIS and position error (fixes, 3) per fix."""
 
     error: FloatArray
     variance: FloatArray
     nees: FloatArray
     nis: FloatArray
+    fix_error: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +44,7 @@ class RunRecord:
     pitch, yaw [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases; with 21 those are
     the constant and walking part, and the Gauss-Markov part of both follows.
     nees: (outputs,), after the fix. nis: (fixes,), each with `nis_states` degrees of freedom.
+    fix_error: (fixes, 3), of the fixes themselves, north, east, down [m].
     """
 
     run: int
@@ -51,6 +53,7 @@ class RunRecord:
     nees: FloatArray
     nis: FloatArray
     nis_states: int
+    fix_error: FloatArray
 
 
 @kernel
@@ -182,6 +185,7 @@ def _fly(
                     gnss_noise,
                     estimate,
                     work,
+                    record.fix_error[fix],
                 )
                 correct(state, bias, estimate)
                 matrix_from_quaternion(state[6:10], matrix)
@@ -296,6 +300,7 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         np.empty((2, outputs, n)),
         np.empty(outputs),
         np.empty(len(schedule.fixes.time_s)),
+        np.empty((len(schedule.fixes.time_s), 3)),
     )
     _fly(
         state,
@@ -325,6 +330,7 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         record.nees,
         record.nis,
         6 if spec.gnss.velocity_noise else 3,
+        record.fix_error,
     )
 
 

@@ -226,6 +226,7 @@ class SimulationSpec:
     s.
 
     every: spacing of the result's `time_s` [s]; the times are the IMU samples nearest to its multiples.
+    record_from: nothing is kept before [s], but for time 0.
     keep_runs: also keep every run's error history (memory then grows with the number of runs).
     """
 
@@ -240,9 +241,10 @@ class SimulationSpec:
     outages: tuple[tuple[float, float], ...] = ()
     every: float = 1.0
     keep_runs: bool = False
+    record_from: float = 0.0
 
     def __post_init__(self) -> None:
-        _check(self, positive=("duration", "every"))
+        _check(self, positive=("duration", "every"), non_negative=("record_from",))
         if not (isinstance(self.runs, int) and 1 <= self.runs <= 10_000_000):
             raise _refuse("runs", self.runs, "a whole number from 1 to 10000000")
         if not (isinstance(self.seed, int) and 0 <= self.seed < 2**63):
