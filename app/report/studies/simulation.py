@@ -9,7 +9,7 @@ from app.charts import simulate as charts
 from app.report.chart_block import chart_block
 from app.report.document import Block, Bullets, Cell, Column, Section, Table, Text, Verdict
 from app.report.wording import number
-from app.simulation_words import DEPARTURES, alike
+from app.simulation_words import DEPARTURES, alike, when
 from nav_model.design import Design
 from nav_model.design_file import parse_design
 from nav_model.simulation.design_study import DesignStudy, moments
@@ -166,7 +166,7 @@ def _departures(study: DesignStudy, key: str) -> tuple[Block, ...]:
     rows = tuple(
         (
             Cell(f"{found[0].group.capitalize()}, {', '.join(d.axis for d in found)}"),
-            Cell(f"{min(d.start_s for d in found):g} to {max(d.stop_s for d in found):g} s"),
+            Cell(when(found)),
             Cell(_range([d.simulated for d in found])),
             Cell(_range([d.ratio for d in found])),
             Cell(f"{found[0].reason[:1].upper()}{found[0].reason[1:]}"),
