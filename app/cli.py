@@ -82,6 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     report = commands.add_parser("report", help="write a design report")
     _design_arguments(report, one=False)
     report.add_argument("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
+    _study_arguments(report)
     report.set_defaults(run=_report)
 
     suborbital = commands.add_parser(
@@ -106,8 +107,14 @@ def _parser() -> argparse.ArgumentParser:
         "--noise-runs", type=int, default=0, metavar="N", help="also fly N INS with white noise alone (Monte Carlo)"
     )
     suborbital.set_defaults(run=_suborbital)
-    simulate = commands.add_parser("simulate", help="Monte Carlo of a design against the closed forms")
+    simulate = commands.add_parser(
+        "simulate",
+        help="Monte Carlo of a design against the closed forms",
+        description="Flies the design as a strapdown INS with a Kalman filter, many times over. --set takes keys of "
+        "the design and sensor errors, receiver and tuning beyond it, e.g. --set gyro.bias_instability='25 °/h'.",
+    )
     _design_arguments(simulate, one=True)
+    simulate.add_argument("--inputs", action="store_true", help="list what --set takes beyond the design and stop")
     simulate.add_argument("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
     simulate.add_argument("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
     simulate.add_argument(
@@ -130,7 +137,8 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument(
         "--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)"
     )
-    simulate.add_argument("--states", type=int, choices=(9, 15), default=9, help="of the filter; 15 estimates biases")
+    simulate.add_argument("--states", type=int, choices=(9, 15, 21), default=9,
+        help="of the filter; 15 estimates biases, 21 two kinds of them apart")  # fmt: skip
     simulate.add_argument("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
     simulate.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
     simulate.add_argument("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
@@ -141,6 +149,15 @@ def _parser() -> argparse.ArgumentParser:
     _design_arguments(sar, one=True)
     sar.add_argument("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
     sar.add_argument("--seed", type=int, default=0, help="of the ensemble (default 0)")
+    sar.add_argument(
+        "--engine",
+        choices=("fast", "simulator"),
+        default="fast",
+        help="per-axis error model, or full flights of the simulator with the error model beside them (default fast)",
+    )
+    sar.add_argument(
+        "--workers", type=int, metavar="W", help="processes of the simulator (default: all cores but one)"
+    )
     sar.add_argument("-o", "--output", type=Path, metavar="FILE", help="write there instead of standard output")
     sar.set_defaults(run=_sar)
 
@@ -149,7 +166,7 @@ def _parser() -> argparse.ArgumentParser:
     presets.add_argument("--json", action="store_true", help="as JSON")
     presets.set_defaults(run=_presets)
     _explore_arguments(commands)
-    sweep = commands.add_parser("sweep", help="evaluate grids of designs into a table")
+    sweep = commands.add_parser("sweep", help="evaluate grids of designs, in closed form or flown, into a table")
     sweep.add_argument("file", metavar="FILE", help="what to vary, TOML")
     sweep.add_argument("-o", "--output", required=True, metavar="OUT", help="OUT.csv or OUT.parquet")
     sweep.add_argument(
@@ -158,6 +175,25 @@ def _parser() -> argparse.ArgumentParser:
     sweep.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do the work")
     sweep.set_defaults(run=_sweep)
     return parser
+
+
+def _study_arguments(report: argparse.ArgumentParser) -> None:
+    report.add_argument(
+        "--with",
+        dest="studies",
+        default="",
+        metavar="STUDY,...",
+        help="run these and tell their results in each design's chapter: simulation, sar, suborbital",
+    )
+    add = report.add_argument_group("the studies of --with").add_argument
+    add("--runs", type=int, metavar="N", help="of simulation and SAR (default 100 and 200)")
+    add("--seed", type=int, default=1, metavar="S", help="of every study (default 1)")
+    add("--trajectory", default="wandering", metavar="NAME-or-FILE", help="of the simulation, as in `simulate`")
+    add("--duration", type=float, metavar="S",
+        help="of a simulated run (default: 400 s with fixes, then the design's outage; or the file's)")  # fmt: skip
+    add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
+        help="of the simulation; may be repeated (default: the design's own, at the end)")  # fmt: skip
+    add("--workers", type=int, metavar="W", help="processes of the simulation (default: all cores but one)")
 
 
 def _explore_arguments(commands: Any) -> None:
@@ -357,9 +393,9 @@ def check_lines(path: str, budget: Budget) -> list[str]:
 
 def _report(options: argparse.Namespace) -> int:
     paths = _paths(options)
-    from app.report import write_report
+    from app.report_command import write_report_with
 
-    write_report([analyse(_read(path, options.changes)) for path in paths], options.output)
+    write_report_with([_read(path, options.changes) for path in paths], options)
     print(f"wrote {options.output}", file=sys.stderr)
     return 0
 
@@ -394,10 +430,14 @@ def _suborbital(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> int:
-    (path,) = _paths(options)
-    from app.simulate_command import simulate_design
+    from app.simulate_command import list_inputs, simulate_design
+    from nav_model.simulation.study_inputs import read_study_inputs, split_changes
 
-    simulate_design(_read(path, options.changes), options)
+    if options.inputs:
+        return list_inputs()
+    (path,) = _paths(options)
+    of_design, of_study = split_changes(options.changes)
+    simulate_design(_read(path, of_design), read_study_inputs(of_study), options)
     return 0
 
 
@@ -418,11 +458,7 @@ def _allan(options: argparse.Namespace) -> int:
             _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
         ),
     )
-    try:
-        result = study_log(request, _say_progress)
-    except OSError as error:
-        raise DesignError(options.log, f"cannot be read: {error.strerror or error}") from error
-    return _put_json(study_to_json(result), options.output)
+    return _put_json(study_to_json(study_log(request, _say_progress)), options.output)
 
 
 def _say_progress(fraction: float, what: str) -> None:
@@ -442,17 +478,9 @@ def _bench(option: str, key: str, text: str | None) -> float | None:
 
 def _sar(options: argparse.Namespace) -> int:
     (path,) = _paths(options)
-    design = _read(path, options.changes)
-    if options.seed < 0:
-        raise DesignError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
-    from nav_model.sar.design_study import chunks, design_study
-    from nav_model.sar.study_json import to_json as study_to_json
+    from app.sar_command import sar
 
-    try:
-        chunks(options.runs)
-    except ValueError as error:
-        raise DesignError("--runs", str(error)) from error
-    return _put_json(study_to_json(design_study(design, options.runs, options.seed)), options.output)
+    return _put_json(sar(_read(path, options.changes), options), options.output)
 
 
 def _put_json(data: dict[str, Any], output: Path | None) -> int:

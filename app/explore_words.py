@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from nav_model.budget import Budget, analyse
+from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.explore.margins import ALL, label_of, quantity
 from nav_model.explore.solve import Answer, Solution, remedies, resolution_for, round_down
@@ -56,7 +56,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...]) -> str:
         return f'<div class="strip {css}" role="status"><h2>{head}</h2><p>{_stuck(budget, solutions)}</p></div>'
     value = lever.together.value or 0.0
     limit, now = shown(design, lever.key, value, down=True), shown(design, lever.key, lever.current)
-    margin = _put_back(design, lever.together)
+    margin = abs(lever.together.margin or 0.0)
     room = value / lever.current if lever.current else float("inf")
     gap = f"{1 / room:.3g} times too much" if room < 1 else f"{room:.3g} times as much still closes"
     css = "closes" if budget.verdict.closes else "fails"
@@ -69,9 +69,12 @@ def answer(budget: Budget, solutions: tuple[Solution, ...]) -> str:
     )
 
 
-def _put_back(design: Design, found: Answer) -> float:
-    checks = analyse(design.replace({found.key: found.value}), times=[0.0]).verdict.checks
-    return abs(next(check.margin for check in checks if check.name == found.binding))
+def unsolved(reason: str) -> str:
+    """In place of the answer when solving failed its own check: a defect, said as one."""
+    return (
+        '<div class="strip fails" role="status"><h2>Not solved</h2>'
+        f"<p>An answer put back did not meet its limit, so none is shown: {escape(reason)}.</p></div>"
+    )
 
 
 def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> str:
@@ -101,6 +104,13 @@ def solved_table(budget: Budget, solutions: tuple[Solution, ...]) -> str:
     head = "".join(f'<th scope="col" class="num">{escape(label_of(name))}</th>' for name in names)
     rows = "".join(_row(design, solution) for solution in solutions)
     helpless = [solution for solution in solutions if solution.together.outcome == "no value"]
+    left = [abs(found.together.margin) for found in solutions if found.together.margin is not None]
+    checked = (
+        " Put back through the whole analysis, each value under “All together” left a margin of at most "
+        f"{max(left):.0e}."
+        if left
+        else ""
+    )
     return (
         '<div class="scroll" tabindex="0" role="region" aria-label="Solved values"><table class="checks">'
         '<thead><tr><th scope="col">Largest that still meets</th><th scope="col" class="num">You have</th>'
@@ -108,7 +118,7 @@ def solved_table(budget: Budget, solutions: tuple[Solution, ...]) -> str:
         f"<tbody>{rows}</tbody></table></div>{_helpless(design, helpless, solutions)}"
         '<p class="know quiet"><b>How do we know:</b> each value is a root of the closed forms, the others held, '
         "rounded down to three digits so that it still meets the limit; “any” means every value the input may "
-        "take meets it, “none” that no value does.</p>"
+        f"take meets it, “none” that no value does.{checked}</p>"
     )
 
 

@@ -1,4 +1,7 @@
-"""A table that is sorted by pressing its headings, in the browser: no message to the server, no library."""
+"""A table that is sorted by pressing its headings, in the browser: no message to the server, no library.
+
+A row is chosen by its radio button, where the table has any.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +25,12 @@ class SortableTable(JSComponent):
     """Our own HTML with one table; a column whose heading holds a `<button>` can be sorted.
 
     A cell sorts by its `data-sort` attribute when it has one (a number or a text), else by what it says; an
-    empty `data-sort` goes last in both directions. The order chosen survives new content.
+    empty `data-sort` goes last in both directions. The order chosen survives new content, and so does the row
+    chosen, as long as it is there.
     """
 
     html = param.String(default="", doc="Already escaped.")
+    chosen = param.String(default="", doc="Value of the radio button that is on, if any.")
 
     _stylesheets: ClassVar[list[str]] = [SHEET, _SORTING]
 
@@ -63,8 +68,14 @@ export function render({ model }) {
       })
     })
     sort()
+    choose()
   }
+  const choose = () => place.querySelectorAll("input[type=radio]").forEach((radio) => {
+    radio.checked = radio.value === model.chosen
+  })
+  place.addEventListener("change", (event) => { model.chosen = event.target.value })
   model.on("html", draw)
+  model.on("chosen", choose)
   draw()
   return place
 }

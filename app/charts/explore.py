@@ -141,7 +141,6 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
     x_log, y_log = is_log(x_key), is_log(y_key)
     here = place(design, trade)
     outside = " Blank: the aperture would be longer than an hour." if np.isnan(ratio).any() else ""
-    coarse = " The slow GNSS error is solved by iteration, on a coarser grid." if len(x) < 100 else ""
     return TradeMapChart(
         key="map",
         title=f"{label_of(result)} over {reference}",
@@ -161,7 +160,7 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
         knowledge=(
             f"{len(x)} × {len(y)} designs through the same closed forms as the budget. A unit of the catalogue is "
             "judged with every figure of its own sheet (●  meets the limit, ✕ does not), not by the colour under "
-            f"it.{outside}{coarse}"
+            f"it.{outside}"
         ),
         trade=trade,
         scale=(x_factor, y_factor),

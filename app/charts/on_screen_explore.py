@@ -19,7 +19,8 @@ from bokeh.plotting import figure
 
 from app.charts.description import STYLES
 from app.charts.explore import LEVELS, RankChart, TradeMapChart
-from app.charts.on_screen import LOG_TICKS, TEXT_SIZE
+from app.charts.log_axis import mark_in_powers
+from app.charts.on_screen import TEXT_SIZE
 
 # Light meets the limit, dark does not; the steps are told apart in grey too.
 _PALETTE = ("#f4f8fb", "#dfebf4", "#c3d9ea", "#93b7d3", "#5d8fb5", "#2f6690")
@@ -139,7 +140,7 @@ class MapFigure:
         )
         for axis, is_log in ((self.plot.xaxis, chart.x_log), (self.plot.yaxis, chart.y_log)):
             if is_log:
-                axis.formatter = CustomJSTickFormatter(code=LOG_TICKS)
+                mark_in_powers(axis[0])
 
     def feed(self, chart: TradeMapChart) -> None:
         """Show another map of the same structure; the cross alone where nothing else moved."""

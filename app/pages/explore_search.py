@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import csv
 import io
 from collections import Counter
 from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-import pandas as pd
 import panel as pn
 import panel_material_ui as pmui
 
 from app.chart_view import html_pane, prose
 from app.pages.explore_map import download
+from app.sortable_table import SortableTable
 from app.state import Session
 from app.theme import FRAME
 from nav_model.budget import Budget
@@ -39,28 +40,11 @@ class SearchPanel:
         self._found: tuple[Candidate, ...] = ()
         self._head = html_pane("", margin=(10, 14, 0, 14))
         self._said = html_pane("", margin=(0, 14))
-        self._table = pn.widgets.Tabulator(
-            pd.DataFrame(),
-            show_index=False,
-            disabled=True,
-            selectable=1,
-            pagination="local",
-            page_size=12,
-            layout="fit_data_stretch",
-            widths={
-                "IMU": 135,
-                "Receiver": 195,
-                "Verdict": 95,
-                "Margin [%]": 105,
-                "Tightest": 155,
-                "Dominant source": 175,
-            },
-            sizing_mode="stretch_width",
-            header_filters={"IMU": True, "Receiver": True, "Verdict": True},
-            theme="simple",
-            stylesheets=[":host .tabulator { font-size: 12.5px; }"],
-            margin=(4, 14),
-        )
+        self._filter = pmui.TextInput(
+            label="Show only rows with these words", description="", placeholder="closes carrier", size="small",
+            max_length=100, width=300, margin=(8, 14),
+        )  # fmt: skip
+        self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
         self._adopt = pmui.Button(
             label="Adopt the selected row", size="small", variant="outlined", disabled=True, margin=(6, 8, 6, 14)
         )
@@ -69,10 +53,12 @@ class SearchPanel:
             max_file_size=MAX_BYTES, margin=(6, 8),
         )  # fmt: skip
         self._adopt.on_click(lambda _: self._adopt_selected())
-        self._table.param.watch(self._selected, "selection")
+        self._filter.param.watch(lambda _: self._fill(), "value_input")
+        self._table.param.watch(self._selected, "chosen")
         self._file.param.watch(self._opened, "value")
         self.view = pn.Column(
             self._head,
+            self._filter,
             self._table,
             pn.FlexBox(
                 self._adopt, self._file, download("Search: data (CSV)", "search.csv", self._csv),
@@ -93,13 +79,11 @@ class SearchPanel:
         """Judge every pair again."""
         if not budget.verdict.checks:
             self._found = ()
+            self._fill()
             self._head.object = "<h3>Which sensors would do</h3><p>Give a limit under Requirements to search.</p>"
             return
         self._found = search(budget.design, self._imus(), catalogue("gnss"))
-        frame = _frame(self._found)
-        if not frame.equals(self._table.value):
-            self._table.selection = []
-            self._table.value = frame
+        self._fill()
         good = sum(row.closes for row in self._found)
         silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(self._imus()).items())
         self._head.object = (
@@ -107,13 +91,23 @@ class SearchPanel:
             f"close under this radar. Left out, their sheet being silent: {escape(silent) or 'none'}.</p>"
         )
 
+    def _fill(self) -> None:
+        """Show the rows that hold every word of the filter."""
+        words = (self._filter.value_input or "").lower().split()
+        shown = [row for row in self._found if all(word in " ".join(_cells(row)).lower() for word in words)]
+        html = _table(shown, len(self._found))
+        if html != self._table.html:
+            self._table.html = html
+        if self._table.chosen not in {_name(row) for row in shown}:
+            self._table.chosen = ""
+
     def _selected(self, event: Any) -> None:
         self._adopt.disabled = not event.new
 
     def _adopt_selected(self) -> None:
-        if not self._table.selection:
+        row = next((row for row in self._found if _name(row) == self._table.chosen), None)
+        if row is None:
             return
-        row = self._found[self._table.selection[0]]
         changes = dict(row.changes)
         if row.imu in self._own:  # a unit of the user's own is no preset of the product
             changes["imu.preset"] = None
@@ -136,9 +130,11 @@ class SearchPanel:
         self._said.object = f'<p role="status">{escape(text)}</p>'
 
     def _csv(self) -> io.BytesIO:
-        frame = _frame(self._found)
-        frame["Not confirmed"] = [", ".join(row.doubts) for row in self._found]
-        return io.BytesIO(frame.to_csv(index=False).encode())
+        text = io.StringIO()
+        writer = csv.writer(text)
+        writer.writerow(_HEADS)
+        writer.writerows([*_cells(row)[:-1], ", ".join(row.doubts)] for row in self._found)
+        return io.BytesIO(text.getvalue().encode())
 
 
 def _doubts(row: Candidate) -> str:
@@ -147,15 +143,48 @@ def _doubts(row: Candidate) -> str:
     return ", ".join(f"{count} {status}" for status, count in counts.items())
 
 
-def _frame(found: tuple[Candidate, ...]) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "IMU": [row.imu for row in found],
-            "Receiver": [row.gnss for row in found],
-            "Verdict": ["✓ closes" if row.closes else "✗ does not" for row in found],
-            "Margin [%]": [round(100 * row.margin, 1) for row in found],
-            "Tightest": [label_of(row.tightest) for row in found],
-            "Dominant source": [f"{row.dominant} {100 * row.share:.0f} %" for row in found],
-            "Not confirmed": [_doubts(row) for row in found],
-        }
+_HEADS = ("IMU", "Receiver", "Verdict", "Margin [%]", "Tightest", "Dominant source", "Not confirmed")
+_MARGIN = _HEADS.index("Margin [%]")
+_NUMBER = " class='num'"
+
+
+def _cells(row: Candidate) -> tuple[str, ...]:
+    return (
+        row.imu,
+        row.gnss,
+        "✓ closes" if row.closes else "✗ does not",
+        f"{100 * row.margin:.1f}",
+        label_of(row.tightest),
+        f"{row.dominant} {100 * row.share:.0f} %",
+        _doubts(row),
     )
+
+
+def _name(row: Candidate) -> str:
+    return f"{row.imu} with {row.gnss}"
+
+
+def _table(rows: list[Candidate], of: int) -> str:
+    """The rows for `SortableTable`, each with a radio button; as many as there are, in a box that scrolls."""
+    if not rows:
+        return f"<p>{'No pair has these words.' if of else ''}</p>"
+    head = "".join(
+        f"<th scope='col'{_NUMBER if i == _MARGIN else ''}><button>{escape(name)}</button></th>"
+        for i, name in enumerate(_HEADS)
+    )
+    body = "".join(f"<tr>{''.join(_cell(row, i, text) for i, text in enumerate(_cells(row)))}</tr>" for row in rows)
+    return (
+        '<div class="scroll tall" tabindex="0" role="region" aria-label="Pairs of inertial unit and receiver">'
+        f'<table class="checks"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+        f'<p class="quiet" role="status">{len(rows)} of {of} pairs.</p>'
+    )
+
+
+def _cell(row: Candidate, index: int, text: str) -> str:
+    if index == 0:
+        name = escape(_name(row))
+        radio = f'<input type="radio" name="pair" value="{name}" aria-label="{name}">'
+        return f'<th scope="row" data-sort="{escape(text)}"><label>{radio} {escape(text)}</label></th>'
+    if index == _MARGIN:
+        return f'<td class="num" data-sort="{row.margin!r}">{text.replace("-", "−")}</td>'
+    return f"<td>{escape(text)}</td>"

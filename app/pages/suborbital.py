@@ -17,6 +17,7 @@ from app.charts.suborbital import Shown
 from app.long_run import RunLost, run_alone
 from app.state import Session
 from app.suborbital.answer import answer, waiting
+from app.suborbital.finding import Finding
 from app.suborbital.inputs import InputPanel, Trajectory
 from app.suborbital.noise import NoiseRun
 from app.suborbital.tabs import StudyTabs
@@ -192,6 +193,7 @@ class SuborbitalPage:
         self.shown = Shown(
             self.survey, study, **self.tabs.looks, ensemble=self.noise.ensemble_of(study), gap=self.gap
         )
+        self._session.keep("suborbital", Finding(self.shown, self.inputs.settings, self.gap))
         with pn.io.hold():
             said = answer(self.shown, self.inputs.settings, self.gap)
             if self._answer.object != said:

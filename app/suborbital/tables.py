@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from html import escape
 
-from app.chart_view import prose
 from app.charts.suborbital.shown import Shown, called
+from app.prose import prose
 from nav_model.suborbital.frames import ARCSEC
 from nav_model.suborbital.study import Row, table
 from nav_model.suborbital.summary import PAPER_FINAL_M
@@ -58,7 +58,7 @@ class Table:
             return f"<th scope='row'>{escape(str(cell))}</th>"
         if cell is None:
             return "<td class='num quiet' data-sort=''>–</td>"
-        text = cell if isinstance(cell, str) else _number(cell, self.digits)
+        text = cell if isinstance(cell, str) else number(cell, self.digits)
         size = "" if isinstance(cell, str) else f" data-sort='{abs(cell)!r}'"
         return f"<td class='num'{size}>{escape(text)}</td>"
 
@@ -67,7 +67,7 @@ _PROMISED = 0.005  # of the exact error: what S p should hold
 _NAMES, _NUMBERS = "min-width:150px", "text-align:right;min-width:52px"
 
 
-def _number(value: float, digits: int) -> str:
+def number(value: float, digits: int) -> str:
     """Digits in groups of three, a typeset minus, and no sign on what rounds to zero."""
     return f"{round(value, digits) + 0.0:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
 

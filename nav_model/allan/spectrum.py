@@ -10,6 +10,9 @@ from nav_model.allan.noise_terms import FloatArray, cosine_ramp, cosine_variance
 
 SINGLE_COEFFICIENTS = 128
 BINS_PER_DECADE = 40
+# Of the strongest bin. Doubles leave 1e-28; the least that a 24-bit count leaves of its own range is 1e-15.
+_EMPTY = 1e-24
+_EMPTY_SHARE = 0.2
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,15 @@ class CosineSpectrum:
     def density(self) -> FloatArray:
         """Two-sided power spectral density of each bin [unit²/Hz]."""
         return self.power * self.interval_s
+
+    @property
+    def repeats(self) -> bool:
+        """Whether the signal repeats itself exactly: coefficients between its lines are then empty to rounding.
+
+        A stretch copied once behind itself leaves every fourth coefficient empty, more copies more.
+        """
+        empty = self.power[: self.singles] <= _EMPTY * self.power.max()
+        return bool(empty.mean() > _EMPTY_SHARE)
 
 
 def cosine_spectrum(rate_signal: FloatArray, interval_s: float) -> CosineSpectrum:

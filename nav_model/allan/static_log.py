@@ -80,8 +80,17 @@ def _analyse_axis(
 ) -> AxisNoise:
     signal = np.ascontiguousarray(signal, dtype=np.float64)
     if np.all(signal == signal[0]):
-        return _constant_axis(name, quantity, signal, interval_s)
-    found = fit_axis(cosine_spectrum(signal, interval_s))
+        reason = f"not resolved: every sample is {signal[0]:g}; not connected, or resolution too coarse"
+        return _without_noise(name, quantity, signal, interval_s, reason, "constant", "constant: no noise to analyse")
+    spectrum = cosine_spectrum(signal, interval_s)
+    if spectrum.repeats:
+        reason = (
+            "not resolved: the signal repeats itself exactly, so that its spectrum is empty between lines; no "
+            "sensor's noise does"
+        )
+        warning = "repeats itself exactly: a stretch copied behind itself, or a made-up signal"
+        return _without_noise(name, quantity, signal, interval_s, reason, "repeating", warning)
+    found = fit_axis(spectrum)
     squares = dict(zip(STOCHASTIC_TERMS, found.fit.squares, strict=True))
     taus = averaging_times(len(signal), interval_s)
     deviation = overlapping_allan_deviation(signal, interval_s, taus, _dominant_alpha(found, taus))
@@ -117,25 +126,27 @@ def _analyse_axis(
     )
 
 
-def _constant_axis(name: str, quantity: str, signal: FloatArray, interval_s: float) -> AxisNoise:
-    reason = f"not resolved: every sample is {signal[0]:g}; not connected, or resolution too coarse"
+def _without_noise(
+    name: str, quantity: str, signal: FloatArray, interval_s: float, reason: str, cause: Cause, warning: str
+) -> AxisNoise:
+    """An axis that holds no noise to fit, with the reason under every coefficient."""
     return AxisNoise(
         name=name,
         quantity=quantity,
-        mean=float(signal[0]),
-        standard_deviation=0.0,
+        mean=float(signal.mean()),
+        standard_deviation=float(signal.std(ddof=1)),
         deviation=overlapping_allan_deviation(signal, interval_s),
         coefficients=dict.fromkeys(TERMS),
         not_resolved=dict.fromkeys(TERMS, reason),
         would_resolve={
-            term: what_would_resolve("constant", term, (), len(signal) * interval_s, interval_s) for term in TERMS
+            term: what_would_resolve(cause, term, (), len(signal) * interval_s, interval_s) for term in TERMS
         },
         white_floor=0.0,
         effective_at_1s=None,
         band_hz=0.5 / interval_s,
         lines_hz=(),
         model_error=0.0,
-        warnings=("constant: no noise to analyse",),
+        warnings=(warning,),
     )
 
 

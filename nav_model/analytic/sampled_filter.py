@@ -11,7 +11,7 @@ which converges from above monotonically; the other is a quadratic known in clos
 unit circle give the characteristic polynomial of the settled filter, hence its gain, hence its covariance.
 Written in delta = z - 1, every step adds numbers of one sign or nearly so: the result is good to rounding
 from MEMS to navigation grade, at the cost of some eighty array operations, so that it serves one design or a
-map of 40,000. Doubling of the Riccati equation (`nav_model.analytic.discrete.steady_prior`) must agree.
+map of 40,000.
 
 Source: spectral factorisation, Anderson and Moore, *Optimal Filtering*, 1979, section 9.3; the sampled spectra
 are those of the Euler-Frobenius polynomials.
@@ -43,14 +43,9 @@ def horizontal_cycle(
     root = np.sqrt(h)
     qa = (sigma_a * h * root / r) ** 2
     qw = (g * sigma_w * h * h * root / r) ** 2
-    rho = _positive_root(qa, qw)
-    share = 1 + rho * (0.25 + rho / 120)
-    width = np.sqrt(rho * (rho + 4))
-    z1, e = 2 / (2 + rho + width), 2 * rho / (rho + width)  # the root z and 1 - z
-    product, d0, d1 = _quadratic_factor(
-        b=-(qa * (1 / 6 + rho / 30) + rho * (1 + rho / 4)) / share,
-        c=(qa * (1 + rho / 6) + rho * rho) / share,
-    )
+    rho, b, c = cubic_factors(qa, qw)
+    z1, e = delta_root(rho)
+    product, d0, d1 = quadratic_factor(b, c)
     product = product * z1  # of the three roots: fix noise over innovation variance
     f2, f1, f0 = e + d1, d0 + e * d1, e * d0
     innovation = 1 / product
@@ -75,7 +70,7 @@ def vertical_cycle(sigma_a: ArrayLike, interval: ArrayLike, sigma_fix: ArrayLike
     """Covariance of the vertical channel just before a fix and just after it; as `horizontal_cycle`. [T-8]"""
     sigma_a, h, r = (as_numbers(x) for x in (sigma_a, interval, sigma_fix))
     qa = sigma_a**2 * h**3 / r**2
-    product, d0, d1 = _quadratic_factor(b=-qa / 6, c=qa)
+    product, d0, d1 = quadratic_factor(-qa / 6, qa)
     k1, k2 = d1 - d0, d0
     p11, p12 = k1 / product, k2 / product
     x22 = k1 * p12 - qa / 2
@@ -84,6 +79,20 @@ def vertical_cycle(sigma_a: ArrayLike, interval: ArrayLike, sigma_fix: ArrayLike
         Vertical(p11 * r * r, p12 * r * v, (x22 + qa) * v * v),
         Vertical(k1 * r * r, k2 * r * v, x22 * v * v),
     )
+
+
+def cubic_factors(qa: Array, qw: Array) -> tuple[Array, Array, Array]:
+    """rho, b, c of u³ + qa u (1 - u/6) + qw (1 - u/4 + u²/120) = (u + rho)(u² + b u + c); rho, -b and c positive."""
+    rho = _positive_root(qa, qw)
+    share = 1 + rho * (0.25 + rho / 120)
+    b = -(qa * (1 / 6 + rho / 30) + rho * (1 + rho / 4)) / share
+    return rho, b, (qa * (1 + rho / 6) + rho * rho) / share
+
+
+def delta_root(rho: Array) -> tuple[Array, Array]:
+    """The root z inside the unit circle behind u = -rho, and 1 - z."""
+    width = np.sqrt(rho * (rho + 4))
+    return 2 / (2 + rho + width), 2 * rho / (rho + width)
 
 
 def _positive_root(qa: Array, qw: Array) -> Array:
@@ -109,7 +118,7 @@ def _positive_root(qa: Array, qw: Array) -> Array:
     return result
 
 
-def _quadratic_factor(b: Array, c: Array) -> tuple[Array, Array, Array]:
+def quadratic_factor(b: Array, c: Array) -> tuple[Array, Array, Array]:
     """Stable factor delta² + d1 delta + d0 behind u² + b u + c; first the product of its two roots z."""
     root_c = np.sqrt(c)
     y = (root_c + np.sqrt(c + 16 + 4 * b)) / 2

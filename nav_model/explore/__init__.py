@@ -6,5 +6,5 @@
 - `trade_map`: two inputs against a figure.
 - `search`: catalogue sensors and receiver classes against a radar and its requirements.
 - `uncertainty`: the verdict as a probability when inputs are ranges.
-- `sweep_plan`, `sweep`: parameter files, evaluated in parallel and resumed after a crash.
+- `sweep_plan`, `sweep_flight`, `sweep`: parameter files, in closed form or flown, in parallel, resumed after a crash.
 """

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -42,6 +42,8 @@ _STEPS = 60
 _CLOSE = 1e-13  # of log(value/limit)
 
 Outcome = Literal["limited", "any value", "no value"]
+Verify = Literal["every", "together", "none"]
+"""Which answers are put back through `analyse`: every one, those that hold for all requirements together, none."""
 
 
 @dataclass(frozen=True)
@@ -73,14 +75,14 @@ class Solution:
     together: Answer
 
 
-def solve(design: Design, verify: bool = True) -> tuple[Solution, ...]:
+def solve(design: Design, verify: Verify = "every") -> tuple[Solution, ...]:
     """The largest value of every input of `SOLVED` that meets each requirement and all of them.
 
     Parameters
     ----------
     design : Design
-    verify : bool
-        Whether each answer is put back through `analyse`; without it ``margin`` is None.
+    verify : {"every", "together", "none"}
+        Which answers are put back through `analyse`, 1 ms each; the others' ``margin`` is None.
 
     Raises
     ------
@@ -108,9 +110,12 @@ def solve(design: Design, verify: bool = True) -> tuple[Solution, ...]:
             )
             for j, name in enumerate(names)
         )
-        if verify:
+        if verify == "every":
             each = tuple(_verified(design, answer) for answer in each)
-        solutions.append(Solution(key, _current(design, key), each, _together(key, each)))
+        together = _together(key, each)
+        if verify == "together":
+            together = _verified(design, together)
+        solutions.append(Solution(key, _current(design, key), each, together))
     return tuple(solutions)
 
 
@@ -136,12 +141,10 @@ def _verified(design: Design, answer: Answer) -> Answer:
     if answer.value is None:
         return answer
     checks = analyse(design.replace({answer.key: answer.value}), times=[0.0]).verdict.checks
-    margin = next(check.margin for check in checks if check.name == answer.requirement)
+    margin = next(check.margin for check in checks if check.name == answer.binding)
     if not abs(margin) <= 1e-9:
-        raise ArithmeticError(f"{answer.key} = {answer.value!r} gives {answer.requirement} a margin of {margin:.3g}")
-    return Answer(
-        answer.key, answer.requirement, answer.outcome, answer.value, margin, answer.binding, answer.depends
-    )
+        raise ArithmeticError(f"{answer.key} = {answer.value!r} gives {answer.binding} a margin of {margin:.3g}")
+    return replace(answer, margin=margin)
 
 
 def _bounds(key: str) -> tuple[float, float]:

@@ -15,7 +15,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ import numpy as np
 from nav_model.design import Design, Value
 from nav_model.design_file import parse_design
 from nav_model.explore.margins import limits, worst
+from nav_model.explore.sweep_flight import fly
 from nav_model.explore.sweep_plan import Plan
 from nav_model.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.inputs import DesignError
@@ -121,16 +122,14 @@ def _write(path: Path, content: bytes) -> None:
 def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Executor | None, int]]:
     """Who does the work, and how many parts to hand out at once."""
     if scheduler is not None:
-        try:
-            from distributed import Client
-        except ImportError as error:
-            raise DesignError("--scheduler", 'needs Dask; install "navbudget[cluster]"') from error
-        try:
-            client = Client(scheduler, timeout="10s")
-        except (OSError, ValueError) as error:
-            raise DesignError("--scheduler", f"{scheduler} cannot be reached: {error}") from error
-        with client, client.get_executor(pure=False) as executor:
-            yield executor, 4 * max(1, sum(client.nthreads().values()))
+        from nav_model.simulation.cluster import cluster_pool
+
+        with ExitStack() as stack:
+            try:
+                pool, threads = stack.enter_context(cluster_pool(scheduler))
+            except (ImportError, OSError, RuntimeError, ValueError) as error:
+                raise DesignError("--scheduler", str(error)) from error
+            yield pool, 4 * threads
     elif workers > 1:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
             yield executor, 4 * workers
@@ -169,7 +168,8 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
     """The rows from `start` to `stop` as columns.
 
     ``row``; every input varied (SI); one sigma of every result; the margin of every requirement given; whether
-    the design closes (empty when it has no requirement).
+    the design closes (empty when it has no requirement); what `nav_model.explore.sweep_flight.fly` found, where
+    the plan says how to fly.
     """
     places = plan.indices(start, stop)
     columns: dict[str, Column] = {"row": np.arange(start, stop)}
@@ -200,7 +200,17 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
     columns |= {f"{name}_sigma_{_unit(name)}": values for name, values in results.items()}
     columns |= {f"{name}_margin": values for name, values in margins.items()}
     columns["closes"] = list(worst({n: -m for n, m in margins.items()}) <= 0) if margins else [None] * (stop - start)
+    if plan.flight is not None:
+        flown = [fly(plan.flight, design) for design in _designs(plan, start, stop)]
+        columns |= {name: [row[name] for row in flown] for name in flown[0]}
     return columns
+
+
+def _designs(plan: Plan, start: int, stop: int) -> Iterator[Design]:
+    """The designs of these rows, one by one."""
+    for places in zip(*plan.indices(start, stop), strict=True):
+        changes = (axis.changes[k].items() for axis, k in zip(plan.axes, places, strict=True))
+        yield _varied(plan.design, tuple(tuple(items) for items in changes))
 
 
 @functools.lru_cache(maxsize=512)

@@ -11,7 +11,8 @@
     gnss.position_noise = ["2 cm", "1 m"]
     requirements.quadratic_phase = ["45°", "90°"]
 
-Presets come first: an input varied by itself overrides what a preset fills.
+Presets come first: an input varied by itself overrides what a preset fills. With a section [simulate]
+(`nav_model.explore.sweep_flight`) every design is also flown.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ import tomli_w
 from nav_model.design import Design, Value
 from nav_model.design_file import format_design, parse_design, preset_fill, read_bytes
 from nav_model.explore.margins import quantity
+from nav_model.explore.sweep_flight import Flight, check_flight, read_flight
 from nav_model.figures import FIGURES
 from nav_model.inputs import BaseQuantity, Choice, DesignError
 from nav_model.parts import PRESET_KEYS, declaration_of
@@ -38,8 +40,9 @@ from nav_model.parts import PRESET_KEYS, declaration_of
 MOST_ROWS = 50_000_000
 MOST_POINTS = 100_000  # of one range
 _ROWS_PER_PART = 2000
+_FLIGHTS_PER_PART = 1  # a flight takes seconds
 _FORMAT = 1  # of the parts; part of a plan's identity
-_KEYS = ("design", "combine", "results", "rows_per_part", "vary")
+_KEYS = ("design", "combine", "results", "rows_per_part", "simulate", "vary")
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,8 @@ class Axis:
 class Plan:
     """A sweep, plain data so that it travels to any worker.
 
-    ``design`` is TOML text. Row n of a grid runs through the last axis fastest.
+    ``design`` is TOML text. Row n of a grid runs through the last axis fastest. ``flight`` says how every design
+    is flown, None when the closed forms are enough.
     """
 
     design: str
@@ -63,6 +67,7 @@ class Plan:
     together: bool
     results: tuple[str, ...]
     rows_per_part: int
+    flight: Flight | None = None
 
     @property
     def rows(self) -> int:
@@ -86,6 +91,8 @@ class Plan:
             "results": self.results,
             "rows_per_part": self.rows_per_part,
         }
+        if self.flight is not None:
+            content["flight"] = self.flight.identity
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
     def indices(self, start: int, stop: int) -> tuple[np.ndarray[Any, np.dtype[np.intp]], ...]:
@@ -131,9 +138,13 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
     lengths = {axis.key: len(axis.shown) for axis in axes}
     if combine == "together" and len(set(lengths.values())) > 1:
         raise DesignError("combine", f"together needs lists of one length; they have {lengths}")
-    plan = Plan(format_design(design), axes, combine == "together", _results(tables), _part_size(tables))
+    flight = read_flight(tables["simulate"], folder) if "simulate" in tables else None
+    size = _part_size(tables, _FLIGHTS_PER_PART if flight else _ROWS_PER_PART)
+    plan = Plan(format_design(design), axes, combine == "together", _results(tables), size, flight)
     if plan.rows > MOST_ROWS:
         raise DesignError("vary", f"asks for {plan.rows} designs; at most {MOST_ROWS} go in one sweep")
+    if flight is not None:
+        check_flight(flight, design)
     return plan
 
 
@@ -155,8 +166,8 @@ def _results(tables: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(name for name in FIGURES if name in given)
 
 
-def _part_size(tables: Mapping[str, Any]) -> int:
-    size = tables.get("rows_per_part", _ROWS_PER_PART)
+def _part_size(tables: Mapping[str, Any], usual: int) -> int:
+    size = tables.get("rows_per_part", usual)
     if not isinstance(size, int) or isinstance(size, bool) or not 1 <= size <= 100_000:
         raise DesignError("rows_per_part", f"{size!r} is not a whole number from 1 to 100000")
     return size

@@ -10,12 +10,11 @@ from nav_model.analytic.steady_state import Array
 from nav_model.catalogue import Entry, catalogue
 from nav_model.design import Design, Value
 from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, worst
-from nav_model.figures import FIGURES, SETTLED, VARIABLES, figures, inputs_of
+from nav_model.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.inputs import DesignError
 
 SIZE = 200
-SIZE_ITERATED = 40
-"""Points along a side when a slow GNSS error has the filter iterated instead of solved in closed form."""
+"""Points along a side."""
 
 RESULTS = (ALL, *FIGURES)
 """What a map can show: a figure at the confidence asked for, or the largest value over limit."""
@@ -91,7 +90,7 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     result : str
         One of `RESULTS`.
     size : int, optional
-        Points along a side; by default `SIZE`, or `SIZE_ITERATED` where the filter must be iterated.
+        Points along a side; by default `SIZE`.
 
     Raises
     ------
@@ -104,16 +103,11 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
         raise DesignError("result", f"{result!r} is not one of {', '.join(RESULTS)}")
     if result == ALL and not limits(design):
         raise DesignError("requirements", "none is given; state at least one limit, or map a single figure")
-    count = size or (SIZE_ITERATED if _iterated(design, result) else SIZE)
+    count = size or SIZE
     x, y = axis(design, x_key, count), axis(design, y_key, count)
     z = np.broadcast_to(_value(design, {x_key: x[None, :], y_key: y[:, None]}, result), (count, count))
     limit = 1.0 if result == ALL else limits(design).get(result, np.nan) * design.requirements.confidence
     return TradeMap(x_key, y_key, result, x, y, z, limit, _points(design, x_key, y_key, result, limit))
-
-
-def _iterated(design: Design, result: str) -> bool:
-    closed = result in SETTLED and design.requirements.steady_state == "closed"
-    return bool(design.gnss.correlated) and not closed
 
 
 def _value(design: Design, changes: dict[str, Array], result: str) -> Array:

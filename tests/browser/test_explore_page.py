@@ -47,6 +47,24 @@ def test_click_on_the_map_adopts_a_point(visit: Visit) -> None:
     expect(box).not_to_have_value(before)
 
 
+def test_a_pair_is_found_chosen_and_adopted_by_keyboard(visit: Visit) -> None:
+    page = _open(visit)
+    page.get_by_label("Show only rows with these words").fill("closes carrier HG9900")
+    pairs = page.get_by_role("region", name="Pairs of inertial unit and receiver")
+    expect(pairs.get_by_role("radio")).to_have_count(0)  # its sheet is silent on the accelerometers
+    page.get_by_label("Show only rows with these words").fill("ln-100 closes")
+    expect(pairs.get_by_role("radio")).not_to_have_count(0)
+    pairs.get_by_role("radio").first.focus()
+    page.keyboard.press("Space")
+    adopt = page.get_by_role("button", name="Adopt the selected row")
+    expect(adopt).to_be_enabled()
+    adopt.press("Enter")
+    expect(page.get_by_text("Adopted LN-100 with")).to_be_visible()
+    expect(page.get_by_label("Angle random walk").first).to_have_value("0.001 °/√h")
+    pairs.get_by_role("button", name="Margin [%]").press("Enter")
+    expect(pairs.get_by_role("columnheader", name="Margin [%]")).to_have_attribute("aria-sort", "ascending")
+
+
 def test_uncertain_inputs_give_a_probability(visit: Visit) -> None:
     page = _open(visit)
     page.get_by_label("Angle random walk: range").fill("0.02 °/√h .. 0.06 °/√h")

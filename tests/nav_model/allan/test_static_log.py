@@ -226,6 +226,26 @@ def test_constant_axis_is_unresolved_with_its_reason():
     assert result.axes[0].coefficients["random_walk"] is not None
 
 
+@pytest.mark.parametrize("period", [2, 200, 10_000])
+def test_a_log_that_repeats_itself_is_no_noise(period: int):
+    """Its spectrum is empty between lines, which no likelihood of noise can be asked about."""
+    signal = np.tile(np.round(white(period) * 1e5), (20_000 // period, 1))
+    for axis in to_json(analyse_log(ImuLog(signal, None, 100.0)))["axes"]:
+        assert all(axis[term] is None and "repeats itself" in axis["not_resolved"][term] for term in TERMS)
+        assert "copied" in axis["would_resolve"]["random_walk"]
+        assert axis["warnings"] == ["repeats itself exactly: a stretch copied behind itself, or a made-up signal"]
+
+
+def test_samples_held_by_a_logger_are_still_noise():
+    """A sensor slower than its logger: every value twice, white below the sensor's own band."""
+    axis = analyse_log(ImuLog(np.repeat(white(10_000), 2, axis=0), None, 100.0)).axes[0]
+    walk = axis.coefficients["random_walk"]
+    assert walk is not None
+    assert walk.low <= 1e-3 * np.sqrt(2 / 100.0) <= walk.high
+    coarse = analyse_log(ImuLog(np.repeat(white(100), 200, axis=0), None, 100.0)).axes[0]
+    assert not any("repeats itself" in warning for warning in coarse.warnings)
+
+
 def test_cancel_stops_between_axes():
     asked = []
 

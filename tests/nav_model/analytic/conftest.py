@@ -1,5 +1,5 @@
-"""Riccati solutions that owe nothing to the closed forms: SciPy's, in units that suit it, and Newton's
-method in 40 digits."""
+"""Riccati solutions that owe nothing to the closed forms: SciPy's, in units that suit it, Newton's method in 40
+digits, and doubling in as many digits as asked for."""
 
 from types import SimpleNamespace
 
@@ -91,7 +91,49 @@ def newton(phi, q, h, r, guess):
         return tuple(np.array(m.tolist(), dtype=float) for m in (p, posterior))
 
 
+def _exact_noise(a, w, g, h):
+    qa, qw = a**2, (g * w) ** 2
+    rows = [
+        [qa * h**3 / 3 + qw * h**5 / 20, qa * h**2 / 2 + qw * h**4 / 8, qw * h**3 / (6 * g)],
+        [qa * h**2 / 2 + qw * h**4 / 8, qa * h + qw * h**3 / 3, qw * h**2 / (2 * g)],
+        [qw * h**3 / (6 * g), qw * h**2 / (2 * g), qw * h / g**2],
+    ]
+    return rows, [[1, h, g * h**2 / 2], [0, 1, g * h], [0, 0, 1]]
+
+
+def doubled(sigma_a, sigma_w, g, interval, sigma, slow=None, digits=60):
+    """Prior and posterior, SI, by structure-preserving doubling with `digits` digits.
+
+    Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
+    """
+    with mp.workdps(digits):
+        a, w, g, h, r = (mp.mpf(x) for x in (sigma_a, sigma_w, g, interval, sigma))
+        noise, step = _exact_noise(a, w, g, h)
+        n = 3 if slow is None else 4
+        phi, x, row = mp.zeros(n), mp.zeros(n), mp.zeros(1, n)
+        row[0] = 1
+        for i in range(3):
+            for j in range(3):
+                phi[i, j], x[i, j] = step[i][j], noise[i][j]
+        if slow is not None:
+            size, correlation = (mp.mpf(value) for value in slow)
+            phi[3, 3] = mp.exp(-h / correlation)
+            x[3, 3], row[3] = size**2 * (1 - phi[3, 3] ** 2), 1
+        at, gain = phi.T, row.T * row / r**2
+        for _ in range(200):
+            inverse = (mp.eye(n) + gain * x) ** -1
+            grown = at.T * x * inverse * at
+            gain, at = gain + at * inverse * gain * at.T, at * inverse * at
+            x = x + grown
+            if all(grown[i, i] <= x[i, i] * mp.mpf(10) ** -45 for i in range(n)):
+                cross = x * row.T
+                return x, x - cross * cross.T / ((row * cross)[0] + r**2)
+    raise ArithmeticError
+
+
 @pytest.fixture(scope="session")
 def reference():
-    """The independent solvers: continuous, discrete, van_loan, channel units."""
-    return SimpleNamespace(continuous=continuous, discrete=discrete, van_loan=van_loan, channel=_channel, chain=CHAIN)
+    """The independent solvers: continuous, discrete, doubled, van_loan, channel units."""
+    return SimpleNamespace(
+        continuous=continuous, discrete=discrete, doubled=doubled, van_loan=van_loan, channel=_channel, chain=CHAIN
+    )

@@ -7,7 +7,7 @@ from nav_model.budget import analyse
 from nav_model.catalogue import catalogue, read_catalogue
 from nav_model.explore.margins import ALL
 from nav_model.explore.search import OWN_GNSS, left_out, search
-from nav_model.explore.trade_map import SIZE_ITERATED, changes_at, place, trade_map
+from nav_model.explore.trade_map import SIZE, changes_at, place, trade_map
 from nav_model.inputs import DesignError
 
 ARW, VRW, GNSS = "imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise"
@@ -53,8 +53,13 @@ def test_the_cross_and_a_click(open_design):
     assert adopted[ARW] == pytest.approx(360 * np.pi / 180 / 60)
 
 
-def test_iterated_maps_are_coarser(open_design):
-    assert trade_map(open_design.replace({"gnss.correlated": True}), ARW, GNSS).z.shape == (SIZE_ITERATED,) * 2
+def test_a_slow_error_takes_the_same_grid(open_design):
+    slow = open_design.replace({"gnss.correlated": True})
+    trade = trade_map(slow, ARW, GNSS)
+    assert trade.z.shape == (SIZE, SIZE)
+    for j, i in ((0, 0), (57, 130), (199, 199)):
+        verdict = analyse(slow.replace({ARW: float(trade.x[i]), GNSS: float(trade.y[j])})).verdict
+        assert trade.z[j, i] == pytest.approx(1 - verdict.tightest.margin, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -34,8 +34,8 @@ def test_agrees_with_finite_differences_of_the_whole_analysis(data, designs):
 
 
 @pytest.mark.parametrize("figure", ["quadratic_phase", "horizontal_position", "coast_horizontal_position"])
-def test_agrees_through_the_iterated_filter(figure, open_design):
-    """With a slow GNSS error the complex step passes through the doubling iteration."""
+def test_agrees_through_the_filter_with_a_slow_error(figure, open_design):
+    """With a slow GNSS error the complex step passes through the augmented filter."""
     design = open_design.replace({"gnss.correlated": True, "coast.before_aperture": 3.0})
     keys = ["imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise", "gnss.interval",
             "gnss.correlated_noise", "gnss.correlation_time", "coast.before_aperture"]  # fmt: skip

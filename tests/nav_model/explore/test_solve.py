@@ -22,7 +22,7 @@ def _margin(design, key, value, requirement):
 @given(data=st.data())
 def test_every_solved_value_put_back_gives_margin_zero(data, designs):
     design = data.draw(designs)
-    for solution in solve(design, verify=False):
+    for solution in solve(design, verify="none"):
         for answer in solution.each:
             if answer.value is not None:
                 assert abs(_margin(design, answer.key, answer.value, answer.requirement)) <= 1e-9
@@ -34,7 +34,7 @@ def test_every_solved_value_put_back_gives_margin_zero(data, designs):
 @given(data=st.data())
 def test_all_together_is_the_least_and_closes(data, designs):
     design = data.draw(designs)
-    for solution in solve(design, verify=False):
+    for solution in solve(design, verify="none"):
         together = solution.together
         values = [answer.value for answer in solution.each if answer.value is not None]
         if together.outcome == "limited":
@@ -49,7 +49,7 @@ def test_all_together_is_the_least_and_closes(data, designs):
 @given(data=st.data())
 def test_no_value_and_any_value_mean_it(data, designs):
     design = data.draw(designs)
-    for solution in solve(design, verify=False):
+    for solution in solve(design, verify="none"):
         for answer in solution.each:
             low, high = _bounds(answer.key)
             if answer.outcome == "no value":
@@ -61,6 +61,14 @@ def test_no_value_and_any_value_mean_it(data, designs):
 def _bounds(key):
     low, high = quantity(key).limits
     return max(low, 1e-9 * high), high
+
+
+def test_what_holds_for_all_is_verified_alone(open_design):
+    every, together = solve(open_design), solve(open_design, verify="together")
+    for one, other in zip(every, together, strict=True):
+        assert other.together == one.together
+        assert all(answer.margin is None for answer in other.each)
+        assert (other.together.margin is None) == (other.together.value is None)
 
 
 def test_round_trip_through_the_limit(closed_design):
