@@ -29,6 +29,19 @@ _KNOWLEDGE = (
     "logarithmic sensitivity, which is its share of the variance [T-18]. Residual biases and the vibration factor "
     "are the design's for every unit, because no data sheet prints them. A receiver's noise is taken as white."
 )
+EXAMPLE = """\
+# Your own sensors, in the format of the product's catalogue. status: confirmed, secondary, assumed or unconfirmed.
+[[imu]]
+name = "Our inertial unit"
+angle_random_walk = { value = "0.05 °/√h", status = "confirmed", source = "bench log of 3 May, unit 7" }
+velocity_random_walk = { value = "50 µg/√Hz", status = "secondary", source = "data sheet, typical" }
+
+[[gnss]]
+name = "Our receiver"
+position_noise = { value = "3 cm", status = "assumed", source = "maker's web page" }
+vertical_position_noise = { value = "5 cm", status = "assumed", source = "maker's web page" }
+interval = { value = "0.2 s", status = "confirmed", source = "manual" }
+"""
 _KINDS: tuple[Kind, ...] = ("imu", "gnss")
 
 
@@ -55,7 +68,9 @@ class SearchPanel:
         self.view = pn.Column(
             self._head,
             pn.FlexBox(
-                self._words, self._file, download("Search: data (CSV)", "search.csv", self._csv),
+                self._words, self._file,
+                download("An example of such a file", "sensors.toml", lambda: io.BytesIO(EXAMPLE.encode())),
+                download("Search: data (CSV)", "search.csv", self._csv),
                 align_items="center", sizing_mode="stretch_width",
             ),
             self._said,

@@ -9,6 +9,7 @@ import re
 import pytest
 
 from app.pages.explore import ExplorePage
+from app.pages.explore_search import EXAMPLE
 from app.server import first_design
 from app.state import Session
 from nav_model.explore import solve as solving
@@ -59,6 +60,10 @@ def test_own_units_and_receivers_are_judged_and_adopted(explore: ExplorePage) ->
     assert "Undo takes it back" in search._said.object
     search._session.undo()
     assert search._session.design == first_design()
+
+
+def test_the_example_offered_is_such_a_file(explore: ExplorePage) -> None:
+    assert "Added Our inertial unit, Our receiver." in _open(explore, EXAMPLE.encode())
 
 
 def test_a_pair_that_is_no_longer_there_adopts_nothing(explore: ExplorePage) -> None:
