@@ -4,15 +4,17 @@ COPY pyproject.toml README.md LICENSE ./
 COPY nav_model nav_model
 COPY app app
 RUN python -m venv /opt/navbudget \
- && /opt/navbudget/bin/pip install --no-cache-dir .
+ && /opt/navbudget/bin/pip install --no-cache-dir ".[oauth,postgresql]"
 
 FROM python:3.11-slim
 RUN useradd --create-home --uid 10001 navbudget
 COPY --from=build /opt/navbudget /opt/navbudget
 USER 10001
 WORKDIR /home/navbudget
-# Compiled kernels are cached here; the package itself is not writable for this user.
-ENV NUMBA_CACHE_DIR=/home/navbudget/.cache/numba
+# Saved designs, unless --library says otherwise: mount a volume here to keep them.
+RUN mkdir -p .cache .local/share/navbudget
+# Compiled kernels and fonts are cached here; the package itself is not writable for this user.
+ENV NUMBA_CACHE_DIR=/home/navbudget/.cache/numba MPLCONFIGDIR=/home/navbudget/.cache/matplotlib
 EXPOSE 5006
 HEALTHCHECK --interval=30s --timeout=5s --start-period=20s --retries=3 \
   CMD ["/opt/navbudget/bin/python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:5006/liveness', timeout=4)"]

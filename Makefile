@@ -46,7 +46,7 @@ test-slow: .venv/.test
 
 # What the Theory page says results were compared with, from the tests that compare them.
 validation: .venv/.test
-	$(BIN)/python -m pytest -p no:benchmark tests/acceptance/test_validation_record.py -k "not record_has" --write-validation
+	$(BIN)/python -m pytest -p no:benchmark tests/acceptance tests/nav_model --write-validation
 
 bench: .venv/.test browser
 	$(BIN)/python -m pytest benchmarks --benchmark-columns=median,iqr,ops,rounds

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import re
 from collections.abc import Callable
 from html import escape
 from typing import Generic, TypeVar
@@ -12,21 +11,18 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.charts.description import AnyChart, to_csv
+from app.charts.explore import RankChart, TradeMapChart
 from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
+from app.charts.spoken import in_words
+from app.prose import prose
 from app.state import Session
 from app.theme import FRAME, SHEET
 from app.workers import elsewhere
 from nav_model.budget import Budget
 
 _T = TypeVar("_T")
-_MARK = re.compile(r"\[[A-Z]-\d+\]")
-
-
-def prose(text: str) -> str:
-    """Text for our own HTML: escaped, equation marks such as [T-9] kept in one piece."""
-    return _MARK.sub(r'<span class="nw">\g<0></span>', escape(text))
 
 
 def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> pn.pane.HTML:
@@ -95,4 +91,12 @@ def _labels(chart: AnyChart) -> tuple[str, str]:
 
 
 def _know(chart: AnyChart) -> str:
-    return f'{legend_html(chart)}<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
+    return (
+        f"{described(chart)}{legend_html(chart)}"
+        f'<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
+    )
+
+
+def described(chart: AnyChart | RankChart | TradeMapChart) -> str:
+    """What a chart shows, in words, for screen readers: a canvas says nothing to them."""
+    return f'<p class="hidden">What the chart shows: {escape(in_words(chart))}</p>'

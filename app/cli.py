@@ -22,7 +22,7 @@ from nav_model.budget import Budget, analyse
 from nav_model.budget_json import to_json
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
-from nav_model.design_file import parse_design, read_bytes
+from nav_model.design_file import MAX_BYTES, parse_design, read_bytes
 from nav_model.inputs import BaseQuantity, DesignError
 from nav_model.parts import declaration_of
 from nav_model.units import format_quantity
@@ -82,16 +82,19 @@ def _parser() -> argparse.ArgumentParser:
     report = commands.add_parser("report", help="write a design report")
     _design_arguments(report, one=False)
     report.add_argument("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
+    _study_arguments(report)
     report.set_defaults(run=_report)
 
     suborbital = commands.add_parser(
         "suborbital",
         help="the star-tracker study of a suborbital flight as JSON",
-        description="INS errors of a suborbital flight by source, with and without star tracker. Without DESIGN the "
-        "sensors are those of the set GP-1; a design's [imu] replaces white noise and constant biases. --set takes "
-        "keys of the design and inputs of the study, e.g. --set tracker.from_height='80 km'.",
+        description="INS errors of a suborbital flight by source, with and without star tracker. Without a file the "
+        "sensors are those of the set GP-1; a design's [imu] replaces white noise and constant biases; a study file "
+        "(saved on the Suborbital page or with --save) states every input. --set takes keys of the design and "
+        "inputs of the study, e.g. --set tracker.from_height='80 km'.",
     )
     _design_arguments(suborbital, one=True)
+    suborbital.add_argument("--save", type=Path, metavar="FILE", help="also write the study's inputs as a study file")
     suborbital.add_argument("--inputs", action="store_true", help="list the inputs of the study and stop")
     suborbital.add_argument("--trajectory", metavar="FILE", help="a flight from a CSV file instead of the golden one")
     suborbital.add_argument("--from-height", metavar="HEIGHT", help='tracker from a height, e.g. "80 km"')
@@ -104,8 +107,14 @@ def _parser() -> argparse.ArgumentParser:
         "--noise-runs", type=int, default=0, metavar="N", help="also fly N INS with white noise alone (Monte Carlo)"
     )
     suborbital.set_defaults(run=_suborbital)
-    simulate = commands.add_parser("simulate", help="Monte Carlo of a design against the closed forms")
+    simulate = commands.add_parser(
+        "simulate",
+        help="Monte Carlo of a design against the closed forms",
+        description="Flies the design as a strapdown INS with a Kalman filter, many times over. --set takes keys of "
+        "the design and sensor errors, receiver and tuning beyond it, e.g. --set gyro.bias_instability='25 °/h'.",
+    )
     _design_arguments(simulate, one=True)
+    simulate.add_argument("--inputs", action="store_true", help="list what --set takes beyond the design and stop")
     simulate.add_argument("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
     simulate.add_argument("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
     simulate.add_argument(
@@ -128,7 +137,8 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument(
         "--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)"
     )
-    simulate.add_argument("--states", type=int, choices=(9, 15), default=9, help="of the filter; 15 estimates biases")
+    simulate.add_argument("--states", type=int, choices=(9, 15, 21), default=9,
+        help="of the filter; 15 estimates biases, 21 two kinds of them apart")  # fmt: skip
     simulate.add_argument("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
     simulate.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
     simulate.add_argument("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
@@ -139,6 +149,15 @@ def _parser() -> argparse.ArgumentParser:
     _design_arguments(sar, one=True)
     sar.add_argument("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
     sar.add_argument("--seed", type=int, default=0, help="of the ensemble (default 0)")
+    sar.add_argument(
+        "--engine",
+        choices=("fast", "simulator"),
+        default="fast",
+        help="per-axis error model, or full flights of the simulator with the error model beside them (default fast)",
+    )
+    sar.add_argument(
+        "--workers", type=int, metavar="W", help="processes of the simulator (default: all cores but one)"
+    )
     sar.add_argument("-o", "--output", type=Path, metavar="FILE", help="write there instead of standard output")
     sar.set_defaults(run=_sar)
 
@@ -156,6 +175,25 @@ def _parser() -> argparse.ArgumentParser:
     sweep.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do the work")
     sweep.set_defaults(run=_sweep)
     return parser
+
+
+def _study_arguments(report: argparse.ArgumentParser) -> None:
+    report.add_argument(
+        "--with",
+        dest="studies",
+        default="",
+        metavar="STUDY,...",
+        help="run these and tell their results in each design's chapter: simulation, sar, suborbital",
+    )
+    add = report.add_argument_group("the studies of --with").add_argument
+    add("--runs", type=int, metavar="N", help="of simulation and SAR (default 100 and 200)")
+    add("--seed", type=int, default=1, metavar="S", help="of every study (default 1)")
+    add("--trajectory", default="wandering", metavar="NAME-or-FILE", help="of the simulation, as in `simulate`")
+    add("--duration", type=float, metavar="S",
+        help="of a simulated run (default: 400 s with fixes, then the design's outage; or the file's)")  # fmt: skip
+    add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
+        help="of the simulation; may be repeated (default: the design's own, at the end)")  # fmt: skip
+    add("--workers", type=int, metavar="W", help="processes of the simulation (default: all cores but one)")
 
 
 def _explore_arguments(commands: Any) -> None:
@@ -285,9 +323,14 @@ def _paths(options: argparse.Namespace) -> list[str]:
 
 
 def _read(path: str, changes: Sequence[str]) -> Design:
+    return parse_design(*_content(path, MAX_BYTES), changes)
+
+
+def _content(path: str, most: int) -> tuple[bytes, str]:
+    """What a file or standard input holds, at most a byte more than it may, and what to call it."""
     if path == "-":
-        return parse_design(sys.stdin.buffer.read(), "standard input", changes)
-    return parse_design(read_bytes(path), path, changes)
+        return sys.stdin.buffer.read(most + 1), "standard input"
+    return read_bytes(path, most), path
 
 
 def _evaluate(options: argparse.Namespace) -> int:
@@ -350,15 +393,16 @@ def check_lines(path: str, budget: Budget) -> list[str]:
 
 def _report(options: argparse.Namespace) -> int:
     paths = _paths(options)
-    from app.report import write_report
+    from app.report_command import write_report_with
 
-    write_report([analyse(_read(path, options.changes)) for path in paths], options.output)
+    write_report_with([_read(path, options.changes) for path in paths], options)
     print(f"wrote {options.output}", file=sys.stderr)
     return 0
 
 
 def _suborbital(options: argparse.Namespace) -> int:
     from app.suborbital.command import list_inputs, run
+    from nav_model.suborbital.study_file import MAX_BYTES as MAX_STUDY
 
     if options.inputs:
         return list_inputs()
@@ -368,8 +412,6 @@ def _suborbital(options: argparse.Namespace) -> int:
         changes = list(options.changes)
     sections = ("imu.", "gnss.", "coast.", "radar.", "requirements.")
     of_design = [change for change in changes if change.startswith(sections)]
-    if of_design and not designs:
-        raise DesignError(of_design[0].partition("=")[0], "is a key of a design, and no DESIGN is given")
     asked = dict(part.split("=", 1) for part in changes if part not in of_design)
     asked |= {
         key: text
@@ -383,15 +425,19 @@ def _suborbital(options: argparse.Namespace) -> int:
         )
         if text is not None
     }
-    design = _read(designs[0], of_design) if designs else None
-    return run(design, asked, options.trajectory, options.noise_runs)
+    data, where = _content(designs[0], MAX_STUDY) if designs else (None, "")
+    return run(data, where, of_design, asked, options.trajectory, options.noise_runs, options.save)
 
 
 def _simulate(options: argparse.Namespace) -> int:
-    (path,) = _paths(options)
-    from app.simulate_command import simulate_design
+    from app.simulate_command import list_inputs, simulate_design
+    from nav_model.simulation.study_inputs import read_study_inputs, split_changes
 
-    simulate_design(_read(path, options.changes), options)
+    if options.inputs:
+        return list_inputs()
+    (path,) = _paths(options)
+    of_design, of_study = split_changes(options.changes)
+    simulate_design(_read(path, of_design), read_study_inputs(of_study), options)
     return 0
 
 
@@ -412,11 +458,7 @@ def _allan(options: argparse.Namespace) -> int:
             _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
         ),
     )
-    try:
-        result = study_log(request, _say_progress)
-    except OSError as error:
-        raise DesignError(options.log, f"cannot be read: {error.strerror or error}") from error
-    return _put_json(study_to_json(result), options.output)
+    return _put_json(study_to_json(study_log(request, _say_progress)), options.output)
 
 
 def _say_progress(fraction: float, what: str) -> None:
@@ -436,17 +478,9 @@ def _bench(option: str, key: str, text: str | None) -> float | None:
 
 def _sar(options: argparse.Namespace) -> int:
     (path,) = _paths(options)
-    design = _read(path, options.changes)
-    if options.seed < 0:
-        raise DesignError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
-    from nav_model.sar.design_study import chunks, design_study
-    from nav_model.sar.study_json import to_json as study_to_json
+    from app.sar_command import sar
 
-    try:
-        chunks(options.runs)
-    except ValueError as error:
-        raise DesignError("--runs", str(error)) from error
-    return _put_json(study_to_json(design_study(design, options.runs, options.seed)), options.output)
+    return _put_json(sar(_read(path, options.changes), options), options.output)
 
 
 def _put_json(data: dict[str, Any], output: Path | None) -> int:

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from html import escape
 from typing import Any, ClassVar
 
 import panel as pn
 import panel_material_ui as pmui
 from bokeh.models import CustomJSTickFormatter
 
+from app.chart_view import html_pane
 from app.state import Session
 from nav_model.catalogue import Entry, catalogue, find
 from nav_model.design import Design, Value
@@ -54,9 +56,11 @@ _CHOICES: dict[str, dict[Any, str]] = {
 
 
 class LogSlider(pmui.FloatSlider):
-    """A slider whose steps reach the server without the framework's wait of 50 ms."""
+    """A slider whose steps reach the server without the framework's wait of 50 ms, and without turning the whole
+    server's busy flag on and off, which nothing here shows."""
 
     _priority_changes: ClassVar[list[str]] = ["value"]
+    _busy__ignore: ClassVar[list[str]] = ["value", "value_throttled"]
 
 
 class QuantityControl:
@@ -181,8 +185,8 @@ class QuantityControl:
 
     def _full_help(self) -> str:
         d = self._declaration
-        typical = f"Typical: {d.typical}." if d.typical else ""
-        sheet = f"Data sheet: {d.datasheet}" if d.datasheet else ""
+        typical = f"Typical: {d.typical}."
+        sheet = d.datasheet if d.datasheet.startswith("Not ") else f"Data sheet: {d.datasheet}"
         return " ".join(part for part in (str(d.doc), sheet, typical) if part)
 
     def _place(self, value: float) -> float:
@@ -256,13 +260,14 @@ class ChoiceControl:
                 margin=(10, 10, 0, 10),
                 sizing_mode="stretch_width",
             )
+        self._view = pn.Column(self.widget, margin=0, sizing_mode="stretch_width")
         self.widget.param.watch(self._chosen, "value")
         self.show(session.design)
 
     @property
     def view(self) -> pn.viewable.Viewable:
         """The control as it stands in the column."""
-        return self.widget
+        return self._view
 
     def show(self, design: Design) -> None:
         """Follow the design in force."""
@@ -273,6 +278,9 @@ class ChoiceControl:
         """Show the help line, or not."""
         if isinstance(self.widget, pmui.Select):
             self.widget.helper_text = str(self._declaration.doc) if explained else ""
+        elif explained != (len(self._view) > 1):  # a switch has no helper text of its own
+            note = html_pane(f'<p class="note">{escape(str(self._declaration.doc))}</p>', margin=(0, 14))
+            self._view.objects = [self.widget, note] if explained else [self.widget]
 
     def _chosen(self, event: Any) -> None:
         if event.new != self._session.design[self.key]:

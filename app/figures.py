@@ -35,3 +35,8 @@ def percent(fraction: float) -> str:
 def signed_percent(fraction: float) -> str:
     """A margin: its sign always shown."""
     return f"{100 * fraction:+.0f} %".replace("-", "−")
+
+
+def decibels(value: float) -> str:
+    """A level or a ratio, to a hundredth."""
+    return f"{float(value):.2f} dB".replace("-", "−")

@@ -15,8 +15,7 @@ import panel_material_ui as pmui
 
 from app.chart_view import ChartView, html_pane
 from app.charts.sensors import axis_chart, triad_chart
-from app.log_job import WAITING, LogJobLost, study_elsewhere
-from app.log_study import READING, LogRequest, Study, read_options
+from app.log_study import READING, LogRequest, Study, read_options, study_log
 from app.log_tables import (
     coefficient_tables,
     motion_strip,
@@ -27,6 +26,7 @@ from app.log_tables import (
     warning_list,
 )
 from app.log_upload import LimitedFileInput
+from app.long_run import WAITING, RunLost, run_alone
 from app.state import Session
 from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibration_factor, bench_of
 from nav_model.allan.log_file import Limits
@@ -147,8 +147,8 @@ class LogPanel:
         self._started = time.monotonic()
         self._run(True)
         try:
-            study = await study_elsewhere(request, self._follow)
-        except (DesignError, LogJobLost) as error:
+            study: Study = await run_alone(study_log, request, progress=self._follow)
+        except (DesignError, RunLost) as error:
             self._say(f"Not analysed. {error}. Nothing else has changed; correct the boxes above and press Analyse.")
         except asyncio.CancelledError:
             self._say(f"{self._name}: cancelled.", "info")

@@ -1,6 +1,6 @@
 """What the command line and the Sensors page ask of a log: read it, analyse it at rest or in motion, say how far.
 
-Everything here pickles, so that the page can run it in a process of its own (`app.log_job`).
+Everything here pickles, so that the page can run it in a process of its own (`app.long_run`).
 """
 
 from __future__ import annotations
@@ -67,15 +67,16 @@ def study_log(request: LogRequest, progress: Progress) -> Study:
     Raises
     ------
     DesignError
-        Naming the file, and where in it, when it cannot be read or analysed as asked.
-    OSError
-        When the file cannot be opened.
+        Naming the file, and where in it, when it cannot be opened, read or analysed as asked.
     """
     progress(0.0, READING)
     try:
         log = read_log(request.source, request.options, request.file_name, request.limits)
     except ValueError as error:
         raise _refusal(error, _name(request)) from error
+    except OSError as error:
+        where = request.file_name or str(request.source)
+        raise DesignError(where, f"cannot be read: {error.strerror or error}") from error
     try:
         if request.motion:
             return analyse_motion(log, request.bench, progress=progress)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import html
 import importlib
@@ -15,11 +16,17 @@ import panel_material_ui as pmui
 from panel.util import edit_readonly
 
 from app.controls import SECTION_TITLES, Control, section_controls
+from app.once_shown import once_shown
 from app.report import report_of_text
+from app.report.studies import study_sections
+from app.report.wording import chapter_key
+from app.report_choice import ReportChoice
 from app.state import Session
-from app.theme import DARK, LIGHT
+from app.theme import DARK, LIGHT, PRINT_NOTHING
+from app.tour import Tour
 from app.workers import elsewhere
 from nav_model.budget import Budget
+from nav_model.design import Design
 from nav_model.design_file import MAX_BYTES, format_design, parse_design
 from nav_model.inputs import DesignError
 from nav_model.link import to_query
@@ -51,7 +58,7 @@ A page is imported and built when its tab is first opened, so a tab costs the fi
 """
 
 
-_FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with
+_FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with. The second is below the first screen.
 
 
 class Frame:
@@ -63,6 +70,7 @@ class Frame:
         self._pages: dict[int, Page] = {}
         self._loaded = False
         self._places = [pn.Column(sizing_mode="stretch_width", margin=0, visible=not i) for i in range(len(PAGES))]
+        self._examples = pn.Column(sizing_mode="stretch_width", margin=0, visible=False, stylesheets=[PRINT_NOTHING])
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
         )
@@ -78,7 +86,7 @@ class Frame:
         if pn.state.location:
             # What stands behind # reaches the server from the page only, before the page can be changed.
             location = pn.state.location
-            pn.state.onload(lambda: self._go_to("review" if is_review_link(location.search) else location.hash))
+            pn.state.onload(lambda: self._go_to(self._first_page(location)))
             location.param.watch(lambda event: self._go_to(event.new) if self._loaded else None, "hash")
 
     def _show(self, event: Any) -> None:
@@ -94,15 +102,26 @@ class Frame:
         self._pages[event.new].show(self.session.budget)
         for index, place in enumerate(self._places):
             place.visible = index == event.new
-        if pn.state.location:
-            pn.state.location.hash = f"#{PAGES[event.new][0].lower()}"
+        name, location = PAGES[event.new][0].lower(), pn.state.location
+        if location and location.hash.lstrip("#").lower().partition("-")[0] != name:
+            location.hash = f"#{name}"
+
+    def _first_page(self, location: Any) -> str:
+        """The page a link is for: what stands behind # unless the query says more."""
+        if is_review_link(location.search):
+            return "review"
+        return str(location.hash) or ("suborbital" if self.session.study_link else "")
 
     def _go_to(self, address: str) -> None:
+        """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
         self._loaded = True
-        wanted = address.lstrip("#").lower()
+        wanted, _, place = address.lstrip("#").partition("-")
         for index, (name, _) in enumerate(PAGES):
-            if name.lower() == wanted and index != self._tabs.active:
+            if name.lower() == wanted.lower():
                 self._tabs.active = index
+                go_to = getattr(self._pages[index], "go_to", None)
+                if place and go_to:
+                    go_to(place)
 
     def _open_page(self, index: int) -> None:
         if index not in self._pages:
@@ -118,7 +137,16 @@ class Frame:
         page = pmui.Page(
             title="NavBudget",
             sidebar=self._sidebar(),
-            main=[pn.Column(self._toolbar(), self._notice, self._tabs, *self._places, sizing_mode="stretch_width")],
+            main=[
+                pn.Column(
+                    self._toolbar(),
+                    self._notice,
+                    self._examples,
+                    self._tabs,
+                    *self._places,
+                    sizing_mode="stretch_width",
+                )
+            ],
             sidebar_open=not mobile,
             sidebar_width=340,
             sidebar_resizable=False,
@@ -141,8 +169,8 @@ class Frame:
             sizing_mode="stretch_width",
             margin=0,
         )
-        for index in _FIRST_OPEN:
-            self._fill_section(index)
+        self._fill_section(_FIRST_OPEN[0])
+        once_shown(lambda: self._fill_section(_FIRST_OPEN[1]))
         accordion.param.watch(lambda event: [self._fill_section(index) for index in event.new], "active")
         self._explained.param.watch(self._explain, "value")
         self._name = pmui.TextInput(
@@ -180,10 +208,13 @@ class Frame:
         redo.on_click(lambda _: session.redo())
         reset.on_click(lambda _: session.reset())
         link.on_click(self._put_link)
+        examples = _tool("Examples", "auto_awesome_mosaic")
+        examples.on_click(self._show_examples)
         self._open = pmui.FileInput(
             label="Open", accept=".toml", icon="folder_open", max_file_size=MAX_BYTES, **_TOOL_LOOK
         )
         self._open.param.watch(self._opened, "value")
+        self._choice = ReportChoice(session)
         return pn.FlexBox(
             undo,
             redo,
@@ -193,9 +224,28 @@ class Frame:
             link,
             self._download("HTML report", "description", "html", functools.partial(self._report, "html")),
             self._download("PDF report", "picture_as_pdf", "pdf", functools.partial(self._report, "pdf")),
+            self._choice.view,
+            examples,
+            Tour(margin=2),
             sizing_mode="stretch_width",
             margin=(2, 6, 0, 6),
+            css_classes=["tools"],
+            stylesheets=[PRINT_NOTHING],
         )
+
+    def _show_examples(self, _: Any) -> None:
+        """Open or close the examples, which are made when first asked for."""
+        if not self._examples.objects:
+            from app.gallery import gallery
+
+            self._examples.objects = [gallery(self._adopt_example)]
+        self._examples.visible = not self._examples.visible
+
+    def _adopt_example(self, design: Design) -> None:
+        self._examples.visible = False
+        problem = self.session.adopt(design)
+        self._say(f"Not opened. {problem}" if problem else f"{design.name} is open; Undo brings the last one back.",
+                  "error" if problem else "info")  # fmt: skip
 
     def _download(self, label: str, icon: str, suffix: str, make: Callable[[], Awaitable[io.BytesIO]]) -> Any:
         button = pmui.FileDownload(callback=make, filename=f"design.{suffix}", label=label, icon=icon, **_TOOL_LOOK)
@@ -211,7 +261,10 @@ class Frame:
     async def _report(self, suffix: str) -> io.BytesIO:
         self.session.running = True
         try:
-            return io.BytesIO(await elsewhere(report_of_text, format_design(self.session.design), f".{suffix}"))
+            text, findings = format_design(self.session.design), self._choice.chosen()
+            # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
+            study = await asyncio.to_thread(study_sections, findings, parse_design(text), chapter_key(""))
+            return io.BytesIO(await elsewhere(report_of_text, text, f".{suffix}", study))
         finally:
             self.session.running = False
 

@@ -12,8 +12,14 @@ from bokeh.palettes import Viridis256
 from numpy.typing import NDArray
 from PIL import Image
 
-FLOOR_DB = -40.0
+from app.charts.description import FLOOR_DB, PictureChart
+
 _PALETTE = bytes.fromhex("".join(colour[1:] for colour in Viridis256))
+
+
+def picture_gallery(chart: PictureChart) -> str:
+    """The images of a chart with the scale they share."""
+    return gallery(chart.power_db, chart.names, chart.captions, chart.axes, chart.reference)
 
 
 def gallery(

@@ -7,10 +7,12 @@ from html import escape
 
 import numpy as np
 
+from app.chart_view import prose
 from app.charts.sar import short_name
 from nav_model.budget import Budget
+from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
-from nav_model.sar.design_case import study_cautions
+from nav_model.sar.design_case import flight_cautions, study_cautions
 from nav_model.sar.design_study import ClosedForms, DesignStudy
 from nav_model.sar.geometry import metres_to_phase
 from nav_model.sar.strategies import STRATEGIES, Strategy
@@ -44,9 +46,10 @@ def phase_of_a_metre(budget: Budget) -> float:
     return math.degrees(float(metres_to_phase(1.0, budget.sar.wavelength)))
 
 
-def caution_list(budget: Budget) -> str:
+def caution_list(budget: Budget, study: DesignStudy | None) -> str:
     """What a careful reader must know."""
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in study_cautions(budget))
+    flown = flight_cautions(study.budget) if study is not None and study.engine == "simulator" else ()
+    items = "".join(f"<li>{prose(sentence)}</li>" for sentence in (*study_cautions(budget), *flown))
     return f'<ul class="cautions quiet" aria-label="Assumptions and cautions">{items}</ul>'
 
 
@@ -97,7 +100,7 @@ def response_table(study: DesignStudy | None, stale: bool) -> str:
             r, cell = study.responses, study.budget.sar.cell_length
             width = r["width_cells"]
             cells = [
-                f"{_number(float(width.median[index]))} cells = {_band(width, index, cell, ' m')}",
+                f"{_number(float(width.median[index]))} cells<br>{_band(width, index, cell, ' m')}",
                 *(
                     _decibels(r[name], index)
                     for name in (
@@ -117,6 +120,32 @@ def response_table(study: DesignStudy | None, stale: bool) -> str:
         "response, where a shoulder counts as a side lobe; nulls: outside the minima found."
     )
     return _table("Impulse response by strategy", note, head, rows, stale)
+
+
+def agreement_table(study: DesignStudy | None, beside: DesignStudy | None, stale: bool) -> str:
+    """Flights of the simulator beside the fast engine; nothing where there are no flights."""
+    if study is None or beside is None:
+        return ""
+    found = agreement(study, beside)
+    degrees = phase_of_a_metre(study.budget)
+    rows = [
+        (
+            escape(short_name(one.key)),
+            [
+                f"{_number(1000 * one.flown)} mm<br>{_number(degrees * one.flown)}°",
+                f"{_number(1000 * one.fast)} mm<br>{_number(degrees * one.fast)}°",
+                f"{one.ratio:.3f} ± {one.error:.3f}",
+                "<span class='mark'>✓ agrees</span>" if one.agrees else "<span class='mark'>✗ parts</span>",
+            ],
+        )
+        for one in found
+    ]
+    note = (
+        f"{agreement_sentence(found)} Residual after autofocus, rms over {study.runs} flights and over {beside.runs} "
+        "runs; ± one standard error of the ratio."
+    )
+    head = ("Simulator", "Error model", "Ratio", "Within three standard errors")
+    return "<br>" + _table("The two engines beside each other", note, head, rows, stale)
 
 
 def _table(title: str, note: str, head: tuple[str, ...], rows: list[tuple[str, list[str]]], stale: bool) -> str:

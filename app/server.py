@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import ipaddress
 import secrets
 import signal
@@ -13,26 +14,28 @@ from importlib.resources import files
 from typing import Any
 
 import panel as pn
+import panel.io.document
 
 from app import workers
 from app.page import Frame, is_review_link
 from app.serving.access import provider_of
-from app.serving.handlers import Metrics, around
+from app.serving.handlers import Metrics, around, close_door
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.rules import Rules
 from app.state import Session
 from nav_model.design import Design
 from nav_model.design_file import parse_design
 from nav_model.inputs import DesignError
-from nav_model.link import from_query
+from nav_model.link import from_query, split_link
 
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
 _MAX_HEADER = 65_536  # a design as a link is far shorter
+_LAST_WORDS = 0.5  # seconds for results to reach the pages once all work has ended
 
 
 def first_design() -> Design:
     """What a visitor without a link sees: a real inertial unit under a real radar."""
-    text = files("app").joinpath("first_design.toml").read_text(encoding="utf-8")
+    text = files("app").joinpath("examples/mems_x_band.toml").read_text(encoding="utf-8")
     return parse_design(text, "first design")
 
 
@@ -43,15 +46,17 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
     """
     design, notice = first_design(), ""
     query = pn.state.location.search if pn.state.location else ""
-    if query and not is_review_link(query):
+    of_design, of_study = split_link(query)
+    if of_design and not is_review_link(query):
         try:
-            design = from_query(query)
+            design = from_query(of_design)
         except DesignError as error:
             notice = f"The link was not used. {error}"
     try:
         session = Session(design)
     except DesignError as error:
         session, notice = Session(first_design()), f"The link was not used. {error}"
+    session.study_link = of_study
     if changed is not None:
         session.param.watch(changed, "budget")
     return Frame(session, notice).view
@@ -96,10 +101,23 @@ def serve(rules: Rules) -> None:
         raise DesignError("--address", f"cannot listen on {rules.address}:{rules.port}: {error.strerror}") from error
     running |= {"server": server, "uptime": lambda: time.monotonic() - began}
     Frame(Session(first_design()))  # the first visitor should not wait for what Python loads late
+    _settle()
     print(f"NavBudget on http://{_host(rules.address)}:{port}", flush=True)
     event("started", address=rules.address, port=port, protected=rules.protected)
     _run(server, rules.grace)
     event("stopped")
+
+
+def _settle() -> None:
+    """Keep Python's collector from holding everybody up.
+
+    A page is some 50,000 objects, and a full collection looks at all of every open page: a second with fifty of them.
+    What is loaded by now stays, and need not be looked at again. And Panel collects in full whenever a page was
+    closed; left to itself Python does so once a quarter of what is alive is new, which bounds memory all the same.
+    """
+    gc.collect()
+    gc.freeze()
+    panel.io.document._garbage_collect = lambda: None
 
 
 def _counted(metrics: Metrics) -> Any:
@@ -112,7 +130,8 @@ def _counted(metrics: Metrics) -> Any:
 
 
 def _run(server: Any, grace: float) -> None:
-    """Run until told to stop: nobody new is let in, heavy work may end, then everything is closed.
+    """Run until told to stop: nobody new is let in, heavy work may end and reach who asked for it, then everything
+    is closed.
 
     A second signal does not wait.
     """
@@ -120,9 +139,14 @@ def _run(server: Any, grace: float) -> None:
     stopping: list[asyncio.Task[None]] = []
 
     async def wind_down() -> None:
-        server.unlisten()
+        # Not Bokeh's `unlisten`, which also cuts what is just being answered.
+        server._http.stop()
+        close_door()
         deadline = loop.time() + grace
-        while workers.under_way() and loop.time() < deadline:
+        idle_since = loop.time()
+        while loop.time() < min(deadline, idle_since + _LAST_WORDS):
+            if workers.under_way():
+                idle_since = loop.time()
             await asyncio.sleep(0.05)
         server.io_loop.stop()
 

@@ -27,6 +27,7 @@ from nav_model.simulation.design_study import (
     to_document,
 )
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
+from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, StudyInputs
 
 _KINDS = (".json", ".npz", ".csv")
 _DURATION = 500.0
@@ -34,7 +35,18 @@ _LARGEST_KEPT = 4e9  # bytes: every run's errors are held in memory until they a
 _QUIET_SECONDS = 5.0  # between lines of progress where nobody watches a terminal
 
 
-def simulate_design(design: Design, options: argparse.Namespace) -> None:
+def list_inputs() -> int:
+    """Print every input of a study beyond the design's, with its default and what it is."""
+    for part in STUDY_PARTS:
+        print(part.title)
+        for name in part.inputs():
+            declared = STUDY_KEYS[f"{part.section}.{name}"]
+            default = "none" if declared.default is None else declared.show(declared.default)
+            print(f"  {declared.key:36} {default:12} {declared.label}. {declared.doc}")
+    return 0
+
+
+def simulate_design(design: Design, more: StudyInputs, options: argparse.Namespace) -> None:
     """Fly a design's runs as the command line says and write the study.
 
     Raises
@@ -43,13 +55,24 @@ def simulate_design(design: Design, options: argparse.Namespace) -> None:
         For an option or a key of the design that cannot be flown, or a file that cannot be written.
     """
     kind = _kind(options)
-    spec = _specification(design, options, keep_runs=kind == ".npz")
+    spec = _specification(design, more, options, keep_runs=kind == ".npz")
     if options.output is None:
         sys.stdout.write(_json(_fly(design, spec, options)))
         return
     with whole_file(options.output) as file:
         _write(file, kind, _fly(design, spec, options))
     print(f"wrote {options.output}", file=sys.stderr)
+
+
+def fly_design(design: Design, options: argparse.Namespace) -> DesignStudy:
+    """The study of a design with options as `navbudget simulate` has them, progress on standard error.
+
+    Raises
+    ------
+    DesignError
+        For an option or a key of the design that cannot be flown.
+    """
+    return _fly(design, _specification(design, options, keep_runs=False), options)
 
 
 def _kind(options: argparse.Namespace) -> str:
@@ -61,7 +84,7 @@ def _kind(options: argparse.Namespace) -> str:
     return kind
 
 
-def _specification(design: Design, options: argparse.Namespace, keep_runs: bool) -> SimulationSpec:
+def _specification(design: Design, more: StudyInputs, options: argparse.Namespace, keep_runs: bool) -> SimulationSpec:
     for name in ("workers", "runs"):
         value = getattr(options, name)
         if value is not None and value < 1:
@@ -81,6 +104,7 @@ def _specification(design: Design, options: argparse.Namespace, keep_runs: bool)
             every=options.every,
             states=options.states,
             keep_runs=keep_runs,
+            more=more,
         )
         plan_trajectory(spec.trajectory, spec.duration)  # refuses what cannot be flown before anything is prepared
     except ValueError as error:
@@ -136,7 +160,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
     from nav_model.simulation.monte_carlo import chunks, simulate
 
     compare = closed_form(design, spec)
-    with _progress() as progress:
+    with show_progress() as progress:
         try:
             if options.scheduler:
                 with cluster_pool(options.scheduler) as (pool, threads):
@@ -154,7 +178,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
+def show_progress() -> Iterator[Callable[[int, int], None]]:
     """Runs done and time left: one line rewritten on a terminal, a line now and then elsewhere."""
     terminal = sys.stderr.isatty()
     began = said = time.monotonic()

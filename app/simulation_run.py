@@ -18,13 +18,36 @@ from nav_model.design_file import format_design
 from nav_model.inputs import DesignError
 from nav_model.simulation.design_study import DesignStudy, conclude, refusal
 from nav_model.simulation.specification import SimulationSpec
+from nav_model.simulation.warm import warm_up
 
 _LOOK_SECONDS = 2.0  # between results shown while runs are still flying
+_TELL_SECONDS = 1.0  # between words about a compilation
+
+_prepared: asyncio.Task[float] | None = None
+
+
+def prepare() -> asyncio.Task[float]:
+    """Have a worker compile the simulator, once per server: what the first run would otherwise wait for."""
+    global _prepared
+    loop = asyncio.get_running_loop()
+    failed = _prepared is not None and _prepared.done() and (_prepared.cancelled() or _prepared.exception())
+    if _prepared is None or _prepared.get_loop() is not loop or failed:
+        _prepared = loop.create_task(elsewhere(warm_up))
+        # Whoever waits for it hears of a failure; on a page where nobody flies it is of no interest.
+        _prepared.add_done_callback(lambda task: task.cancelled() or task.exception())
+    return _prepared
+
+
+@dataclass(frozen=True)
+class Compiling:
+    """The simulator is being made ready, for so many seconds now."""
+
+    seconds: float
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Runs done of how many, and the seconds left (None: still preparing)."""
+    """Runs done of how many, and the seconds left (None: the first of them are flying)."""
 
     done: int
     runs: int
@@ -40,7 +63,7 @@ class Result:
     partial: bool
 
 
-News = Progress | Result | str
+News = Compiling | Progress | Result | str
 """What a run tells: how far it is, what it found, or in words why it ended without a result."""
 
 
@@ -81,6 +104,7 @@ class SimulationRun:
         self._told(last)
 
     async def _fly(self, design: Design, spec: SimulationSpec) -> DesignStudy:
+        await self._made_ready()
         self._told(Progress(0, spec.runs, None))
         # Numba and the kernels' modules take a second to import: in a thread, so that others' sliders move on.
         single = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.single_run")
@@ -114,6 +138,13 @@ class SimulationRun:
             for task in (*flying, *([looking] if looking else [])):
                 task.cancel()
         return await elsewhere(conclude, text, spec, total, nominal, time.monotonic() - began)
+
+    async def _made_ready(self) -> None:
+        ready, began = prepare(), time.monotonic()
+        while not ready.done():
+            self._told(Compiling(time.monotonic() - began))
+            await asyncio.wait({ready}, timeout=_TELL_SECONDS)
+        ready.result()
 
     async def _look(
         self, design: Design, text: str, spec: SimulationSpec, total: Any, nominal: Any, wall_s: float

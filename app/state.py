@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import param
 
@@ -28,15 +29,21 @@ class Session(param.Parameterized):
 
     budget: Budget = param.ClassSelector(class_=Budget, allow_None=False, instantiate=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
+    findings: dict[str, Any] = param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
     can_undo = param.Boolean(default=False)
     can_redo = param.Boolean(default=False)
 
     def __init__(self, design: Design) -> None:
         super().__init__(budget=analyse(design))
         self.start = design
+        self.study_link = ""  # what the link says of a suborbital study; its page reads it when it is opened
         self._past: list[Design] = []
         self._future: list[Design] = []
         self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)
+
+    def keep(self, kind: str, finding: Any) -> None:
+        """Keep a finished study for the report, in place of an earlier one of its kind (`app.report.studies`)."""
+        self.findings = {**self.findings, kind: finding}
 
     @property
     def design(self) -> Design:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from app.chart_view import prose
+from app.prose import prose
 from app.report.document import Cell, Table
 
 

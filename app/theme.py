@@ -37,6 +37,9 @@ FRAME = {
 }
 """Around a chart; follows the page's text colour, so it holds in the dark."""
 
+PRINT_NOTHING = "@media print { :host { display: none !important; } }"
+"""Sheet of what has no place on paper: tools, tabs, fields."""
+
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.
 SHEET = """
@@ -44,6 +47,9 @@ SHEET = """
 .num { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .nw { white-space: nowrap; }
 .quiet { opacity: .78; }
+.hidden { position: absolute; width: 1px; height: 1px; margin: 0; overflow: hidden; clip-path: inset(50%); }
+a { color: inherit; text-underline-offset: 2px; }
+a.eq { white-space: nowrap; text-decoration: underline dotted; }
 .strip { display: flex; flex-wrap: wrap; gap: 6px 28px; align-items: center; padding: 10px 16px;
   border: 1px solid; border-color: color-mix(in srgb, currentColor 25%, transparent);
   border-left: 8px solid; border-radius: 6px; }
@@ -74,6 +80,7 @@ table.checks td, table.checks th { overflow-wrap: break-word; }
 table.checks td { min-width: 8ch; }
 table.checks th[scope="row"] { min-width: 14ch; max-width: 60ch; }
 .scroll { overflow-x: auto; }
+.scroll.tall { max-height: 420px; overflow-y: auto; }
 .line { display: flex; flex-wrap: wrap; gap: 0 16px; font-size: 13px; overflow-wrap: anywhere; }
 .line > .mark { min-width: 17ch; }
 .line > .who { min-width: 10ch; }
@@ -94,7 +101,7 @@ ul.legend svg { vertical-align: -1px; }
 .scale img { width: 160px; height: 12px; border-radius: 3px; }
 .stale { border: 1px solid #b26a00; border-radius: 4px; padding: 0 6px; font-weight: 600; }
 progress { width: 220px; vertical-align: middle; }
-.know { font-size: 12.5px; margin: 0; }
+.know, .note { font-size: 12.5px; margin: 0; }
 .mark { font-weight: 700; }
 td.fine, .mark.fine { font-size: 12px; }
 td.fine { min-width: 130px; }

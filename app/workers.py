@@ -6,13 +6,16 @@ import asyncio
 import functools
 import multiprocessing
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from typing import ParamSpec, TypeVar
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
+
+_NICENESS = 10  # of heavy work: where cores are few, a slider step of anybody goes before it
 
 _asked_for: int | None = None
 _under_way = 0
@@ -32,7 +35,26 @@ def size() -> int:
 @functools.cache
 def pool() -> ProcessPoolExecutor:
     """The pool; its processes start with the first task."""
-    return ProcessPoolExecutor(max_workers=size(), mp_context=multiprocessing.get_context("spawn"))
+    return ProcessPoolExecutor(
+        max_workers=size(), mp_context=multiprocessing.get_context("spawn"), initializer=step_back
+    )
+
+
+def step_back() -> None:
+    """Let the pages go first; every process that does heavy work calls it once."""
+    if hasattr(os, "nice"):  # not on Windows
+        os.nice(_NICENESS)
+
+
+@contextmanager
+def counted() -> Iterator[None]:
+    """Heavy work that `under_way` counts."""
+    global _under_way
+    _under_way += 1
+    try:
+        yield
+    finally:
+        _under_way -= 1
 
 
 async def elsewhere(function: Callable[_P, _T], *arguments: _P.args) -> _T:
@@ -43,19 +65,16 @@ async def elsewhere(function: Callable[_P, _T], *arguments: _P.args) -> _T:
     BrokenProcessPool
         If the worker died; the next call gets a new pool.
     """
-    global _under_way
-    _under_way += 1
-    try:
-        return await asyncio.get_running_loop().run_in_executor(pool(), function, *arguments)
-    except BrokenProcessPool:
-        pool.cache_clear()
-        raise
-    finally:
-        _under_way -= 1
+    with counted():
+        try:
+            return await asyncio.get_running_loop().run_in_executor(pool(), function, *arguments)
+        except BrokenProcessPool:
+            pool.cache_clear()
+            raise
 
 
 def under_way() -> int:
-    """Tasks waiting or running in the pool."""
+    """Tasks waiting or running, in the pool or in processes of their own."""
     return _under_way
 
 

@@ -16,6 +16,8 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 _IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
+_WHOLE = """() => [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "Figure").length >= 6
+  && Bokeh.documents.every(d => d.is_idle)"""
 _WATCH = """() => {
   window.__keys = []; window.__changes = []
   document.addEventListener("keydown", () => window.__keys.push(performance.now()), true)
@@ -54,14 +56,26 @@ def _open(browser: Browser, server: str) -> Page:
 
 
 def test_first_view(benchmark: Any, browser: Browser, server: str) -> None:
-    """Navigation to a page that stands still, a new browser context each time."""
-    benchmark.pedantic(lambda: _open(browser, server).context.close(), rounds=5, iterations=1)
+    """Navigation to a first screen that stands still, a new browser context each time."""
+    benchmark.pedantic(lambda: _open(browser, server).context.close(), rounds=7, iterations=1)
+
+
+def test_whole_page(benchmark: Any, browser: Browser, server: str) -> None:
+    """The same until the charts below the first screen stand as well."""
+
+    def open_() -> None:
+        page = _open(browser, server)
+        page.wait_for_function(_WHOLE, timeout=60_000)
+        page.context.close()
+
+    benchmark.pedantic(open_, rounds=7, iterations=1)
 
 
 def test_slider_step_to_changed_curves(benchmark: Any, browser: Browser, server: str) -> None:
     """Arrow key on the angle-random-walk slider until three charts have their new data."""
     page = _open(browser, server)
-    page.wait_for_timeout(1500)
+    page.wait_for_function(_WHOLE, timeout=60_000)
+    page.wait_for_timeout(1000)
     page.evaluate(_WATCH)
     page.get_by_role("slider", name="Angle random walk").focus()
     waits: list[float] = []

@@ -16,7 +16,7 @@ from nav_model.explore.solve import solve
 from nav_model.explore.trade_map import trade_map
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 
-DESIGN = parse_design(files("app").joinpath("first_design.toml").read_text(encoding="utf-8"))
+DESIGN = parse_design(files("app").joinpath("examples", "mems_x_band.toml").read_text(encoding="utf-8"))
 
 
 def test_analyse(benchmark):

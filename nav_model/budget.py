@@ -184,6 +184,7 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
 
 def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     inputs = inputs_of(design)
+    _refuse_hidden_target(float(inputs.squint), float(inputs.grazing_angle))
     _refuse_long_aperture(float(inputs.aperture))
     time = _times(design, times)
     closed = settled(inputs)
@@ -195,6 +196,15 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     start = closed.horizontal if inputs.slow is None else moments.posterior.horizontal
     sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
     return Budget(design, steady_state, coast, sar, judge(design, steady_state, coast, sar))
+
+
+def _refuse_hidden_target(squint: float, grazing: float) -> None:
+    if math.cos(squint) < math.sin(grazing) - 1e-12:
+        raise DesignError(
+            "radar.squint_angle",
+            f"{math.degrees(squint):.4g}° leaves no line of sight at a grazing angle of "
+            f"{math.degrees(grazing):.4g}°; at most {90 - math.degrees(grazing):.4g}° goes, or less grazing angle",
+        )
 
 
 def _refuse_long_aperture(aperture: float) -> None:
@@ -371,7 +381,9 @@ def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_share
         wavelength=wavelength,
         aperture_time=aperture,
         aperture_length=aperture * design.flight.speed,
-        cell_length=float(geometry.cell_length(wavelength, radar.slant_range, design.flight.speed, aperture)),
+        cell_length=float(
+            geometry.cell_length(wavelength, radar.slant_range, design.flight.speed, aperture, x.squint)
+        ),
         window=radar.window,
         autofocus_order=radar.autofocus_order,
         quadratic=quadratic,

@@ -72,6 +72,7 @@ class Inputs:
     wavelength: Array
     slant_range: Array
     grazing_angle: Array
+    squint: Array
     aperture: Array
     autofocus_order: int
     steady_state: str
@@ -117,7 +118,7 @@ def inputs_of(design: Design, changes: Mapping[str, Value] | None = None) -> Inp
     gnss, radar = design.gnss, design.radar
     factor = value("imu.vibration_factor")
     fix = value("gnss.position_noise")
-    wavelength = SPEED_OF_LIGHT / value("radar.frequency")
+    wavelength, squint = SPEED_OF_LIGHT / value("radar.frequency"), value("radar.squint_angle")
     slant_range, speed = value("radar.slant_range"), value("flight.speed")
     slow = None
     if gnss.correlated:
@@ -141,11 +142,12 @@ def inputs_of(design: Design, changes: Mapping[str, Value] | None = None) -> Inp
         wavelength=wavelength,
         slant_range=slant_range,
         grazing_angle=value("radar.grazing_angle"),
+        squint=squint,
         aperture=(
             value("radar.aperture_time")
             if given("radar.aperture_time")
             else geometry.aperture_time(
-                wavelength, slant_range, speed, value("radar.azimuth_resolution"), radar.window
+                wavelength, slant_range, speed, value("radar.azimuth_resolution"), radar.window, squint
             )
         ),
         autofocus_order=radar.autofocus_order,
@@ -202,7 +204,7 @@ def along_track_phase(x: Inputs, start: Horizontal) -> Array:
     variance = growth.horizontal_growth(start, x.sigma_a, x.sigma_w, x.g, x.before_aperture).velocity
     drift_a, drift_w = growth.bias_velocity(x.bias_a, x.bias_w, x.g, x.before_aperture)
     return phase.along_track_quadratic(
-        variance + drift_a**2 + drift_w**2, x.speed, x.aperture, x.wavelength, x.slant_range
+        variance + drift_a**2 + drift_w**2, x.speed, x.aperture, x.wavelength, x.slant_range, x.squint
     )
 
 

@@ -15,6 +15,8 @@ from nav_model.inputs import BaseQuantity, Choice, DesignError
 from nav_model.parts import INPUTS, PRESET_KEYS, TOP_KEYS
 
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
+STUDY_PREFIX = "study."
+"""What the names of a suborbital study's inputs start with, where they stand beside a design's."""
 _NONE = "none"
 _SHORT: dict[str, str] = {
     declaration.short: f"{section}.{name}"
@@ -39,6 +41,13 @@ def to_query(design: Design) -> str:
         if value != base[key] or type(value) is not type(base[key]):
             pairs.append((short, _to_text(key, value, design)))
     return urlencode(pairs, safe="()/^-.:", quote_via=quote_plus)
+
+
+def split_link(query: str) -> tuple[str, str]:
+    """A link's query in two: the design's part, and the suborbital study's. Nothing is judged here."""
+    parts = query.removeprefix("?").split("&")
+    study = [part for part in parts if part.startswith(STUDY_PREFIX)]
+    return "&".join(part for part in parts if not part.startswith(STUDY_PREFIX)), "&".join(study)
 
 
 def from_query(query: str) -> Design:

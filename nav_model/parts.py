@@ -177,7 +177,8 @@ class Gnss(Part):
         options=[False, True],
         short="gm",
         label="Slow error",
-        doc="Add a slow GNSS error (first-order Gauss-Markov) by state augmentation; numerical path only.",
+        doc="Add a slow GNSS error (first-order Gauss-Markov) by state augmentation; numerical path only. Off for "
+        "carrier phase over a short base line, on for stand-alone code.",
     )
     correlated_noise = Quantity(
         default=1.0,
@@ -220,6 +221,7 @@ class Flight(Part):
         softbounds=(10.0, 300.0),
         label="Speed",
         doc="Ground speed along the track.",
+        datasheet="Not on data sheets: the flight plan.",
         typical="small UAV 30, turboprop 90, jet 220 m/s",
     )
     altitude = Quantity(
@@ -231,6 +233,7 @@ class Flight(Part):
         softbounds=(0.0, 15e3),
         label="Altitude",
         doc="Height above the ellipsoid; enters the radius of the Schuler and Coriolis terms.",
+        datasheet="Not on data sheets: the flight plan.",
         typical="1 to 14 km",
     )
     latitude = Quantity(
@@ -242,6 +245,7 @@ class Flight(Part):
         softbounds=(-90 * _DEGREE, 90 * _DEGREE),
         label="Latitude",
         doc="Geodetic latitude; enters the Coriolis coupling of the refined outage.",
+        datasheet="Not on data sheets: the flight plan; take the lowest latitude, where the coupling is largest.",
         typical="where the radar will work",
     )
     heading = Quantity(
@@ -253,6 +257,7 @@ class Flight(Part):
         softbounds=(0.0, 360 * _DEGREE),
         label="Heading",
         doc="Track direction, clockwise from north; enters the Coriolis coupling of the refined outage.",
+        datasheet="Not on data sheets: the flight plan.",
         typical="0° is north",
     )
     gravity = Quantity(
@@ -264,6 +269,7 @@ class Flight(Part):
         softbounds=(9.7, 9.9),
         label="Gravity",
         doc="Local gravity of the model; unit conversions always use 9.80665 m/s².",
+        datasheet="Not on data sheets: a gravity formula at the latitude.",
         typical="9.780 at the equator, 9.832 m/s² at the poles",
     )
 
@@ -283,6 +289,7 @@ class Coast(Part):
         softbounds=(1.0, 1000.0),
         label="Outage shown",
         doc="How long the outage curves run after the last fix; coast requirements hold at its end.",
+        datasheet="Not on data sheets: the mission's requirement.",
         typical="the longest outage the mission must survive",
     )
     before_aperture = Quantity(
@@ -294,6 +301,7 @@ class Coast(Part):
         softbounds=(0.1, 300.0),
         label="Coast before aperture",
         doc="Time without fixes between the last fix and the start of the aperture.",
+        datasheet="Not on data sheets: the mission's requirement, such as jamming near the scene.",
         typical="0 s when fixes last up to the aperture",
     )
 
@@ -327,6 +335,7 @@ class Radar(Part):
         softbounds=(500.0, 50e3),
         label="Slant range",
         doc="To the scene at the middle of the aperture.",
+        datasheet='Radar table: "slant range"; else from height and grazing angle.',
         typical="5 to 30 km",
     )
     grazing_angle = Quantity(
@@ -338,6 +347,7 @@ class Radar(Part):
         softbounds=(0.0, 90 * _DEGREE),
         label="Grazing angle",
         doc="Between the line of sight and the ground; weighs vertical against cross-track errors [S-1].",
+        datasheet='Radar table: "grazing angle" or "depression angle"; 90° less the incidence angle.',
         typical="20 to 65°",
     )
     azimuth_resolution = Quantity(
@@ -349,6 +359,7 @@ class Radar(Part):
         softbounds=(0.05, 10.0),
         label="Azimuth resolution",
         doc="-3 dB width wanted; sets the aperture unless an aperture time is given [S-3].",
+        datasheet='Radar table: "azimuth" or "cross-range resolution".',
         typical="0.1 m spotlight to 3 m strip map",
     )
     window = Choice(
@@ -356,7 +367,8 @@ class Radar(Part):
         options=["uniform", "hamming", "taylor"],
         short="win",
         label="Window",
-        doc="Azimuth weighting: uniform, Hamming, or Taylor (-35 dB, n̄ = 5).",
+        doc="Azimuth weighting: uniform, Hamming, or Taylor (-35 dB, n̄ = 5). A setting of the image processor: "
+        "uniform is sharpest, Taylor usual, Hamming lowest in side lobes.",
     )
     squint_angle = Quantity(
         default=0.0,
@@ -366,8 +378,8 @@ class Radar(Part):
         bounds=(-60 * _DEGREE, 60 * _DEGREE),
         softbounds=(-60 * _DEGREE, 60 * _DEGREE),
         label="Squint angle",
-        doc="Of the line of sight in the slant plane, forward positive. Used by the simulated strategies and "
-        "pictures of the SAR page; closed forms and the aperture time are broadside.",
+        doc="Of the line of sight in the slant plane, forward positive; lengthens the aperture for a resolution.",
+        datasheet='Radar table: "squint".',
         typical="0° strip map, up to 45° spotlight",
     )
     aperture_time = OptionalQuantity(
@@ -378,6 +390,7 @@ class Radar(Part):
         softbounds=(0.1, 100.0),
         label="Aperture time",
         doc="Overrides the aperture from range, speed, resolution and window.",
+        datasheet='Radar table: "integration time" or "synthetic aperture time".',
         typical="0.5 to 50 s",
     )
     autofocus_order = Choice(
@@ -385,7 +398,8 @@ class Radar(Part):
         options=[1, 2, 3],
         short="af",
         label="Autofocus removes",
-        doc="Highest polynomial order of phase removed: 1 line only (no autofocus), 2 quadratic, 3 cubic.",
+        doc="Highest polynomial order of phase removed: 1 line only (no autofocus), 2 quadratic, 3 cubic. A setting "
+        "of the image processor; map drift removes 2.",
     )
 
 
@@ -393,7 +407,14 @@ _LEAST_LIMIT = {"angle": 1e-6 * _DEGREE, "length": 1e-6, "speed": 1e-6}
 
 
 def _limit(
-    dimension: str, unit: str, short: str, upper: float, soft: tuple[float, float], label: str, doc: str
+    dimension: str,
+    unit: str,
+    short: str,
+    upper: float,
+    soft: tuple[float, float],
+    label: str,
+    doc: str,
+    typical: str,
 ) -> Any:
     return OptionalQuantity(
         dimension=dimension,
@@ -403,9 +424,13 @@ def _limit(
         softbounds=soft,
         label=label,
         doc=doc,
+        datasheet=_GIVEN,
+        typical=typical,
     )
 
 
+_GIVEN = "Not on data sheets: the requirement of the image product or of the mission."
+_REACHED = "reached with 1.5 m fixes at 1 Hz: "
 _PHASE = (1 * _DEGREE, 360 * _DEGREE)
 _POSITION = (1e-3, 1e3)
 
@@ -425,6 +450,7 @@ class Requirements(Part):
         softbounds=(1.0, 3.0),
         label="Confidence",
         doc="How many sigmas must stay inside a limit.",
+        datasheet="Not on data sheets: the requirement's own percentage.",
         typical="1 (68 %), 2 (95 %), 3 (99.7 %)",
     )
     steady_state = Choice(
@@ -432,21 +458,38 @@ class Requirements(Part):
         options=["prior", "closed", "posterior"],
         short="ss",
         label="Steady state checked",
-        doc="Just before a fix (prior, the worst of the cycle), cycle rms (closed), just after (posterior).",
+        doc="Just before a fix (prior, the worst of the cycle), cycle rms (closed), just after (posterior). The "
+        "prior is the safe side.",
     )
     quadratic_phase: Any = _limit(
         "angle", "°", "qpe", 1e6 * _DEGREE, _PHASE, "Quadratic phase",
         "Limit on quadratic phase error at the aperture's ends: 45° strict, 90° usual [S-4].",
+        "45° to 90°; below 1 dB of peak loss up to 90°",
     )  # fmt: skip
     detrended_phase: Any = _limit(
         "angle", "°", "dpe", 1e6 * _DEGREE, _PHASE, "Detrended phase",
         "Limit on rms phase over the aperture after autofocus_order is removed.",
+        "6° keeps the integrated side lobes of wide-band phase at −20 dB, 20° costs half a decibel of the peak",
     )  # fmt: skip
     horizontal_position: Any = _limit(
-        "length", "m", "rh", 1e6, _POSITION, "Horizontal position", "Steady state, per axis, 1σ × confidence."
+        "length",
+        "m",
+        "rh",
+        1e6,
+        _POSITION,
+        "Horizontal position",
+        "Steady state, per axis, 1σ × confidence.",
+        f"{_REACHED}navigation 0.2 to 0.4, tactical 0.4 to 0.7, MEMS 0.5 to 0.8 m",
     )
     vertical_position: Any = _limit(
-        "length", "m", "rv", 1e6, _POSITION, "Vertical position", "Steady state, 1σ × confidence."
+        "length",
+        "m",
+        "rv",
+        1e6,
+        _POSITION,
+        "Vertical position",
+        "Steady state, 1σ × confidence.",
+        f"{_REACHED}navigation 0.1 to 0.3, tactical 0.1 to 0.3, MEMS 0.2 to 0.4 m",
     )
     horizontal_velocity: Any = _limit(
         "speed",
@@ -456,9 +499,17 @@ class Requirements(Part):
         (1e-4, 10.0),
         "Horizontal velocity",
         "Steady state, per axis, 1σ × confidence.",
+        f"{_REACHED}navigation 0.003 to 0.01, tactical 0.02 to 0.07, MEMS 0.04 to 0.1 m/s",
     )
     vertical_velocity: Any = _limit(
-        "speed", "m/s", "rvv", 1e4, (1e-4, 10.0), "Vertical velocity", "Steady state, 1σ × confidence."
+        "speed",
+        "m/s",
+        "rvv",
+        1e4,
+        (1e-4, 10.0),
+        "Vertical velocity",
+        "Steady state, 1σ × confidence.",
+        f"{_REACHED}navigation 0.0005 to 0.006, tactical 0.001 to 0.008, MEMS 0.004 to 0.02 m/s",
     )
     tilt: Any = _limit(
         "angle",
@@ -468,6 +519,7 @@ class Requirements(Part):
         (1e-4 * _DEGREE, 1 * _DEGREE),
         "Tilt",
         "Roll and pitch in steady state, each.",
+        f"{_REACHED}navigation 0.0002 to 0.001, tactical 0.004 to 0.03, MEMS 0.01 to 0.05°",
     )
     coast_horizontal_position: Any = _limit(
         "length",
@@ -477,9 +529,17 @@ class Requirements(Part):
         (1e-2, 1e4),
         "Coast horizontal position",
         "At the end of the outage, per axis.",
+        f"after 60 s, {_REACHED}navigation 0.4 to 1, tactical 3 to 13, MEMS 7 to 25 m",
     )
     coast_vertical_position: Any = _limit(
-        "length", "m", "rcv", 1e7, (1e-2, 1e4), "Coast vertical position", "At the end of the outage."
+        "length",
+        "m",
+        "rcv",
+        1e7,
+        (1e-2, 1e4),
+        "Coast vertical position",
+        "At the end of the outage.",
+        f"after 60 s, {_REACHED}navigation 0.1 to 0.6, tactical 0.2 to 0.8, MEMS 0.4 to 2 m",
     )
 
 

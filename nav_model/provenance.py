@@ -18,7 +18,7 @@ WIDE_SAWTOOTH = 0.5
 INPUT, CLOSED, DISCRETE, SERIES, RESPONSE = (
     "input",
     "closed form",
-    "discrete Riccati equation",
+    "discrete Riccati equation, solved in closed form",
     "linear covariance propagation",
     "aperture integral",
 )
@@ -140,8 +140,9 @@ def cautions(budget: Budget) -> tuple[str, ...]:
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     (
         lambda design: design.radar.squint_angle != 0,
-        "The phase budget and the aperture time are broadside; squint enters the simulated strategies of the SAR "
-        "page alone.",
+        "Squint lengthens the aperture by 1/cos [S-3] and takes cos² off the along-track quadratic phase [S-2]; the "
+        "line-of-sight weights [S-1] stay, since both horizontal axes err alike. What the turning line of sight "
+        "makes of the other axes' velocity is on the SAR page.",
     ),
     (
         lambda design: design.imu.vibration_factor == 1,

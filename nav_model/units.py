@@ -102,12 +102,23 @@ DIMENSIONS: dict[str, Dimension] = {
             ("1 °/h", "0.01 °/s", "5e-6 rad/s"),
         ),
         Dimension(
+            "rate random walk",
+            {"°/h/√h": _DEGREE / 3600 / 60, "°/s/√s": _DEGREE, "rad/s/√s": Fraction(1)},
+            ("4 °/h/√h", "1e-6 rad/s/√s"),
+        ),
+        Dimension(
+            "acceleration random walk",
+            {"µg/√h": _G * _MICRO / 60, "mg/√h": _G * _MILLI / 60, "m/s²/√s": Fraction(1)},
+            ("20 µg/√h", "1e-6 m/s²/√s"),
+        ),
+        Dimension(
             "length",
             {
                 "m": Fraction(1),
                 "km": Fraction(1000),
                 "cm": Fraction(1, 100),
                 "mm": _MILLI,
+                "µm": _MICRO,
                 "ft": _FOOT,
                 "NM": Fraction(1852),
             },

@@ -12,35 +12,48 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is first imported
 
+import numpy as np
 import pytest
 
 RECORD = Path(__file__).parents[1] / "app" / "validation.json"
-_rows = []
+OUTSIDE = ("SciPy", "NumPy", "mpmath", "Stable32", "published:", "real data:")
+"""How the name of an oracle begins that is no part of this product: a solver written by others, a published
+figure, a measurement. Only such a comparison is called validated; any other is a cross-check."""
+_rows = {}
+_differences = {}
 
 
 def pytest_addoption(parser):
     parser.addoption("--write-validation", action="store_true", help="write app/validation.json from this run")
 
 
+def pytest_collection_modifyitems(config, items):
+    if config.getoption("--write-validation"):
+        recording = [item for item in items if {"validated", "differs"} & set(getattr(item, "fixturenames", ()))]
+        config.hook.pytest_deselected(items=[item for item in items if item not in recording])
+        items[:] = recording
+
+
 @pytest.fixture
 def validated(request):
     """Hold a deviation against its limit, as the committed record says it is held.
 
-    ``validated(result, equation, oracle, figure, limit, measure, outside=True)``: ``outside`` only where the oracle
-    is no part of this product: published figures, or a solver written by others.
+    ``validated(result, equation, oracle, figure, limit, measure)``: result and oracle in words, the equation's mark
+    or nothing, the largest deviation found (an array: its largest), what it may be, and what is measured. Calls of
+    one result from several cases of a test make one row, of the worst.
     """
     writing = request.config.getoption("--write-validation")
 
-    def hold(result, equation, oracle, figure, limit, measure, *, outside=True):
-        figure = abs(float(figure))
+    def hold(result, equation, oracle, figure, limit, measure):
+        figure = float(np.max(np.abs(figure)))
         assert figure <= limit, f"{result}: {figure:g} beyond {limit:g} ({measure}) against {oracle}"
-        name = request.node.nodeid.replace("::", ":")
         row = {
             "result": result, "equation": equation, "oracle": oracle, "limit": limit, "measure": measure,
-            "outside": outside, "test": name,
+            "outside": oracle.startswith(OUTSIDE), "test": _name_of(request),
         }  # fmt: skip
         if writing:
-            _rows.append({**row, "figure": float(f"{figure:.3g}")})
+            worst = max(figure, _rows.get((result, row["test"]), {"figure": 0.0})["figure"])
+            _rows[result, row["test"]] = {**row, "figure": float(f"{worst:.3g}")}
             return
         committed = [{k: v for k, v in r.items() if k != "figure"} for r in json.loads(RECORD.read_text())["rows"]]
         assert row in committed, "app/validation.json does not have this row: run `make validation`"
@@ -48,13 +61,50 @@ def validated(request):
     return hold
 
 
+@pytest.fixture
+def differs(request):
+    """Put beside each other a printed figure and ours where they disagree, with which of them holds and why.
+
+    ``differs(result, equation, printed, ours, holds, why)``, all in words; the test itself shows it.
+    """
+    writing = request.config.getoption("--write-validation")
+
+    def put(result, equation, printed, ours, holds, why):
+        row = {
+            "result": result, "equation": equation, "printed": printed, "ours": ours, "holds": holds, "why": why,
+            "test": _name_of(request),
+        }  # fmt: skip
+        if writing:
+            _differences[result] = row
+            return
+        committed = json.loads(RECORD.read_text())["differences"]
+        assert {**row, "ours": ""} in [{**r, "ours": ""} for r in committed], "run `make validation`"
+
+    return put
+
+
+def _name_of(request):
+    """The test's file and function, without the case."""
+    return request.node.nodeid.partition("[")[0].replace("::", ":")
+
+
+@pytest.fixture
+def ratio_off():
+    """Ratio of two arrays, less one: the measure of most comparisons."""
+    return lambda ours, theirs: np.asarray(ours, float) / np.asarray(theirs, float) - 1
+
+
 def pytest_sessionfinish(session, exitstatus):
-    if session.config.getoption("--write-validation") and exitstatus == 0:
-        commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True)
-        record = {
-            "version": importlib.metadata.version("navbudget"),
-            "commit": commit.stdout.strip(),
-            "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
-            "rows": _rows,
-        }
-        RECORD.write_text(json.dumps(record, ensure_ascii=False, indent=1) + "\n")
+    if not session.config.getoption("--write-validation") or exitstatus != 0:
+        return
+    if session.config.pluginmanager.get_plugin("terminalreporter").stats.get("skipped"):
+        raise pytest.UsageError("not written: a comparison was skipped (the real data lie in ../shared/data)")
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True)
+    record = {
+        "version": importlib.metadata.version("navbudget"),
+        "commit": commit.stdout.strip(),
+        "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
+        "rows": sorted(_rows.values(), key=lambda row: (row["test"], row["result"])),
+        "differences": sorted(_differences.values(), key=lambda row: (row["test"], row["result"])),
+    }
+    RECORD.write_text(json.dumps(record, ensure_ascii=False, indent=1) + "\n")

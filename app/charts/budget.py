@@ -9,9 +9,10 @@ from functools import cache
 import numpy as np
 
 from app.charts.description import Array, Band, Bar, BarChart, Chart, Limit, Line, Points, Span
+from app.figures import decibels
 from nav_model.analytic import regime
 from nav_model.budget import Budget
-from nav_model.provenance import WIDE_SAWTOOTH
+from nav_model.provenance import WIDE_SAWTOOTH, provenance
 from nav_model.sar.geometry import phase_to_metres
 from nav_model.sar.impulse_response import aperture_positions, response_curve
 
@@ -52,7 +53,12 @@ def _cycle_band(budget: Budget, key: str, label: str, field: str, style: str, sc
         scale * getattr(moment, field) for moment in (budget.steady_state.prior, budget.steady_state.posterior)
     )
     x = np.array([-_LEAD * budget.coast.duration, 0.0])
-    return Band(key, label, x, np.full(2, posterior), np.full(2, prior), style, "discrete Riccati equation [T-8]")
+    source = f"{_cycle_method(budget)} [T-8]"
+    return Band(key, label, x, np.full(2, posterior), np.full(2, prior), style, source)
+
+
+def _cycle_method(budget: Budget) -> str:
+    return provenance(budget)["steady_state.discrete.prior"].method
 
 
 def _aperture_span(budget: Budget) -> Span:
@@ -117,7 +123,7 @@ def position_chart(budget: Budget) -> Chart:
         y_log=True,
         y_range=(floor, 2 * top),
         knowledge=(
-            "Curves [T-3], [T-4], [T-9], [T-10] in closed form; band [T-8] from the discrete Riccati equation, "
+            f"Curves [T-3], [T-4], [T-9], [T-10] in closed form; band [T-8]: {_cycle_method(budget)}, "
             f"{_validity(budget)}; refined [T-17] is {ratio:.3g} (horizontal) and {ratio_v:.3g} (vertical) "
             f"times the polynomial at {end:.4g} s.{slow}"
         ),
@@ -271,9 +277,9 @@ def response_chart(budget: Budget) -> Chart:
         if response is None
         else (
             f"1σ quadratic: width {float(response.half_power_extent_cells) * sar.cell_length:.3g} m "
-            f"({float(response.half_power_extent_cells):.4g} cells), PSLR {float(response.pslr_fixed_db):.2f} dB, "
-            f"ISLR {float(response.islr_fixed_db):.2f} dB (outside the error-free main lobe, whole line), "
-            f"peak loss {-float(response.peak_loss_db):.2f} dB."
+            f"({float(response.half_power_extent_cells):.4g} cells), PSLR {decibels(response.pslr_fixed_db)}, "
+            f"ISLR {decibels(response.islr_fixed_db)} (outside the error-free main lobe, whole line), "
+            f"peak loss {decibels(-response.peak_loss_db)}."
         )
     )
     metres = cells * sar.cell_length
@@ -287,7 +293,7 @@ def response_chart(budget: Budget) -> Chart:
                 key,
                 label,
                 metres,
-                np.maximum(values, -60.0),
+                np.where(np.isfinite(values), values, np.nan),  # an exact null has no logarithm
                 style,
                 "aperture integral [S-5]",
             )

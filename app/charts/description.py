@@ -68,6 +68,10 @@ STYLES: dict[str, Style] = {
     "INS with tracker": Style(BLUE, "dashed", 2.5),
     "decoupled, holds": Style(GREEN, "dashed", 2.5),
     "decoupled, fails": Style(RED, "dotted", 2.5),
+    "closed form, holds": Style(SKY, "dashdot", 2.0),
+    "closed form, fails": Style(PURPLE, "dotted", 2.0),
+    "INS alone, ensemble": Style(RED, "dotted", 2.5),
+    "INS with tracker, ensemble": Style(GREEN, "dotted", 2.5),
     "axis x": Style(BLUE, "solid", 2.0),
     "axis y": Style(ORANGE, "dashed", 2.0),
     "axis z": Style(GREEN, "dotdash", 2.0),
@@ -118,6 +122,9 @@ STYLES: dict[str, Style] = {
     "strategy 8": Style("#c9a227", "solid", 2.5),
 }
 """The same quantity has the same colour and dash everywhere."""
+
+FLOOR_DB = -40.0
+"""Where the scale of pictures in decibels ends."""
 
 BAR_STYLES: tuple[tuple[str, bool, str], tuple[str, bool, str]] = (
     ("quadratic", False, "dashdot"),
@@ -341,7 +348,40 @@ class MapChart:
                 yield (repr(float(x)), repr(float(y)), name, points.label)
 
 
+@dataclass(frozen=True)
+class PictureChart:
+    """Images side by side on one scale, from `floor_db` to 0 dB over `reference`; y upwards, the same axes for all.
+
+    ``x`` (n,), ``y`` (m,) evenly spaced; ``power_db`` (k, m, n); ``names`` and ``captions``: one for each image.
+    """
+
+    key: str
+    title: str
+    x_label: str
+    y_label: str
+    x: Array
+    y: Array
+    power_db: Array
+    names: tuple[str, ...]
+    captions: tuple[str, ...]
+    reference: str
+    floor_db: float = FLOOR_DB
+    knowledge: str = ""
+
+    @property
+    def axes(self) -> str:
+        """Both axes in words, for images that stand without ticks."""
+        return f"{_extent(self.x_label, self.x)} across, {_extent(self.y_label, self.y)} upwards"
+
+
+def _extent(label: str, values: Array) -> str:
+    name, _, unit = label.partition(" [")
+    return f"{name} {values[0]:.3g} to {values[-1]:.3g} {unit.rstrip(']')}".replace("-", "−")
+
+
 AnyChart = Chart | BarChart | DotChart | MapChart
+Drawing = AnyChart | PictureChart
+"""Whatever a report shows as a figure."""
 
 
 def to_csv(chart: AnyChart) -> str:

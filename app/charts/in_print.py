@@ -9,28 +9,23 @@ import io
 import math
 import textwrap
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from app.charts.description import STYLES, BarChart, Chart
+from app.charts.description import STYLES, BarChart, Chart, DotChart, Drawing, MapChart, Points
+from app.charts.in_print_grid import ROW_HEIGHT, draw_dots, draw_map, draw_pictures, pictures_height
+from app.charts.in_print_look import DASHES, LINE_SCALE, MARKERS, label_points, log_axis, plain
 
 WIDTH = 166.0  # mm: the text width of an A4 page
 PLOT_HEIGHT = 46.0  # mm, axes and their labels; the legend comes below
+_MAP_HEIGHT = 92.0
+_SQUARE_HEIGHT = 96.0
 _LEGEND_ROW = 4.4  # mm
 FONT = "Libertinus Serif"  # comes with Typst, which sets the text
 _MEASURED_IN = ("STIXGeneral", "DejaVu Serif")  # come with Matplotlib; widths close to those of `FONT`
 
-_DASHES: dict[str, Any] = {
-    "solid": "-",
-    "dashed": (0, (6, 2.5)),
-    "dotted": (0, (1.2, 1.8)),
-    "dotdash": (0, (1.2, 2, 5, 2)),
-    "dashdot": (0, (7, 2, 1.2, 2)),
-}
-_MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^", "x": "x"}
 _Y_LABEL_LENGTH = 26  # characters that fit beside the axes
-_LINE_SCALE = 0.62  # a pixel on screen, in points on paper
 _INK, _RULE = "#1c2329", "#c9d0d6"
 _SETTINGS = {
     "svg.fonttype": "none",
@@ -53,11 +48,10 @@ _SETTINGS = {
     "hatch.linewidth": 0.6,
     "axes.unicode_minus": True,
 }
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _settings_lock = threading.Lock()
 
 
-def to_svg(chart: Chart | BarChart, width: float = WIDTH, plot_height: float = PLOT_HEIGHT) -> str:
+def to_svg(chart: Drawing, width: float = WIDTH, plot_height: float | None = None) -> str:
     """A chart as the text of an SVG file, `width` millimetres wide; the legend's rows add to `plot_height`."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -65,15 +59,45 @@ def to_svg(chart: Chart | BarChart, width: float = WIDTH, plot_height: float = P
     with _settings():
         figure = Figure(layout="constrained")
         canvas = FigureCanvasSVG(figure)
-        axes = figure.add_subplot()
-        handles = _curves(axes, chart) if isinstance(chart, Chart) else _bars(axes, chart)
+        handles = _drawn(figure, chart)
         columns = 3 if len(handles) != 4 else 2
-        height = plot_height + _LEGEND_ROW * math.ceil(len(handles) / columns)
+        height = (plot_height or _height(chart, width)) + _LEGEND_ROW * math.ceil(len(handles) / columns)
         figure.set_size_inches(width / 25.4, height / 25.4)
-        figure.legend(handles=handles, loc="outside lower left", ncols=columns, frameon=False, handlelength=3.4)
+        if handles:
+            figure.legend(handles=handles, loc="outside lower left", ncols=columns, frameon=False, handlelength=3.4)
+        if isinstance(chart, Chart | MapChart):
+            label_points(figure, figure.axes[0], _named_once(chart.points))
         text = io.StringIO()
         canvas.print_svg(text, metadata={"Date": None, "Creator": None})
     return text.getvalue().replace(", ".join(f"'{family}'" for family in _MEASURED_IN), f"'{FONT}'")
+
+
+def _drawn(figure: Any, chart: Drawing) -> list[Any]:
+    """Draw the chart; the entries of its legend."""
+    if isinstance(chart, Chart):
+        return _curves(figure.add_subplot(), chart)
+    if isinstance(chart, BarChart):
+        return _bars(figure.add_subplot(), chart)
+    if isinstance(chart, DotChart):
+        return draw_dots(figure.add_subplot(), chart)
+    if isinstance(chart, MapChart):
+        return draw_map(figure.add_subplot(), chart)
+    return draw_pictures(figure, chart)
+
+
+def _height(chart: Drawing, width: float) -> float:
+    if isinstance(chart, Chart):
+        return _SQUARE_HEIGHT if chart.square else PLOT_HEIGHT
+    if isinstance(chart, BarChart):
+        return PLOT_HEIGHT
+    if isinstance(chart, DotChart):
+        return 13.0 + ROW_HEIGHT * len(chart.dots)
+    return _MAP_HEIGHT if isinstance(chart, MapChart) else pictures_height(chart, width)
+
+
+def _named_once(points: Sequence[Points]) -> list[Points]:
+    """Paper has no hover, so points stand with their names; of groups with the same names only the first."""
+    return [group for i, group in enumerate(points) if group.names not in [other.names for other in points[:i]]]
 
 
 @contextmanager
@@ -87,35 +111,6 @@ def _settings() -> Iterator[None]:
         yield
 
 
-def _plain(axes: Any) -> None:
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.tick_params(width=0.6, length=3)
-    axes.tick_params(which="minor", width=0.4, length=1.8)
-    axes.set_axisbelow(True)
-
-
-def power_of_ten(value: float, _position: int = 0) -> str:
-    """A tick of a log axis: 10ⁿ at whole powers, a plain number or m·10ⁿ between them."""
-    exponent = math.log10(value)
-    if abs(exponent - round(exponent)) < 1e-6:
-        return "10" + str(round(exponent)).translate(_SUPERSCRIPTS)
-    if 1e-3 <= value < 1e4:
-        return f"{float(f'{value:.2g}'):g}"
-    below = math.floor(exponent)
-    return f"{value / 10.0**below:.2g}·10" + str(below).translate(_SUPERSCRIPTS)
-
-
-def _log_axis(axis: Any) -> None:
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    low, high = axis.get_view_interval()
-    decades = math.log10(high / low)
-    subs = (1.0,) if decades > 2.5 else (1.0, 2.0, 5.0)
-    axis.set_major_locator(LogLocator(subs=subs, numticks=12))
-    axis.set_major_formatter(FuncFormatter(power_of_ten))
-    axis.set_minor_formatter(NullFormatter())
-
-
 def _in_lines(label: str) -> str:
     """A long label of the y axis in two lines of about the same length."""
     return (
@@ -127,7 +122,7 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    _plain(axes)
+    plain(axes)
     axes.grid(visible=True)
     axes.set(xlabel=chart.x_label, ylabel=_in_lines(chart.y_label))
     if chart.x_log:
@@ -139,28 +134,33 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
         if math.isnan(span.start):
             continue
         axes.axvspan(span.start, span.stop, color="#7b8794", alpha=0.18, linewidth=0)
-        handles.append(Patch(color="#7b8794", alpha=0.18, linewidth=0, label=span.label))
+        if span.label not in [handle.get_label() for handle in handles]:
+            handles.append(Patch(color="#7b8794", alpha=0.18, linewidth=0, label=span.label))
     for band in chart.bands:
         colour = STYLES[band.style].colour
         axes.fill_between(band.x, band.low, band.high, color=colour, alpha=0.25, linewidth=0)
         handles.append(Patch(color=colour, alpha=0.25, linewidth=0, label=band.label))
     for line in chart.lines:
         style = STYLES[line.style]
-        look = {"color": style.colour, "linestyle": _DASHES[style.dash], "linewidth": style.width * _LINE_SCALE}
+        look = {"color": style.colour, "linestyle": DASHES[style.dash], "linewidth": style.width * LINE_SCALE}
         axes.plot(line.x, line.y, **look)
         handles.append(Line2D([], [], label=line.label, **look))
     for points in chart.points:
         look = {
             "color": STYLES[points.style].colour,
-            "marker": _MARKERS[points.marker],
+            "marker": MARKERS[points.marker],
             "linestyle": "none",
             "markersize": 4.5,
         }
-        axes.plot(points.x, points.y, zorder=3, **look)
+        if points.sizes is None:  # whole even on the edge of the frame, unless the frame was chosen
+            axes.plot(points.x, points.y, zorder=3, clip_on=bool(chart.x_range or chart.y_range), **look)
+        else:
+            marker = {"color": look["color"], "marker": look["marker"], "zorder": 3}
+            axes.scatter(points.x, points.y, s=(LINE_SCALE * points.sizes) ** 2, linewidths=0.9, **marker)
         handles.append(Line2D([], [], label=points.label, **look))
     drawn = [limit for limit in chart.limits if not math.isnan(limit.level)]
     style = STYLES["limit"]
-    look = {"color": style.colour, "linestyle": _DASHES[style.dash], "linewidth": style.width * _LINE_SCALE}
+    look = {"color": style.colour, "linestyle": DASHES[style.dash], "linewidth": style.width * LINE_SCALE}
     for limit in drawn:
         axes.plot([limit.start, limit.stop], [limit.level] * 2, **look)
     if drawn:
@@ -175,7 +175,7 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
         axes.margins(x=0)
     for is_log, axis in ((chart.x_log, axes.xaxis), (chart.y_log, axes.yaxis)):
         if is_log:
-            _log_axis(axis)
+            log_axis(axis)
     return handles
 
 
@@ -187,7 +187,7 @@ def _bars(axes: Any, chart: BarChart) -> list[Any]:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    _plain(axes)
+    plain(axes)
     axes.grid(visible=True, axis="x")
     axes.set_xlabel(chart.x_label)
     rows = range(len(chart.bars))
@@ -207,8 +207,8 @@ def _bars(axes: Any, chart: BarChart) -> list[Any]:
         if not math.isnan(limit):
             line = {
                 "color": STYLES["limit"].colour,
-                "linestyle": _DASHES[dash],
-                "linewidth": STYLES["limit"].width * _LINE_SCALE,
+                "linestyle": DASHES[dash],
+                "linewidth": STYLES["limit"].width * LINE_SCALE,
             }
             axes.axvline(limit, **line)
             handles.append(Line2D([], [], label=f"limit on {label}, at 1σ", **line))

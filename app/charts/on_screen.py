@@ -11,35 +11,34 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from bokeh.core.properties import field as field_of
+from bokeh.core.properties import value
 from bokeh.models import (
     BoxAnnotation,
     ColumnDataSource,
-    CustomJSTickFormatter,
     FactorRange,
+    GlyphRenderer,
     HoverTool,
     Label,
     LogAxis,
     Range1d,
+    Scatter,
+    Segment,
+    VArea,
 )
+from bokeh.models import Line as LineGlyph
+from bokeh.models.glyphs import Glyph
 from bokeh.plotting import figure
 from bokeh.transform import dodge
 
 from app.charts.description import BAR_STYLES, STYLES, AnyChart, BarChart, Chart, Line
+from app.charts.log_axis import mark_in_powers
 from app.charts.on_screen_grid import columns_of, draw
 
 # The page's theme sets chart text in em; this is what an em is.
 TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 _BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
-# Powers of ten as 10ⁿ; the 2 and 5 between them, which only a narrow axis has, as plain numbers.
-LOG_TICKS = """
-const n = Math.log10(tick)
-const sup = {"-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹"}
-const power = (k) => "10" + String(k).split("").map(c => sup[c]).join("")
-if (Math.abs(n - Math.round(n)) < 1e-6) return power(Math.round(n))
-if (tick >= 1e-3 && tick < 1e4) return String(Number(tick.toPrecision(2)))
-return Number((tick / 10 ** Math.floor(n)).toPrecision(2)) + "·" + power(Math.floor(n))
-"""
 
 
 @dataclass
@@ -86,7 +85,7 @@ def to_bokeh(chart: AnyChart, height: int = 320) -> Figure:
     plot.styles = TEXT_SIZE
     for axis in (plot.xaxis, plot.yaxis):
         if isinstance(axis[0], LogAxis):
-            axis.formatter = CustomJSTickFormatter(code=LOG_TICKS)
+            mark_in_powers(axis[0])
     return Figure(plot, sources, dict(columns))
 
 
@@ -154,52 +153,49 @@ def _curves(chart: Chart, height: int) -> Figure:
         wide = height + _BESIDE  # so that the frame itself is square
         plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)
     plot.toolbar.logo = None
-    if chart.y_range is None:
-        plot.y_range.only_visible = True  # a line clicked away in the legend gives its room to the others
     columns = _columns(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
     spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
     for band in chart.bands:
         style = STYLES[band.style]
         source = sources[f"band {band.key}"]
-        plot.varea("x", "low", "high", source=source, fill_color=style.colour, fill_alpha=0.25)
+        _draw(plot, source, VArea(x="x", y1="low", y2="high", fill_color=style.colour, fill_alpha=0.25))
         for edge in ("low", "high"):  # a thin band would vanish without them
-            plot.line("x", edge, source=source, line_color=style.colour, line_alpha=0.6)
+            _draw(plot, source, LineGlyph(x="x", y=edge, line_color=style.colour, line_alpha=0.6))
     lines = []
     for line in chart.lines:
         style = STYLES[line.style]
-        renderer = plot.line(
-            "x",
-            _column(line),
-            name=_column(line),
-            source=sources[_line_source(chart, line.x)],
-            line_color=style.colour,
-            line_dash=style.dash,
-            line_width=style.width,
-        )
-        lines.append(renderer)
+        look = {"line_color": style.colour, "line_dash": style.dash, "line_width": style.width}
+        glyph = LineGlyph(x="x", y=field_of(_column(line)), **look)
+        lines.append(_draw(plot, sources[_line_source(chart, line.x)], glyph, _column(line)))
     x_unit, y_unit = _unit(chart.x_label), _unit(chart.y_label)
     _hover(plot, lines, f"<b>$name</b><br>@$name{{0.000e+0}} {y_unit} at @x{{0.000}} {x_unit}")
     for points in chart.points:
         style = STYLES[points.style]
         source = sources[f"points {points.key}"]
-        renderer = plot.scatter(
-            "x", "y", source=source, marker=points.marker, size=9 if points.sizes is None else "size",
+        glyph = Scatter(
+            x="x", y="y", marker=value(points.marker), size=9 if points.sizes is None else "size",
             fill_color=style.colour, line_color=style.colour, line_width=style.width if points.marker == "x" else 1.0,
         )  # fmt: skip
+        renderer = _draw(plot, source, glyph)
         _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
     if chart.limits:
         style = STYLES["limit"]
-        renderer = plot.segment(
-            "x0", "y", "x1", "y", source=sources["limits"],
-            line_color=style.colour, line_dash=style.dash, line_width=style.width,
-        )  # fmt: skip
+        look = {"line_color": style.colour, "line_dash": style.dash, "line_width": style.width}
+        renderer = _draw(plot, sources["limits"], Segment(x0="x0", y0="y", x1="x1", y1="y", **look))
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
     plot.styles = TEXT_SIZE
     for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
         if is_log:
-            axis.formatter = CustomJSTickFormatter(code=LOG_TICKS)
+            mark_in_powers(axis[0])
     return Figure(plot, sources, dict(columns), spans)
+
+
+def _draw(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:
+    """Draw without the looks for selected and muted data that the plotting functions add: nothing is selected
+    here, and every model counts in the time to the first view."""
+    plain = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
+    return plot.add_glyph(source, glyph, name=name, **plain)
 
 
 def _unit(label: str) -> str:

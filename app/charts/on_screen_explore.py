@@ -19,7 +19,8 @@ from bokeh.plotting import figure
 
 from app.charts.description import STYLES
 from app.charts.explore import LEVELS, RankChart, TradeMapChart
-from app.charts.on_screen import LOG_TICKS, TEXT_SIZE
+from app.charts.log_axis import mark_in_powers
+from app.charts.on_screen import TEXT_SIZE
 from nav_model.explore.trade_map import MapPoint
 
 # Light meets the limit, dark does not; the steps are told apart in grey too.
@@ -140,7 +141,7 @@ class MapFigure:
         )
         for axis, is_log in ((self.plot.xaxis, chart.x_log), (self.plot.yaxis, chart.y_log)):
             if is_log:
-                axis.formatter = CustomJSTickFormatter(code=LOG_TICKS)
+                mark_in_powers(axis[0])
 
     def feed(self, chart: TradeMapChart) -> None:
         """Show another map of the same structure; the cross alone where nothing else moved."""
@@ -186,7 +187,7 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
     """Whether a unit passes, and with what margin."""
     if point.met is None:
         return "no limit is given"
-    margin = f"{100 * (1 - point.value / chart.trade.limit):+.0f} %".replace("-", "−")
+    margin = f"{100 * (1 - point.value / chart.level):+.0f} %".replace("-", "−")
     return f"{'meets' if point.met else 'does not meet'} the limit, margin {margin}"
 
 

@@ -10,6 +10,7 @@ from bokeh.models import ColumnDataSource, FactorRange, HoverTool, LinearColorMa
 from bokeh.plotting import figure
 
 from app.charts.description import STYLES, DotChart, MapChart
+from app.charts.region import middle_of
 
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 
@@ -70,7 +71,7 @@ def _dots(chart: DotChart, sources: Mapping[str, ColumnDataSource], height: int)
 def _map_columns(chart: MapChart) -> dict[str, dict[str, Any]]:
     left, right = _edges(chart.x)
     bottom, top = _edges(chart.y)
-    places = [place for i in range(len(chart.names)) if (place := _middle_of(chart, i)) is not None]
+    places = [place for i in range(len(chart.names)) if (place := middle_of(chart, i)) is not None]
     return {
         "map": {
             "image": [chart.winner.astype(np.uint8)],
@@ -92,18 +93,6 @@ def _map_columns(chart: MapChart) -> dict[str, dict[str, Any]]:
 def _edges(values: np.ndarray) -> tuple[float, float]:
     half = np.sqrt(values[1] / values[0])
     return float(values[0] / half), float(values[-1] * half)
-
-
-def _middle_of(chart: MapChart, index: int) -> tuple[float, float, str] | None:
-    """Where the name of a region stands: of its cells, the one nearest to their middle; slivers go unnamed."""
-    rows, columns = np.nonzero(chart.winner == index)
-    if len(rows) < 0.004 * chart.winner.size:
-        return None
-    width = chart.winner.shape[1]
-    # A name reaches about a sixth of the map to each side of its place: keep it off the edges where it can be.
-    off = 10 * np.maximum(np.abs(columns - width / 2) - width / 3, 0)
-    nearest = np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2 + off**2)
-    return float(chart.x[columns[nearest]]), float(chart.y[rows[nearest]]), chart.names[index]
 
 
 def _map(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from html import escape
 
 import panel as pn
-import panel_material_ui as pmui
 
 from app.chart_view import ChartView, html_pane, prose
 from app.charts.budget import (
@@ -19,6 +18,7 @@ from app.charts.budget import (
 )
 from app.charts.description import BarChart, Chart
 from app.figures import percent, show, signed_percent
+from app.once_shown import once_shown
 from app.state import Session
 from nav_model.budget import Budget
 from nav_model.provenance import cautions
@@ -36,32 +36,54 @@ _LAYOUT: tuple[tuple[Callable[[Budget], Chart | BarChart], int, int], ...] = (
 )
 
 _TIMELINES = 3  # the first charts share their time axis
+_AROUND = 100  # pixels of title, legend and line of knowledge around a figure, at least
+_GRID = """
+:host { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); grid-auto-rows: max-content; gap: 12px;
+  min-height: max-content; }
+@media (max-width: 1199px) { :host { grid-template-columns: minmax(0, 1fr); } }
+"""
 
 
 class BudgetPage:
-    """Everything below the tab."""
+    """Everything below the tab.
+
+    The first screen is made at once: the answer and the first chart. The other charts follow when it stands, one
+    at a time, so that nobody waits for what is below the fold and no other session waits long.
+    """
 
     def __init__(self, session: Session) -> None:
+        self._session = session
         self._answer = html_pane(answer(session.budget))
-        self._charts = [ChartView(describe, session, height) for describe, height, _ in _LAYOUT]
-        timelines = [view.figure.plot for view in self._charts[:_TIMELINES]]
-        for plot in timelines[1:]:  # one time axis: panning one pans all
-            plot.x_range = timelines[0].x_range
-        cells = [
-            pmui.Grid(chart.view, size={"xs": 12, "lg": columns})
-            for chart, (_, _, columns) in zip(self._charts, _LAYOUT, strict=True)
-        ]
+        self._charts: list[ChartView] = []
+        self._cells = [_cell(height, columns) for _, height, columns in _LAYOUT]
         self.view = pn.Column(
             self._answer,
-            pmui.Grid(*cells, container=True, spacing=1.5, sizing_mode="stretch_width", margin=(4, 10)),
+            pn.Column(*self._cells, stylesheets=[_GRID], margin=(4, 10), sizing_mode="stretch_width"),
             sizing_mode="stretch_width",
         )
+        self._add_chart()
+        for _ in _LAYOUT[1:]:
+            once_shown(self._add_chart)
+
+    def _add_chart(self) -> None:
+        describe, height, _ = _LAYOUT[len(self._charts)]
+        chart = ChartView(describe, self._session, height)
+        if 0 < len(self._charts) < _TIMELINES:  # one time axis: panning one pans all
+            chart.figure.plot.x_range = self._charts[0].figure.plot.x_range
+        self._cells[len(self._charts)].append(chart.view)
+        self._charts.append(chart)
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
         self._answer.object = answer(budget)
         for chart in self._charts:
             chart.show(budget)
+
+
+def _cell(height: int, columns: int) -> pn.Column:
+    """A chart's place; it has about the height of what will stand in it, so that nothing jumps."""
+    wide = {"grid-column": "1 / -1"} if columns == 12 else {}
+    return pn.Column(sizing_mode="stretch_width", min_height=height + _AROUND, margin=0, styles=wide)
 
 
 def answer(budget: Budget) -> str:

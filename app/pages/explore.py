@@ -8,9 +8,9 @@ from html import escape
 import panel as pn
 import panel_material_ui as pmui
 
-from app.chart_view import html_pane, prose
+from app.chart_view import described, html_pane, prose
 from app.charts.description import to_csv
-from app.charts.explore import rank_chart
+from app.charts.explore import RankChart, rank_chart
 from app.charts.on_screen_explore import RankFigure
 from app.explore_words import answer, solved_table, unsolved
 from app.pages.explore_map import MapPanel, download
@@ -91,7 +91,7 @@ class _RankPanel:
         chart = rank_chart(session.design, self._figure.value)
         self._chart = RankFigure(chart)
         self._title = html_pane(f"<h3>{escape(chart.title)}</h3>", margin=(10, 14, 0, 14))
-        self._know = html_pane(_know(chart.bars[0].sentence if chart.bars else "", chart.knowledge))
+        self._know = html_pane(_know(chart))
         self._figure.param.watch(lambda _: self.show(self._session.budget), "value")
         self.view = pn.Column(
             self._title,
@@ -108,14 +108,15 @@ class _RankPanel:
         chart = rank_chart(budget.design, self._figure.value)
         self._chart.feed(chart)
         self._title.object = f"<h3>{escape(chart.title)}</h3>"
-        self._know.object = _know(chart.bars[0].sentence if chart.bars else "", chart.knowledge)
+        self._know.object = _know(chart)
 
     def _csv(self) -> io.BytesIO:
         return io.BytesIO(to_csv(rank_chart(self._session.design, self._figure.value)).encode())  # type: ignore[arg-type]
 
 
-def _know(lead: str, knowledge: str) -> str:
+def _know(chart: RankChart) -> str:
+    lead = chart.bars[0].sentence if chart.bars else ""
     return (
-        f"<p>{escape(lead)} Hatched bars are inputs to double, plain ones to halve.</p>"
-        f'<p class="know quiet"><b>How do we know:</b> {prose(knowledge)}</p>'
+        f"{described(chart)}<p>{escape(lead)} Hatched bars are inputs to double, plain ones to halve.</p>"
+        f'<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
     )

@@ -10,7 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 from bokeh.events import Tap
 
-from app.chart_view import html_pane, prose
+from app.chart_view import described, html_pane, prose
 from app.charts.description import to_csv
 from app.charts.explore import TradeMapChart, map_chart
 from app.charts.on_screen_explore import MapFigure
@@ -92,8 +92,8 @@ class MapPanel:
         self._chart = chart
         self._title.object = f"<h3>{escape(chart.title)}</h3>"
         self._know.object = (
-            f"<p>Orange cross: this design. Red line: {escape(chart.reference)}; dotted: half of it; dashed: twice. "
-            "Lighter is better. Click the map to adopt a point.</p>"
+            f"{described(chart)}<p>Orange cross: this design. Red line: {escape(chart.reference)}; dotted: half of "
+            "it; dashed: twice. Lighter is better. Click the map to adopt a point.</p>"
             f'<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
         )
 

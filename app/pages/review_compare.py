@@ -10,7 +10,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from app.chart_view import html_pane, prose
+from app.chart_view import described, html_pane, prose
 from app.charts.comparison import phase_comparison, position_comparison
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
@@ -94,7 +94,10 @@ def _chart(chart: Any) -> pn.Column:
     return pn.Column(
         html_pane(f"<h3>{escape(chart.title)}</h3>", margin=(10, 14, 0, 14)),
         pn.pane.Bokeh(to_bokeh(chart, 340).plot, sizing_mode="stretch_width"),
-        html_pane(f'{legend_html(chart)}<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'),
+        html_pane(
+            f"{described(chart)}{legend_html(chart)}"
+            f'<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
+        ),
         styles=FRAME,
         sizing_mode="stretch_width",
         margin=(6, 10),

@@ -39,6 +39,7 @@ class Desk(param.Parameterized):
         self.session = session
         user = pn.state.user
         known = user if user and user != "guest" else ""
+        self._known = known
         self.author = pmui.TextInput(
             label="Your name",
             value=known,
@@ -49,6 +50,14 @@ class Desk(param.Parameterized):
         )
         self._said = html_pane("", margin=(2, 10))
         self.notice = self._said
+
+    @property
+    def who(self) -> str:
+        """The name to write under what is done here: of whoever is logged in, else as typed.
+
+        Never the field's value where there is a login: a browser can change a field that is shown disabled.
+        """
+        return self._known or self.author.value or ""
 
     def say(self, message: str, *, wrong: bool = False) -> None:
         """Tell the person at the desk; read aloud by screen readers."""

@@ -232,7 +232,7 @@ class LibraryView:
 
     async def _save(self, new: bool) -> None:
         base = None if new else self._desk.base
-        budget, author, note = self._desk.session.budget, self._desk.author.value or "", self._note.value or ""
+        budget, author, note = self._desk.session.budget, self._desk.who, self._note.value or ""
 
         def work(place: Library) -> Revision:
             if base is None:
@@ -265,7 +265,7 @@ class LibraryView:
     async def _brought(self, event: Any) -> None:
         if not event.new:
             return
-        author = self._desk.author.value or "not stated"
+        author = self._desk.who or "not stated"
         done = await self._desk.ask(lambda place: import_archive(place, event.new, author))
         if done is not None:
             self._desk.say(

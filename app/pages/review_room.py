@@ -143,7 +143,7 @@ class ReviewRoom:
         if not keys:
             self._desk.say("Tick the revisions to review in the library first.", wrong=True)
             return
-        title, author = self._title.value or "", self._desk.author.value or ""
+        title, author = self._title.value or "", self._desk.who
         review = await self._desk.ask(lambda place: open_review(place, title, author, keys))
         if review is not None:
             self._title.value = ""
@@ -185,7 +185,7 @@ class ReviewRoom:
     # --- what people do --------------------------------------------------------------------------------
 
     async def _change(self, work: Callable[[Library, str, str], Review]) -> bool:
-        review, author = self._review, self._desk.author.value or ""
+        review, author = self._review, self._desk.who
         if review is None:
             return False
         changed = await self._desk.ask(lambda place: work(place, review.id, author))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
+import io
+import json
 from collections.abc import Callable
 from html import escape
 from typing import Any
@@ -14,25 +17,32 @@ from app.charts.description import AnyChart
 from app.charts.sar import (
     FILTERED,
     INERTIAL,
+    POINT_TITLE,
+    SCENE_TITLE,
     arw_winner_chart,
     gnss_winner_chart,
     navigation_chart,
+    point_picture,
     quadratic_chart,
     residual_chart,
     responses_chart,
+    scene_picture,
     short_name,
 )
 from app.pages.sar_upload import UploadedPicture
-from app.pictures import gallery
+from app.picture_downloads import PictureDownloads
+from app.pictures import picture_gallery
 from app.sar_run import Progress, SarResult, SarRun
-from app.sar_words import answer, caution_list, error_table, response_table
+from app.sar_words import agreement_table, answer, caution_list, error_table, response_table
 from app.state import Session
 from nav_model.budget import Budget
+from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
-from nav_model.sar.pictures import Pictures
 from nav_model.sar.strategies import STRATEGY_KEYS
+from nav_model.sar.study_json import to_json
 
 _RUNS = (100, 200, 500, 1000)
+_ENGINES: dict[str, Engine] = {"Error model, per axis": "fast", "Full simulator": "simulator"}
 
 
 class SarPage:
@@ -50,12 +60,19 @@ class SarPage:
         # Heading and pictures apart: the mark of a stale study must not send the pictures again.
         self._headings = [html_pane("", margin=(8, 10, 0, 10)) for _ in _PICTURES]
         self._pictures = [html_pane("<p class='quiet'>Appears with the first run.</p>") for _ in _PICTURES]
+        names = [short_name(key) for key in STRATEGY_KEYS]
+        self._downloads = [PictureDownloads(title, key, names) for key, title, _ in _PICTURES]
+        self._whole = pmui.FileDownload(
+            callback=self._json, filename="sar-study.json", label="All of the study (JSON)", icon="download",
+            variant="text", size="small", description="", margin=(0, 8), visible=False,
+        )  # fmt: skip
         self._charts = [(ChartView(describe, session, height), wide) for describe, height, wide in self._layout()]
         self._upload = UploadedPicture(session, lambda: self._result)
         self.view = pn.Column(
             self._answer,
             self._controls(),
             self._tables,
+            self._whole,
             pmui.Grid(
                 *(pmui.Grid(chart.view, size={"xs": 12, "lg": wide}) for chart, wide in self._charts),
                 container=True,
@@ -63,7 +80,11 @@ class SarPage:
                 sizing_mode="stretch_width",
                 margin=(4, 10),
             ),
-            *(pane for pair in zip(self._headings, self._pictures, strict=True) for pane in pair),
+            *(
+                part
+                for parts in zip(self._headings, self._pictures, (d.view for d in self._downloads), strict=True)
+                for part in parts
+            ),
             self._upload.view,
             sizing_mode="stretch_width",
         )
@@ -105,6 +126,7 @@ class SarPage:
 
     def _controls(self) -> pn.FlexBox:
         look: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
+        self._engine = pmui.Select(label="Engine", options=_ENGINES, value="fast", width=200, **look)
         self._runs = pmui.Select(label="Runs", options=list(_RUNS), value=_RUNS[0], width=100, **look)
         self._seed = pmui.IntInput(label="Seed", value=0, start=0, end=2**31, width=110, **look)
         self._start = pmui.Button(label="Run the strategies", icon="play_arrow", variant="contained", **look)
@@ -112,6 +134,7 @@ class SarPage:
         self._start.on_click(self._begin)
         self._stop.on_click(lambda _: self._run.cancel())
         return pn.FlexBox(
+            self._engine,
             self._runs,
             self._seed,
             self._start,
@@ -134,64 +157,57 @@ class SarPage:
             error_table(self._budget, self._closed, study, stale)
             + "<br>"
             + response_table(study, stale)
-            + caution_list(self._budget)
+            + agreement_table(study, self._result.beside if self._result else None, stale)
+            + caution_list(self._budget, study)
         )
         if not self._run.running:
             self._state.object = _standing(study, stale)
         mark = " <span class='stale'>stale: of an earlier design</span>" if stale else ""
-        for pane, (title, _) in zip(self._headings, _PICTURES, strict=True):
+        for pane, (_, title, _) in zip(self._headings, _PICTURES, strict=True):
             pane.object = f"<h3>{title}{mark}</h3>"
 
     # --- the run --------------------------------------------------------------------------------------
 
     async def _begin(self, _: Any = None) -> None:
-        self._run.start(self._session.budget, self._runs.value, self._seed.value or 0)
+        self._run.start(self._session.budget, self._runs.value, self._seed.value or 0, self._engine.value)
         self._busy(True)
 
     def _told(self, news: Progress | SarResult | str) -> None:
         with pn.io.hold():
             if isinstance(news, Progress):
-                self._state.object = _under_way(news)
+                self._state.object = _under_way(news, self._engine.value)
                 return
             self._busy(False)
             if isinstance(news, str):
                 self._state.object = f'<p role="status">{escape(news)}</p>'
                 return
             self._result = news
+            self._session.keep("sar", news)
             self._write()
-            for pane, pictures, (_, over) in zip(self._pictures, (news.points, news.scene), _PICTURES, strict=True):
-                pane.object = _strategy_gallery(pictures, over)
+            for pane, take, pictures, (*_, draw) in zip(
+                self._pictures, self._downloads, (news.points, news.scene), _PICTURES, strict=True
+            ):
+                pane.object = picture_gallery(draw(pictures))
+                take.show(pictures)
+            self._whole.visible = True
             stale = news.stale(self._budget)
             self._state.object = _standing(news.study, stale)
             for chart, _ in self._charts:
                 chart.show(self._budget)
             self._upload.refresh()
 
+    async def _json(self) -> io.BytesIO:
+        """The study as `navbudget sar` writes it, maps and all: made in a thread, so that sliders move on."""
+        assert self._result is not None
+        document = await asyncio.to_thread(to_json, self._result.study, self._result.beside)
+        return io.BytesIO(json.dumps(document, ensure_ascii=False, allow_nan=False, indent=1).encode("utf-8"))
+
     def _busy(self, running: bool) -> None:
         self._session.running = running
         self._stop.disabled = not running
 
 
-_PICTURES = (
-    ("Point target, azimuth by range", "over the error-free peak; the typical run"),
-    (
-        "Eight point targets on the ground: pairs four and two cells apart, one at −14 dB beside a strong one",
-        "over a unit target; the typical run",
-    ),
-)
-
-
-def _strategy_gallery(pictures: Pictures, over: str) -> str:
-    peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
-    captions = [f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks]
-    axes = f"azimuth across ±{pictures.x[-1]:.3g} m, range upwards ±{pictures.y[-1]:.3g} m"
-    cell = f"range cell {pictures.range_cell:.3g} m" + (
-        ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
-        if pictures.bandwidth_cut
-        else ", taken equal to the azimuth resolution"
-    )
-    names = [short_name(key) for key in STRATEGY_KEYS]
-    return gallery(pictures.power_db, names, captions, axes, f"{over}; {cell}")
+_PICTURES = (("sar-point", POINT_TITLE, point_picture), ("sar-scene", SCENE_TITLE, scene_picture))
 
 
 def _standing(study: DesignStudy | None, stale: bool) -> str:
@@ -202,12 +218,15 @@ def _standing(study: DesignStudy | None, stale: bool) -> str:
         if stale
         else "The runs match the design."
     )
-    runs = f"{study.runs} runs, seed {study.seed}, {study.fixes} fixes in the aperture"
+    what = "flights of the simulator" if study.engine == "simulator" else "runs of the error model"
+    runs = f"{study.runs} {what}, seed {study.seed}, {study.fixes} fixes in the aperture"
     return f"<p>{mark} <span class='quiet'>{runs}</span></p>"
 
 
-def _under_way(news: Progress) -> str:
+def _under_way(news: Progress, engine: Engine) -> str:
     left = "" if news.left is None else f", about {news.left:.0f} s left"
+    if news.left is None and engine == "simulator":
+        left = "; the first use on a machine compiles the simulator, half a minute"
     return (
         f'<p><progress aria-label="Runs done" max="{news.runs}" value="{news.done}"></progress> '
         f"{news.done} of {news.runs} runs{left}</p>"

@@ -13,6 +13,7 @@ import panel_material_ui as pmui
 
 from app.chart_view import html_pane
 from app.charts.sar import short_name
+from app.picture_downloads import PictureDownloads
 from app.pictures import gallery
 from app.sar_run import SarResult
 from app.state import Session
@@ -47,6 +48,7 @@ class UploadedPicture:
         )  # fmt: skip
         self._half = pmui.FloatInput(label="Half width [m]", value=50.0, start=1.0, end=5000.0, width=130, **look)
         self._picture = html_pane("")
+        self._take = PictureDownloads("Your phase history", "sar-phase-history", ["as it is", "with the error"])
         self._input.param.watch(self._opened, "value")
         for widget in (self._key, self._half):
             widget.param.watch(self._form, "value")
@@ -54,6 +56,7 @@ class UploadedPicture:
             html_pane(f"<h3>Your phase history</h3><p class='know quiet'>{_HELP}</p>"),
             pn.FlexBox(self._input, self._key, self._half, sizing_mode="stretch_width", margin=(0, 4)),
             self._picture,
+            self._take.view,
             sizing_mode="stretch_width",
         )
 
@@ -92,10 +95,12 @@ class UploadedPicture:
             self._say("The worker process ended before its time; open the file again.")
         else:
             self._picture.object = two_pictures(pictures, name, key)
+            self._take.show(pictures)
         finally:
             self._session.running = False
 
     def _say(self, text: str) -> None:
+        self._take.hide()
         self._picture.object = f'<p role="alert"><b>{escape(text)}</b></p>'
 
 

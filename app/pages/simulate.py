@@ -17,13 +17,14 @@ import panel_material_ui as pmui
 
 from app.chart_view import ChartView, html_pane
 from app.charts.description import Chart
-from app.simulation_run import News, Progress, Result, SimulationRun, outages_of, same_subject
+from app.simulation_controls import StudyControls
+from app.simulation_run import Compiling, News, Progress, Result, SimulationRun, outages_of, prepare, same_subject
 from app.state import Session
 from app.workers import elsewhere
 from nav_model.budget import Budget
 from nav_model.inputs import DesignError
 from nav_model.simulation.design_study import specification, to_document
-from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
+from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 
 if TYPE_CHECKING:
     from nav_model.simulation.design_study import DesignStudy
@@ -56,12 +57,19 @@ class SimulatePage:
         self._file: tuple[str, bytes] | None = None
         self._charts: list[ChartView] = []
         self._run = SimulationRun(self._told)
+        self._more = StudyControls()
         self._state = html_pane(_START, margin=(4, 12))
         self._answer = html_pane("")
         self._place = pn.Column(sizing_mode="stretch_width", margin=0)
         self._downloads = pn.FlexBox(visible=False, sizing_mode="stretch_width", margin=(0, 4))
         self.view = pn.Column(
-            self._controls(), self._state, self._answer, self._downloads, self._place, sizing_mode="stretch_width"
+            self._controls(),
+            self._more.view,
+            self._state,
+            self._answer,
+            self._downloads,
+            self._place,
+            sizing_mode="stretch_width",
         )
         for label, suffix, make in (
             ("Statistics (NPZ)", "npz", self._npz),
@@ -80,6 +88,7 @@ class SimulatePage:
             )
         if pn.state.curdoc:
             pn.state.on_session_destroyed(lambda _: self._run.cancel())
+            prepare()
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force: a result of other instruments or another flight is marked stale."""
@@ -107,7 +116,7 @@ class SimulatePage:
         )
         self._seed = pmui.TextInput(label="Seed", value="1", width=70, **_LOOK)
         self._states = pmui.Select(
-            label="Filter", options={"9 states": 9, "15 states": 15}, value=9, width=120, **_LOOK
+            label="Filter", options={f"{n} states": n for n in FILTER_STATES}, value=9, width=120, **_LOOK
         )
         self._start = pmui.Button(label="Start", icon="play_arrow", variant="contained", **_LOOK)
         self._stop = pmui.Button(label="Cancel", icon="stop", variant="outlined", disabled=True, **_LOOK)
@@ -204,6 +213,7 @@ class SimulatePage:
             outages=outages_of(self._outages.value or ""),
             every=max(1.0, round(length / _POINTS)),
             states=self._states.value,
+            more=self._more.inputs,
         )
         if spec.steps > _LONGEST_RUN or spec.steps * spec.runs > _MOST_SAMPLES:
             raise DesignError(
@@ -215,13 +225,15 @@ class SimulatePage:
 
     def _told(self, news: News) -> None:
         with pn.io.hold():
-            if isinstance(news, Progress):
+            if isinstance(news, Compiling | Progress):
                 from app.simulation_words import under_way
 
                 self._state.object = under_way(news)
                 return
             if isinstance(news, Result):
                 self._result = news
+                if not news.partial:
+                    self._session.keep("simulation", news.study)
                 if not self._charts:
                     self._draw()
                 self._write(news)

@@ -2,6 +2,7 @@
 
 - `document`: what a report is made of, as plain data.
 - `content`, `inputs`, `comparison`, `equations`, `wording`: what it says.
+- `studies`: what simulation, SAR and suborbital studies add to a design's report.
 - `html`, `pdf`: how it is drawn, each with its template.
 """
 
@@ -21,7 +22,12 @@ SUFFIXES = (".html", ".pdf")
 """The kinds of file a report comes in."""
 
 
-def write_report(budgets: Sequence[Budget], path: str | Path, now: datetime | None = None) -> None:
+def write_report(
+    budgets: Sequence[Budget],
+    path: str | Path,
+    now: datetime | None = None,
+    studies: Sequence[Sequence[Section]] = (),
+) -> None:
     """Write the report of some budgets; the file is there whole or not at all.
 
     Parameters
@@ -32,6 +38,8 @@ def write_report(budgets: Sequence[Budget], path: str | Path, now: datetime | No
         Its suffix, .html or .pdf, chooses the kind.
     now : datetime, optional
         Date of the report, with its time zone; by default this moment.
+    studies : sequence of sequences of Section
+        As `report_bytes`.
 
     Raises
     ------
@@ -39,21 +47,26 @@ def write_report(budgets: Sequence[Budget], path: str | Path, now: datetime | No
         For another suffix, or when the file cannot be written.
     """
     target = Path(path)
-    kind = _kind(target)
+    kind = kind_of(target)
     with whole_file(target) as file:
-        file.write(report_bytes(budgets, kind, now))
+        file.write(report_bytes(budgets, kind, now, studies=studies))
 
 
 def report_bytes(
-    budgets: Sequence[Budget], kind: str, now: datetime | None = None, added: Sequence[Section] = ()
+    budgets: Sequence[Budget],
+    kind: str,
+    now: datetime | None = None,
+    added: Sequence[Section] = (),
+    studies: Sequence[Sequence[Section]] = (),
 ) -> bytes:
     """The report as the bytes of a file of `kind`, one of `SUFFIXES`; for pages that offer it for download.
 
-    Sections `added` come before the shared ones.
+    Sections `added` come before the shared ones; `studies` are `app.report.studies.study_sections` for each budget,
+    which stand in its chapter.
     """
     from app.report.content import report_of
 
-    report = report_of(budgets, now, added)
+    report = report_of(budgets, now, added, studies)
     if kind == ".pdf":
         from app.report.pdf import to_pdf
 
@@ -63,15 +76,15 @@ def report_bytes(
     return to_html(report).encode()
 
 
-def report_of_text(text: str, kind: str) -> bytes:
-    """The report of the one design in a file's text: what a worker process is asked for.
+def report_of_text(text: str, kind: str, study: Sequence[Section] = ()) -> bytes:
+    """The report of the one design in a file's text, with what studies found: what a worker process is asked for.
 
     Raises
     ------
     DesignError
         If the text is not a design.
     """
-    return report_of_texts([text], kind)
+    return report_bytes([analyse(parse_design(text))], kind, studies=[study])
 
 
 def report_of_texts(texts: Sequence[str], kind: str, added: Sequence[Section] = ()) -> bytes:
@@ -85,7 +98,14 @@ def report_of_texts(texts: Sequence[str], kind: str, added: Sequence[Section] = 
     return report_bytes([analyse(parse_design(text)) for text in texts], kind, added=added)
 
 
-def _kind(target: Path) -> str:
+def kind_of(target: Path) -> str:
+    """The kind of report a file's suffix asks for, one of `SUFFIXES`.
+
+    Raises
+    ------
+    DesignError
+        For another suffix.
+    """
     kind = target.suffix.lower()
     if kind not in SUFFIXES:
         raise DesignError("-o", f"{str(target)!r} does not end in {' or '.join(SUFFIXES)}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from app.charts.comparison import phase_comparison, position_comparison
+from app.charts.spoken import in_words
 from app.report.document import Cell, Chapter, ChartBlock, Column, Section, Table
 from app.report.inputs import shown_value, sourced_value
 from app.report.wording import DIGITS, labelled, percent, requirement_key, signed_percent, title_of, verdict_of
@@ -167,6 +168,6 @@ def _charts(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[ChartBloc
         part = slice(start, start + _LINES)
         for draw in (position_comparison, phase_comparison):
             chart = draw(budgets[part], labels[part])
-            said = f"{chart.title} of {', '.join(labels[part])}. {chart.knowledge}"
+            said = f"{chart.title} of {', '.join(labels[part])}. {in_words(chart)} {chart.knowledge}"
             blocks.append(ChartBlock(f"c-chart-{chart.key}-{start}", chart, said))
     return tuple(blocks)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 
 import numpy as np
 
 from app.charts.budget import BUDGET_CHARTS
-from app.charts.description import BarChart, Chart
+from app.report.chart_block import chart_block
+from app.report.citations import marks_in
 from app.report.comparison import comparison_chapter
 from app.report.document import (
     Approval,
@@ -28,11 +28,13 @@ from app.report.document import (
     Text,
     Verdict,
 )
-from app.report.equations import EQUATIONS, REFERENCES, SYMBOLS
+from app.report.equations import REFERENCES, with_cited
 from app.report.inputs import MARKS_EXPLAINED, doubtful_inputs, input_rows
 from app.report.wording import (
     best_of,
+    chapter_key,
     degrees,
+    design_labels,
     labelled,
     millimetres,
     number,
@@ -53,7 +55,12 @@ _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
 _REPORT = "Navigation error budget"
 
 
-def report_of(budgets: Sequence[Budget], now: datetime | None = None, added: Sequence[Section] = ()) -> Report:
+def report_of(
+    budgets: Sequence[Budget],
+    now: datetime | None = None,
+    added: Sequence[Section] = (),
+    studies: Sequence[Sequence[Section]] = (),
+) -> Report:
     """The report of some budgets; several make a comparison and a chapter each.
 
     Parameters
@@ -64,25 +71,30 @@ def report_of(budgets: Sequence[Budget], now: datetime | None = None, added: Seq
         Date of the report, with its time zone; by default this moment.
     added : sequence of Section
         What else belongs before the shared sections, such as the record of a review.
+    studies : sequence of sequences of Section
+        What `app.report.studies` found for each budget, in order; empty for none.
     """
+    studies = studies or [()] * len(budgets)
     now = (now or datetime.now(UTC)).astimezone(UTC)
     facts = (("Written", f"{now:%d %B %Y, %H:%M} UTC"), ("Program", f"NavBudget {version('navbudget')}"))
-    labels = [""] if len(budgets) == 1 else [f"D{i}" for i in range(1, len(budgets) + 1)]
-    chapters = tuple(_chapter(budget, label, facts) for budget, label in zip(budgets, labels, strict=True))
+    labels = design_labels(len(budgets))
+    chapters = tuple(
+        _chapter(budget, label, facts, found) for budget, label, found in zip(budgets, labels, studies, strict=True)
+    )
     if len(budgets) > 1:
         chapters = (comparison_chapter(budgets, labels, facts), *chapters)
         title = f"Comparison of {len(budgets)} navigation error budgets"
     else:
         title = f"{_REPORT}: {title_of(budgets[0].design)}"
-    return Report(
-        title, now.isoformat(timespec="seconds"), version("navbudget"), chapters, (*added, *_shared(budgets, labels))
-    )
+    told = [section for chapter in chapters for section in chapter.sections] + [*added]
+    shared = (*added, *_shared(budgets, labels, told))
+    return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), chapters, shared)
 
 
-def _chapter(budget: Budget, label: str, facts: tuple[tuple[str, str], ...]) -> Chapter:
+def _chapter(budget: Budget, label: str, facts: tuple[tuple[str, str], ...], studies: Sequence[Section]) -> Chapter:
     design = budget.design
     name = labelled(label, title_of(design))
-    key = label.lower() or "d"
+    key = chapter_key(label)
     return Chapter(
         key=key,
         kind=_REPORT,
@@ -101,6 +113,7 @@ def _chapter(budget: Budget, label: str, facts: tuple[tuple[str, str], ...]) -> 
             Section(f"{key}-growth", "Errors against time", _growth(budget, key)),
             Section(f"{key}-phase", "Phase and image", _phase(budget, key)),
             Section(f"{key}-regime", "Which sensor rules", _regime(budget, key)),
+            *studies,
             Section(
                 f"{key}-inputs",
                 "Inputs",
@@ -197,19 +210,8 @@ def _steady(budget: Budget, key: str) -> Table:
     )
 
 
-def _chart(chart: Chart | BarChart, key: str) -> ChartBlock:
-    """A chart with its description; limits that are not given leave no trace, not even in the legend."""
-    if isinstance(chart, BarChart):
-        series = f"Bars for {', '.join(bar.label for bar in chart.bars)}."
-    else:
-        chart = replace(chart, limits=tuple(limit for limit in chart.limits if not math.isnan(limit.level)))
-        labels = [item.label for group in (chart.bands, chart.lines, chart.points) for item in group]
-        series = f"{chart.y_label} against {chart.x_label}: {', '.join(labels)}."
-    return ChartBlock(f"{key}-chart-{chart.key}", chart, f"{chart.title}. {series} {chart.knowledge}")
-
-
 def _growth(budget: Budget, key: str) -> tuple[ChartBlock | Table, ...]:
-    position, velocity, attitude = (_chart(chart(budget), key) for chart in BUDGET_CHARTS[:3])
+    position, velocity, attitude = (chart_block(chart(budget), key) for chart in BUDGET_CHARTS[:3])
     coast = analyse(budget.design, budget.coast.duration * np.array(_FRACTIONS)).coast
     to_degrees = 180 / math.pi
     columns = (
@@ -275,7 +277,7 @@ def _phase(budget: Budget, key: str) -> tuple[Table | ChartBlock, ...]:
         f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt is the work of "
         f"{makers} [T-18].",
     )
-    phase, response = (_chart(chart(budget), key) for chart in BUDGET_CHARTS[3:5])
+    phase, response = (chart_block(chart(budget), key) for chart in BUDGET_CHARTS[3:5])
     return phase, budget_table, response, _image(budget, key)
 
 
@@ -323,7 +325,7 @@ def _image(budget: Budget, key: str) -> Table:
 
 
 def _regime(budget: Budget, key: str) -> tuple[ChartBlock, ...]:
-    return (_chart(BUDGET_CHARTS[5](budget), key),)
+    return (chart_block(BUDGET_CHARTS[5](budget), key),)
 
 
 def _cautions(budget: Budget) -> Bullets:
@@ -352,14 +354,16 @@ def _assumptions(budget: Budget) -> Bullets:
     return Bullets(tuple(items))
 
 
-def _shared(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[Section, ...]:
+def _shared(budgets: Sequence[Budget], labels: Sequence[str], told: Sequence[Section]) -> tuple[Section, ...]:
     subjects = tuple(
         f"{labelled(label, title_of(budget.design))}, content hash {budget.design.content_hash}"
         for budget, label in zip(budgets, labels, strict=True)
     )
+    equations, symbols = with_cited(marks_in(told))
+    references = dict.fromkeys((*REFERENCES, *(text for section in told for text in section.references)))
     return (
-        Section("equations", "Equations", (Equations(EQUATIONS),)),
-        Section("symbols", "Symbols", (Symbols(SYMBOLS),)),
-        Section("references", "References", (Bullets(REFERENCES),)),
+        Section("equations", "Equations", (Equations(equations),)),
+        Section("symbols", "Symbols", (Symbols(symbols),)),
+        Section("references", "References", (Bullets(tuple(references)),)),
         Section("approval", "Approval", (Approval(("Prepared", "Checked", "Approved"), subjects),)),
     )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.charts.description import BarChart, Chart
+from app.charts.description import Drawing
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class ChartBlock:
     """A chart with what it shows in words, for who cannot see it."""
 
     key: str
-    chart: Chart | BarChart
+    chart: Drawing
     alt: str
 
 
@@ -75,11 +75,12 @@ class Equation:
 
 @dataclass(frozen=True)
 class Symbol:
-    """A symbol in Typst's math notation, what it stands for, its unit."""
+    """A symbol in Typst's math notation, what it stands for, its unit; ``marks``: of the equations that use it."""
 
     math: str
     meaning: str
     unit: str
+    marks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -104,18 +105,6 @@ class Approval:
     subjects: tuple[str, ...]
 
 
-Block = Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval
-
-
-@dataclass(frozen=True)
-class Section:
-    """A headed part of a chapter."""
-
-    key: str
-    title: str
-    blocks: tuple[Block, ...]
-
-
 @dataclass(frozen=True)
 class Verdict:
     """The answer: one word with its sign, and the sentence that explains it."""
@@ -123,6 +112,19 @@ class Verdict:
     word: str
     tone: str
     sentence: str
+
+
+Block = Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval | Verdict
+
+
+@dataclass(frozen=True)
+class Section:
+    """A headed part of a chapter; ``references`` are the literature it adds to the report's."""
+
+    key: str
+    title: str
+    blocks: tuple[Block, ...]
+    references: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

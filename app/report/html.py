@@ -18,28 +18,34 @@ from bokeh.resources import Resources
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from app.charts.description import BarChart, Chart, to_csv
+from app.charts.description import AnyChart, BarChart, Chart, DotChart, MapChart, PictureChart, to_csv
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
-from app.report.document import ChartBlock, Equations, Report, Symbols
+from app.pictures import picture_gallery
+from app.report.document import Equations, Report, Symbols
 
-_MARK = re.compile(r"\[([TS]-\d+)\]")
+_MARK = re.compile(r"\[([TSB]-\d+)\]")
 _MATH = re.compile(r"<math.*?</math>", re.DOTALL)
 _TYPST_MATH = """
 #for item in json(bytes(sys.inputs.items)) { math.equation(block: item.block, eval(item.math, mode: "math")) }
 """
 _ROOT = '<mrow><mo stretchy="false">√</mo><mrow style="border-top: 1px solid; padding: 1px 2px 0">'
 _TABLE_ROWS = 11  # of a curve's table of data
+_MAP_ROWS = 5  # and columns of a map's
 _HEIGHT = 340
+_TALL = 440
 _ROW_HEIGHT = 42
 
 
 def to_html(report: Report) -> str:
     """The report as the text of an HTML file."""
-    blocks = report.charts()
-    plots = {block.key: to_bokeh(block.chart, _height(block)).plot for block in blocks}
-    for block in blocks:
-        plots[block.key].name = block.key
+    plots, pictures = {}, {}
+    for block in report.charts():
+        if isinstance(block.chart, PictureChart):
+            pictures[block.key] = picture_gallery(block.chart)
+        else:
+            plots[block.key] = to_bokeh(block.chart, _height(block.chart)).plot
+            plots[block.key].name = block.key
     script, places = components(plots)
     equations = {item.mark for block in report.blocks() if isinstance(block, Equations) for item in block.items}
     environment = Environment(
@@ -62,14 +68,18 @@ def to_html(report: Report) -> str:
         style=Markup(files("app.report").joinpath("report.css").read_text(encoding="utf-8")),
         library=Markup(_library()),
         script=Markup(script),
-        places={key: Markup(place) for key, place in places.items()},
+        places={key: Markup(place) for key, place in (places | pictures).items()},
         math=_math(report),
     )
     return page.lstrip()  # the macros' own lines come before the doctype
 
 
-def _height(block: ChartBlock) -> int:
-    return _HEIGHT if isinstance(block.chart, Chart) else 130 + _ROW_HEIGHT * len(block.chart.bars)
+def _height(chart: AnyChart) -> int:
+    if isinstance(chart, BarChart):
+        return 130 + _ROW_HEIGHT * len(chart.bars)
+    if isinstance(chart, MapChart) or (isinstance(chart, Chart) and chart.square):
+        return _TALL
+    return _HEIGHT
 
 
 @cache
@@ -116,10 +126,12 @@ def _data_url(text: str, kind: str) -> str:
     return f"data:{kind};charset=utf-8;base64,{base64.b64encode(text.encode()).decode()}"
 
 
-def _data_rows(chart: Chart | BarChart) -> list[tuple[str, ...]]:
-    """A chart's numbers for reading: bars whole, curves at a few places; the first row is the head."""
-    if isinstance(chart, BarChart):
+def _data_rows(chart: AnyChart) -> list[tuple[str, ...]]:
+    """A chart's numbers for reading: bars and dots whole, curves and maps at a few places; first the head."""
+    if isinstance(chart, BarChart | DotChart):
         return [tuple(_short(cell) for cell in row) for row in chart.rows()]
+    if isinstance(chart, MapChart):
+        return _map_rows(chart)
     rows = [("series", chart.x_label, chart.y_label)]
     for line in chart.lines:
         seen = [i for i, y in enumerate(line.y) if y == y]
@@ -130,6 +142,21 @@ def _data_rows(chart: Chart | BarChart) -> list[tuple[str, ...]]:
     rows += [
         (x.label, f"{x.start:.4g} to {x.stop:.4g}", f"{x.level:.4g}") for x in chart.limits if x.level == x.level
     ]
+    return rows
+
+
+def _map_rows(chart: MapChart) -> list[tuple[str, ...]]:
+    """Every few cells of a map, then its points."""
+    rows = [(chart.x_label, chart.y_label, "name", chart.value_label)]
+    for i in range(0, len(chart.y), max(1, len(chart.y) // _MAP_ROWS)):
+        for j in range(0, len(chart.x), max(1, len(chart.x) // _MAP_ROWS)):
+            where = f"{chart.x[j]:.3g}", f"{chart.y[i]:.3g}"
+            rows.append((*where, chart.names[int(chart.winner[i, j])], f"{chart.values[i, j]:.4g}"))
+    for points in chart.points:
+        rows += [
+            (f"{x:.3g}", f"{y:.3g}", name, points.label)
+            for name, x, y in zip(points.names, points.x, points.y, strict=True)
+        ]
     return rows
 
 

@@ -78,7 +78,7 @@ def _plain(report: Report) -> dict[str, Any]:
 
 def _shallow(chapter: Any) -> dict[str, Any]:
     names = ("key", "kind", "title", "running", "description", "facts", "source")
-    verdict = None if chapter.verdict is None else asdict(chapter.verdict)
+    verdict = None if chapter.verdict is None else _block(chapter.verdict)
     return {**{name: getattr(chapter, name) for name in names}, "verdict": verdict}
 
 

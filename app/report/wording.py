@@ -82,6 +82,16 @@ def labelled(label: str, name: str) -> str:
     return f"{label}: {name}" if label else name
 
 
+def design_labels(count: int) -> list[str]:
+    """What designs are called beside one another; one alone has no label."""
+    return [""] if count == 1 else [f"D{i}" for i in range(1, count + 1)]
+
+
+def chapter_key(label: str) -> str:
+    """What the keys of a design's sections begin with; its label is empty for one design alone."""
+    return label.lower() or "d"
+
+
 def verdict_of(budget: Budget) -> tuple[str, str, str]:
     """The verdict in a word, how it is set, and in a sentence."""
     verdict, design = budget.verdict, budget.design

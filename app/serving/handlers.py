@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from bokeh.protocol.exceptions import ProtocolError
 from bokeh.server.urls import per_app_patterns
 from bokeh.util.token import get_session_id
 from panel.io.server import DocHandler, WSHandler
@@ -69,10 +70,16 @@ class Metrics:
 
 
 class _Limit:
-    """How many sessions there may be, and what the handlers tell of them."""
+    """How many sessions there may be, whether new ones are let in, and what the handlers tell of them."""
 
     most = 1
+    stopping = False
     metrics: Metrics
+
+
+def close_door() -> None:
+    """Let no new session in, over connections that are open already either."""
+    _Limit.stopping = True
 
 
 class LimitedDocHandler(DocHandler):
@@ -80,24 +87,27 @@ class LimitedDocHandler(DocHandler):
 
     async def get(self, *arguments: Any, **options: Any) -> None:
         """The page of a new session, or 503 with a page that says so."""
+        if _Limit.stopping:
+            self._turn_away("Restarting", "This server is being stopped or restarted.", after=10)
+            return
         if self.current_user is not None and len(list(self.application_context.sessions)) >= _Limit.most:
             _Limit.metrics.refused.inc()
             event("full", sessions=_Limit.most)
-            self.set_status(503)
-            self.set_header("Retry-After", "60")
-            self.finish(
-                plain_page(
-                    "All places are taken",
-                    f"This server keeps {_Limit.most} sessions at a time, and all are in use. A place becomes free "
-                    "shortly after somebody closes the page.",
-                    again=self.request.uri,
-                    link_text="Try again",
-                )
+            self._turn_away(
+                "All places are taken",
+                f"This server keeps {_Limit.most} sessions at a time, and all are in use. A place becomes free "
+                "shortly after somebody closes the page.",
+                after=60,
             )
             return
         page = super().get(*arguments, **options)
         if page is not None:  # None: sent to log in
             await page
+
+    def _turn_away(self, title: str, text: str, after: int) -> None:
+        self.set_status(503)
+        self.set_header("Retry-After", str(after))
+        self.finish(plain_page(title, text, again=self.request.uri, link_text="Try again"))
 
 
 class LimitedWSHandler(WSHandler):
@@ -116,10 +126,22 @@ class LimitedWSHandler(WSHandler):
             self.finish()
             return
         known = {session.id for session in self.application_context.sessions}
-        if wanted not in known and len(known) >= _Limit.most:
+        if wanted not in known and (_Limit.stopping or len(known) >= _Limit.most):
             _Limit.metrics.refused.inc()
             self.set_status(503)
             self.finish()
+
+    async def _handle(self, message: Any) -> Any:
+        """As Bokeh, but a page may change what it shows, not put another document in its place."""
+        if message.msgtype == "PUSH-DOC":
+            raise ProtocolError("PUSH-DOC is not taken")
+        return await super()._handle(message)
+
+    async def send_message(self, message: Any) -> None:
+        """As Bokeh, but a fault is not told with its traceback, which says where and what is installed here."""
+        if message.msgtype == "ERROR":
+            message.content = {"text": "the server could not do this", "traceback": None}
+        await super().send_message(message)
 
 
 class Alive(RequestHandler):
@@ -173,7 +195,7 @@ class _Headers(OutputTransform):
 
 def around(rules: Rules, metrics: Metrics, server: dict[str, Any]) -> dict[str, Any]:
     """What the server must be told, beside the dashboard itself."""
-    _Limit.most, _Limit.metrics = rules.max_sessions, metrics
+    _Limit.most, _Limit.metrics, _Limit.stopping = rules.max_sessions, metrics, False
     metrics.limit.set(rules.max_sessions)
     # The page and its connection; the ways to embed the page elsewhere are not offered.
     per_app_patterns[:] = [(r"/ws", LimitedWSHandler), (r"/?", LimitedDocHandler)]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-from app.chart_view import prose
 from app.charts.suborbital import Shown
 from app.figures import show as figure
+from app.prose import prose
 from nav_model.suborbital.settings import Settings
 from nav_model.suborbital.study import Gap
 from nav_model.suborbital.summary import explain

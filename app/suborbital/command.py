@@ -1,24 +1,24 @@
-"""`navbudget suborbital`: the study from a design and options, JSON out, progress on standard error."""
+"""`navbudget suborbital`: the study from a design or a study file and options, JSON out, progress on standard
+error."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from nav_model.design import Design
-from nav_model.design_file import read_bytes
+from app.files import put_file
+from nav_model.design_file import parse_design, read_bytes
 from nav_model.inputs import DesignError
-from nav_model.suborbital.settings import DEFAULTS, GROUPS, from_design, read_changes
-from nav_model.suborbital.study import noise_ensemble
+from nav_model.suborbital.input_table import GROUPS
+from nav_model.suborbital.noise_ensemble import MOST_RUNS, fly_noise
+from nav_model.suborbital.settings import DEFAULTS, from_design, read_changes
+from nav_model.suborbital.study_file import format_study, is_study, parse_study
 from nav_model.suborbital.survey import Survey, run_survey
-from nav_model.suborbital.survey_json import survey_json
+from nav_model.suborbital.survey_json import noise_json, survey_json
 from nav_model.suborbital.trajectory_file import MAX_BYTES
-
-_MOST_NOISE_RUNS = 10_000
 
 
 def list_inputs() -> int:
@@ -31,13 +31,39 @@ def list_inputs() -> int:
     return 0
 
 
-def run(design: Design | None, changes: Mapping[str, str], trajectory: str | None, noise_runs: int) -> int:
-    """Run the study and write its JSON; DesignError for bad input."""
-    if not 0 <= noise_runs <= _MOST_NOISE_RUNS:
-        raise DesignError("--noise-runs", f"{noise_runs} is not allowed; it must be 0 to {_MOST_NOISE_RUNS}")
-    settings = DEFAULTS if design is None else from_design(DEFAULTS, design)
+def run(
+    data: bytes | None,
+    where: str,
+    of_design: Sequence[str],
+    changes: Mapping[str, str],
+    trajectory: str | None,
+    noise_runs: int,
+    save: Path | None,
+) -> int:
+    """Run the study and write its JSON; DesignError for bad input.
+
+    data, where: a design or a study file and its name, or None; of_design: assignments to keys of the design;
+    changes: inputs of the study that come on top; save: where to write the study as a file.
+    """
+    if not 0 <= noise_runs <= MOST_RUNS:
+        raise DesignError("--noise-runs", f"{noise_runs} is not allowed; it must be 0 to {MOST_RUNS}")
+    settings, design, flown = DEFAULTS, None, None
+    if of_design and (data is None or is_study(data)):
+        key = of_design[0].partition("=")[0]
+        raise DesignError(
+            key, f"is a key of a design, and no DESIGN is given{'' if data is None else ' but a study'}"
+        )
+    if data is not None and is_study(data):
+        study = parse_study(data, where)
+        settings, flown = study.settings, study.trajectory
+    elif data is not None:
+        design = parse_design(data, where, of_design)
+        settings = from_design(DEFAULTS, design)
     settings = read_changes(settings, changes, "command line")
-    flown = None if trajectory is None else (trajectory, read_bytes(trajectory, MAX_BYTES))
+    if trajectory is not None:
+        flown = (Path(trajectory).name, read_bytes(trajectory, MAX_BYTES))
+    if save is not None:
+        put_file(save, format_study(settings, flown).encode("utf-8"))
     said: list[str] = []
 
     def progress(share: float, what: str) -> None:
@@ -62,12 +88,5 @@ def run(design: Design | None, changes: Mapping[str, str], trajectory: str | Non
 
 
 def _noise(survey: Survey, runs: int, progress: Any) -> dict[str, Any]:
-    seed = int(survey.settings["seed"])
-    answer: dict[str, Any] = {"runs": runs, "seed": seed}
-    for key, aided in (("final_rms_m", False), ("aided_final_rms_m", True)):
-        final = noise_ensemble(
-            survey.study, runs, seed, aided=aided, progress=lambda share: progress(share, "white noise, Monte Carlo")
-        )[:, -1]
-        rms = np.sqrt(np.mean(final**2, axis=0))
-        answer[key] = dict(zip(("north", "east", "up"), map(float, rms), strict=True))
-    return answer
+    covariance = None if survey.track is None else survey.track.covariance
+    return noise_json(fly_noise(survey.study, runs, int(survey.settings["seed"]), covariance, progress=progress))

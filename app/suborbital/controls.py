@@ -18,7 +18,9 @@ from bokeh.models import CustomJSTickFormatter
 
 from app.controls import LogSlider
 from nav_model.inputs import DesignError
-from nav_model.suborbital.settings import SETTINGS, Setting, Settings, Value
+from nav_model.suborbital.input_table import SETTINGS
+from nav_model.suborbital.setting import Setting, Value
+from nav_model.suborbital.settings import Settings
 from nav_model.units import from_si, to_si
 
 _STEP = 0.02  # decades: 4.7 % a key press
@@ -140,15 +142,17 @@ class SettingControl:
         else:  # three digits in the unit shown: a value one can quote
             number = from_si(10**event.new, setting.unit, setting.dimension)
             size = to_si(float(f"{number:.3g}"), setting.unit, setting.dimension)
-        if setting.kind != "triple":
+        if setting.grid is not None:
+            size = setting.grid * max(1, round(size / setting.grid))
+        if setting.kind != "axes":
             self._put(size)
             return
+        assert isinstance(setting.default, tuple)
         pattern = self._shown if _size(self._shown) > 0 else setting.default
         if _size(pattern) == 0:
-            pattern = (1.0, 1.0, 1.0)
+            pattern = (1.0,) * len(setting.default)
         assert isinstance(pattern, tuple)
-        x, y, z = (float(p) * size / _size(pattern) for p in pattern)  # type: ignore[arg-type]
-        self._put((x, y, z))
+        self._put(tuple(float(p) * size / _size(pattern) for p in pattern))  # type: ignore[arg-type]
 
     def _put(self, value: Value) -> None:
         error = self._put_value(self.setting.key, value)

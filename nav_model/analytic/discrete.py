@@ -26,10 +26,15 @@ class Sawtooth(NamedTuple):
 
 
 class Cycle(NamedTuple):
-    """The two ends of the sawtooth: just before a fix and just after it."""
+    """The two ends of the sawtooth: just before a fix and just after it.
+
+    ``slow_with_tilt`` [m rad]: after the fix, covariance of a horizontal channel's tilt error with the slow error
+    of the fixes itself; zero without one.
+    """
 
     prior: Sawtooth
     posterior: Sawtooth
+    slow_with_tilt: ArrayLike = 0.0
 
 
 class SlowError(NamedTuple):
@@ -65,7 +70,7 @@ def cycle(
     if slow is None:
         horizontal_ends = horizontal_cycle(sigma_a, sigma_w, g, interval, sigma_fix)
         vertical_ends = vertical_cycle(sigma_a, interval, sigma_fix_vertical)
-    else:
-        horizontal_ends = horizontal_cycle_slow(sigma_a, sigma_w, g, interval, sigma_fix, *slow)
-        vertical_ends = vertical_cycle_slow(sigma_a, interval, sigma_fix_vertical, *slow)
-    return Cycle(*(Sawtooth(*ends) for ends in zip(horizontal_ends, vertical_ends, strict=True)))
+        return Cycle(*(Sawtooth(*ends) for ends in zip(horizontal_ends, vertical_ends, strict=True)))
+    before, after, slow_with_tilt = horizontal_cycle_slow(sigma_a, sigma_w, g, interval, sigma_fix, *slow)
+    before_v, after_v = vertical_cycle_slow(sigma_a, interval, sigma_fix_vertical, *slow)
+    return Cycle(Sawtooth(before, before_v), Sawtooth(after, after_v), slow_with_tilt)

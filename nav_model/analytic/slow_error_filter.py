@@ -70,8 +70,11 @@ def horizontal_cycle_slow(
     sigma_fix: ArrayLike,
     sigma_slow: ArrayLike,
     correlation_time: ArrayLike,
-) -> tuple[Horizontal, Horizontal]:
+) -> tuple[Horizontal, Horizontal, Array]:
     """Covariance of a horizontal channel just before a fix and just after it, slow error estimated. [T-8]
+
+    Third comes the covariance [m rad], just after the fix, of the tilt error with the slow error itself: the
+    estimate of the slow error is independent of the filter's errors, the error of that estimate is not.
 
     Parameters
     ----------
@@ -121,7 +124,7 @@ def horizontal_cycle_slow(
     before, after = (
         Horizontal(*(x * unit for x, unit in zip(elements, units, strict=True))) for elements in (prior, posterior)
     )
-    return before, after
+    return before, after, (w3 + s * k3 * k4) * r * a
 
 
 def vertical_cycle_slow(

@@ -5,6 +5,9 @@
 with w_a, w_g white of densities S_a = sigma_a^2, S_g = sigma_w^2 [T-1]. The model is linear, so the error of
 a navigator between two fixes is the noise path of the aperture plus the transition of a constant difference:
 everything below is exact at the sample times, whatever the step.
+
+With a slow GNSS error the filter carries it as a fourth state, first-order Gauss-Markov [T-8]: the functions
+named for the filter give matrices of three rows without it and four with it.
 """
 
 from __future__ import annotations
@@ -26,7 +29,8 @@ class AxisModel:
 
     ``accelerometer_noise`` [m/s/sqrt(s)], ``gyro_noise`` [rad/sqrt(s)], ``gnss_sigma`` [m] of one fix every
     ``fix_interval`` [s]; ``accelerometer_bias`` [m/s^2] and ``gyro_bias`` [rad/s] are 1 sigma of what the
-    filter has not absorbed at the start of the aperture.
+    filter has not absorbed at the start of the aperture. ``slow_sigma`` [m] and ``slow_time`` [s] of the slow
+    error of the fixes, on top of their noise; zero for none.
     """
 
     accelerometer_noise: float
@@ -37,13 +41,15 @@ class AxisModel:
     accelerometer_bias: float = 0.0
     gyro_bias: float = 0.0
     horizontal: bool = True
+    slow_sigma: float = 0.0
+    slow_time: float = 300.0
 
     def __post_init__(self) -> None:
-        for name in ("accelerometer_noise", "gnss_sigma", "fix_interval", "gravity"):
+        for name in ("accelerometer_noise", "gnss_sigma", "fix_interval", "gravity", "slow_time"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise ValueError(f"{name}: {value}; a positive, finite number is needed")
-        for name in ("gyro_noise", "accelerometer_bias", "gyro_bias"):
+        for name in ("gyro_noise", "accelerometer_bias", "gyro_bias", "slow_sigma"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0):
                 raise ValueError(f"{name}: {value}; zero or a positive, finite number is needed")
@@ -55,7 +61,8 @@ class AxisModel:
 
 
 class SteadyCovariance(NamedTuple):
-    """Covariance (3, 3) of (p, v, a) just before and just after a fix, in the steady state."""
+    """Covariance (m, m) of (p, v, a) and, with a slow GNSS error, of the filter's estimate of it: just before and
+    just after a fix, in the steady state."""
 
     prior: _FloatArray
     posterior: _FloatArray
@@ -72,9 +79,13 @@ def transition(step: ArrayLike) -> _FloatArray:
 
 
 def process_noise(model: AxisModel, step: ArrayLike) -> _FloatArray:
-    """Exact covariance (..., 3, 3) of the noise gathered over a step [s]; closed form."""
-    h = np.asarray(step, float)
-    s, q = model.accelerometer_noise**2, model.tilt_noise**2
+    """Exact covariance (..., 3, 3) of the noise gathered over a step [s]."""
+    return noise_covariance(model.accelerometer_noise**2, model.tilt_noise**2, step)
+
+
+def noise_covariance(s: ArrayLike, q: ArrayLike, step: ArrayLike) -> _FloatArray:
+    """The same for squared densities of the noises that drive v and a: closed form, broadcasts."""
+    s, q, h = np.broadcast_arrays(*(np.asarray(x, float) for x in (s, q, step)))
     noise = np.empty((*h.shape, 3, 3))
     noise[..., 0, 0] = s * h**3 / 3 + q * h**5 / 20
     noise[..., 0, 1] = noise[..., 1, 0] = s * h**2 / 2 + q * h**4 / 8
@@ -85,11 +96,40 @@ def process_noise(model: AxisModel, step: ArrayLike) -> _FloatArray:
     return noise
 
 
+def filter_transition(model: AxisModel, step: ArrayLike) -> _FloatArray:
+    """Transition (..., m, m) of the filter's states over a step [s]."""
+    return _with_slow(model, transition(step), np.exp(-np.asarray(step, float) / model.slow_time))
+
+
+def filter_noise(model: AxisModel, step: ArrayLike) -> _FloatArray:
+    """Covariance (..., m, m) of the noise that the filter's states gather over a step [s]."""
+    grown = -(model.slow_sigma**2) * np.expm1(-2 * np.asarray(step, float) / model.slow_time)
+    return _with_slow(model, process_noise(model, step), grown)
+
+
+def _with_slow(model: AxisModel, matrix: _FloatArray, slow: _FloatArray) -> _FloatArray:
+    if not model.slow_sigma:
+        return matrix
+    whole = np.zeros((*matrix.shape[:-2], 4, 4))
+    whole[..., :3, :3] = matrix
+    whole[..., 3, 3] = slow
+    return whole
+
+
+def fix_row(states: int) -> _FloatArray:
+    """What a fix measures of the filter's states: position, and with it the slow error of the fix."""
+    row = np.zeros(states)
+    row[0] = 1.0
+    row[3:] = 1.0
+    return row
+
+
 def measure(prior: _FloatArray, gnss_sigma: float) -> tuple[_FloatArray, _FloatArray]:
-    """Gain (3,) and posterior covariance (3, 3) of a position fix (Joseph's form)."""
-    gain = prior[:, 0] / (prior[0, 0] + gnss_sigma**2)
-    keep = np.eye(3)
-    keep[:, 0] -= gain
+    """Gain (m,) and posterior covariance (m, m) of a fix (Joseph's form)."""
+    row = fix_row(len(prior))
+    cross = prior @ row
+    gain = cross / (cross @ row + gnss_sigma**2)
+    keep = np.eye(len(prior)) - np.outer(gain, row)
     return gain, keep @ prior @ keep.T + np.outer(gain, gain) * gnss_sigma**2
 
 
@@ -98,11 +138,13 @@ def steady_covariance(model: AxisModel) -> SteadyCovariance:
 
     Chu, Fan, Lin and Wang (2004). Without gyro noise tilt is not excited and its variance is zero.
     """
-    size = 3 if model.tilt_noise > 0 else 2
-    a = transition(model.fix_interval)[:size, :size].T
-    h = process_noise(model, model.fix_interval)[:size, :size]
-    g = np.zeros((size, size))
-    g[0, 0] = 1 / model.gnss_sigma**2
+    full = filter_transition(model, model.fix_interval)
+    kept = np.array([i for i in range(len(full)) if i != 2 or model.tilt_noise > 0])
+    size, excited = len(kept), np.ix_(kept, kept)
+    a = full[excited].T
+    h = filter_noise(model, model.fix_interval)[excited]
+    row = fix_row(len(full))[kept]
+    g = np.outer(row, row) / model.gnss_sigma**2
     for _ in range(60):
         keep = np.linalg.inv(np.eye(size) + g @ h)
         a, g, grown = a @ keep @ a, g + a @ keep @ g @ a.T, h + a.T @ h @ keep @ a
@@ -110,16 +152,16 @@ def steady_covariance(model: AxisModel) -> SteadyCovariance:
         h = (grown + grown.T) / 2
         if settled:
             break
-    prior = np.zeros((3, 3))
-    prior[:size, :size] = h
+    prior = np.zeros_like(full)
+    prior[excited] = h
     return SteadyCovariance(prior, measure(prior, model.gnss_sigma)[1])
 
 
 def draw_state(covariance: _FloatArray, runs: int, random: np.random.Generator) -> _FloatArray:
-    """States (runs, 3) of zero mean and the covariance given; a singular covariance is allowed."""
+    """States (runs, m) of zero mean and the covariance given; a singular covariance is allowed."""
     values, vectors = np.linalg.eigh(covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
-    return np.asarray(random.standard_normal((runs, 3)) @ root.T)
+    return np.asarray(random.standard_normal((runs, len(covariance))) @ root.T)
 
 
 def noise_path(model: AxisModel, time: _FloatArray, runs: int, random: np.random.Generator) -> _FloatArray:

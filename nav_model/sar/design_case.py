@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from nav_model.analytic.discrete import cycle
+from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.inputs import DesignError
 from nav_model.sar.axis_model import AxisModel
+from nav_model.sar.flown_engine import Flight, flight_of
 from nav_model.sar.impulse_response import Window
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.winners import Conditions
+
+Engine = Literal["fast", "simulator"]
+ENGINES: tuple[Engine, ...] = ("fast", "simulator")
+"""The per-axis error model, and full flights of the simulator."""
 
 _RATE_HZ = 100.0
 _LEAST_SAMPLES, _MOST_SAMPLES = 256, 4096
@@ -23,7 +29,10 @@ _MOST_FIXES = 5000
 
 @dataclass(frozen=True)
 class DesignCase:
-    """What the ensemble simulates: SI; vibration factor applied; ``rate`` [Hz] of the histories."""
+    """What the ensemble simulates: SI; vibration factor applied; ``rate`` [Hz] of the histories.
+
+    ``flight``: what the simulator flies; None for the fast engine.
+    """
 
     models: tuple[AxisModel, AxisModel, AxisModel]
     geometry: ApertureGeometry
@@ -34,16 +43,22 @@ class DesignCase:
     window: Window
     autofocus_order: int
     rate: float
+    flight: Flight | None = None
+
+    @property
+    def engine(self) -> Engine:
+        """Which engine runs it."""
+        return "fast" if self.flight is None else "simulator"
 
 
-def design_case(budget: Budget) -> DesignCase:
+def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
     """The ensemble's inputs for a design.
 
     Raises
     ------
     DesignError
         For a line of sight straight down or behind the horizon of the flight line, and for more fixes in the
-        aperture or in the coast before it than the fast engine takes (5000 each).
+        aperture or in the coast before it than are simulated (5000 each), and as `flight_of` for the simulator.
     """
     design, sar = budget.design, budget.sar
     radar, coast = design.radar, design.coast.before_aperture
@@ -70,6 +85,8 @@ def design_case(budget: Budget) -> DesignCase:
             accelerometer_bias=design.imu.accelerometer_bias,
             gyro_bias=design.imu.gyro_bias,
             horizontal=horizontal,
+            slow_sigma=design.gnss.correlated_noise if design.gnss.correlated else 0.0,
+            slow_time=design.gnss.correlation_time,
         )
         for noise, horizontal in ((design.gnss.position_noise, True), (_vertical_noise(design), False))
     )
@@ -83,6 +100,7 @@ def design_case(budget: Budget) -> DesignCase:
         window=sar.window,  # type: ignore[arg-type]
         autofocus_order=sar.autofocus_order,
         rate=samples / sar.aperture_time,
+        flight=flight_of(design, sar.aperture_time, coast) if engine == "simulator" else None,
     )
 
 
@@ -96,20 +114,23 @@ def conditions(
 
     The state at the last fix is that of the sampled filter just after it [T-8], for each fix noise
     (``gnss_factor`` times the design's, vertical with it) and each angle random walk [rad/s/sqrt(Hz)],
-    the vibration factor applied to what is given too.
+    the vibration factor applied to what is given too. A slow GNSS error that is switched on stays as it is.
     """
     design = budget.design
     imu, gnss, flight = design.imu, design.gnss, design.flight
     accelerometer = imu.velocity_random_walk * imu.vibration_factor
     gyro = (imu.angle_random_walk if gyro_noise is None else np.asarray(gyro_noise)) * imu.vibration_factor
     level, upright = gnss.position_noise * np.asarray(gnss_factor), _vertical_noise(design) * np.asarray(gnss_factor)
+    slow = SlowError(gnss.correlated_noise, gnss.correlation_time) if gnss.correlated else None
+    settled = cycle(accelerometer, gyro, flight.gravity, gnss.interval, level, upright, slow)
     return Conditions(
         aperture_time=budget.sar.aperture_time if aperture_time is None else aperture_time,
         gnss_sigma=level,
         fix_interval=gnss.interval,
         accelerometer_noise=accelerometer,
         gyro_noise=gyro,
-        start=cycle(accelerometer, gyro, flight.gravity, gnss.interval, level, upright).posterior.horizontal,
+        start=settled.posterior.horizontal,
+        start_vertical=settled.posterior.vertical,
         coast_time=design.coast.before_aperture,
         gravity=flight.gravity,
         accelerometer_bias=imu.accelerometer_bias,
@@ -118,6 +139,9 @@ def conditions(
         vertical_gnss_sigma=upright,
         turn_rate=flight.speed / design.radar.slant_range,
         autofocus_order=budget.sar.autofocus_order,
+        squint_angle=design.radar.squint_angle,
+        slow=slow,
+        slow_with_tilt=settled.slow_with_tilt,
     )
 
 
@@ -133,13 +157,13 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     said = []
     if design.gnss.correlated:
         said.append(
-            "The slow GNSS error is switched on and not covered here: strategies, map and advice take the white "
-            "fix noise alone. The Budget page's phase lines include its effect on the tilt."
+            "The slow GNSS error is switched on: the filter estimates it [T-8], the fits of 5 and 5w follow it. On "
+            "the map the fix noise is the white part; the slow error stays as it is."
         )
     if design.radar.squint_angle:
         said.append(
-            "Squint enters the simulated strategies and the pictures; closed forms, map, advice and the aperture "
-            "time [S-3] are broadside."
+            "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight bends velocity errors of "
+            "all axes; cells and widths are across the line of sight."
         )
     if design.coast.before_aperture > 0:
         said.append(
@@ -156,6 +180,31 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
         "The closed form of 5 takes the quadratic fit as continuous: with few fixes in the aperture its inertial "
         "part is low, by up to 9 % with a fix at both ends [T-16]."
     )
+    return tuple(said)
+
+
+def flight_cautions(budget: Budget) -> tuple[str, ...]:
+    """What the simulator's flights have that the per-axis error model and the closed forms have not."""
+    design = budget.design
+    interval, coast = design.gnss.interval, design.coast.before_aperture
+    said = [
+        "The simulator flies straight and level over the turning Earth, with WGS 84's gravity, Schuler and Coriolis "
+        "terms, all axes together, instruments sampled at their rate and a filter of nine states that has settled "
+        "before the aperture."
+    ]
+    if design.imu.accelerometer_bias or design.imu.gyro_bias:
+        said.append(
+            "Its residual biases are there from take-off, unknown to the filter: tilt takes up most of an "
+            "accelerometer bias, which then leaves less in the image than the closed forms and the error model say."
+        )
+    if design.gnss.correlated:
+        said.append(
+            "Its fixes carry the slow error, but its filter of nine states does not estimate it; that of the error "
+            "model does. Expect the filter's strategies to be worse here."
+        )
+    flown = round(coast / interval) * interval
+    if abs(flown - coast) > 1e-6:
+        said.append(f"The coast is flown as whole fix intervals: {flown:.4g} s for {coast:.4g} s.")
     return tuple(said)
 
 

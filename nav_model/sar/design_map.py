@@ -58,7 +58,7 @@ def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
                 float(
                     aperture_time(
                         SPEED_OF_LIGHT / known["frequency"], known["slant_range"], known["speed"],
-                        known["azimuth_resolution"], budget.sar.window,
+                        known["azimuth_resolution"], budget.sar.window, budget.design.radar.squint_angle,
                     )
                 )
             )  # fmt: skip

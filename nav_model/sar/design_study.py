@@ -1,14 +1,16 @@
 """The strategies for one design: an ensemble of runs beside the closed forms, and what to make of them.
 
 `design_study` does all of it at once. A page that shows progress does the same in steps: `design_case`,
-`choose_tuning`, `run_chunk` for each of `chunks(runs)`, `typical_history`, then `gather`. Chunks have seeds of
-their own, so the result does not depend on who runs them or in which order; what travels is plain data.
+`choose_tuning`, `run_chunk` for each of `chunks(runs, engine)`, `typical_history`, then `gather`. Chunks have
+seeds of their own, so the result does not depend on who runs them or in which order; what travels is plain data.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +19,14 @@ from nav_model.budget import Budget, analyse
 from nav_model.design import Design
 from nav_model.sar.advice import Advice, advise
 from nav_model.sar.decomposition import Band, band
-from nav_model.sar.design_case import DesignCase, conditions, design_case, required_phase
+from nav_model.sar.design_case import DesignCase, Engine, conditions, design_case, required_phase
+from nav_model.sar.flown_engine import fly_axes
 from nav_model.sar.strategies import STRATEGIES, STRATEGY_KEYS, Strategy, Tuning
 from nav_model.sar.study import RunMeasures, choose_tuning, measure_runs, simulate_axes, typical_run
 from nav_model.sar.winners import MAP_STRATEGIES, strategy_variances
 
 _FloatArray = NDArray[np.float64]
-CHUNK = 50
+_CHUNK: dict[Engine, int] = {"fast": 50, "simulator": 10}  # about a second of work
 MOST_RUNS = 20_000
 # Quadratic phase beyond which 1024 aperture samples no longer carry the response: it fills the line.
 _NO_IMAGE_RAD = 800.0
@@ -60,6 +63,7 @@ class DesignStudy:
     square over the runs of the residual after autofocus, ``quadratic_rms`` of the quadratic coefficient: what a
     closed form is compared with; ``rms_error``, ``quadratic_rms_error`` their standard errors.
     ``time`` (n,), ``typical`` (9, n): the run whose free INS is the median one; ``spread`` (9, n): rms over the runs.
+    ``engine``: what the runs are of.
     """
 
     budget: Budget
@@ -79,6 +83,7 @@ class DesignStudy:
     typical: _FloatArray
     spread: _FloatArray
     tuning: Tuning
+    engine: Engine = "fast"
 
     @property
     def strategies(self) -> tuple[Strategy, ...]:
@@ -96,8 +101,9 @@ class DesignStudy:
         """What the runs add to the advice of the closed forms."""
         residual = dict(zip(STRATEGY_KEYS, self.parts["residual_rms"].median, strict=True))
         causal, offline = self.best(causal=True), self.best(causal=False)
+        what = "flights of the simulator" if self.engine == "simulator" else "runs"
         said = (
-            f"In {self.runs} runs the least median residual is {_millimetres(residual[causal.key])} for a causal "
+            f"In {self.runs} {what} the least median residual is {_millimetres(residual[causal.key])} for a causal "
             f"strategy ({causal.key}, {causal.name}{', a reconstruction' if causal.reconstruction else ''}) and "
             f"{_millimetres(residual[offline.key])} off-line ({offline.key}, {offline.name})."
         )
@@ -123,8 +129,8 @@ def closed_forms(budget: Budget) -> ClosedForms:
     )
 
 
-def chunks(runs: int) -> list[int]:
-    """Runs of each chunk: whole chunks of 50, then the rest.
+def chunks(runs: int, engine: Engine = "fast") -> list[int]:
+    """Runs of each chunk: whole chunks, then the rest.
 
     Raises
     ------
@@ -133,7 +139,8 @@ def chunks(runs: int) -> list[int]:
     """
     if not 20 <= runs <= MOST_RUNS:
         raise ValueError(f"runs: {runs}; from 20 to {MOST_RUNS} are needed")
-    return [CHUNK] * (runs // CHUNK) + [runs % CHUNK] * (runs % CHUNK > 0)
+    size = _CHUNK[engine]
+    return [size] * (runs // size) + [runs % size] * (runs % size > 0)
 
 
 def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> Chunk:
@@ -146,7 +153,7 @@ def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int
 def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
     """Where the run to draw is: chunk, runs of that chunk, place in it."""
     run = typical_run(_joined([chunk.measures.parts["detrended_rms"] for chunk in parts]))
-    index, within = divmod(run, CHUNK)
+    index, within = divmod(run, parts[0].runs)
     return index, parts[index].runs, within
 
 
@@ -187,11 +194,22 @@ def gather(
         typical=history,
         spread=np.sqrt(sum(chunk.square for chunk in parts) / runs),
         tuning=tuning,
+        engine=case.engine,
     )
 
 
-def design_study(design: Design, runs: int = 200, seed: int = 0) -> DesignStudy:
-    """The whole study of one design, in this process.
+def design_study(
+    design: Design,
+    runs: int = 200,
+    seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    engine: Engine = "fast",
+    pool: Executor | None = None,
+) -> DesignStudy:
+    """The whole study of one design, in this process or with the chunks sent to a `pool`.
+
+    ``progress`` is called with runs done and runs in all.
 
     Raises
     ------
@@ -199,19 +217,30 @@ def design_study(design: Design, runs: int = 200, seed: int = 0) -> DesignStudy:
         See `design_case`.
     ValueError
         See `chunks`.
+    ArithmeticError
+        Where a flight's filter does not hold.
     """
-    sizes = chunks(runs)
+    sizes = chunks(runs, engine)
     budget = analyse(design)
-    case = design_case(budget)
+    case = design_case(budget, engine)
     tuning = choose_tuning(case.models[1], case.aperture_time, seed)
-    parts = [run_chunk(case, tuning, seed, index, size) for index, size in enumerate(sizes)]
+    parts = []
+    run = map if pool is None else pool.map
+    for part in run(run_chunk, repeat(case), repeat(tuning), repeat(seed), range(len(sizes)), sizes):
+        parts.append(part)
+        if progress is not None:
+            progress(sum(sizes[: len(parts)]), runs)
     history = typical_history(case, tuning, seed, *typical_place(parts))
     return gather(budget, case, tuning, seed, parts, history)
 
 
 def _measured(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> RunMeasures:
-    own = np.random.SeedSequence([seed, 0, index])
-    axes = simulate_axes(case.models, case.aperture_time, case.coast_time, runs, own, case.rate, tuning)
+    if case.flight is None:
+        own = np.random.SeedSequence([seed, 0, index])
+        axes = simulate_axes(case.models, case.aperture_time, case.coast_time, runs, own, case.rate, tuning)
+    else:
+        first = index * _CHUNK["simulator"]
+        axes = fly_axes(case.flight, case.models, case.aperture_time, case.rate, seed, first, runs, tuning)
     interval = case.models[1].fix_interval
     return measure_runs(axes, case.geometry, case.wavelength, interval, case.window, case.autofocus_order)
 

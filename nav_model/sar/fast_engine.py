@@ -5,18 +5,23 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.analytic.discrete import SlowError
 from nav_model.sar.axis_model import (
     AxisModel,
     draw_state,
+    filter_noise,
+    filter_transition,
+    fix_row,
     measure,
     noise_path,
     process_noise,
     steady_covariance,
     transition,
 )
+from nav_model.sar.fit_noise import slow_fit
 from nav_model.sar.smoother import rts_smooth, smoother_gain
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
-from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_quadratic_variance, shrunk_weight
+from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_variances, shrunk_weight
 
 _FloatArray = NDArray[np.float64]
 
@@ -37,7 +42,12 @@ def simulate_axis(
     it starts.
     """
     histories = simulate_histories(model, aperture_time, coast_time, runs, seed, rate)
-    inertial = ins_quadratic_variance(
+    return apply_strategies(histories, weight_of(model, aperture_time, len(histories.fix_time)), tuning)
+
+
+def weight_of(model: AxisModel, aperture_time: float, fixes: int) -> float:
+    """Weight of the fitted quadratic in 5w on one axis, from the closed forms [S-5], [S-7]."""
+    inertial = ins_variances(
         aperture_time=aperture_time,
         accelerometer_noise=model.accelerometer_noise,
         gyro_noise=model.gyro_noise if model.horizontal else 0.0,
@@ -45,9 +55,10 @@ def simulate_axis(
         gravity=model.gravity,
         accelerometer_bias=model.accelerometer_bias,
         gyro_bias=model.gyro_bias if model.horizontal else 0.0,
-    )
-    fit = fit_quadratic_sigma(model.gnss_sigma, model.fix_interval, aperture_time, len(histories.fix_time))
-    return apply_strategies(histories, float(shrunk_weight(inertial, fit**2)), tuning)
+    ).quadratic
+    white = fit_quadratic_sigma(model.gnss_sigma, model.fix_interval, aperture_time, fixes) ** 2
+    slow = slow_fit(SlowError(model.slow_sigma, model.slow_time), model.fix_interval, aperture_time, fixes).quadratic
+    return float(shrunk_weight(inertial, white + slow))
 
 
 def simulate_histories(
@@ -63,11 +74,11 @@ def simulate_histories(
     random = np.random.default_rng(seed)
     steady = steady_covariance(model)
     # Each source of randomness has its own stream, so a longer coast does not reshuffle the aperture.
-    streams = random.spawn(4)
+    streams = random.spawn(5)
     unabsorbed = streams[0].standard_normal((2, runs)) * np.array(
         [[model.accelerometer_bias], [model.gravity * model.gyro_bias * model.horizontal]]
     )
-    start, coasted = _before_aperture(model, steady.posterior, coast_time, runs, streams[1], unabsorbed)
+    start, coasted, slow = _before_aperture(model, steady.posterior, coast_time, runs, streams[1], unabsorbed)
 
     samples = round(aperture_time * rate) + 1
     time: _FloatArray = np.linspace(0.0, aperture_time, samples)
@@ -82,19 +93,23 @@ def simulate_histories(
     at_fixes = path[:, :, _nearest(grid, fix_time)]
     gnss_error = streams[3].standard_normal((runs, len(fix_time))) * model.gnss_sigma
 
-    ins = sampled + _carried(start, time)
+    ins = sampled + _carried(start[:, :3], time)
     coasted_position = (sampled[0] + _carried(coasted, time)[0]) if coast_time > 0 else ins[0].copy()
 
     priors, posteriors = [start], [start]
     prior_covariances, covariances = [steady.prior], [steady.posterior]
-    phi = transition(model.fix_interval)
+    phi, grown = filter_transition(model, model.fix_interval), filter_noise(model, model.fix_interval)
+    row, inertial = fix_row(len(phi)), transition(model.fix_interval)
+    gnss_error[:, 0] += slow
     for k in range(1, len(fix_time)):
-        gathered = at_fixes[:, :, k].T - at_fixes[:, :, k - 1].T @ phi.T
-        prior = posteriors[-1] @ phi.T + gathered
-        prior_covariance = phi @ covariances[-1] @ phi.T + process_noise(model, model.fix_interval)
+        prior = posteriors[-1] @ phi.T
+        prior[:, :3] += at_fixes[:, :, k].T - at_fixes[:, :, k - 1].T @ inertial.T
+        prior_covariance = phi @ covariances[-1] @ phi.T + grown
         gain, covariance = measure(prior_covariance, model.gnss_sigma)
+        slow = _moved(model, prior, slow, streams[4])
         priors.append(prior)
-        posteriors.append(prior - np.outer(prior[:, 0] - gnss_error[:, k], gain))
+        posteriors.append(prior - np.outer(prior @ row - gnss_error[:, k], gain))
+        gnss_error[:, k] += slow
         prior_covariances.append(prior_covariance)
         covariances.append(covariance)
     prior, posterior = np.stack(priors), np.stack(posteriors)
@@ -103,7 +118,7 @@ def simulate_histories(
         np.stack(covariances),
         prior,
         np.stack(prior_covariances),
-        np.broadcast_to(phi, (len(fix_time) - 1, 3, 3)),
+        np.broadcast_to(phi, (len(fix_time) - 1, *phi.shape)),
     )
 
     navigated = sampled.copy()
@@ -113,12 +128,12 @@ def simulate_histories(
         inside = np.flatnonzero(interval == k)
         span = slice(inside[0], inside[-1] + 1) if len(inside) else slice(0, 0)
         age = time[span] - fix_time[k]
-        navigated[:, :, span] += _carried(posterior[k] - at_fixes[:, :, k].T, age)
+        navigated[:, :, span] += _carried(posterior[k][:, :3] - at_fixes[:, :, k].T, age)
         smoothed[:, span] = navigated[0][:, span]
         if k + 1 < len(fix_time):
-            forward = transition(age)
-            predicted = forward @ covariances[k] @ np.swapaxes(forward, 1, 2) + process_noise(model, age)
-            onward = transition(model.fix_interval - age)
+            forward = filter_transition(model, age)
+            predicted = forward @ covariances[k] @ np.swapaxes(forward, 1, 2) + filter_noise(model, age)
+            onward = filter_transition(model, model.fix_interval - age)
             gain_row = smoother_gain(predicted, onward, prior_covariances[k + 1])[:, 0, :]
             smoothed[:, span] += (smoothed_at_fixes[k + 1] - prior[k + 1]) @ gain_row.T
     return NavigationHistories(
@@ -153,11 +168,17 @@ def _before_aperture(
     runs: int,
     random: np.random.Generator,
     unabsorbed: _FloatArray,
-) -> tuple[_FloatArray, _FloatArray]:
-    """States (runs, 3) at the start of the aperture: of the filter, and of the INS that left it earlier."""
+) -> tuple[_FloatArray, _FloatArray, _FloatArray]:
+    """States at the start of the aperture: of the filter (runs, m), and of the INS that left it earlier (runs, 3);
+    and the slow error of the fixes there (runs,)."""
     filtered = draw_state(posterior, runs, random)
-    coasted = filtered.copy()
+    coasted = filtered[:, :3].copy()
     coasted[:, 2] += unabsorbed[0]
+    slow = np.zeros(runs)
+    if model.slow_sigma:
+        # The settled filter's estimate is independent of its error; the error is the estimate less the truth.
+        estimated = np.sqrt(max(model.slow_sigma**2 - posterior[3, 3], 0.0))
+        slow = estimated * random.standard_normal(runs) - filtered[:, 3]
     whole = int(np.floor(coast_time / model.fix_interval + 1e-9))
     rest = coast_time - whole * model.fix_interval
     covariance, drift = posterior, unabsorbed[1]
@@ -166,12 +187,28 @@ def _before_aperture(
         noise = draw_state(process_noise(model, step), runs, random)
         ramp = np.outer(drift, [step**3 / 6, step**2 / 2, step])
         coasted = coasted @ phi.T + noise + ramp
-        filtered = filtered @ phi.T + noise
-        gain, covariance = measure(phi @ covariance @ phi.T + process_noise(model, step), model.gnss_sigma)
+        forward = filter_transition(model, step)
+        filtered = filtered @ forward.T
+        filtered[:, :3] += noise
+        gain, covariance = measure(forward @ covariance @ forward.T + filter_noise(model, step), model.gnss_sigma)
+        slow = _moved(model, filtered, slow, random, step)
         fix = random.standard_normal(runs) * model.gnss_sigma
-        filtered = filtered - np.outer(filtered[:, 0] - fix, gain)
+        filtered = filtered - np.outer(filtered @ fix_row(filtered.shape[1]) - fix, gain)
     filtered[:, 2] += unabsorbed[0]
-    return filtered, coasted
+    return filtered, coasted, slow
+
+
+def _moved(
+    model: AxisModel, prior: _FloatArray, slow: _FloatArray, random: np.random.Generator, step: float | None = None
+) -> _FloatArray:
+    """The slow error (runs,) a step (by default a fix interval) later; what is new in it is taken off the filter's
+    error in `prior`."""
+    if not model.slow_sigma:
+        return slow
+    step = model.fix_interval if step is None else step
+    fresh = model.slow_sigma * np.sqrt(-np.expm1(-2 * step / model.slow_time)) * random.standard_normal(len(slow))
+    prior[:, 3] -= fresh
+    return np.asarray(np.exp(-step / model.slow_time) * slow + fresh)
 
 
 def _carried(state: _FloatArray, age: _FloatArray) -> _FloatArray:

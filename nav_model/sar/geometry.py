@@ -40,9 +40,16 @@ def metres_to_phase(metres: ArrayLike, wavelength: ArrayLike) -> Array:
 
 
 def aperture_time(
-    wavelength: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, resolution: ArrayLike, window: str
+    wavelength: ArrayLike,
+    slant_range: ArrayLike,
+    speed: ArrayLike,
+    resolution: ArrayLike,
+    window: str,
+    squint: ArrayLike = 0.0,
 ) -> Array:
     """Aperture time [s] that gives the azimuth resolution [m] with the window. [S-3]
+
+    Resolution is across the line of sight; ``squint`` [rad] foreshortens the track by its cosine.
 
     Raises
     ------
@@ -50,18 +57,24 @@ def aperture_time(
         For a window that is not in `WINDOW_WIDTH`.
     """
     wavelength, slant_range, speed, resolution = (as_numbers(x) for x in (wavelength, slant_range, speed, resolution))
-    time: Array = WINDOW_WIDTH[window] * wavelength * slant_range / (2 * resolution * speed)
+    across = speed * np.cos(as_numbers(squint))
+    time: Array = WINDOW_WIDTH[window] * wavelength * slant_range / (2 * resolution * across)
     return time
 
 
-def cell_length(wavelength: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, aperture: ArrayLike) -> Array:
-    """Azimuth cell lambda R/(2 V T) [m]: peak to first null of the unweighted response. [S-3]"""
+def cell_length(
+    wavelength: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, aperture: ArrayLike, squint: ArrayLike = 0.0
+) -> Array:
+    """Azimuth cell lambda R/(2 V T) [m], across the line of sight: peak to first null, unweighted. [S-3]"""
     wavelength, slant_range, speed, aperture = (as_numbers(x) for x in (wavelength, slant_range, speed, aperture))
-    length: Array = wavelength * slant_range / (2 * speed * aperture)
+    length: Array = wavelength * slant_range / (2 * speed * np.cos(as_numbers(squint)) * aperture)
     return length
 
 
 def line_of_sight_weights(grazing_angle: ArrayLike) -> tuple[Array, Array]:
-    """Weights of cross-track and vertical variance in the broadside line of sight. [S-1]"""
+    """Weights of a horizontal axis's and of the vertical variance in the line of sight. [S-1]
+
+    They hold under squint too: the horizontal axes are alike, and share cos² of the grazing angle between them.
+    """
     angle = as_numbers(grazing_angle)
     return np.cos(angle) ** 2, np.sin(angle) ** 2

@@ -141,14 +141,17 @@ def along_track_quadratic(
     aperture: ArrayLike,
     wavelength: ArrayLike,
     slant_range: ArrayLike,
+    squint: ArrayLike = 0.0,
 ) -> Array:
     """Quadratic phase [rad], 1σ, from an along-track velocity error of this variance [m²/s²]. [S-2]
 
     pi V T² dV/(lambda R), which is pi lambda R k² dV/(4 rho² V) with T from [S-3]: the line of sight turns
-    over the aperture, so a first-order error does more than shift and scale.
+    over the aperture, so a first-order error does more than shift and scale. Squint [rad] takes it down by
+    cos²: once for the turn, once for the velocity seen across the line of sight.
     """
     variance, speed, aperture, wavelength, slant_range = (
         as_numbers(x) for x in (velocity_variance, speed, aperture, wavelength, slant_range)
     )
-    phase: Array = np.pi * speed * aperture**2 * np.sqrt(variance) / (wavelength * slant_range)
+    across = speed * np.cos(as_numbers(squint)) ** 2
+    phase: Array = np.pi * across * aperture**2 * np.sqrt(variance) / (wavelength * slant_range)
     return phase

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.sar.axis_model import STANDARD_GRAVITY_M_S2
-from nav_model.sar.phase import phase_budget, total
+from nav_model.sar.phase import PhaseVariances, phase_budget, total
 
 _FloatArray = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ QUADRATIC_MEAN_SQUARE = 4 / 45
 _ALONG_THE_AXIS = 0.0  # grazing angle at which the line of sight is the horizontal axis alone
 
 
-def ins_residual_variance(
+def ins_variances(
     aperture_time: ArrayLike,
     accelerometer_noise: ArrayLike,
     gyro_noise: ArrayLike,
@@ -29,25 +29,12 @@ def ins_residual_variance(
     gravity: ArrayLike = STANDARD_GRAVITY_M_S2,
     accelerometer_bias: ArrayLike = 0.0,
     gyro_bias: ArrayLike = 0.0,
-) -> _FloatArray:
-    """Strategies 2 and 3: mean variance [m^2] after the line, [T-15] with the coast of [S-5]."""
+) -> PhaseVariances:
+    """Strategies 2 and 3, variances [m^2]: the quadratic at the aperture ends [S-5], and what the line leaves,
+    [T-15] with the coast of [S-5].
+    """
     sensors = (tilt_variance, accelerometer_noise, gyro_noise, accelerometer_bias, gyro_bias)
-    return total(phase_budget(*sensors, gravity, aperture_time, coast_time, _ALONG_THE_AXIS)).detrended
-
-
-def ins_quadratic_variance(
-    aperture_time: ArrayLike,
-    accelerometer_noise: ArrayLike,
-    gyro_noise: ArrayLike,
-    tilt_variance: ArrayLike,
-    coast_time: ArrayLike = 0.0,
-    gravity: ArrayLike = STANDARD_GRAVITY_M_S2,
-    accelerometer_bias: ArrayLike = 0.0,
-    gyro_bias: ArrayLike = 0.0,
-) -> _FloatArray:
-    """Variance [m^2] of the quadratic error at the aperture ends under free INS: [S-5] without the phase."""
-    sensors = (tilt_variance, accelerometer_noise, gyro_noise, accelerometer_bias, gyro_bias)
-    return total(phase_budget(*sensors, gravity, aperture_time, coast_time, _ALONG_THE_AXIS)).quadratic
+    return total(phase_budget(*sensors, gravity, aperture_time, coast_time, _ALONG_THE_AXIS))
 
 
 def beyond_quadratic_variance(
@@ -119,16 +106,19 @@ def shrunk_weight(ins_quadratic: ArrayLike, fit_quadratic: ArrayLike) -> _FloatA
 
 
 def shrunk_residual_variance(
-    ins_quadratic: ArrayLike, fit_quadratic: ArrayLike, beyond_quadratic: ArrayLike
+    ins_quadratic: ArrayLike, fit_quadratic: ArrayLike, beyond_quadratic: ArrayLike, covariance: ArrayLike = 0.0
 ) -> _FloatArray:
     """Strategy 5w: mean variance [m^2] after the line: 4/45 of the quadratic left, plus the rest.
 
-    The quadratic left is var_INS var_GNSS / (var_INS + var_GNSS): below both, so 5w loses to neither 2 nor 5.
+    The quadratic left is var_INS var_GNSS / (var_INS + var_GNSS): below both, so 5w loses to neither 2 nor 5 on
+    one axis. With a slow GNSS error the two quadratics have a ``covariance``, which the weight leaves out.
     """
     left = shrunk_weight(ins_quadratic, fit_quadratic)
     with np.errstate(invalid="ignore"):
         gained = np.where(left > 0, left * np.asarray(fit_quadratic, float), 0.0)
-    gained = np.where(np.isfinite(fit_quadratic), gained, ins_quadratic)
+    gained = np.where(np.isfinite(fit_quadratic), gained, ins_quadratic) + 2 * left * (1 - left) * np.asarray(
+        covariance, float
+    )
     return np.asarray(QUADRATIC_MEAN_SQUARE * gained + np.asarray(beyond_quadratic, float))
 
 

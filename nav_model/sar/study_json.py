@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
-from nav_model.sar.design_case import study_cautions
+from nav_model.sar.design_case import flight_cautions, study_cautions
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, DesignStudy
 from nav_model.sar.strategies import STRATEGIES
@@ -18,12 +19,18 @@ from nav_model.sar.strategies import STRATEGIES
 _JSON_MAP_POINTS = 40
 
 
-def to_json(study: DesignStudy) -> dict[str, Any]:
-    """Every number of the study, and what to mind."""
+def to_json(study: DesignStudy, beside: DesignStudy | None = None) -> dict[str, Any]:
+    """Every number of the study, and what to mind.
+
+    ``beside``: where the study is of flights, the fast engine's of the same design, to compare with.
+    """
     budget = study.budget
     sar = budget.sar
+    compared = {} if beside is None else {"agreement": _agreement(study, beside)}
+    flown = flight_cautions(budget) if study.engine == "simulator" else ()
     return {
         "design": {"name": budget.design.name, "content_hash": budget.design.content_hash},
+        "engine": study.engine,
         "runs": study.runs,
         "seed": study.seed,
         "wavelength_m": sar.wavelength,
@@ -34,7 +41,7 @@ def to_json(study: DesignStudy) -> dict[str, Any]:
         "autofocus_order": sar.autofocus_order,
         "window": sar.window,
         "fixes_in_aperture": study.fixes,
-        "slow_gnss_error": "not covered" if budget.design.gnss.correlated else "off",
+        "slow_gnss_error": "estimated by the filter" if budget.design.gnss.correlated else "off",
         "advice": advice(study.closed),
         "ensemble_sentence": study.sentence,
         "strategies": [_strategy(study, index) for index in range(len(STRATEGIES))],
@@ -49,7 +56,27 @@ def to_json(study: DesignStudy) -> dict[str, Any]:
             "gnss_position_noise_m": _map(gnss_map(budget, _JSON_MAP_POINTS)),
             "angle_random_walk_rad_sqrt_s": _map(arw_map(budget, _JSON_MAP_POINTS)),
         },
-        "cautions": list(study_cautions(budget)),
+        "cautions": [*study_cautions(budget), *flown],
+        **compared,
+    }
+
+
+def _agreement(study: DesignStudy, beside: DesignStudy) -> dict[str, Any]:
+    found = agreement(study, beside)
+    return {
+        "with": {"engine": beside.engine, "runs": beside.runs, "seed": beside.seed},
+        "sentence": agreement_sentence(found),
+        "strategies": [
+            {
+                "key": one.key,
+                "flown_residual_rms_m": one.flown,
+                "fast_residual_rms_m": one.fast,
+                "ratio": one.ratio,
+                "ratio_standard_error": one.error,
+                "agrees": one.agrees,
+            }
+            for one in found
+        ],
     }
 
 

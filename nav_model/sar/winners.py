@@ -1,8 +1,8 @@
 """Which way of navigating through the aperture wins: strategies 2, 3, 5 and 5w along the line of sight.
 
-Axes are put together with the weights of [S-1]. To the errors along the line of sight comes the along-track
-velocity error, which the turning line of sight bends into a quadratic [S-2]. The forms are broadside and take
-white fix noise only.
+Axes are put together with the weights of [S-1]. To the errors along the line of sight comes what its turning makes
+of velocity and position errors ([S-2], `turning`), under squint too. A slow GNSS error enters the fits (`fit_noise`)
+and, through ``start``, the state at the last fix.
 """
 
 from __future__ import annotations
@@ -13,24 +13,27 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.analytic.coast import bias_velocity, horizontal_growth
-from nav_model.analytic.steady_state import Horizontal
+from nav_model.analytic.discrete import SlowError
+from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.sar.axis_model import STANDARD_GRAVITY_M_S2
+from nav_model.sar.fit_noise import SlowFit, slow_fit
 from nav_model.sar.geometry import line_of_sight_weights
 from nav_model.sar.phase import phase_budget, total
 from nav_model.sar.strategy_forms import (
     QUADRATIC_MEAN_SQUARE,
     fit_quadratic_sigma,
     fixes_in_aperture,
-    ins_quadratic_variance,
+    ins_variances,
     shrunk_residual_variance,
 )
+from nav_model.sar.turning import Turn, bent_variance, turn_weights
 
 _FloatArray = NDArray[np.float64]
 
 MAP_STRATEGIES: tuple[str, ...] = ("2", "3", "5", "5w")
 """Those that have a closed form, simplest first."""
 
+_AT_REST = Vertical(np.zeros(()), np.zeros(()), np.zeros(()))
 _SECTIONS = 64  # parts a step of the search for the break-even aperture cuts its bracket into
 
 
@@ -38,9 +41,11 @@ _SECTIONS = 64  # parts a step of the search for the break-even aperture cuts it
 class Conditions:
     """What the closed forms need: SI, numbers or arrays that broadcast together.
 
-    ``start``: covariance of a horizontal axis at the last fix. ``vertical_gnss_sigma``: as the horizontal
-    one unless given. ``turn_rate`` [rad/s]: of the line of sight, V / R. ``fixes``: in the aperture,
-    floor(T / dt) + 1 unless given. Only strategy 3 carries ``coast_time``.
+    ``start``, ``start_vertical``: covariance of a horizontal axis and of the vertical one at the last fix.
+    ``vertical_gnss_sigma``: as the horizontal one unless given. ``turn_rate`` [rad/s]: V / R. ``fixes``: in the
+    aperture, floor(T / dt) + 1 unless given. Only strategy 3 carries ``coast_time``. ``slow``: of the fixes, numbers;
+    ``start`` is then that of the filter that estimates it, and ``slow_with_tilt`` [m rad] the covariance of its
+    tilt error with the slow error itself.
     """
 
     aperture_time: ArrayLike
@@ -58,6 +63,10 @@ class Conditions:
     turn_rate: ArrayLike = 0.0
     autofocus_order: int = 1
     fixes: ArrayLike | None = None
+    squint_angle: ArrayLike = 0.0
+    start_vertical: Vertical = _AT_REST
+    slow: SlowError | None = None
+    slow_with_tilt: ArrayLike = 0.0
 
 
 class StrategyVariances(NamedTuple):
@@ -72,7 +81,7 @@ class StrategyVariances(NamedTuple):
 
 
 def strategy_variances(c: Conditions) -> StrategyVariances:
-    """The closed forms [T-15], [T-16], [S-5], [S-7] along the line of sight, along-track part [S-2] included."""
+    """The closed forms [T-15], [T-16], [S-5], [S-7] along the line of sight, its turning [S-2] included."""
     level, upright = line_of_sight_weights(c.grazing_angle)
     t, dt = np.asarray(c.aperture_time, float), np.asarray(c.fix_interval, float)
     n = fixes_in_aperture(t, dt) if c.fixes is None else np.asarray(c.fixes, float)
@@ -81,18 +90,22 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     coasted = total(phase_budget(*sensors, t, c.coast_time, c.grazing_angle, c.autofocus_order))
     rest = total(phase_budget(*sensors, t, 0.0, c.grazing_angle, max(c.autofocus_order, 2))).detrended
 
-    across = fit_quadratic_sigma(c.gnss_sigma, dt, t, n) ** 2
+    slow = slow_fit(c.slow, dt, t, n)
+    across = fit_quadratic_sigma(c.gnss_sigma, dt, t, n) ** 2 + slow.quadratic
     vertical_sigma = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
-    down = fit_quadratic_sigma(vertical_sigma, dt, t, n) ** 2
-    held = ins_quadratic_variance(
+    down = fit_quadratic_sigma(vertical_sigma, dt, t, n) ** 2 + slow.quadratic
+    held = ins_variances(
         t, c.accelerometer_noise, c.gyro_noise, c.start.p33, 0.0, c.gravity, c.accelerometer_bias, c.gyro_bias
-    )
-    held_down = ins_quadratic_variance(t, c.accelerometer_noise, 0.0, 0.0, 0.0, c.gravity, c.accelerometer_bias)
+    ).quadratic
+    held_down = ins_variances(t, c.accelerometer_noise, 0.0, 0.0, 0.0, c.gravity, c.accelerometer_bias).quadratic
+    # The tilt at the last fix bends the INS, and what of the slow error made it bends the fit.
+    shared = np.asarray(c.slow_with_tilt) * c.gravity * t**2 / 8 * slow.quadratic_from_start
     shrunk = (
-        level * shrunk_residual_variance(held, across, 0.0) + upright * shrunk_residual_variance(held_down, down, 0.0)
+        level * shrunk_residual_variance(held, across, 0.0, shared)
+        + upright * shrunk_residual_variance(held_down, down, 0.0)
     ) / QUADRATIC_MEAN_SQUARE
 
-    bent, bent_coasted, bent_fit = _bent_by_the_turn(c, t, dt, n)
+    bent, bent_coasted, bent_fit = _bent_by_the_turn(c, t, dt, n, slow)
     along = (bent, bent_coasted, bent_fit, np.where(n > 2, bent_fit, bent))
     with np.errstate(invalid="ignore"):  # no fit, seen along an axis of no weight
         fitted = np.where(n > 2, level * across + upright * down, np.inf)
@@ -113,22 +126,50 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
 
 
 def _bent_by_the_turn(
-    c: Conditions, t: _FloatArray, dt: _FloatArray, n: _FloatArray
+    c: Conditions, t: _FloatArray, dt: _FloatArray, n: _FloatArray, slow: SlowFit
 ) -> tuple[_FloatArray, _FloatArray, _FloatArray]:
-    """Variance [m^2] of the quadratic that the along-track velocity error makes: free, coasted, fitted.
+    """What the turn adds to the variance [m^2] of the quadratic: free, coasted, fitted.
 
-    The line of sight turns by V/R a second, so a velocity error v at the middle of the aperture makes
-    (V/R) v T^2/4 at its ends [S-2]. Under 5 and 5w the velocity is that of the fitted line.
+    Under 5 and 5w the velocity is that of the fitted line, and the position is known well enough.
     """
+    turn = turn_weights(c.grazing_angle, c.squint_angle, c.turn_rate, t)
+    level, upright = _of_acceleration(c)
+    jerk = np.multiply(c.gravity, c.gyro_bias)
 
-    def velocity(age: ArrayLike) -> _FloatArray:
-        grown = horizontal_growth(c.start, c.accelerometer_noise, c.gyro_noise, c.gravity, age).velocity
-        drift = bias_velocity(c.accelerometer_bias, c.gyro_bias, c.gravity, age)
-        return np.asarray(grown + drift[0] ** 2 + drift[1] ** 2)
+    def free(coast: ArrayLike) -> _FloatArray:
+        horizontal = (level, c.accelerometer_noise, np.multiply(c.gravity, c.gyro_noise), t, coast, jerk)
+        vertical = (upright, c.accelerometer_noise, 0.0, t, coast)
+        return np.asarray(
+            bent_variance(turn.along, *horizontal)
+            + bent_variance(turn.across, *horizontal)
+            + bent_variance(turn.down, *vertical)
+        )
 
-    lever = np.square(np.asarray(c.turn_rate, float) * t**2 / 4)
-    fitted = np.square(c.gnss_sigma) / dt**2 * np.where(n > 2, 12 / (n * (n**2 - 1) + (n <= 2)), 0.0)
-    return lever * velocity(t / 2), lever * velocity(np.add(c.coast_time, t / 2)), np.asarray(lever * fitted)
+    return free(0.0), free(c.coast_time), _bent_fit(c, t, dt, n, turn, slow)
+
+
+def _bent_fit(
+    c: Conditions, t: _FloatArray, dt: _FloatArray, n: _FloatArray, turn: Turn, slow: SlowFit
+) -> _FloatArray:
+    white = np.where(n > 2, 12 / (n * (n**2 - 1) + (n <= 2)), 0.0) / dt**2
+    vertical = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
+    lever = t**2 / 4
+    return np.asarray(
+        lever * (turn.along[..., 1] ** 2 + turn.across[..., 1] ** 2) * (np.square(c.gnss_sigma) * white + slow.slope)
+        + lever * turn.down[..., 1] ** 2 * (np.square(vertical) * white + slow.slope)
+    )
+
+
+def _of_acceleration(c: Conditions) -> tuple[_FloatArray, _FloatArray]:
+    """Covariances (..., 3, 3) of position, velocity and acceleration at the last fix, residual bias with it."""
+    p, v, g = c.start, c.start_vertical, np.asarray(c.gravity, float)
+    bias, none = np.square(c.accelerometer_bias), 0.0
+    rows = (
+        (p.p11, p.p12, g * p.p13, p.p12, p.p22, g * p.p23, g * p.p13, g * p.p23, g**2 * p.p33 + bias),
+        (v.v11, v.v12, none, v.v12, v.v22, none, none, none, bias),
+    )
+    level, upright = (np.stack(np.broadcast_arrays(*elements), axis=-1) for elements in rows)
+    return level.reshape(*level.shape[:-1], 3, 3), upright.reshape(*upright.shape[:-1], 3, 3)
 
 
 class WinnerMap(NamedTuple):

@@ -18,7 +18,9 @@ stop. Import from the modules; this one imports nothing, so that the commands st
     monte_carlo.py      simulate(spec, ...): all the runs, here, in a pool or on a cluster (cluster.py)
     result.py           SimulationResult: rms, sigmas, percentiles, consistency; to_json, to_arrays, to_csv
     design_study.py     Design -> SimulationSpec, and a study beside the closed forms of its design
+    study_inputs.py     what a study may add to a design: sensor errors, receiver, tuning
     departures.py       where closed form and simulation part, and why
+    conditions.py       what a reader of a study must know
     compiled.py         the decorator of every compiled kernel
 
 Reading order for a newcomer: specification, single_run, then whichever part is in question. Everything is

@@ -23,14 +23,13 @@ from nav_model.inputs import BaseQuantity, DesignError
 from nav_model.parts import declaration_of
 from nav_model.simulation.specification import (
     TRAJECTORY_KINDS,
-    FilterModel,
     GnssModel,
     ImuModel,
     InitialErrors,
     SimulationSpec,
     TrajectorySpec,
-    TriadModel,
 )
+from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, StudyInputs, added
 
 if TYPE_CHECKING:
     from nav_model.simulation.departures import Departure
@@ -67,6 +66,7 @@ def specification(
     every: float = 1.0,
     states: int = 9,
     keep_runs: bool = False,
+    more: StudyInputs = NOTHING_ADDED,
 ) -> SimulationSpec:
     """The study of a design.
 
@@ -77,7 +77,8 @@ def specification(
     [T-3] on all axes, so that little time is spent settling; yaw starts at 0.1°.
 
     trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as `read_trajectory` gives.
-    duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases.
+    duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases, or 21 for one that
+    tells two kinds of bias apart. more: sensor errors, receiver and tuning beyond the design.
 
     Raises DesignError naming the key of the design, or the option, that cannot be flown.
     """
@@ -90,8 +91,8 @@ def specification(
     try:
         return SimulationSpec(
             imu=ImuModel(
-                gyro=TriadModel(random_walk=imu.angle_random_walk, turn_on_bias=imu.gyro_bias),
-                accelerometer=TriadModel(random_walk=imu.velocity_random_walk, turn_on_bias=imu.accelerometer_bias),
+                gyro=more.triad("gyro", imu.angle_random_walk, imu.gyro_bias),
+                accelerometer=more.triad("accelerometer", imu.velocity_random_walk, imu.accelerometer_bias),
                 rate=imu.rate,
                 vibration_factor=imu.vibration_factor,
             ),
@@ -102,11 +103,16 @@ def specification(
                 markov_noise=slow,
                 vertical_markov_noise=slow,
                 markov_time=gnss.correlation_time,
+                velocity_noise=more["receiver.velocity_noise"],
+                lever_arm=more.lever_arm(),
             ),
             trajectory=_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
-            filter=FilterModel(states=states),
+            filter=more.filter(states),
             initial=InitialErrors(
-                position=settled.position_horizontal, velocity=settled.velocity_horizontal, tilt=settled.tilt
+                position=settled.position_horizontal,
+                velocity=settled.velocity_horizontal,
+                tilt=settled.tilt,
+                yaw=more["filter.initial_yaw"] or 0.0,
             ),
             runs=runs,
             seed=seed,
@@ -195,20 +201,37 @@ class DesignStudy:
 
 def study_of(design: Design, result: SimulationResult) -> DesignStudy:
     """A finished study beside the closed forms of the design it was flown for."""
-    from nav_model.simulation.departures import departures
+    from nav_model.simulation.conditions import conditions
+    from nav_model.simulation.departures import chain, departures
 
+    text = format_design(design)
     return DesignStudy(
-        design_file=format_design(design),
+        design_file=text,
         result=result,
         refined_sigma=_refined(design, result.coast_s),
         path=_path(result),
-        departures=tuple(departures(result, settling_s=_settling(design))),
+        departures=tuple(departures(result, chain(text, result.spec), settling_s=settling(design))),
         conditions=conditions(design, result.spec),
     )
 
 
-def _settling(design: Design) -> float:
-    """Four time constants of the slower channel, the vertical one, s²/v11; at least a minute. [T-4], [T-8]"""
+def moments(study: DesignStudy) -> tuple[tuple[str, int], ...]:
+    """Where a study is summed up: what the moment is called and its place in the result's `time_s`.
+
+    The last fix before the longest outage and the end of that outage; without one, the last fix of the flight.
+    """
+    spec, time_s = study.result.spec, study.result.time_s
+    outage = max(spec.outages, key=lambda pair: pair[1] - pair[0], default=None)
+    named = [("at the last fix", outage[0] if outage else spec.duration)]
+    if outage:
+        named.append(("at the end of the outage", min(outage[1], spec.duration)))
+    return tuple((name, int(np.argmin(np.abs(time_s - at)))) for name, at in named)
+
+
+def settling(design: Design) -> float:
+    """Seconds until a run has forgotten its start: four time constants of the slower channel, the vertical one,
+    s²/v11; at least a minute. [T-4], [T-8]
+    """
     gnss = design.gnss
     noise = gnss.vertical_position_noise or gnss.position_noise
     sigma = analyse(design).steady_state.closed.position_vertical
@@ -252,40 +275,6 @@ def _path(result: SimulationResult) -> FloatArray:
     return path
 
 
-def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
-    """Where the simulated world is not the one of the closed forms, a sentence each."""
-    from nav_model.simulation.earth import normal_gravity
-
-    flight, said = design.flight, []
-    if spec.trajectory.kind == "file":
-        said.append("The flight is the file's: the design's speed, latitude, altitude and heading are not flown.")
-    else:
-        local = float(normal_gravity(math.sin(flight.latitude), flight.altitude))
-        said.append(
-            f"Gravity in the simulator is WGS 84's normal gravity, {local:.5f} m/s² at the start of the flight; the "
-            f"closed forms use the design's {flight.gravity:.5f} m/s² ({100 * (flight.gravity / local - 1):+.2f} %)."
-        )
-    if design.imu.accelerometer_bias or design.imu.gyro_bias:
-        filter_knows = (
-            "the filter of 15 states estimates them: an outage starts with less of them than the closed forms assume"
-            if spec.filter.states == 15
-            else "the filter of 9 states does not know them, so its covariance is optimistic; in level flight tilt "
-            "takes up most of an accelerometer bias"
-        )
-        said.append(f"Residual biases are constant turn-on biases, drawn for each run: {filter_knows}.")
-    if design.gnss.correlated:
-        said.append(
-            "The slow GNSS error is flown, but this filter does not model it: expect an optimistic verdict. The "
-            "closed forms [T-3], [T-9] hold white fix noise only; the refined curve [T-17] starts from a filter "
-            "that does model it."
-        )
-    said.append(
-        "Errors start at the closed form's steady-state sigmas (yaw 0.1°), without its correlations, which settle "
-        "first. Fixes come at the IMU sample nearest to each multiple of the interval."
-    )
-    return tuple(said)
-
-
 def to_document(study: DesignStudy) -> dict[str, Any]:
     """The study as plain data for JSON: `result.to_json`, and the refined curve, departures and conditions.
 
@@ -305,10 +294,13 @@ def to_document(study: DesignStudy) -> dict[str, Any]:
             "start_s": found.start_s,
             "stop_s": found.stop_s,
             "filter_over_closed_form": found.ratio,
+            "simulated_over_closed_form": found.simulated,
+            "steps": [{"cause": cause, "factor": factor} for cause, factor in found.steps],
             "reason": found.reason,
         }
         for found in study.departures
     ]
     document["conditions"] = list(study.conditions)
+    document["added"] = {key: STUDY_KEYS[key].show(value) for key, value in added(study.result.spec).items()}
     document["design"] = parse_design(study.design_file).name
     return document

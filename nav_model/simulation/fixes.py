@@ -39,7 +39,7 @@ class Tuning(NamedTuple):
     """What the filter believes.
 
     White densities; variance of one sample's rate [rad^2/s^2], which swings the lever arm; bias decay [1/s]
-    and drive (6); sigmas of a fix: position (3), velocity.
+    and drive (12); sigmas of a fix: position (3), velocity.
     """
 
     accelerometer_density: float
@@ -65,8 +65,10 @@ def take_fix(
     generator: np.random.Generator,
     estimate: FloatArray,
     work: FloatArray,
+    error: FloatArray,
 ) -> float:
-    """Simulate one fix, update the filter with it; leaves the error estimate in `estimate`, returns the NIS.
+    """Simulate one fix, update the filter with it; leaves the error estimate in `estimate` and the position error
+    of the fix (3) in `error`, returns the NIS.
 
     rate: the INS's bias-corrected inertial rate, body axes [rad/s]. Residuals are predicted minus measured.
     """
@@ -90,6 +92,7 @@ def take_fix(
         j, k = (i + 1) % 3, (i + 2) % 3
         row[6 + j], row[6 + k] = -lever[k], lever[j]
         noise = receiver.white[i] * generator.standard_normal() + markov[i]
+        error[i] = noise
         nis += update(covariance, row, residual[i] - noise, tuning.position_sigma[i] ** 2, estimate, work)
     if receiver.velocity > 0.0:
         earth = np.array([ROTATION_RATE * cos_lat, 0.0, -ROTATION_RATE * np.sin(state[0])])
@@ -104,8 +107,8 @@ def take_fix(
             x = matrix[i, 1] * arm[2] - matrix[i, 2] * arm[1]
             y = matrix[i, 2] * arm[0] - matrix[i, 0] * arm[2]
             z = matrix[i, 0] * arm[1] - matrix[i, 1] * arm[0]
-            if n == 15:
-                row[12], row[13], row[14] = x, y, z
+            for gyro in range(12, n, 6):
+                row[gyro], row[gyro + 1], row[gyro + 2] = x, y, z
             variance = tuning.velocity_sigma**2 + tuning.rate_variance * (x * x + y * y + z * z)
             difference = state[3 + i] + swing[i] - truth.velocity[fix, i] - true_swing[i]
             noise = receiver.velocity * generator.standard_normal()
@@ -115,7 +118,7 @@ def take_fix(
 
 @kernel
 def correct(state: FloatArray, bias: FloatArray, estimate: FloatArray) -> None:
-    """Take the estimated error out of the navigation state and the bias estimates (6)."""
+    """Take the estimated error out of the navigation state and the bias estimates (12)."""
     meridian, prime = curvature_radii_kernel(np.sin(state[0]))
     state[1] -= estimate[1] / ((prime + state[2]) * np.cos(state[0]))
     state[0] -= estimate[0] / (meridian + state[2])

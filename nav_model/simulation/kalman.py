@@ -1,7 +1,8 @@
 """The error-state extended Kalman filter: transition, propagation, Joseph update, consistency.
 
 Errors are estimate minus truth: position [m] and velocity [m/s] north, east, down; attitude psi [rad] in
-C_estimate = (I - [psi x]) C; then, with 15 states, accelerometer [m/s^2] and gyro [rad/s] bias. For level
+C_estimate = (I - [psi x]) C; then, with 15 states, accelerometer [m/s^2] and gyro [rad/s] bias, and with 21
+a second such six, so that a constant or walking bias and a Gauss-Markov one have a state each. For level
 flight this is [T-1] (with psi of the other sign, which no variance sees) plus the Earth's and transport's
 terms.
 
@@ -22,7 +23,7 @@ FloatArray = NDArray[np.float64]
 
 @kernel
 def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out: FloatArray) -> None:
-    """Write the first nine rows of the continuous error dynamics F into `out`, shape (9, 9) or (9, 15).
+    """Write the first nine rows of the continuous error dynamics F into `out`, shape (9, n).
 
     state: navigation state; force: specific force, NED [m/s^2]; matrix: body to NED.
     """
@@ -61,11 +62,11 @@ def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out
     _subtract_cross(out, 3, 3, 2.0 * earth_n + tn, te, 2.0 * earth_d + td)
     _subtract_cross(out, 6, 6, earth_n + tn, te, earth_d + td)
     _subtract_cross(out, 3, 6, -force[0], -force[1], -force[2])
-    if out.shape[1] == 15:
+    for first in range(9, out.shape[1], 6):
         for i in range(3):
             for j in range(3):
-                out[3 + i, 9 + j] = -matrix[i, j]
-                out[6 + i, 12 + j] = matrix[i, j]
+                out[3 + i, first + j] = -matrix[i, j]
+                out[6 + i, first + 3 + j] = matrix[i, j]
 
 
 @kernel
@@ -107,7 +108,7 @@ def propagate(
     dynamics: see `error_dynamics`; its exponential is taken to third order, which is exact for the chain
     gyro bias -> attitude -> velocity -> position. Q holds the white noises (densities [m/s/sqrt(s)],
     [rad/sqrt(s)]) through the same chain, all orders. decay_rate [1/s] and bias_drive [unit^2/s] are those of
-    the six biases. work: (4, n, n) of working space.
+    the biases, n - 9 at least. work: (4, n, n) of working space.
     """
     n = covariance.shape[0]
     step, square, cube, product = work[0, :9], work[1, :9], work[2, :9], work[3]
@@ -143,7 +144,9 @@ def propagate(
         for i in range(9, j + 1):
             covariance[i, j] *= kept * np.exp(-decay_rate[i - 9] * dt)
             covariance[j, i] = covariance[i, j]
-        covariance[j, j] += bias_drive[j - 9] * dt
+        # Exact for a Gauss-Markov bias, however long the step.
+        decay = 2.0 * decay_rate[j - 9]
+        covariance[j, j] += bias_drive[j - 9] * (-np.expm1(-decay * dt) / decay if decay > 0.0 else dt)
     _add_white_noise(covariance, force, dt, accelerometer_density**2, gyro_density**2)
 
 

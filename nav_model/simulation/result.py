@@ -131,11 +131,11 @@ class SimulationResult:
 STANDARD_GRAVITY: Final = 9.80665
 
 
-def chi_square_band(degrees: float) -> tuple[float, float]:
-    """Factors between which chi-square / degrees lies with 95 % probability."""
+def chi_square_band(degrees: float, confidence: float = CONFIDENCE) -> tuple[float, float]:
+    """Factors between which chi-square / degrees lies with a probability, 95 % unless told."""
     from scipy.special import chdtri
 
-    tail = 0.5 * (1.0 - CONFIDENCE)
+    tail = 0.5 * (1.0 - confidence)
     return float(chdtri(degrees, 1.0 - tail)) / degrees, float(chdtri(degrees, tail)) / degrees
 
 

@@ -45,8 +45,9 @@ def _samples_at_multiples(interval: float, spec: SimulationSpec) -> NDArray[np.i
 
 
 def output_samples(spec: SimulationSpec) -> NDArray[np.int64]:
-    """IMU samples at which a result is kept: 0 and the multiples of `every`."""
-    return np.concatenate([[0], _samples_at_multiples(spec.every, spec)])
+    """IMU samples at which a result is kept: 0 and the multiples of `every`, from `record_from` on."""
+    samples = _samples_at_multiples(spec.every, spec)
+    return np.concatenate([[0], samples[samples >= round(spec.record_from * spec.imu.rate)]])
 
 
 def in_outage(spec: SimulationSpec, time_s: FloatArray) -> tuple[NDArray[np.bool_], FloatArray]:

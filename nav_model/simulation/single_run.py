@@ -26,12 +26,13 @@ PRIOR, POSTERIOR = 0, 1
 
 class _Record(NamedTuple):
     """Where a run writes: errors and variances (2, outputs, states), prior then posterior; NEES per output;
-    NIS per fix."""
+    NIS and position error (fixes, 3) per fix."""
 
     error: FloatArray
     variance: FloatArray
     nees: FloatArray
     nis: FloatArray
+    fix_error: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +41,10 @@ class RunRecord:
 
     error, filter_sigma: shape (2, outputs, states), [0] just before the fix at that time and [1] just after
     (the same where no fix falls); states are position [m] and velocity [m/s] north, east, down, then roll,
-    pitch, yaw [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases.
+    pitch, yaw [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases; with 21 those are
+    the constant and walking part, and the Gauss-Markov part of both follows.
     nees: (outputs,), after the fix. nis: (fixes,), each with `nis_states` degrees of freedom.
+    fix_error: (fixes, 3), of the fixes themselves, north, east, down [m].
     """
 
     run: int
@@ -50,6 +53,7 @@ class RunRecord:
     nees: FloatArray
     nis: FloatArray
     nis_states: int
+    fix_error: FloatArray
 
 
 @kernel
@@ -116,7 +120,7 @@ def _fly(
     dynamics = np.empty((9, n))
     matrix, mean_matrix = np.empty((3, 3)), np.empty((3, 3))
     window, scratch, force, estimate = np.zeros((3, 6)), np.empty(6), np.zeros(3), np.zeros(n)
-    bias_error = np.empty(6)
+    bias_error = np.empty(12)
     markov = np.empty(3)
     for i in range(3):
         markov[i] = receiver.markov[i] * gnss_noise.standard_normal()
@@ -128,7 +132,10 @@ def _fly(
         measure(accelerometer, increments[k + 1, :3], dt, imu_noise, now[:3])
         measure(gyro, increments[k + 1, 3:], dt, imu_noise, now[3:])
         for i in range(6):
-            now[i] -= bias[i] * dt
+            now[i] -= (bias[i] + bias[6 + i]) * dt
+        if k == 0:  # a walk starts here, not with the samples before
+            accelerometer.walk[:] = 0.0
+            gyro.walk[:] = 0.0
         if k > 0:
             advance(state, now, before, earlier, dt, force, scratch)
         if k < 0 or events[k] == 0:
@@ -154,7 +161,7 @@ def _fly(
                 work,
             )
             force[:] = 0.0
-            for i in range(6):
+            for i in range(12):
                 bias[i] *= np.exp(-tuning.decay_rate[i] * elapsed)
             last_step = k
         for phase in range(2):
@@ -178,14 +185,19 @@ def _fly(
                     gnss_noise,
                     estimate,
                     work,
+                    record.fix_error[fix],
                 )
                 correct(state, bias, estimate)
                 matrix_from_quaternion(state[6:10], matrix)
                 fix += 1
             if events[k] & OUTPUT:
                 for i in range(3):
-                    bias_error[i] = bias[i] - accelerometer.fixed[i] - accelerometer.markov[i] - accelerometer.walk[i]
-                    bias_error[3 + i] = bias[3 + i] - gyro.fixed[i] - gyro.markov[i] - gyro.walk[i]
+                    bias_error[i] = bias[i] - accelerometer.fixed[i] - accelerometer.walk[i]
+                    bias_error[3 + i] = bias[3 + i] - gyro.fixed[i] - gyro.walk[i]
+                    bias_error[6 + i] = bias[6 + i] - accelerometer.markov[i]
+                    bias_error[9 + i] = bias[9 + i] - gyro.markov[i]
+                if n == 15:
+                    bias_error[:6] += bias_error[6:]
                 own = _write(
                     state,
                     outputs,
@@ -205,15 +217,20 @@ def _fly(
 
 def _tuning(spec: SimulationSpec) -> Tuning:
     scale = spec.filter.process_noise_scale
-    decay, drive = np.zeros(6), np.zeros(6)
+    decay, drive = np.zeros(12), np.zeros(12)
     for first, model in ((0, spec.imu.accelerometer), (3, spec.imu.gyro)):
+        moved = 2.0 * model.bias_instability**2 / model.correlation_time
+        if spec.filter.states == 21:
+            decay[first + 6 : first + 9] = 1.0 / model.correlation_time if moved else 0.0
+            drive[first + 6 : first + 9] = scale**2 * moved
+            drive[first : first + 3] = scale**2 * model.rate_random_walk**2
+            continue
         if model.bias_instability > 0.0:
             # One state holds the whole bias: a Gauss-Markov process where that is all there is, a random walk
             # of the same drive where a constant or a walk comes with it.
             alone = model.turn_on_bias == 0.0 and model.rate_random_walk == 0.0
             decay[first : first + 3] = 1.0 / model.correlation_time if alone else 0.0
-        driven = 2.0 * model.bias_instability**2 / model.correlation_time + model.rate_random_walk**2
-        drive[first : first + 3] = scale**2 * driven
+        drive[first : first + 3] = scale**2 * (moved + model.rate_random_walk**2)
     vibration = spec.imu.vibration_factor * scale
     gyro_density = spec.imu.gyro.random_walk * vibration
     axis_noise = np.array(spec.gnss.axis_noise)
@@ -229,9 +246,13 @@ def _tuning(spec: SimulationSpec) -> Tuning:
 
 
 def _initial_sigma(spec: SimulationSpec) -> FloatArray:
-    """Sigma of the true initial error (15): position, velocity, attitude, then both biases."""
-    start = spec.initial
-    biases = [math.hypot(m.turn_on_bias, m.bias_instability) for m in (spec.imu.accelerometer, spec.imu.gyro)]
+    """Sigma of the true initial error (states): position, velocity, attitude, then the biases."""
+    start, triads = spec.initial, (spec.imu.accelerometer, spec.imu.gyro)
+    biases: list[float] = {
+        9: [],
+        15: [math.hypot(m.turn_on_bias, m.bias_instability) for m in triads],
+        21: [*(m.turn_on_bias for m in triads), *(m.bias_instability for m in triads)],
+    }[spec.filter.states]
     values = [start.position, start.velocity, start.tilt, *biases]
     sigma = np.repeat(np.array(values), 3)
     sigma[8] = start.yaw
@@ -263,22 +284,27 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     truth = schedule.outputs
     state = initial_state(truth.position[0], truth.velocity[0], truth.matrix[0])
     # `correct` takes an error out; its negative puts one in.
-    correct(state, np.zeros(6), -draw)
-    believed = sigma[:n] * spec.filter.initial_scale
+    correct(state, np.zeros(12), -draw)
+    believed = sigma * spec.filter.initial_scale
     believed[9:] *= spec.filter.bias_scale
-    # A bias the model says is zero is known to be zero, as nearly as keeps the covariance regular.
-    believed[9:12] = np.maximum(believed[9:12], 1e-9)
-    believed[12:15] = np.maximum(believed[12:15], 1e-13)
+    # A bias the model says is zero is known to be zero, as nearly as keeps the covariance regular, and is
+    # drawn to that: its state would otherwise have no error and the NEES too small an expectation.
+    least = np.resize([1e-9, 1e-9, 1e-9, 1e-13, 1e-13, 1e-13], n - 9)
+    bias = np.zeros(12)
+    if noisy:
+        bias[: n - 9] = np.where(sigma[9:] == 0.0, least, 0.0) * start_noise.standard_normal(n - 9)
+    believed[9:] = np.maximum(believed[9:], least)
     outputs = len(truth.time_s)
     record = _Record(
         np.empty((2, outputs, n)),
         np.empty((2, outputs, n)),
         np.empty(outputs),
         np.empty(len(schedule.fixes.time_s)),
+        np.empty((len(schedule.fixes.time_s), 3)),
     )
     _fly(
         state,
-        np.zeros(6),
+        bias,
         np.diag(believed**2),
         schedule.increments,
         1.0 / imu.rate,
@@ -304,6 +330,7 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         record.nees,
         record.nis,
         6 if spec.gnss.velocity_noise else 3,
+        record.fix_error,
     )
 
 

@@ -58,14 +58,20 @@ class Aiding:
         return self.latency_s == 0.0 and not any(self.misalignment_rad)
 
 
-def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
-    """Steps at which a frame reaches the INS, (n+1,) bool. ValueError if frames fall between steps."""
-    ratio = aiding.frame_interval_s / flight.step_s
+def frame_stride(aiding: Aiding, step_s: float) -> int:
+    """Steps from frame to frame. ValueError if frames fall between steps."""
+    ratio = aiding.frame_interval_s / step_s
     stride = round(ratio)
     require(
         stride >= 1 and abs(ratio - stride) < 1e-6,
-        f"frame_interval_s = {aiding.frame_interval_s!r}: must be a whole number of steps of {flight.step_s!r} s",
+        f"frame_interval_s = {aiding.frame_interval_s!r}: must be a whole number of steps of {step_s!r} s",
     )
+    return stride
+
+
+def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
+    """Steps at which a frame reaches the INS, (n+1,) bool. ValueError if frames fall between steps."""
+    stride = frame_stride(aiding, flight.step_s)
     used = np.zeros(flight.steps + 1, dtype=np.bool_)
     used[::stride] = True
     if aiding.from_height_m is not None:

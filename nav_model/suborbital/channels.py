@@ -5,6 +5,7 @@ They explain the Schuler oscillation and the unstable height, and hold only for 
 rotate. On a long arc they are wrong: displayed numbers come from the integrated INS.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numba
@@ -125,6 +126,59 @@ def _channels(x, v, force, w2, h, every, out):  # type: ignore[no-untyped-def]
                     v[a, b] = v0 * cv + x0 * 2.0 * w2[i] * sv + f * sv
 
 
+@dataclass(frozen=True)
+class _Forcing:
+    """Forcing of the channels in the middle of every step, north, east, up (n, c, 3), m/s²: of the accelerometers'
+    constant and (before its sine) oscillating errors, of attitude, and all together; the path there (n, 3)."""
+
+    constant: Array
+    amplitude: Array
+    tilt: Array
+    total: Array
+    middle: Array
+
+
+def _forcing(flight: Flight, p: Array, errors: ErrorSet, used: np.ndarray | None) -> _Forcing:
+    n, h = flight.steps, flight.step_s
+    force, rate = flight.specific_force_b[:, 1], flight.angular_rate_b[:, 1]
+    s = oscillations(flight, errors)[1::2]
+    c = flight.half_attitude_bi[1::2]
+
+    def triad(start: int, measured: Array, slow: Array | None, fast: Array | None) -> Array:
+        """C times the constant part of [B-1] (no sines), or the oscillating one."""
+        offset = 0 if slow is None else 1
+        bias, first = start + 3 * offset, start + 6 + 9 * offset
+        turned = np.einsum("cab,tb->tca", p[:, first : first + 9].reshape(-1, 3, 3), measured)
+        both = p[:, bias : bias + 3]
+        if slow is not None and fast is not None:
+            both, turned = slow[:, None, None] * both, fast[:, None, None] * turned
+        return np.asarray(np.einsum("tij,tcj->tci", c, both + turned))
+
+    launch = local_axes(flight.position_i[0])
+    step_turn = (triad(24, rate, None, None) + triad(24, rate, s[:, 2], s[:, 3])) * h
+    psi = np.concatenate([np.broadcast_to(p[:, 54:57] @ launch.T, (1, len(p), 3)), step_turn])
+    psi = np.cumsum(psi, axis=0)[:-1]
+    if used is not None and np.any(used):
+        last = np.maximum.accumulate(np.where(used[:-1], np.arange(n), -1))
+        psi = np.where((last >= 0)[:, None, None], psi - psi[np.maximum(last, 0)], psi)
+    force_i = np.einsum("tij,tj->ti", c, force)
+    middle = 0.5 * (flight.position_i[1:] + flight.position_i[:-1])
+    turn = local_axes(middle) * np.array([1.0, 1.0, -1.0])
+
+    def local(inertial: Array) -> Array:
+        return np.asarray(np.einsum("tji,tcj->tci", turn, inertial))
+
+    constant, one = triad(0, force, None, None), np.ones(n)
+    tilt = np.cross(psi + 0.5 * step_turn, force_i[:, None])
+    return _Forcing(
+        constant=local(constant),
+        amplitude=local(triad(0, force, one, one)),
+        tilt=local(tilt),
+        total=local(constant + triad(0, force, s[:, 0], s[:, 1]) + tilt),
+        middle=middle,
+    )
+
+
 def decoupled_errors(
     flight: Flight, parameters: Array, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
 ) -> ChannelErrors:
@@ -136,38 +190,58 @@ def decoupled_errors(
     p = np.atleast_2d(parameters)
     n, h = flight.steps, flight.step_s
     require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
-    force, rate = flight.specific_force_b[:, 1], flight.angular_rate_b[:, 1]
-    s = oscillations(flight, errors)[1::2]
-    c = flight.half_attitude_bi[1::2]
-
-    def triad(start: int, measured: Array, slow: Array, fast: Array) -> Array:
-        constant = p[:, start + 6 : start + 15].reshape(-1, 3, 3)
-        oscillating = p[:, start + 15 : start + 24].reshape(-1, 3, 3)
-        bias = p[:, start : start + 3] + slow[:, None, None] * p[:, start + 3 : start + 6]
-        turned = np.einsum("cab,tb->tca", constant, measured)
-        turned += fast[:, None, None] * np.einsum("cab,tb->tca", oscillating, measured)
-        return np.asarray(np.einsum("tij,tcj->tci", c, bias + turned))
-
-    launch = local_axes(flight.position_i[0])
-    step_turn = triad(24, rate, s[:, 2], s[:, 3]) * h
-    psi = np.concatenate([np.broadcast_to(p[:, 54:57] @ launch.T, (1, len(p), 3)), step_turn])
-    psi = np.cumsum(psi, axis=0)[:-1]
-    if used is not None and np.any(used):
-        last = np.maximum.accumulate(np.where(used[:-1], np.arange(n), -1))
-        psi = np.where((last >= 0)[:, None, None], psi - psi[np.maximum(last, 0)], psi)
-    force_i = np.einsum("tij,tj->ti", c, force)
-    acceleration = triad(0, force, s[:, 0], s[:, 1]) + np.cross(psi + 0.5 * step_turn, force_i[:, None])
-    middle = 0.5 * (flight.position_i[1:] + flight.position_i[:-1])
-    local = np.einsum("tji,tcj->tci", local_axes(middle), acceleration)
+    forcing = _forcing(flight, p, errors, used)
     up = np.array([1.0, 1.0, -1.0])
     out = np.empty((len(p), n // every + 1, 3))
     _channels(
         p[:, 48:51] * up,
         p[:, 51:54] * up,
-        np.ascontiguousarray(local * up),
-        KM / np.linalg.norm(middle, axis=1) ** 3,
+        np.ascontiguousarray(forcing.total),
+        KM / np.linalg.norm(forcing.middle, axis=1) ** 3,
         h,
         every,
         out,
     )
     return ChannelErrors(time_s=flight.time_s[::every], position_m=out)
+
+
+def closed_form_errors(flight: Flight, parameters: Array, errors: ErrorSet, every: int = 10) -> ChannelErrors:
+    """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for.
+
+    They want one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A
+    are the means of the accelerometers' local errors while the motor burns, f e the slope (least squares
+    through zero) of the acceleration that attitude errors cause then (X). An initial attitude error acts as a
+    bias of f psi. They hold as long as those stay what they were.
+    """
+    p = np.atleast_2d(parameters)
+    require(every >= 1 and flight.steps % every == 0, f"every = {every!r}: must divide the flight's steps")
+    forcing = _forcing(flight, p, errors, None)
+    felt = np.linalg.norm(flight.specific_force_b[:, 1], axis=-1)
+    burning = felt > _BURNING if np.any(felt > _BURNING) else np.ones(flight.steps, dtype=np.bool_)
+    time = flight.time_s[:-1][burning] + 0.5 * flight.step_s
+    still = p.copy()
+    still[:, 24:48] = 0.0  # the attitude error the flight starts with, without what the gyros add
+    first = _forcing(flight, still, errors, None).tilt[burning]
+    grown = forcing.tilt[burning] - first
+    constants = {
+        "bias": np.mean(forcing.constant[burning] + first, axis=0),
+        "tilt_rate": np.einsum("t,tci->ci", time, grown) / np.sum(time**2),
+        "amplitude": np.mean(forcing.amplitude[burning], axis=0),
+        "position": p[:, 48:51] * np.array([1.0, 1.0, -1.0]),
+        "velocity": p[:, 51:54] * np.array([1.0, 1.0, -1.0]),
+    }
+    height = float(np.mean(flight.height_m))
+    t = flight.time_s[::every]
+    frequency = 2.0 * np.pi / errors.accelerometers.bias_period_s
+
+    def form(closed: Callable[..., Array], part: slice) -> Array:
+        given = {name: value[:, None, part] for name, value in constants.items()}
+        return closed(t[:, None], height, frequency=frequency, **given)
+
+    both = form(horizontal_error, slice(0, 2)), form(vertical_error, slice(2, 3))
+    return ChannelErrors(t, np.concatenate(both, axis=-1), _CLOSED)
+
+
+_BURNING = 0.1
+"""Specific force, m/s², above which the motor burns."""
+_CLOSED = "closed forms [B-6] with the means of the powered flight as constants (X): they explain, not predict"

@@ -9,17 +9,12 @@ case differs from another only by a mask, and a slider is a factor on some entri
 """
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
-from nav_model.suborbital.frames import (
-    ARCSEC,
-    DEGREE_PER_HOUR,
-    STANDARD_GRAVITY,
-    Array,
-    require,
-    require_finite,
-)
+from nav_model.suborbital.frames import Array, require, require_finite
+from nav_model.units import to_si
 
 Triple = tuple[float, float, float]
 Matrix = tuple[Triple, Triple, Triple]
@@ -35,6 +30,22 @@ def scale_and_misalignment(scale: float, misalignment: float | None = None) -> M
     m = scale * np.eye(3) + off * np.array(MISALIGNMENT_PATTERN)
     rows = [(float(row[0]), float(row[1]), float(row[2])) for row in m]
     return rows[0], rows[1], rows[2]
+
+
+def scale_matrix(scale: tuple[float, ...], misalignment: tuple[float, ...]) -> Matrix:
+    """S + N from scale factors (x, y, z) and misalignments by rows (xy, xz, yx, yz, zx, zy)."""
+    (x, y, z), (xy, xz, yx, yz, zx, zy) = scale, misalignment
+    return (x, xy, xz), (yx, y, yz), (zx, zy, z)
+
+
+def diagonal(matrix: Matrix) -> tuple[float, ...]:
+    """The scale factors (x, y, z) of S + N."""
+    return tuple(matrix[k][k] for k in range(3))
+
+
+def off_diagonal(matrix: Matrix) -> tuple[float, ...]:
+    """The misalignments of S + N by rows (xy, xz, yx, yz, zx, zy)."""
+    return tuple(matrix[i][j] for i in range(3) for j in range(3) if i != j)
 
 
 @dataclass(frozen=True)
@@ -77,13 +88,15 @@ class InitialErrors:
             require_finite(name, value)
 
 
-def _triple(values: tuple[float, float, float], unit: float) -> Triple:
-    return values[0] * unit, values[1] * unit, values[2] * unit
+def _triple(values: tuple[float, float, float], unit: str, dimension: str) -> Triple:
+    """Rounded once, so that a value written in its unit is the very same number."""
+    x, y, z = (to_si(Fraction(repr(value)), unit, dimension) for value in values)
+    return x, y, z
 
 
 GP1_ACCELEROMETERS = SensorErrors(
-    constant_bias=_triple((1.0, 0.9, -1.1), 1e-3 * STANDARD_GRAVITY),
-    oscillating_bias=_triple((-0.8, 0.4, 0.8), 1e-3 * STANDARD_GRAVITY),
+    constant_bias=_triple((1.0, 0.9, -1.1), "mg", "acceleration"),
+    oscillating_bias=_triple((-0.8, 0.4, 0.8), "mg", "acceleration"),
     bias_period_s=1500.0,
     constant_matrix=scale_and_misalignment(1e-4),
     oscillating_matrix=scale_and_misalignment(3e-5),
@@ -91,18 +104,18 @@ GP1_ACCELEROMETERS = SensorErrors(
     white_noise=1e-3,
 )
 GP1_GYROS = SensorErrors(
-    constant_bias=_triple((3.0, 4.0, 2.0), DEGREE_PER_HOUR),
-    oscillating_bias=_triple((0.3, 0.3, 0.3), DEGREE_PER_HOUR),
+    constant_bias=_triple((3.0, 4.0, 2.0), "°/h", "angular rate"),
+    oscillating_bias=_triple((0.3, 0.3, 0.3), "°/h", "angular rate"),
     bias_period_s=600.0,
     constant_matrix=scale_and_misalignment(1e-4),
     oscillating_matrix=scale_and_misalignment(3e-5),
     matrix_period_s=600.0,
-    white_noise=float(np.radians(0.02) / 60.0),
+    white_noise=to_si(Fraction("0.02"), "°/√h", "angle random walk"),
 )
 GP1_INITIAL = InitialErrors(
     position_m=(20.0, -20.0, -50.0),
     velocity_m_s=(0.1, 0.1, -0.1),
-    attitude_rad=_triple((60.0, 60.0, 60.0), ARCSEC),
+    attitude_rad=_triple((60.0, 60.0, 60.0), "arcsec", "angle"),
 )
 
 

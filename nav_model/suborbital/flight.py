@@ -6,6 +6,7 @@ force is one-sided at the ends, so a burn-out that falls on a step is integrated
 """
 
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 
 import numba
@@ -24,6 +25,10 @@ from nav_model.suborbital.frames import (
     spherical_position,
 )
 from nav_model.suborbital.gravity import field_kernel, zonals
+from nav_model.units import to_si
+
+MAX_STEPS = 100_000
+"""Of a flight: ten thousand seconds at 0.1 s, and no memory beyond it."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +46,7 @@ class FlightParameters:
     pitch_program_end_s: float = 150.0
     initial_pitch_rad: float = np.radians(90.0)
     burnout_pitch_rad: float = np.radians(19.0)
-    coast_pitch_down_rad_s: float = np.radians(0.045)
+    coast_pitch_down_rad_s: float = to_si(Fraction("0.045"), "°/s", "angular rate")
     coast_ramp_s: float = 60.0
     yaw_amplitude_rad: float = np.radians(1.0)
     yaw_period_s: float = 300.0
@@ -79,6 +84,12 @@ class FlightParameters:
                 f"{name} = {getattr(self, name)!r}: must be a whole number of steps of {self.step_s!r} s "
                 "(burn-out inside a step would be smeared over it)",
             )
+        steps = self.duration_s / self.step_s
+        require(
+            steps <= MAX_STEPS,
+            f"duration_s = {self.duration_s!r}, step_s = {self.step_s!r}: {steps:.0f} steps; at most {MAX_STEPS} "
+            "are flown",
+        )
         zonals(self.gravity)
 
 

@@ -22,8 +22,6 @@ STANDARD_GRAVITY = 9.80665
 """What "1 g" on a data sheet means, m/s²."""
 ARCSEC = np.pi / 648000.0
 """One second of arc, rad."""
-DEGREE_PER_HOUR = np.pi / 180.0 / 3600.0
-"""One degree per hour, rad/s."""
 
 
 def ned_to_inertial(latitude: ArrayLike, inertial_longitude: ArrayLike) -> Array:

@@ -232,6 +232,15 @@ def white_noise_spread(
     )
 
 
+def along_track_sigma(spread: NoiseSpread, flight: Flight, every: int = 10) -> Array:
+    """Standard deviation of the position error down-range and cross-range, (m, 2), m; every as in the spread."""
+    north, east = np.swapaxes(local_axes(flight.position_i[::every]), -1, -2)[:, :2].swapaxes(0, 1)
+    c, s = (f(flight.track_rad[::every])[:, None] for f in (np.cos, np.sin))
+    place = spread.covariance[:, 6:, 6:]
+    axes = (c * north + s * east, c * east - s * north)
+    return np.asarray(np.sqrt(np.stack([np.einsum("ti,tij,tj->t", a, place, a) for a in axes], axis=-1)))
+
+
 @numba.njit(cache=True, nogil=True)
 def _covariance(force, gradient, used, star, gyro, accelerometer, h, every, out):  # type: ignore[no-untyped-def]
     """Discrete covariance propagation; isotropic noise of densities gyro and accelerometer."""

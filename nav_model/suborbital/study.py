@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, perfect_frames
+from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, frame_stride, perfect_frames
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
 from nav_model.suborbital.flight import Flight, FlightParameters, golden_flight
@@ -47,6 +47,7 @@ class StudyInputs:
             self.ins_gravity in ZONALS,
             f"ins_gravity = {self.ins_gravity!r}: must be one of {', '.join(ZONALS)}",
         )
+        frame_stride(self.aiding, self.flight.step_s)
 
 
 @dataclass(frozen=True)
@@ -339,6 +340,15 @@ def position_gap(pure_m: Array, aided_m: Array, exact: Study) -> Gap:
     return Gap(exact.names, pure_gap, aided_gap, pure_share, aided_share)
 
 
+def matrix_gap(study: Study) -> Gap:
+    """Gap between the plain product S p and the study it belongs to: what the linear model alone would say.
+
+    The curves of `slide` are better: they start at the exact answer and only move by S.
+    """
+    p = study.parameters
+    return position_gap(study.pure_sensitivity.position_m(p), study.aided_sensitivity.position_m(p), study)
+
+
 def gravity_rows(inputs: StudyInputs | None = None) -> tuple[tuple[str, str, Array], ...]:
     """Final north, east, up error (m) of an otherwise perfect INS for every pair (true model, INS model)."""
     given = inputs or StudyInputs()
@@ -350,43 +360,3 @@ def gravity_rows(inputs: StudyInputs | None = None) -> tuple[tuple[str, str, Arr
             run = mechanise(flight, nothing, given.errors, gravity=model, every=flight.steps)
             rows.append((true_model, model, navigation_errors(flight, run).position_m[0, -1]))
     return tuple(rows)
-
-
-def noise_ensemble(
-    study: Study,
-    runs: int = 100,
-    seed: int = 1,
-    *,
-    aided: bool = False,
-    progress: Callable[[float], None] | None = None,
-    cancel: Callable[[], bool] | None = None,
-) -> Array:
-    """Position error histories (runs, m, 3), north, east, up, of an INS with white noise alone, by Monte
-    Carlo.
-
-    Each step holds one draw of density white_noise per axis. Compare with `Study.pure_noise`, its prediction.
-    """
-    require(runs >= 1, f"runs = {runs!r}: must be at least 1")
-    flight, errors = study.flight, study.inputs.errors
-    sigma = np.repeat([errors.accelerometers.white_noise, errors.gyros.white_noise], 3)
-    generator = np.random.default_rng(seed)
-    every = round(study.inputs.output_interval_s / flight.step_s)
-    frames = (perfect_frames(flight, study.inputs.aiding) if aided else None,)
-    nothing = np.zeros(study.parameters.shape[1])
-    out = np.empty((runs, len(study.pure.time_s), 3))
-    for member in range(runs):
-        noise = generator.standard_normal((1, flight.steps, 6)) * sigma / np.sqrt(flight.step_s)
-        run = mechanise(
-            flight,
-            nothing,
-            errors,
-            frames=frames,
-            noise=noise,
-            gravity=flight.gravity,
-            every=every,
-            cancel=cancel,
-        )
-        out[member] = navigation_errors(flight, run).position_m[0]
-        if progress is not None:
-            progress((member + 1) / runs)
-    return out

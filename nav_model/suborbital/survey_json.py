@@ -6,8 +6,10 @@ import math
 import shlex
 from typing import Any
 
-from nav_model.suborbital.frames import ARCSEC
-from nav_model.suborbital.settings import DEFAULTS, SETTINGS, Settings
+from nav_model.suborbital.frames import ARCSEC, Array
+from nav_model.suborbital.input_table import SETTINGS
+from nav_model.suborbital.noise_ensemble import LEVEL, NoiseEnsemble
+from nav_model.suborbital.settings import DEFAULTS, Settings
 from nav_model.suborbital.study import Gap, Study
 from nav_model.suborbital.summary import to_json
 from nav_model.suborbital.survey import Survey
@@ -74,6 +76,26 @@ def gap_json(gap: Gap) -> dict[str, Any]:
             "aided_share": float(gap.aided_share[k]),
         }
         for k, name in enumerate(gap.names)
+    }
+
+
+def noise_json(ensemble: NoiseEnsemble) -> dict[str, Any]:
+    """A white-noise ensemble: final rms, the predicted sigma beside it, and the interval it is judged by."""
+    channels = ("north", "east", "up")
+
+    def named(values: Array) -> dict[str, float]:
+        return dict(zip(channels, map(float, values), strict=True))
+
+    return {
+        "runs": ensemble.runs,
+        "seed": ensemble.seed,
+        "final_rms_m": named(ensemble.pure_rms_m[-1]),
+        "aided_final_rms_m": named(ensemble.aided_rms_m[-1]),
+        "predicted_sigma_m": named(ensemble.pure_sigma_m[-1]),
+        "aided_predicted_sigma_m": named(ensemble.aided_sigma_m[-1]),
+        "interval": {"level": LEVEL, "low": ensemble.low, "high": ensemble.high},
+        "inside": all(inside for *_, inside in ensemble.final),
+        "source": ensemble.source,
     }
 
 

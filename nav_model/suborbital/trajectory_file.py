@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from nav_model.suborbital.flight import Flight, assemble, step_nodes
+from nav_model.suborbital.flight import MAX_STEPS, Flight, assemble, step_nodes
 from nav_model.suborbital.frames import (
     EARTH_RADIUS,
     EARTH_RATE,
@@ -52,8 +52,7 @@ def save_trajectory(flight: Flight, path: str | Path, every: int = 1) -> None:
 
 MAX_BYTES = 16_000_000
 MAX_ROWS = 200_000
-MAX_STEPS = 100_000
-"""Limits of a trajectory: what a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
+"""Limits of a file: what a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
 
 
 def load_trajectory(path: str | Path, step_s: float = 0.1, gravity: str = "spherical") -> Flight:

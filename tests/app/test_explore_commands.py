@@ -9,7 +9,7 @@ import pytest
 
 from app.cli import main
 
-DESIGN = str(Path(__file__).parents[2] / "app" / "first_design.toml")
+DESIGN = str(Path(__file__).parents[2] / "app" / "examples" / "mems_x_band.toml")
 
 
 @pytest.mark.parametrize("question", ["solve", "rank", "map", "search", "uncertainty"])

@@ -13,7 +13,8 @@ import pytest
 
 from app.charts.budget import BUDGET_CHARTS
 from app.charts.description import STYLES, Band, Bar, BarChart, Chart, Limit, Line, Points, Span
-from app.charts.in_print import FONT, power_of_ten, to_svg
+from app.charts.in_print import FONT, to_svg
+from app.charts.in_print_look import power_of_ten
 from nav_model.budget import Budget, analyse
 from nav_model.design_file import read_design
 

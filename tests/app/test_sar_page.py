@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import app.pages.sar_upload as sar_upload
 import app.sar_run as sar_run
@@ -196,3 +197,63 @@ def test_sar_command_refuses_in_one_line(
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPage, session: Session) -> None:
+    session.change({"radar.aperture_time": 3.0})
+    sar._engine.value = "simulator"
+    run(sar)
+    assert "100 flights of the simulator" in sar._state.object
+    assert "The two engines beside each other" in sar._tables.object
+    assert "WGS 84" in sar._tables.object
+    result = sar._result
+    assert result is not None
+    assert (result.study.engine, result.beside.engine) == ("simulator", "fast")
+    # The two are different programs, so only their statistics agree.
+    ratio = result.study.rms[1:] / result.beside.rms[1:]
+    assert np.all(np.abs(ratio - 1) < 0.5)
+    assert not np.allclose(ratio, 1, atol=1e-3)
+    session.change({"imu.rate": 200.0})  # flown at the instrument's rate; the error model knows none
+    assert "stale" in sar._tables.object
+
+
+def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.MonkeyPatch) -> None:
+    import app.picture_downloads as downloads
+
+    monkeypatch.setattr(downloads, "elsewhere", here)
+    point, scene = sar._downloads
+    assert not point.view.visible
+    assert not sar._whole.visible
+    run(sar)
+    assert point.view.visible
+    shown = sar._result.points
+    with np.load(point._npz()) as packed:
+        assert packed["power_db"].shape == (9, 61, 121)
+        np.testing.assert_array_equal(packed["power_db"], shown.power_db)
+        assert packed["names"][0] == "1 ideal"
+    table = np.loadtxt(asyncio.run(point._csv()), delimiter=",", skiprows=1)
+    assert table.shape == (61 * 121, 2 + 9)
+    row = 17 * 121 + 40
+    assert table[row, :2] == pytest.approx([shown.x[40], shown.y[17]], rel=1e-4)
+    assert table[row, 4] == pytest.approx(shown.power_db[2, 17, 40], rel=1e-4)
+    picture = Image.open(asyncio.run(scene._png()))
+    assert picture.format == "PNG"
+    assert picture.width > 1000
+    assert len(np.unique(np.asarray(picture.convert("L")))) > 50  # not an empty sheet
+    document = json.load(asyncio.run(sar._json()))
+    assert document["engine"] == "fast"
+    assert document["strategies"][1]["residual_rms_over_runs_m"] == sar._result.study.rms[1]
+
+
+def test_sar_command_flies_the_simulator(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "d.toml"
+    path.write_text(format_design(first_design()), encoding="utf-8")
+    options = ["sar", str(path), "--engine", "simulator", "--runs", "20", "--set", "radar.aperture_time=2 s"]
+    assert main([*options, "--workers", "1"]) == 0
+    told = capsys.readouterr()
+    data = json.loads(told.out)
+    assert data["engine"] == "simulator"
+    assert len(data["agreement"]["strategies"]) == 8
+    assert "20 of 20 runs" in told.err
+    assert main([*options, "--workers", "0"]) == 2
+    assert "--workers" in capsys.readouterr().err

@@ -13,11 +13,11 @@ import pytest
 
 from app.catalogue_tables import catalogue_table
 from app.charts.sensors import axis_chart, triad_chart
-from app.log_job import LogJobLost, study_elsewhere
 from app.log_panel import progress_line
-from app.log_study import LogRequest
+from app.log_study import LogRequest, study_log
 from app.log_tables import coefficient_tables, origin_table
 from app.log_upload import LimitedFileInput
+from app.long_run import RunLost, run_alone
 from app.pages.sensors import SensorsPage
 from app.server import first_design
 from app.state import Session
@@ -25,6 +25,7 @@ from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import LogOptions
 from nav_model.allan.static_log import analyse_log
 from nav_model.catalogue import catalogue
+from nav_model.inputs import DesignError
 
 # The Material download button passes both names of one argument to its own base class.
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
@@ -121,7 +122,7 @@ def test_cancel_ends_the_process_at_once(tmp_path: Path):
 
     async def cancelled() -> None:
         request = LogRequest(path, options=LogOptions(rate_hz=100.0, gyro_unit="rad/s"))
-        task = asyncio.create_task(study_elsewhere(request, lambda fraction, what: said.append(what)))
+        task = asyncio.create_task(run_alone(study_log, request, progress=lambda fraction, what: said.append(what)))
         while not said:
             await asyncio.sleep(0.05)
         task.cancel()
@@ -132,10 +133,19 @@ def test_cancel_ends_the_process_at_once(tmp_path: Path):
     assert "done" not in said
 
 
+def test_a_refusal_comes_back_with_its_key(tmp_path: Path):
+    for path, reason in ((tmp_path / "none.csv", "no such file"), (tmp_path / "bad.csv", "line 1")):
+        (tmp_path / "bad.csv").write_text("a,b\nx,y\n")
+        with pytest.raises(DesignError) as caught:
+            asyncio.run(run_alone(study_log, LogRequest(path), progress=lambda fraction, what: None))
+        assert path.name in caught.value.key
+        assert reason in caught.value.reason
+
+
 def test_a_process_that_dies_is_an_answer(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
     """A request that cannot be understood raises in the process, as running out of memory would."""
-    with pytest.raises(LogJobLost, match="without an answer"):
-        asyncio.run(study_elsewhere("not a request", lambda fraction, what: None))  # type: ignore[arg-type]
+    with pytest.raises(RunLost, match="without an answer"):
+        asyncio.run(run_alone(study_log, "not a request", progress=lambda fraction, what: None))
     assert "Traceback" in capfd.readouterr().err
 
 

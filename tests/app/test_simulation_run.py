@@ -11,13 +11,14 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from app import simulation_run
 from app.charts import simulate as charts
 from app.charts.description import STYLES, to_csv
 from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
 from app.pages.simulate import SimulatePage
-from app.simulation_run import News, Progress, Result, SimulationRun, outages_of, same_subject
+from app.simulation_run import Compiling, News, Progress, Result, SimulationRun, outages_of, same_subject
 from app.simulation_words import answer, under_way
 from app.state import Session
 from nav_model.design import Design
@@ -80,6 +81,22 @@ def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
     assert isinstance(last, Result)
     assert not last.partial
     assert np.array_equal(last.study.result.rms, _study(**options).result.rms)
+
+
+def _slow_start() -> float:
+    time.sleep(2.5)
+    return 2.5
+
+
+def test_a_compilation_is_told_as_it_goes_and_can_be_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation_run, "warm_up", _slow_start)
+    heard = _fly({"runs": 2, "duration": 10.0}, lambda run, news: None)
+    waits = [news.seconds for news in heard if isinstance(news, Compiling)]
+    assert len(waits) >= 2
+    assert waits == sorted(waits)
+    assert isinstance(heard[-1], Result)
+    heard = _fly({"runs": 2, "duration": 10.0}, lambda run, news: run.cancel())
+    assert heard[-1] == "Cancelled after 0 of 2 runs."
 
 
 def test_cancel_ends_at_once_and_says_how_far_it_was() -> None:
@@ -171,6 +188,9 @@ def test_the_verdict_comes_first_in_words_and_what_people_write_is_inert(study: 
     assert "more are flying" in answer(Result(DESIGN, study, partial=True), stale=False)
     assert "Where closed form and simulation part" in fresh
     assert "40 of 200 runs, 3 s left" in under_way(Progress(40, 200, 3.2))
+    assert "Preparing" in under_way(Progress(0, 200, None))
+    assert "Preparing" in under_way(Compiling(1.0))  # a worker is starting: nothing worth a word
+    assert "once for this installation" in under_way(Compiling(9.0))
 
 
 # The widget library sets both of its own button parameters.
@@ -196,6 +216,19 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Desi
         for name, value in before.items():
             getattr(page, name).value = value
     assert page._specification().outages == ((200.0, 300.0),)
+    boxes = page._more.boxes
+    boxes["gyro.bias_instability"].value = "25 °/h"
+    assert page._specification().imu.gyro.bias_instability == pytest.approx(25 * np.pi / 648_000)
+    boxes["gyro.bias_instability"].value = "25 mg"
+    assert boxes["gyro.bias_instability"].error_state
+    assert "not a unit of angular rate" in boxes["gyro.bias_instability"].helper_text
+    assert "still 25 °/h" in boxes["gyro.bias_instability"].helper_text
+    assert page._specification().imu.gyro.bias_instability > 0.0  # the last good value holds
+    assert "(1 given)" in page._more.view.title
+    boxes["gyro.bias_instability"].value = ""
+    assert not boxes["gyro.bias_instability"].error_state
+    assert page._specification().imu.gyro.bias_instability == 0.0
+    assert "given" not in page._more.view.title
     page._told(Result(DESIGN, study, partial=False))
     figures = [chart.figure.plot for chart in page._charts]
     assert len(figures) == len(CHARTS)

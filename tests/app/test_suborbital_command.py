@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 
 from app.cli import main
+from nav_model.suborbital.flight import golden_flight
+from nav_model.suborbital.trajectory_file import save_trajectory
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 # star_tracker.md, GP-1 on the golden flight: north, east, up [m], accept 5 m.
@@ -58,6 +60,43 @@ def test_a_design_and_options_enter_and_are_named() -> None:
     # From 80 km some of the boost is flown on gyros: more is left than with the tracker from lift-off.
     gyro = answer["aided_final_m"]["gyro total"]
     assert abs(gyro["up"]) > 100.0
+
+
+def test_a_study_file_gives_the_same_answer_as_the_options_it_was_saved_from(tmp_path: Path) -> None:
+    file, flown = tmp_path / "mine.toml", tmp_path / "flown.csv"
+    save_trajectory(golden_flight(), flown, every=5)
+    options = ["--set", "gyros.bias=1, 2, -3 °/h", "--latency", "10 ms", "--trajectory", str(flown)]
+    code, before, _ = run(*options, "--save", str(file))
+    assert code == 0
+    flown.unlink()  # the file holds the trajectory
+    code, after, _ = run(str(file))
+    assert code == 0
+    assert after["trajectory"] == "flown.csv"
+    for part in ("final_m", "aided_final_m", "white_noise_sigma_m"):
+        assert after[part] == before[part]
+    assert after["inputs"]["gyros.bias"] == {**before["inputs"]["gyros.bias"], "from": f"file {file}"}
+    # and --set comes on top of it
+    file.write_text('study = "suborbital"\n[gyros]\nbias = "9 deg/h"\n')
+    code, top, _ = run(str(file), "--set", "gyros.bias=1 °/h")
+    assert code == 0
+    assert top["inputs"]["gyros.bias"]["value"] == "1, 1, 1 °/h"
+
+
+def test_a_wrong_study_file_is_one_line_and_exit_2(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    for text, said in (
+        ('study = "suborbital"\n[gyros]\nbias = "5 kg"\n', "gyros.bias: 'kg' is not a unit of angular rate"),
+        ('study = "suborbital"\n[gyro]\nbias = "5 °/h"\n', "gyro: unknown key"),
+        ('study = "suborbital"\n[trajectory]\nname = "a.csv"\ncsv = "a,b\\n1,2"\n', "a.csv: columns time_s"),
+    ):
+        file.write_text(text)
+        code, answer, error = run(str(file))
+        assert (code, answer) == (2, {})
+        assert said in error.splitlines()[-1]
+    file.write_text('study = "suborbital"\n')
+    code, _, error = run(str(file), "--set", "imu.gyro_bias=3 °/h")
+    assert code == 2
+    assert "no DESIGN is given but a study" in error
 
 
 @pytest.mark.parametrize(

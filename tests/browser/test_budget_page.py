@@ -27,6 +27,14 @@ _CURVE = """(name) => {
 }"""
 
 
+_STILL = """() => {
+  const roots = [document]
+  for (const root of roots)
+    for (const element of root.querySelectorAll("*")) if (element.shadowRoot) roots.push(element.shadowRoot)
+  return roots.every(root => root.getAnimations().every(animation => animation.playState !== "running"))
+}"""
+
+
 def box(page: Page, label: str) -> Locator:
     """The text box of an input (its slider and unit carry other roles)."""
     return page.get_by_role("textbox", name=label, exact=True)
@@ -62,6 +70,21 @@ def test_first_screen_gives_the_answer(visit: Visit) -> None:
         f"{100 * budget.steady_state.prior.position_horizontal:.3g} cm"
     )
     expect(page.get_by_text("How do we know:").first).to_be_visible()
+
+
+_TAKES_CSV = ("Position", "Velocity", "Attitude", "Phase budget", "Azimuth impulse", "Regime")
+
+
+def test_what_is_below_the_first_screen_follows_and_covers_nothing(visit: Visit) -> None:
+    """The charts made after the first view: all there, one below or beside the other, fed like the first."""
+    page = visit()
+    expect(page.locator(".bk-Figure:visible")).to_have_count(6)
+    expect(page.get_by_role("textbox", name="Position noise", exact=True)).to_be_visible()
+    for name in _TAKES_CSV:  # a trial click fails where something lies over the button
+        page.get_by_role("button", name=re.compile(f"^{name}.*CSV")).click(trial=True)
+    before = page.evaluate(_CURVE, "velocity lines 0")
+    enter(box(page, "Angle random walk"), "0.5")
+    page.wait_for_function(f"(old) => ({_CURVE})('velocity lines 0')[0] !== old", arg=before[0])
 
 
 def test_slider_moves_box_curve_and_verdict_together(visit: Visit) -> None:
@@ -246,4 +269,5 @@ def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit) -> N
         serious = [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}]
         assert serious == []
         page.get_by_role("button", name="theme").click()
-        page.wait_for_timeout(600)
+        page.wait_for_timeout(300)
+        page.wait_for_function(_STILL)  # colours fade over; in between nothing has its contrast

@@ -1,4 +1,6 @@
-"""The Theory page in the browser: every equation is there, and nothing is fetched for it."""
+"""The Theory page in the browser: every equation is there, marks lead to it, and nothing is fetched for it."""
+
+from __future__ import annotations
 
 from collections.abc import Callable
 
@@ -6,11 +8,45 @@ from playwright.sync_api import Page, expect
 
 from app.report.equations import ALL_EQUATIONS
 
+Visit = Callable[..., Page]
+_IN_VIEW = "e => { const b = e.getBoundingClientRect(); return b.top >= 0 && b.top < innerHeight / 2 }"
 
-def test_every_equation_is_set_offline(visit: Callable[..., Page]) -> None:
+
+def test_every_equation_is_set_offline(visit: Visit) -> None:
     page = visit()
     page.get_by_text("Theory", exact=True).first.click()
     expect(page.locator("section.equation math")).to_have_count(len(ALL_EQUATIONS))
     expect(page.locator("#T-2")).to_contain_text("√")
     expect(page.get_by_role("region", name="Validation")).to_contain_text("SciPy")
+    expect(page.get_by_role("region", name="Where figures differ")).to_contain_text("0.900 m")
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 1440
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.wait_for_timeout(300)
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+
+
+def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
+    page = visit()
+    page.locator(".know").get_by_role("link", name="[T-17]").first.click()
+    equation = page.locator("#T-17")
+    expect(equation).to_be_focused()
+    assert equation.evaluate(_IN_VIEW)
+    assert page.evaluate("() => location.hash") == "#theory-T-17"
+    equation.get_by_role("link", name="[T-8]").first.click()
+    expect(page.locator("#T-8")).to_be_focused()
+    page.get_by_role("navigation", name="On this page").get_by_role("link", name="Symbols").click()
+    expect(page.locator("#symbols")).to_be_focused()
+    page.get_by_role("tab", name="Budget").click()
+    page.wait_for_function("() => location.hash === '#budget'")
+    page.locator("dl.cards").get_by_role("link", name="[T-17]").press("Enter")
+    expect(equation).to_be_focused()
+
+
+def test_the_address_of_an_equation_opens_there(visit: Visit) -> None:
+    page = visit("/#theory-S-5")
+    expect(page.locator("#S-5")).to_be_focused()
+    assert page.locator("#S-5").evaluate(_IN_VIEW)
+    for nowhere in ("#theory-<img src=x>", "#nonsense:S-5", "#theory-"):
+        page.evaluate("hash => { location.hash = hash }", nowhere)
+    page.evaluate("() => { location.hash = '#theory-T-1' }")
+    expect(page.locator("#T-1")).to_be_focused()

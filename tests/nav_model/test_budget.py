@@ -265,3 +265,14 @@ def test_wide_sawtooth_is_flagged():
 
     assert not flagged(BASE)  # 0.23
     assert flagged(BASE.replace({"gnss.position_noise": 0.02}))  # 0.83
+
+
+def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refused():
+    broad, squinted = (analyse(Design({"radar.squint_angle": math.radians(angle)})) for angle in (0, 40))
+    assert squinted.sar.aperture_time == pytest.approx(broad.sar.aperture_time / math.cos(math.radians(40)))
+    assert squinted.sar.cell_length == pytest.approx(broad.sar.cell_length)
+    longer = (squinted.sar.aperture_time / broad.sar.aperture_time) ** 2
+    turned = longer * math.cos(math.radians(40)) ** 2
+    assert squinted.sar.along_track_quadratic == pytest.approx(turned * broad.sar.along_track_quadratic)
+    with pytest.raises(DesignError, match=r"radar\.squint_angle.*at most 55°"):
+        analyse(Design({"radar.squint_angle": math.radians(-56)}))

@@ -24,8 +24,13 @@ CASES = [
 def test_against_eighty_digits(case, reference):
     a, w, g, h, r, slow, tau = case
     exact = reference.doubled(a, w, g, h, r, (slow, tau), digits=80)
-    for ours, matrix in zip(horizontal_cycle_slow(*case), exact, strict=True):
+    *ends, slow_with_tilt = horizontal_cycle_slow(*case)
+    for ours, matrix in zip(ends, exact, strict=True):
         _close(ours.matrix(), matrix, 3)
+    # The error itself is its estimate minus the error of that estimate, of which alone the tilt knows.
+    with mpmath.workdps(60):
+        unit = mpmath.sqrt(exact[1][2, 2] * exact[1][3, 3])
+        assert abs(mpmath.mpf(float(slow_with_tilt)) + exact[1][2, 3]) / unit < 1e-11
     exact = reference.doubled(a, 1e-40, g, h, r, (slow, tau), digits=110)
     for ours, matrix in zip(vertical_cycle_slow(a, h, r, slow, tau), exact, strict=True):
         _close(np.array([[ours.v11, ours.v12], [ours.v12, ours.v22]]), matrix, 2)
@@ -44,7 +49,7 @@ def test_no_design_is_out_of_reach():
     rng = np.random.default_rng(3)
     low, high = np.log([1e-6, 1e-8, 1e-3, 1e-3, 1e-6, 0.1]), np.log([1.0, 1.0, 3600.0, 1e4, 1e4, 1e5])
     a, w, h, r, slow, tau = np.exp(low + rng.random((20_000, 6)) * (high - low)).T
-    prior, posterior = horizontal_cycle_slow(a, w, 9.8, h, r, slow, tau)
+    prior, posterior, _ = horizontal_cycle_slow(a, w, 9.8, h, r, slow, tau)
     least, _ = horizontal_cycle(a, w, 9.8, h, r)
     up, down = vertical_cycle_slow(a, h, r, slow, tau)
     for before, after in ((prior.p11, posterior.p11), (prior.p22, posterior.p22), (prior.p33, posterior.p33),
@@ -60,7 +65,7 @@ def test_a_complex_step_gives_the_derivative():
     for i in range(7):
         stepped = case.astype(complex)
         stepped[i] *= 1 + 1e-20j
-        prior, _ = horizontal_cycle_slow(*stepped)
+        prior, *_ = horizontal_cycle_slow(*stepped)
         slope = prior.p33.imag / prior.p33.real / 1e-20
         values = [
             float(horizontal_cycle_slow(*(case * (1 + k * 1e-3 * (np.arange(7) == i))))[0].p33)

@@ -26,20 +26,26 @@ DENSITY = st.floats(1e-3, 1e2)
 GRAVITY = st.floats(9.7, 9.9)
 
 
-def test_horizontal_against_the_riccati_equation(fleet, reference):
+def test_horizontal_against_the_riccati_equation(fleet, reference, validated, ratio_off):
     ours = horizontal(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g).matrix()
     assert fleet.size >= 200
-    for i in range(fleet.size):
-        theirs = reference.continuous(fleet.sigma_a[i], fleet.sigma_w[i], fleet.s[i], fleet.g[i])
-        np.testing.assert_allclose(ours[i], theirs, rtol=1e-9)
+    each = zip(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g, strict=True)
+    off = ratio_off(ours, [reference.continuous(*design) for design in each])
+    validated(
+        "Steady-state covariance, horizontal, 240 designs", "T-3", "SciPy, continuous Riccati equation", off, 1e-9,
+        "largest ratio − 1",
+    )  # fmt: skip
 
 
-def test_vertical_against_the_riccati_equation(fleet, reference):
+def test_vertical_against_the_riccati_equation(fleet, reference, validated, ratio_off):
     v = vertical(fleet.sigma_a, fleet.s)
-    for i in range(fleet.size):
-        theirs = reference.continuous(fleet.sigma_a[i], 0.0, fleet.s[i], fleet.g[i], order=2)
-        ours = [[v.v11[i], v.v12[i]], [v.v12[i], v.v22[i]]]
-        np.testing.assert_allclose(ours, theirs, rtol=1e-9)
+    each = zip(fleet.sigma_a, fleet.s, fleet.g, strict=True)
+    theirs = np.array([reference.continuous(a, 0.0, s, g, order=2) for a, s, g in each])
+    off = ratio_off([[v.v11, v.v12], [v.v12, v.v22]], np.moveaxis(theirs, 0, -1))
+    validated(
+        "Steady-state covariance, vertical, 240 designs", "T-4", "SciPy, continuous Riccati equation", off, 1e-9,
+        "largest ratio − 1",
+    )  # fmt: skip
 
 
 def test_the_fleet_spans_both_regimes(fleet):
@@ -53,9 +59,10 @@ def _root(gyro, accelerometer, near):
     return mp.findroot(lambda x: x**4 / 4 - gyro * x - accelerometer, near)
 
 
-def test_elements_in_fifty_digits(fleet):
+def test_elements_in_fifty_digits(fleet, validated, ratio_off):
     """[T-3] as printed, with its quartic solved in 50 digits: the floats are right to the last few bits."""
     p = horizontal(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g)
+    off = []
     with mp.workdps(50):
         for i in range(0, fleet.size, 3):
             a, w, s, g = (mp.mpf(float(x[i])) for x in (fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g))
@@ -69,8 +76,11 @@ def test_elements_in_fifty_digits(fleet):
                 p11 * w / s,
                 p11**2 * w / (2 * g * s**3),
             )
-            for ours, theirs in zip(p, printed, strict=True):
-                assert float(ours[i]) == pytest.approx(float(theirs), rel=1e-14)
+            off.append(ratio_off([ours[i] for ours in p], [float(theirs) for theirs in printed]))
+    validated(
+        "Quartic of the steady state in closed form", "T-3", "mpmath, root finding in 50 digits", off, 1e-14,
+        "largest ratio − 1",
+    )  # fmt: skip
 
 
 @given(st.floats(0, 1e12))
@@ -80,6 +90,17 @@ def test_position_ratio_is_the_root(kappa):
     with mp.workdps(40):
         exact = mp.findroot(lambda x: x**4 - 1 - mp.mpf(kappa) * x, mp.mpf(u))
         assert u == pytest.approx(float(exact), rel=1e-15)
+
+
+def test_position_ratio_over_twenty_decades(validated, ratio_off):
+    kappa = np.geomspace(1e-8, 1e12, 81)
+    with mp.workdps(40):
+        roots = [float(mp.findroot(lambda x, k=k: x**4 - 1 - mp.mpf(k) * x, mp.mpf(max(1, k) ** (1 / 3)) + 0.1))
+                 for k in kappa]  # fmt: skip
+    validated(
+        "Gyro dominance: the position ratio it gives", "T-6", "mpmath, root finding in 40 digits",
+        ratio_off(position_ratio(kappa), roots), 1e-14, "largest ratio − 1",
+    )  # fmt: skip
 
 
 @given(SIGMA_A, SIGMA_W, DENSITY, GRAVITY)
@@ -112,6 +133,17 @@ def test_more_noise_never_helps(a, w, s, g, which, factor):
     worse[which] *= factor
     for less, more in zip(horizontal(a, w, s, g)[::3], horizontal(*worse, g)[::3], strict=True):
         assert more >= less * (1 - 1e-13)
+
+
+def test_gyro_dominated_limit_against_the_riccati_equation(reference, validated, ratio_off):
+    """At a gyro dominance of 1e5, where the limit's own error is κ^(-4/3), 2e-7."""
+    g, s, w = 9.80665, 1.0, 1e-4
+    a = (2 * math.sqrt(2) * g * w * math.sqrt(s) / 1e5) ** (2 / 3)
+    off = ratio_off(gyro_dominated(w, s, g), np.diag(reference.continuous(a, w, s, g)))
+    validated(
+        "Gyro-dominated limit at a gyro dominance of 10⁵", "T-7", "SciPy, continuous Riccati equation", off, 1e-6,
+        "largest ratio − 1",
+    )  # fmt: skip
 
 
 def test_gyro_dominated_limit_and_its_error():

@@ -63,7 +63,7 @@ def designs():
 @pytest.fixture(scope="session")
 def open_design():
     """The first screen's design: does not close, gyro noise to blame."""
-    return parse_design(files("app").joinpath("first_design.toml").read_text(encoding="utf-8"))
+    return parse_design(files("app").joinpath("examples", "mems_x_band.toml").read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="session")

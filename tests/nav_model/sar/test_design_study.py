@@ -48,6 +48,11 @@ THREE = {
     ),
     "turning": design(radar__slant_range=2500.0, gnss__position_noise=0.3, imu__vibration_factor=0.2),
 }  # fmt: skip
+SLOW = {"gnss__correlated": True, "gnss__correlated_noise": 0.5, "gnss__correlation_time": 60.0}
+MORE = {
+    "squinted": design(radar__squint_angle=-0.8, radar__slant_range=4000.0, coast__before_aperture=60.0),
+    "slow": design(radar__aperture_time=15.0, radar__slant_range=4000.0, **SLOW),
+}
 
 
 def residuals(case, runs, seed):
@@ -63,10 +68,10 @@ def residuals(case, runs, seed):
     return (np.concatenate([getattr(p, n) for p in parts], axis=1) for n in ("detrended_rms", "quadratic"))
 
 
-@pytest.mark.parametrize("name", list(THREE))
+@pytest.mark.parametrize("name", [*THREE, *MORE])
 def test_closed_forms_hold_along_the_line_of_sight(name):
     """2000 runs: within 4 standard errors and 5 % (posterior start, few fixes under 5, along-track slope)."""
-    budget = analyse(THREE[name])
+    budget = analyse((THREE | MORE)[name])
     closed = closed_forms(budget)
     rms, quadratic = residuals(design_case(budget), 2000, 5)
     for key in ("2", "3", "5", "5w"):
@@ -80,9 +85,9 @@ def test_closed_forms_hold_along_the_line_of_sight(name):
     assert wins == (name == "5 wins")
 
 
-@pytest.mark.parametrize("name", list(THREE))
+@pytest.mark.parametrize("name", [*THREE, *MORE])
 def test_the_smoother_loses_to_no_causal_strategy(name):
-    rms, _ = residuals(design_case(analyse(THREE[name])), 500, 8)
+    rms, _ = residuals(design_case(analyse((THREE | MORE)[name])), 500, 8)
     smoothed = rms[STRATEGY_KEYS.index("8")] ** 2
     for strategy, values in zip(STRATEGIES, rms, strict=True):
         if strategy.causal:
@@ -166,8 +171,10 @@ def test_what_cannot_be_simulated_is_refused_by_name(changes, key):
 def test_squint_reaches_the_geometry_and_is_said():
     budget = analyse(design(radar__squint_angle=0.5))
     assert design_case(budget).geometry.squint == 0.5
-    assert any("broadside" in sentence for sentence in study_cautions(budget))
-    assert closed_forms(budget).detrended == closed_forms(analyse(design())).detrended
+    assert any("Squint" in sentence for sentence in study_cautions(budget))
+    broad = analyse(design())
+    assert closed_forms(budget).detrended["3"] < closed_forms(broad).detrended["3"]
+    assert budget.sar.along_track_quadratic == pytest.approx(np.cos(0.5) ** 2 * broad.sar.along_track_quadratic)
 
 
 def test_the_map_says_at_the_design_what_the_advice_says():
@@ -198,8 +205,8 @@ def test_json_is_plain_and_says_what_is_not_there(study):
     few = design_study(design(radar__aperture_time=1.5, gnss__correlated=True), runs=20)
     data = json.loads(json.dumps(to_json(few), allow_nan=False))
     assert data["strategies"][4]["closed_form"]["residual_rms_m"] is None
-    assert data["slow_gnss_error"] == "not covered"
-    assert any("not covered" in sentence for sentence in data["cautions"])
+    assert data["slow_gnss_error"] == "estimated by the filter"
+    assert any("slow GNSS error" in sentence for sentence in data["cautions"])
 
 
 def test_a_smeared_response_is_no_response():

@@ -48,8 +48,11 @@ def _width(pattern):
     ("window", "pattern", "printed"),
     [("uniform", _uniform, 0.8859), ("hamming", _hamming, 1.3030), ("taylor", _taylor(35, 5), 1.1875)],
 )
-def test_window_widths_are_roots_of_the_transforms(window, pattern, printed):
-    assert WINDOW_WIDTH[window] == pytest.approx(_width(pattern), rel=1e-12)
+def test_window_widths_are_roots_of_the_transforms(window, pattern, printed, validated, ratio_off):
+    validated(
+        "Half-power width of each window", "S-3", "SciPy, root finding on the window's transform",
+        ratio_off(WINDOW_WIDTH[window], _width(pattern)), 1e-12, "largest ratio − 1",
+    )  # fmt: skip
     assert WINDOW_WIDTH[window] == pytest.approx(printed, abs=5e-5)
 
 
@@ -87,10 +90,13 @@ def test_unknown_window():
         aperture_time(0.03, 1e4, 100, 1, "hann")
 
 
-def test_mathworks_example_of_the_presets_page():
+def test_mathworks_example_of_the_presets_page(validated):
     """10 GHz, 10 km, 100 m/s, 1 m: 1.4990 s with k = 1."""
     t = aperture_time(299792458 / 10e9, 10e3, 100.0, 1.0, "uniform") / WINDOW_WIDTH["uniform"]
-    assert float(t) == pytest.approx(1.4990, abs=5e-5)
+    validated(
+        "Aperture time of a printed example", "S-3", "published: MathWorks example, 1.4990 s", t - 1.4990, 5e-5,
+        "difference, s",
+    )  # fmt: skip
 
 
 @given(st.floats(0, math.pi / 2), st.floats(0, 10), st.floats(0, 10))
@@ -121,3 +127,18 @@ def test_limits_table():
     )
     # -20 dB at 0.1 rad: 10 log10(e^(s^2) - 1)
     assert 10 * math.log10(math.expm1(0.01)) == pytest.approx(-20, abs=0.05)
+
+
+@pytest.mark.parametrize("squint", [-0.7, 0.4])
+def test_a_squinted_cell_is_half_a_wavelength_of_range_difference(squint):
+    """Two points a cell apart across the line of sight: their exact ranges part by half a wavelength."""
+    wavelength, far, speed, span = 0.031, 8000.0, 110.0, 4.0
+    cell = float(cell_length(wavelength, far, speed, span, squint))
+    one = far * np.array([np.sin(squint), np.cos(squint)])
+    other = one + cell * np.array([np.cos(squint), -np.sin(squint)])
+    ends = np.array([[-speed * span / 2, 0.0], [speed * span / 2, 0.0]])
+    parted = [np.linalg.norm(other - end) - np.linalg.norm(one - end) for end in ends]
+    assert abs(parted[1] - parted[0]) == pytest.approx(wavelength / 2, rel=1e-3)
+    assert aperture_time(wavelength, far, speed, WINDOW_WIDTH["uniform"] * cell, "uniform", squint) == pytest.approx(
+        span
+    )

@@ -1,10 +1,13 @@
 """Strategies against closed forms (2000 seeds and more), sar.md's table, and what no ranking may break."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import solve_discrete_are
 
-from nav_model.sar.axis_model import AxisModel, steady_covariance
+from nav_model.sar.axis_model import AxisModel, process_noise, steady_covariance
 from nav_model.sar.decomposition import autofocus, decompose
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.strategies import (
@@ -21,8 +24,7 @@ from nav_model.sar.strategy_forms import (
     corrected_residual_variance,
     exact_corrected_variance,
     fit_quadratic_sigma,
-    ins_quadratic_variance,
-    ins_residual_variance,
+    ins_variances,
     shrunk_residual_variance,
 )
 
@@ -50,14 +52,14 @@ def test_closed_forms_of_2_3_5_and_5w(table_designs, ensembles, name):
     tilt = steady_covariance(model).posterior[2, 2] / model.gravity**2
     inertial = (aperture, model.accelerometer_noise, model.gyro_noise)
     squares = {key: decompose(result.of(key)).detrended_rms ** 2 for key in STRATEGY_KEYS}
-    assert_mean(squares["2"], ins_residual_variance(*inertial, tilt))
-    assert_mean(squares["3"], ins_residual_variance(*inertial, tilt, COAST))
+    assert_mean(squares["2"], ins_variances(*inertial, tilt).detrended)
+    assert_mean(squares["3"], ins_variances(*inertial, tilt, COAST).detrended)
     fixes = np.arange(result.fixes) * model.fix_interval
     exact = exact_corrected_variance(*inertial, model.gnss_sigma, fixes)
     assert_mean(squares["5"], exact)
     printed = corrected_residual_variance(*inertial, model.gnss_sigma, model.fix_interval, fixes=result.fixes)
     assert_mean(squares["5"], printed)
-    curvature = ins_quadratic_variance(*inertial, tilt)
+    curvature = ins_variances(*inertial, tilt).quadratic
     fit = fit_quadratic_sigma(model.gnss_sigma, model.fix_interval, aperture, result.fixes) ** 2
     rest = corrected_residual_variance(*inertial, 1e-9, model.fix_interval, fixes=result.fixes)
     assert_mean(squares["5w"], shrunk_residual_variance(curvature, fit, rest))
@@ -68,8 +70,8 @@ def test_quadratic_phase_error_is_s5_and_s7(table_designs, ensembles, name):
     (model, aperture), result = table_designs[name], ensembles[name]
     tilt = steady_covariance(model).posterior[2, 2] / model.gravity**2
     inertial = (aperture, model.accelerometer_noise, model.gyro_noise)
-    assert_mean(decompose(result.of("2")).quadratic ** 2, ins_quadratic_variance(*inertial, tilt))
-    assert_mean(decompose(result.of("3")).quadratic ** 2, ins_quadratic_variance(*inertial, tilt, COAST))
+    assert_mean(decompose(result.of("2")).quadratic ** 2, ins_variances(*inertial, tilt).quadratic)
+    assert_mean(decompose(result.of("3")).quadratic ** 2, ins_variances(*inertial, tilt, COAST).quadratic)
     added = decompose(result.of("5") - result.of("2")).quadratic
     ins_part = decompose(
         quadratic_correction(
@@ -154,8 +156,8 @@ def test_biases_and_a_coast_that_is_no_multiple_of_the_interval():
     biases = {"accelerometer_bias": 2e-3, "gyro_bias": 1e-5}
     for key, coasted in (("2", 0.0), ("3", coast)):
         parts = decompose(result.of(key))
-        assert_mean(parts.detrended_rms**2, ins_residual_variance(*arguments, coasted, **biases))
-        assert_mean(parts.quadratic**2, ins_quadratic_variance(*arguments, coasted, **biases))
+        assert_mean(parts.detrended_rms**2, ins_variances(*arguments, coasted, **biases).detrended)
+        assert_mean(parts.quadratic**2, ins_variances(*arguments, coasted, **biases).quadratic)
 
 
 def test_fix_times_between_the_samples_and_a_last_interval_cut_short():
@@ -169,7 +171,7 @@ def test_fix_times_between_the_samples_and_a_last_interval_cut_short():
     assert np.mean(histories.filter_position[:, 0] ** 2) == pytest.approx(posterior[0, 0], rel=0.3)
 
 
-def test_the_tracking_filter_solves_its_differential_equation():
+def test_the_tracking_filter_solves_its_differential_equation(validated):
     time = np.linspace(0, 20, 20_001)
     tuning = Tuning(natural_frequency=0.8, damping=0.6)
     position, velocity = 0.3 * np.sin(0.5 * time), 0.15 * np.cos(0.5 * time)
@@ -182,13 +184,16 @@ def test_the_tracking_filter_solves_its_differential_equation():
         return [y[1], acceleration + pull]
 
     exact = solve_ivp(rate, (0, 20), [0.0, 0.15], t_eval=time, rtol=1e-10, atol=1e-12).y[0]
-    np.testing.assert_allclose(output, exact, atol=2e-4)
+    validated(
+        "Two-stage tracking filter (6) against its equation", "", "SciPy, initial value problem", output - exact,
+        2e-4, "largest difference, m",
+    )  # fmt: skip
     with pytest.raises(ValueError, match="natural_frequency"):
         tracking_filter(time[::2000], time[None, ::2000], time[None, ::2000], time[None, ::2000], tuning)
 
 
 @pytest.mark.parametrize("gains", [(0.5, 0.02), (0.4, 0.04), (0.3, 0.2), (0.5, 0.0)])
-def test_the_damping_loop_works_a_correction_off_by_its_pi_law(gains):
+def test_the_damping_loop_works_a_correction_off_by_its_pi_law(gains, validated):
     time = np.linspace(0, 30, 3001)
     tuning = Tuning(proportional_gain=gains[0], integral_gain=gains[1])
     jumped = np.where(time >= 5, -0.4, 0.0)
@@ -198,7 +203,10 @@ def test_the_damping_loop_works_a_correction_off_by_its_pi_law(gains):
         return [-gains[0] * y[0] - gains[1] * y[1], y[0]]
 
     exact = solve_ivp(rate, (0, 25), [-0.4, 0.0], t_eval=time[time >= 5] - 5, rtol=1e-10, atol=1e-12).y[0]
-    np.testing.assert_allclose(output[time >= 5], -0.4 - exact, atol=1e-8)
+    validated(
+        "Position-error damping loop (7) against its law", "", "SciPy, initial value problem",
+        output[time >= 5] + 0.4 + exact, 1e-8, "largest difference, m",
+    )  # fmt: skip
     assert np.abs(np.diff(output)).max() < 0.01  # no jump left
 
 
@@ -270,3 +278,29 @@ def test_bad_input_is_refused_by_name(table_designs, change, message):
         Tuning(integral_gain=-1)
     with pytest.raises(ValueError, match="damping"):
         Tuning(damping=0)
+
+
+def test_a_slow_gnss_error_is_estimated_and_what_is_left_is_the_riccati_solvers(table_designs):
+    """The filter's errors at the fixes, and the fixes' own errors, have the covariances they must have."""
+    model = replace(table_designs["GNSS 1 m"][0], slow_sigma=2.0, slow_time=30.0)
+    histories = simulate_histories(model, 20.0, 25.5, 4000, seed=6, rate=20.0)
+    decay = np.exp(-1 / 30.0)
+    phi = np.eye(4)
+    phi[:3, :3], phi[3, 3] = [[1, 1, 0.5], [0, 1, 1], [0, 0, 1]], decay
+    grown = np.zeros((4, 4))
+    grown[:3, :3], grown[3, 3] = process_noise(model, 1.0), 4 * (1 - decay**2)
+    row = np.array([[1.0, 0, 0, 1]]).T
+    prior = solve_discrete_are(phi.T, row, grown, np.eye(1))
+    gain = prior @ row / (row.T @ prior @ row + 1)
+    posterior = prior - gain @ row.T @ prior
+    np.testing.assert_allclose(steady_covariance(model).posterior, posterior, rtol=1e-5)
+    last = histories.filter_position[:, -1]  # a fix falls on the end
+    assert_mean(last**2, posterior[0, 0])
+    assert_mean(histories.gnss_error[:, 7] ** 2, 5.0)
+    assert_mean(histories.gnss_error[:, 7] * histories.gnss_error[:, 9], 4.0 * decay**2)
+    assert np.mean((histories.filter_correction[:, 5]) ** 2) == pytest.approx(
+        float((gain[0] ** 2 * (row.T @ prior @ row + 1)).item()), rel=0.1
+    )
+    # The filter's error and the fix's own go together as the settled covariance says.
+    together = np.mean(last * histories.gnss_error[:, -1])
+    assert together == pytest.approx(gain[0, 0] * 1.0 - posterior[0, 3], rel=0.1)

@@ -11,8 +11,7 @@ from nav_model.sar.strategy_forms import (
     exact_corrected_variance,
     fit_noise_variance,
     fit_quadratic_sigma,
-    ins_quadratic_variance,
-    ins_residual_variance,
+    ins_variances,
     shrunk_residual_variance,
     shrunk_weight,
 )
@@ -35,7 +34,7 @@ def _detrended(covariance, order):
     return total
 
 
-def test_noise_terms_are_projections_of_the_integrated_noise():
+def test_noise_terms_are_projections_of_the_integrated_noise(validated, ratio_off):
     def twice(a, b):
         a, b = min(a, b), max(a, b)
         return a**2 * (3 * b - a) / 6
@@ -44,31 +43,36 @@ def test_noise_terms_are_projections_of_the_integrated_noise():
         a, b = min(a, b), max(a, b)
         return a**3 * (10 * b**2 - 5 * a * b + a**2) / 120
 
-    assert ins_residual_variance(1, 1, 0, 0) == pytest.approx(_detrended(twice, 1), rel=1e-3)
-    assert ins_residual_variance(1, 0, 1, 0, gravity=1) == pytest.approx(_detrended(thrice, 1), rel=1e-3)
-    assert beyond_quadratic_variance(1, 1, 0) == pytest.approx(_detrended(twice, 2), rel=1e-2)
-    assert beyond_quadratic_variance(1, 0, 1, gravity=1) == pytest.approx(_detrended(thrice, 2), rel=1e-3)
+    after_line = ins_variances(1, 1, 0, 0).detrended, ins_variances(1, 0, 1, 0, gravity=1).detrended
+    after_quadratic = beyond_quadratic_variance(1, 1, 0), beyond_quadratic_variance(1, 0, 1, gravity=1)
+    line, quadratic = ([_detrended(process, n) for process in (twice, thrice)] for n in (1, 2))
+    oracle, measure = "SciPy, quadrature of the integrated noise's covariance", "largest ratio − 1"
+    validated("Phase left after the line", "T-15", oracle, ratio_off(after_line, line), 1e-5, measure)
+    validated("What a fitted quadratic leaves", "T-14", oracle, ratio_off(after_quadratic, quadratic), 1e-4, measure)
 
 
 def test_the_quadratic_and_the_rest_add_up_to_the_whole():
     arguments = (np.array([2.0, 9.0, 33.0]), SA, SW, TILT)
     biases = {"accelerometer_bias": 3e-4, "gyro_bias": 2e-6}
-    whole = ins_residual_variance(*arguments, 40.0, **biases)
-    quadratic = 4 / 45 * ins_quadratic_variance(*arguments, 40.0, **biases)
+    whole = ins_variances(*arguments, 40.0, **biases).detrended
+    quadratic = 4 / 45 * ins_variances(*arguments, 40.0, **biases).quadratic
     rest = beyond_quadratic_variance(*arguments[:3], gyro_bias=2e-6)
     np.testing.assert_allclose(whole, quadratic + rest, rtol=1e-12)
     # [T-14]: a gyro bias alone leaves g^2 d^2 T^6 / 2800.
-    alone = ins_residual_variance(7.0, 0, 0, 0, gyro_bias=1e-5)
+    alone = ins_variances(7.0, 0, 0, 0, gyro_bias=1e-5).detrended
     assert alone == pytest.approx((G * 1e-5) ** 2 * 7.0**6 / 2800)
 
 
 @pytest.mark.parametrize(("fixes", "interval"), [(6, 1.0), (21, 0.5), (3, 2.0)])
-def test_the_fit_noise_is_least_squares(fixes, interval):
+def test_the_fit_noise_is_least_squares(fixes, interval, validated, ratio_off):
     time = np.arange(fixes) * interval
     curvature = np.linalg.inv(np.vander(time, 3).T @ np.vander(time, 3))[0, 0]
     span = 11.0
     sigma = fit_quadratic_sigma(0.7, interval, span, fixes)
-    assert sigma == pytest.approx(0.7 * np.sqrt(curvature) * span**2 / 4, rel=1e-9)
+    validated(
+        "GNSS noise through the quadratic fit", "S-7", "NumPy, normal equations of the fit",
+        ratio_off(sigma, 0.7 * np.sqrt(curvature) * span**2 / 4), 1e-9, "largest ratio − 1",
+    )  # fmt: skip
     assert fit_noise_variance(0.7, interval, span, fixes) == pytest.approx(4 / 45 * sigma**2)
 
 
@@ -92,7 +96,7 @@ def test_where_the_continuous_fit_stops_holding(fixes, both_ends, after_start):
     assert after_start < late < 1.2 * after_start
 
 
-def test_exact_variance_against_random_walks():
+def test_exact_variance_against_random_walks(validated):
     random = np.random.default_rng(9)
     x = np.linspace(0, 1, 201)
     rate = np.cumsum(random.standard_normal((4000, 200)), axis=1) / np.sqrt(200)
@@ -105,12 +109,16 @@ def test_exact_variance_against_random_walks():
     square = np.mean(left**2, axis=1)
     exact = exact_corrected_variance(1.0, 1.0, 0.0, 0.1, fixes)
     assert abs(square.mean() - exact) < 4 * square.std() / np.sqrt(4000) + 0.01 * exact
+    validated(
+        "Quadratic correction at four fixes", "T-16", "NumPy, 4000 random walks, each with its fit",
+        (square.mean() - exact) / (square.std() / np.sqrt(4000)), 5, "standard errors",
+    )  # fmt: skip
 
 
 def test_exact_variance_without_a_fit_is_t15():
     args = {"gnss_sigma": 1.0, "fix_times": np.arange(11.0), "weight": 0.0, "tilt_variance": TILT}
     variance = exact_corrected_variance(10.0, SA, SW, **args)
-    free = float(ins_residual_variance(10.0, SA, SW, TILT))
+    free = float(ins_variances(10.0, SA, SW, TILT).detrended)
     # Weight zero still takes the fitted line, which the removal of the line makes harmless.
     assert variance == pytest.approx(free, rel=1e-4)
 

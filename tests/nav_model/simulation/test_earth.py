@@ -15,10 +15,13 @@ from nav_model.simulation.earth import (
 )
 
 
-def test_gravity_on_the_ellipsoid_matches_the_published_values():
+def test_gravity_on_the_ellipsoid_matches_the_published_values(validated):
     # TR8350.2 table 3.4: theoretical gravity at equator and poles; 45 deg from Somigliana's formula there.
-    assert normal_gravity(0.0, 0.0) == pytest.approx(9.7803253359, abs=1e-10)
-    assert normal_gravity(1.0, 0.0) == pytest.approx(9.8321849378, abs=1e-9)
+    validated(
+        "Gravity of the simulator at equator and poles", "", "published: NIMA TR8350.2, table 3.4",
+        [normal_gravity(0.0, 0.0) - 9.7803253359, normal_gravity(1.0, 0.0) - 9.8321849378], 1e-9,
+        "largest difference, m/s²",
+    )  # fmt: skip
 
 
 def normal_field(latitude: float, height: float) -> float:
@@ -47,8 +50,11 @@ def normal_field(latitude: float, height: float) -> float:
 
 @pytest.mark.parametrize("latitude", [0.1, 0.7, 1.2])
 @pytest.mark.parametrize("height", [0.0, 3000.0, 12_000.0])
-def test_gravity_aloft_matches_the_exact_normal_field(latitude, height):
-    assert normal_gravity(np.sin(latitude), height) == pytest.approx(normal_field(latitude, height), abs=2e-6)
+def test_gravity_aloft_matches_the_exact_normal_field(latitude, height, validated):
+    validated(
+        "Gravity of the simulator to 12 km", "", "published: Heiskanen and Moritz, exact normal field",
+        normal_gravity(np.sin(latitude), height) - normal_field(latitude, height), 2e-6, "largest difference, m/s²",
+    )  # fmt: skip
 
 
 def test_curvature_radii_match_distances_along_the_ellipse():

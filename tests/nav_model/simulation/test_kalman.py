@@ -20,21 +20,21 @@ G = 9.80665
 
 def random_covariance(n: int, seed: int) -> np.ndarray:
     generator = np.random.default_rng(seed)
-    scale = np.repeat([2.0, 0.1, 1e-3, 1e-3, 1e-5], 3)[:n]
+    scale = np.repeat([2.0, 0.1, 1e-3, 1e-3, 1e-5, 1e-3, 1e-5], 3)[:n]
     factor = generator.standard_normal((n, n)) * scale[:, None]
     return factor @ factor.T
 
 
-@pytest.mark.parametrize("n", [9, 15])
+@pytest.mark.parametrize("n", [9, 15, 21])
 @pytest.mark.parametrize("dt", [0.01, 0.1, 1.0])
-def test_propagation_matches_van_loans_matrix_exponential(n, dt):
+def test_propagation_matches_van_loans_matrix_exponential(n, dt, validated):
     state = initial_state(np.array([0.7, 0.2, 4000.0]), np.array([60.0, -40.0, 3.0]), np.eye(3))
     force = np.array([0.4, -0.3, -9.8])
     dynamics = np.empty((9, n))
     error_dynamics(state, force, np.eye(3), dynamics)
     full = np.zeros((n, n))
     full[:9] = dynamics
-    density = np.repeat([0.0, 1e-3**2, 2e-4**2, 0.0, 0.0], 3)[:n]
+    density = np.repeat([0.0, 1e-3**2, 2e-4**2, 0.0, 0.0, 0.0, 0.0], 3)[:n]
     van_loan = np.zeros((2 * n, 2 * n))
     van_loan[:n, :n], van_loan[:n, n:], van_loan[n:, n:] = -full, np.diag(density), full.T
     exponential = expm(van_loan * dt)
@@ -42,12 +42,17 @@ def test_propagation_matches_van_loans_matrix_exponential(n, dt):
     start = random_covariance(n, 3)
     expected = phi @ start @ phi.T + phi @ exponential[:n, n:]
     found = start.copy()
-    propagate(found, dynamics, force, dt, 1e-3, 2e-4, np.zeros(6), np.zeros(6), np.empty((4, n, n)))
+    propagate(found, dynamics, force, dt, 1e-3, 2e-4, np.zeros(12), np.zeros(12), np.empty((4, n, n)))
     sigma = np.sqrt(np.diag(expected))
     # Process noise sees only the main chain; Coriolis' share of it is below 1e-4 of the noise in a second.
-    assert np.max(np.abs(found - expected) / np.outer(sigma, sigma)) < (2e-8 if dt == 1.0 else 1e-9)
+    off = np.max(np.abs(found - expected) / np.outer(sigma, sigma))
+    assert off < (2e-8 if dt == 1.0 else 1e-9)
+    validated(
+        "Covariance step of the simulator's filter", "", "SciPy, matrix exponential (Van Loan)", off, 2e-8,
+        "largest difference, in sigmas",
+    )  # fmt: skip
     noise_only = np.zeros((n, n))
-    propagate(noise_only, dynamics, force, dt, 1e-3, 2e-4, np.zeros(6), np.zeros(6), np.empty((4, n, n)))
+    propagate(noise_only, dynamics, force, dt, 1e-3, 2e-4, np.zeros(12), np.zeros(12), np.empty((4, n, n)))
     expected_noise = phi @ exponential[:n, n:]
     sigma = np.sqrt(np.diag(expected_noise)[:9])
     assert np.max(np.abs(noise_only - expected_noise)[:9, :9] / np.outer(sigma, sigma)) < 2e-4 * max(dt, 0.1)
@@ -58,7 +63,11 @@ def test_biases_decay_and_are_driven():
     decay, drive = np.full(6, 0.01), np.full(6, 0.5)
     propagate(covariance, np.zeros((9, 15)), np.zeros(3), 2.0, 0.0, 0.0, decay, drive, np.empty((4, 15, 15)))
     kept = math.exp(-0.04)
-    assert np.diag(covariance)[9:] == pytest.approx(np.repeat([4.0, 9.0], 3) * kept + 1.0)
+    # A Gauss-Markov process of drive q settles on q tau / 2 = 25, and keeps the rest of its start.
+    assert np.diag(covariance)[9:] == pytest.approx(25.0 + (np.repeat([4.0, 9.0], 3) - 25.0) * kept)
+    covariance = np.zeros((15, 15))
+    propagate(covariance, np.zeros((9, 15)), np.zeros(3), 2.0, 0.0, 0.0, np.zeros(6), drive, np.empty((4, 15, 15)))
+    assert np.diag(covariance)[9:] == pytest.approx(1.0)  # a random walk: q t
 
 
 def test_error_dynamics_match_finite_differences_of_the_mechanisation():
@@ -106,7 +115,7 @@ def test_error_dynamics_match_finite_differences_of_the_mechanisation():
         assert np.max(np.abs(np.concatenate([metres, found[3:6]]) - expected[:6]) / final[:6]) < 2e-3
 
 
-def test_the_update_matches_the_textbook():
+def test_the_update_matches_the_textbook(validated):
     n = 15
     start, generator = random_covariance(n, 8), np.random.default_rng(9)
     rows = generator.standard_normal((3, n))
@@ -117,7 +126,10 @@ def test_the_update_matches_the_textbook():
     gain = start @ rows.T @ np.linalg.inv(innovation)
     expected = start - gain @ rows @ start
     sigma = np.sqrt(np.diag(start))
-    assert np.max(np.abs(found - expected) / np.outer(sigma, sigma)) < 1e-10
+    validated(
+        "Update of the simulator's filter", "", "NumPy, the textbook's gain by matrix inversion",
+        (found - expected) / np.outer(sigma, sigma), 1e-10, "largest difference, in sigmas",
+    )  # fmt: skip
     assert estimate / sigma == pytest.approx(gain @ residual / sigma, abs=1e-10)
     assert nis == pytest.approx(residual @ np.linalg.solve(innovation, residual))
     error = generator.standard_normal(n) * sigma
@@ -137,8 +149,17 @@ def riccati_sigmas(sigma_a: float, sigma_w: float, fix: float, dt: float) -> tup
     return np.sqrt(np.diag(prior)), np.sqrt(np.diag(prior - gain @ h @ prior))
 
 
+def riccati_vertical(sigma_a: float, fix: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Prior and posterior sigmas (position, velocity) of the vertical channel: [T-8]."""
+    phi = np.array([[1.0, dt], [0.0, 1.0]])
+    q = sigma_a**2 * np.array([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]])
+    h = np.array([[1.0, 0.0]])
+    prior = solve_discrete_are(phi.T, h.T, q, np.array([[fix**2]]))
+    return np.sqrt(np.diag(prior)), np.sqrt(np.diag(prior - prior @ h.T @ h @ prior / (prior[0, 0] + fix**2)))
+
+
 @pytest.mark.parametrize(("fix", "kind"), [(1.0, "wandering"), (0.02, "straight")])
-def test_the_filter_settles_on_the_discrete_riccati_solution(paper_imu, fix, kind):
+def test_the_filter_settles_on_the_discrete_riccati_solution(paper_imu, fix, kind, validated, ratio_off):
     spec = SimulationSpec(
         paper_imu,
         GnssModel(position_noise=fix),
@@ -153,6 +174,13 @@ def test_the_filter_settles_on_the_discrete_riccati_solution(paper_imu, fix, kin
         assert sigma[phase, 0:2] == pytest.approx(expected[0], rel=0.01)
         assert sigma[phase, 3:5] == pytest.approx(expected[1], rel=0.01)
         assert sigma[phase, 6:8] == pytest.approx(expected[2], rel=0.01)
+        validated(
+            "Simulated filter in steady state", "T-8", "SciPy, discrete Riccati equation",
+            ratio_off(sigma[phase, :8].reshape(-1)[[0, 1, 3, 4, 6, 7]], np.repeat(expected, 2)), 0.01,
+            "largest ratio − 1",
+        )  # fmt: skip
+    for phase, expected in zip((PRIOR, POSTERIOR), riccati_vertical(0.05 / 60, fix, 1.0), strict=True):
+        assert sigma[phase, [2, 5]] == pytest.approx(expected, rel=0.01)
 
 
 def test_the_propagation_rate_does_not_change_the_answer(paper_imu):

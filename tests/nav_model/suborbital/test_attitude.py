@@ -38,16 +38,19 @@ def scenes(count, stars, seed, sigma=SIGMA, attitude=None):
     return seen / np.linalg.norm(seen, axis=-1, keepdims=True), reference, a
 
 
-def test_optimal_methods_agree_with_scipy():
+def test_optimal_methods_agree_with_scipy(validated):
     """To 1e-4 arcsec with Rotation.align_vectors on 1000 scenes of 5 stars."""
     body, reference, _ = scenes(1000, 5, 0)
     truth = np.array([Rotation.align_vectors(b, r)[0].as_matrix() for b, r in zip(body, reference, strict=True)])
     for name in OPTIMAL:
         gap = attitude_error(METHODS[name](body, reference, SIGMA).rotation, truth)
-        assert np.linalg.norm(gap, axis=-1).max() < 1e-4 * ARCSEC, name
+        validated(
+            "Attitude by q-method, QUEST and SVD, 1000 scenes", "B-9", "SciPy, Rotation.align_vectors",
+            np.linalg.norm(gap, axis=-1) / ARCSEC, 1e-4, "largest angle, ″",
+        )  # fmt: skip
 
 
-def test_mean_errors_and_consistency_over_1000_scenes():
+def test_mean_errors_and_consistency_over_1000_scenes(validated):
     """star_tracker.md: 238 (20 %), 105 (15 %), 74.5 (10 %) arcsec; NEES 3 +- 0.25. Seed fixed."""
     body, reference, truth = scenes(1000, 5, 1)
     scores = {s.method: s for s in compare_methods(body, reference, truth, SIGMA)}
@@ -56,6 +59,39 @@ def test_mean_errors_and_consistency_over_1000_scenes():
         assert scores[name].mean_error_rad / ARCSEC == pytest.approx(value, rel=tolerance), name
         assert scores[name].mean_nees == pytest.approx(3.0, abs=0.25), name
         assert scores[name].scenes == 1000
+        validated(
+            "Covariance of every attitude method: mean NEES of 1000 scenes", "B-9", "NumPy, scenes with drawn noise",
+            scores[name].mean_nees - 3.0, 0.25, "largest difference from 3",
+        )  # fmt: skip
+
+
+def test_the_mean_error_of_triad_depends_on_the_scenes(differs):
+    """Two stars close together make a huge roll error, so the mean of 1000 scenes is not settled."""
+    means = []
+    for seed in range(40):
+        body, reference, truth = scenes(1000, 5, seed)
+        found = METHODS["TRIAD"](body, reference, SIGMA).rotation
+        means.append(float(np.mean(np.linalg.norm(attitude_error(found, truth), axis=-1))) / ARCSEC)
+    assert max(means) > 1.3 * min(means)
+    assert min(means) < 238.0 < max(means)
+    differs(
+        "Mean error of TRIAD over 1000 scenes of 5 stars", "B-9", "238″",
+        f"{min(means):.0f}″ to {max(means):.0f}″ over 40 sets of scenes", "both",
+        "the mean is heavy-tailed, because the first two stars of a scene can lie close together: 238″ is one draw, "
+        "not a property of the method",
+    )  # fmt: skip
+
+
+def test_mean_of_triad_has_a_heavy_tail_and_that_of_the_optimal_methods_has_not():
+    """What the page says of the printed 238 arcsec: over seeds 0 to 19 its mean is 207 to 362, SVD's 72 to 78."""
+    means = np.array(
+        [[s.mean_error_rad / ARCSEC for s in compare_methods(*scenes(1000, 5, seed), SIGMA)] for seed in range(20)]
+    )
+    triad_means, svd_means = means[:, 0], means[:, -1]
+    assert np.median(triad_means) == pytest.approx(238.0, rel=0.05)
+    assert (triad_means.min(), triad_means.max()) == pytest.approx((207, 362), abs=1)
+    assert np.sum(np.abs(triad_means - 238) > 0.2 * 238) >= 1  # 20 % is not always enough
+    assert (svd_means.min(), svd_means.max()) == pytest.approx((72, 78), abs=0.5)
 
 
 def test_rules_of_thumb():

@@ -6,8 +6,11 @@ from scipy.stats import chi2
 
 from nav_model.suborbital.aiding import Aiding, frame_steps
 from nav_model.suborbital.errors import CLASSES, ErrorSet, InitialErrors, parameter_vector
-from nav_model.suborbital.sensitivity import sensitivity, white_noise_spread
-from nav_model.suborbital.study import linear_gap, noise_ensemble, run_study, slide
+from nav_model.suborbital.frames import ARCSEC, local_axes
+from nav_model.suborbital.mechanisation import Cancelled
+from nav_model.suborbital.noise_ensemble import fly_noise, noise_ensemble
+from nav_model.suborbital.sensitivity import along_track_sigma, sensitivity, white_noise_spread
+from nav_model.suborbital.study import linear_gap, matrix_gap, run_study, slide
 
 
 def scaled(errors: ErrorSet, accelerometers: float, gyros: float, initial: float) -> ErrorSet:
@@ -28,7 +31,7 @@ def scaled(errors: ErrorSet, accelerometers: float, gyros: float, initial: float
 
 
 @pytest.mark.parametrize("name", [n for n in CLASSES if n != "all"])
-def test_final_error_is_s_p_within_half_a_percent(study, name):
+def test_final_error_is_s_p_within_half_a_percent(study, name, validated):
     k = study.case(name)
     for exact, matrix in (
         (study.pure, study.pure_sensitivity),
@@ -37,6 +40,11 @@ def test_final_error_is_s_p_within_half_a_percent(study, name):
         linear = matrix.final_m(study.parameters[k])[0]
         truth = exact.position_m[k, -1]
         assert np.linalg.norm(linear - truth) <= 0.005 * np.linalg.norm(truth) + 1e-6
+        if np.linalg.norm(truth) > 1.0:
+            validated(
+                "Linear errors, class by class", "B-4", "our own integrated INS",
+                np.linalg.norm(linear - truth) / np.linalg.norm(truth), 0.005, "largest difference over the error",
+            )  # fmt: skip
 
 
 def test_everything_together_stays_within_one_percent(study):
@@ -116,3 +124,50 @@ def test_refusals(flight):
         sensitivity(flight, ErrorSet(), every=7)
     with pytest.raises(ValueError, match="used"):
         sensitivity(flight, ErrorSet(), used=np.ones(3, dtype=bool))
+
+
+def test_ensemble_with_star_noise_agrees_with_its_covariance(study, flight):
+    """A camera of 200 arcsec per axis, drawn anew for every frame and run; 99.9 % bounds per channel."""
+    runs, star = 100, np.broadcast_to((200 * ARCSEC) ** 2 * np.eye(3), (flight.steps + 1, 3, 3))
+    final = noise_ensemble(study, runs, seed=5, aided=True, star_covariance=star)[:, -1]
+    predicted = white_noise_spread(flight, study.inputs.errors, study.used, star).position_sigma_m[-1]
+    assert np.all(predicted > 2 * study.aided_noise.position_sigma_m[-1])  # the stars decide
+    low, high = chi2.ppf([0.0005, 0.9995], runs)
+    statistic = np.sum((final / predicted) ** 2, axis=0)
+    assert np.all((statistic > low) & (statistic < high))
+
+
+def test_flown_noise_says_what_it_compares_and_is_cancelled(study):
+    said = []
+    flown = fly_noise(study, 40, 3, progress=lambda share, what: said.append((share, what)))
+    assert said[-1] == (1.0, "white noise, INS with star tracker")
+    np.testing.assert_allclose(
+        flown.pure_rms_m, np.sqrt(np.mean(noise_ensemble(study, 40, 3) ** 2, axis=0)), rtol=1e-12
+    )
+    assert (flown.low, flown.high) == pytest.approx(tuple(np.sqrt(chi2.ppf([0.025, 0.975], 40) / 40)))
+    assert [row[1] for row in flown.final] == ["north", "east", "height"] * 2
+    with pytest.raises(Cancelled):
+        fly_noise(study, 5, cancel=lambda: True)
+    for runs in (0, 10_001):
+        with pytest.raises(ValueError, match="runs"):
+            noise_ensemble(study, runs)
+
+
+def test_down_range_sigma_is_the_spread_of_down_range(study, flight):
+    """Drawn from the covariance itself and turned as an error is: 4000 draws, 5 sigma of the estimate."""
+    sigma = along_track_sigma(study.pure_noise, flight)[-1]
+    drawn = np.random.default_rng(2).multivariate_normal(np.zeros(9), study.pure_noise.covariance[-1], 4000)
+    north, east, _ = (drawn[:, 6:] @ local_axes(flight.position_i[-1])).T
+    c, s = np.cos(flight.track_rad[-1]), np.sin(flight.track_rad[-1])
+    found = np.std([north * c + east * s, east * c - north * s], axis=1)
+    assert found == pytest.approx(sigma, rel=5 / np.sqrt(8000))
+
+
+def test_plain_product_is_off_by_the_share_the_theory_names(study):
+    """star_tracker.md asks 0.5 %: one row, everything together, is beyond it."""
+    gap = matrix_gap(study)
+    sources = [k for k, kind in enumerate(study.kinds) if kind != "gravity"]
+    worst = max(sources, key=lambda k: gap.pure_share[k])
+    beyond = [study.names[k] for k in sources if gap.pure_share[k] > 0.005]
+    assert beyond == ["all"] == [study.names[worst]]
+    assert 0.005 < gap.pure_share[worst] < 0.006

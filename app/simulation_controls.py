@@ -1,0 +1,74 @@
+"""What a study adds to a design, on the Simulate page: one box per declaration, with units, folded away.
+
+Text that is refused shows its message at the box and leaves the last good value in force.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from nav_model.inputs import DesignError
+from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, StudyInputs, read_study_inputs
+
+_TITLE = "Beyond the design: sensor errors, receiver, tuning"
+
+
+class StudyControls:
+    """The boxes; `inputs` is what is in force."""
+
+    def __init__(self) -> None:
+        self._texts: dict[str, str] = {}
+        self.boxes = {key: self._box(key) for key in STUDY_KEYS}
+        sections: list[Any] = []
+        for part in STUDY_PARTS:
+            own = [box for key, box in self.boxes.items() if key.startswith(f"{part.section}.")]
+            sections.append(pmui.Typography(part.title, variant="subtitle2", margin=(6, 8, 0, 8)))
+            sections.append(pn.FlexBox(*own, sizing_mode="stretch_width", margin=0))
+        self.view = pmui.Card(
+            *sections,
+            title=_title(0),
+            title_variant="subtitle1",
+            collapsed=True,
+            sizing_mode="stretch_width",
+            margin=(2, 12),
+        )
+
+    @property
+    def inputs(self) -> StudyInputs:
+        """What is in force, of all boxes the last text that was good."""
+        return read_study_inputs(self._texts)
+
+    def _box(self, key: str) -> pmui.TextInput:
+        declared = STUDY_KEYS[key]
+        box = pmui.TextInput(
+            label=f"{declared.label}",
+            placeholder="none" if declared.default is None else declared.show(declared.default),
+            description="",
+            helper_text=str(declared.doc),
+            size="small",
+            margin=(8, 8, 2, 8),
+            width=230,
+        )
+        box.param.watch(lambda event: self._typed(key, event.new), "value")
+        return box
+
+    def _typed(self, key: str, text: str) -> None:
+        box, error = self.boxes[key], ""
+        try:
+            read_study_inputs({key: text})
+        except DesignError as refused:
+            kept = self._texts.get(key, "") or box.placeholder
+            error = f"{refused.reason}; still {kept}"
+        else:
+            self._texts[key] = text
+            self.view.title = _title(sum(bool(kept.strip()) for kept in self._texts.values()))
+        box.error_state = bool(error)
+        box.helper_text = error or str(STUDY_KEYS[key].doc)
+
+
+def _title(given: int) -> str:
+    """The heading, which says how much is given while the boxes are folded away."""
+    return f"{_TITLE} ({given} given)" if given else _TITLE

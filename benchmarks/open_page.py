@@ -1,0 +1,150 @@
+"""An open page without a browser: Bokeh's protocol over a websocket, as chromium was seen to speak it."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from tornado.httpclient import AsyncHTTPClient, HTTPRequest
+from tornado.websocket import WebSocketClientConnection, websocket_connect
+
+_CHARTS = 6  # of the Budget page
+_TOKEN = re.compile(r'"token":"([^"]+)"')
+
+
+@dataclass
+class Tab:
+    """One open page; ``errors`` are what the server said of its own fault, or that it hung up."""
+
+    server: str
+    connection: WebSocketClientConnection
+    objects: list[dict[str, Any]] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+    _sent: int = 0
+    _closing: bool = False
+    _waiting: set[str] = field(default_factory=set)
+    _answered: asyncio.Future[None] | None = None
+    _greeted: asyncio.Event = field(default_factory=asyncio.Event)
+    _reply: asyncio.Future[str] | None = None
+    _reading: asyncio.Task[None] | None = None
+
+    @classmethod
+    async def open(cls, server: str, cookies: str = "") -> Tab:
+        """Fetch the page, connect, take the document, say that it stands."""
+        known = {"Cookie": cookies} if cookies else {}
+        page = await AsyncHTTPClient().fetch(server + "/", headers=known, request_timeout=120)
+        found = _TOKEN.search(page.body.decode())
+        assert found, "no token in the page"
+        request = HTTPRequest(server.replace("http", "ws") + "/ws", headers={"Origin": server, **known})
+        connection = await websocket_connect(
+            request, subprotocols=["bokeh", found[1]], max_message_size=100_000_000, ping_interval=0
+        )
+        tab = cls(server, connection)
+        tab._reading = asyncio.create_task(tab._read())
+        await asyncio.wait_for(tab._greeted.wait(), 120)  # what is sent before the greeting is lost
+        await tab.pull()
+        await tab.event("document_ready")
+        await asyncio.wait_for(tab._stand(), 120)
+        return tab
+
+    async def _stand(self) -> None:
+        """Take the document until the charts below the first screen, which follow it, are there."""
+        while sum(model["name"] == "Figure" for model in self.objects) < _CHARTS:
+            await asyncio.sleep(0.05)
+            await self.pull()
+
+    async def pull(self) -> None:
+        """Take the document as it is now."""
+        self._reply = asyncio.get_running_loop().create_future()
+        await self.send("PULL-DOC-REQ", {})
+        self.objects = list(_objects(json.loads(await asyncio.wait_for(self._reply, 120))["doc"]))
+
+    def find(self, **wanted: Any) -> dict[str, Any]:
+        """The model that has these attributes."""
+        for model in self.objects:
+            if wanted.items() <= {k: v for k, v in model["attributes"].items() if _plain(v)}.items():
+                return model
+        raise LookupError(f"no model with {wanted}")
+
+    async def set(self, model: str, **values: Any) -> None:
+        """Change a model as the browser's side does."""
+        for name, value in values.items():
+            change = {"kind": "ModelChanged", "model": {"id": model}, "attr": name, "new": value}
+            await self.send("PATCH-DOC", {"events": [change]})
+
+    async def event(self, name: str, **values: Any) -> None:
+        """Send an event such as a click."""
+        entries = {"entries": list(values.items())} if values else {}
+        data = {"type": "event", "name": name, "values": {"type": "map", **entries}}
+        await self.send(
+            "PATCH-DOC", {"events": [{"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": data}]}
+        )
+
+    async def click(self, data: str) -> None:
+        """Press the button that shows this model's data."""
+        model = next(m["id"] for m in self.objects if _id(m["attributes"].get("data")) == data)
+        await self.event("dom_event", model={"id": model}, node="click", data={"type": "map", "entries": []})
+
+    def expect(self, models: set[str]) -> asyncio.Future[None]:
+        """Done when each of these models has been heard of again."""
+        self._waiting, self._answered = set(models), asyncio.get_running_loop().create_future()
+        return self._answered
+
+    async def close(self) -> None:
+        """Hang up."""
+        self._closing = True
+        self.connection.close()
+        if self._reading is not None:
+            await asyncio.wait([self._reading], timeout=5)
+
+    async def send(self, kind: str, content: Any) -> None:
+        """Send a message; text goes as it is."""
+        self._sent += 1
+        await self.connection.write_message(json.dumps({"msgid": str(self._sent), "msgtype": kind}))
+        await self.connection.write_message("{}")
+        await self.connection.write_message(content if isinstance(content, str) else json.dumps(content))
+
+    async def _read(self) -> None:
+        """Take messages apart by their first and third frame; the frames of arrays are counted, not looked at."""
+        while (frame := await self.connection.read_message()) is not None:
+            header = json.loads(frame)
+            await self.connection.read_message()
+            content = await self.connection.read_message()
+            for _ in range(2 * header.get("num_buffers", 0)):
+                await self.connection.read_message()
+            kind = header["msgtype"]
+            if kind == "ACK":
+                self._greeted.set()
+            elif kind == "PULL-DOC-REPLY" and self._reply is not None:
+                self._reply.set_result(str(content))
+            elif kind == "PATCH-DOC" and self._waiting:
+                self._waiting -= {model for model in self._waiting if f'"{model}"' in str(content)}
+                if not self._waiting and self._answered is not None and not self._answered.done():
+                    self._answered.set_result(None)
+            elif kind == "ERROR":
+                self.errors.append(str(content)[:300])
+        if not self._closing:
+            self.errors.append(f"the server hung up: {self.connection.close_code} {self.connection.close_reason}")
+
+
+def _objects(part: Any) -> Iterator[dict[str, Any]]:
+    if isinstance(part, dict):
+        if part.get("type") == "object" and "attributes" in part:
+            yield part
+        for value in part.values():
+            yield from _objects(value)
+    elif isinstance(part, list):
+        for value in part:
+            yield from _objects(value)
+
+
+def _id(value: Any) -> str | None:
+    return value.get("id") if isinstance(value, dict) else None
+
+
+def _plain(value: Any) -> bool:
+    return isinstance(value, str | int | float | bool)

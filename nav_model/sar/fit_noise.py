@@ -1,0 +1,96 @@
+"""What a slow GNSS error does to the quadratic fitted to INS - GNSS, beside the white noise of [S-7].
+
+The fixes are evenly spaced, so the error of a fitted coefficient is a sum over lags: r(k) rho^k, r the
+autocorrelation of the orthogonal polynomial over the fixes (a polynomial in k itself) and rho^k the correlation
+of a first-order Gauss-Markov error k fixes apart. Autocorrelations in closed form, found symbolically.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nav_model.analytic.discrete import SlowError
+
+_FloatArray = NDArray[np.float64]
+_DIRECT = 2048  # lags summed one by one; beyond, the sum is an integral to one part in its square
+_DECAYED = 40.0  # correlation times after which nothing is left
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
+
+
+class SlowFit(NamedTuple):
+    """Of the line and the quadratic fitted at n fixes, at the ends of the aperture.
+
+    ``slope``: variance [m²/s²] of the line's slope. ``quadratic``: variance [m²] of the quadratic at the ends
+    of the aperture. ``quadratic_from_start`` [m]: the quadratic there for an error of 1 m at the first fix that
+    then decays: what correlates it with the state at the start of the aperture.
+    """
+
+    slope: _FloatArray
+    quadratic: _FloatArray
+    quadratic_from_start: _FloatArray
+
+
+def slow_fit(slow: SlowError | None, fix_interval: ArrayLike, aperture_time: ArrayLike, fixes: ArrayLike) -> SlowFit:
+    """The slow error's part in the fit; zeros without one, and where too few fixes are there to fit.
+
+    ``slow`` of one number each; the rest broadcast. ``fixes`` is rounded down to whole ones.
+    """
+    t, dt, n = np.broadcast_arrays(
+        *(np.asarray(x, float) for x in (aperture_time, fix_interval, np.floor(np.asarray(fixes, float) + 1e-9)))
+    )
+    parts = np.zeros((3, *n.shape))
+    if slow is not None:
+        sigma, tau = float(np.asarray(slow.sigma)), float(np.asarray(slow.correlation_time))
+        pairs, place = np.unique(np.stack([n.ravel(), dt.ravel()]), axis=1, return_inverse=True)
+        sums = np.array([_sums(int(count), step / tau) for count, step in pairs.T]).T
+        parts = sums[:, np.ravel(place)].reshape(3, *n.shape)
+        bend = 6 * (t / (2 * dt)) ** 2  # 6 i² leads the quadratic polynomial; i counts fixes
+        parts = np.stack([(2 * sigma / dt) ** 2 * parts[0], (sigma * bend) ** 2 * parts[1], bend * parts[2]])
+    return SlowFit(*parts)
+
+
+def _sums(n: int, rate: float) -> tuple[float, float, float]:
+    """Per unit sigma: variance of the coefficient of 2i - (n - 1), of that of 6i² - 6i(n - 1) + (n - 1)(n - 2),
+    and the latter for exp(-rate i)."""
+    if n < 2:
+        return 0.0, 0.0, 0.0
+    n1 = n * (n**2 - 1) / 3
+    slope = 2 * _over_lags(lambda k: (n - k) * (n * n - 1 - 2 * n * k - 2 * k * k) / 3, n, rate) / n1**2
+    if n < 3:
+        return slope, 0.0, 0.0
+    n2 = float(n) * (n**2 - 1) * (n**2 - 4) / 5
+
+    def lagged(k: _FloatArray) -> _FloatArray:
+        inner = 6 * k**4 + 6 * k**3 * n - 4 * (k * n) ** 2 + 10 * k**2 - 4 * k * n**3 + 10 * k * n
+        return np.asarray((n - k) * (inner + float(n) ** 4 - 5 * n**2 + 4) / 5)
+
+    def itself(i: _FloatArray) -> _FloatArray:
+        return np.asarray(6 * i**2 - 6 * i * (n - 1) + (n - 1) * (n - 2))
+
+    return slope, 2 * _over_lags(lagged, n, rate) / n2**2, _over_lags(itself, n, rate, whole=True) / n2
+
+
+def _over_lags(f: Callable[[_FloatArray], _FloatArray], n: int, rate: float, whole: bool = False) -> float:
+    """Sum over k = 1 .. n - 1 of f(k) (exp(-rate k) - 1).
+
+    The constant drops out of what is wanted, since the polynomials sum to zero over the fixes (over all lags),
+    and without it a slow error keeps its digits. ``whole``: f does not vanish at the last fix.
+    """
+    if n <= _DIRECT:
+        k = np.arange(1.0, n)
+        return float(np.sum(f(k) * np.expm1(-rate * k)))
+    if rate * _DIRECT > _DECAYED:  # gone within the lags summed one by one; there the two sums part exactly
+        k = np.arange(1.0, _DIRECT)
+        first = float(f(np.zeros(1))[0])
+        return float(np.sum(f(k) * np.exp(-rate * k))) + (first if whole else first / 2)
+    last = n - 1.0 if whole else float(n)
+    total = 0.0
+    for low, high in ((0.0, min(last, _DECAYED / rate)), (min(last, _DECAYED / rate), last)):
+        k = low + (high - low) * (_NODES + 1) / 2
+        total += float(np.sum(_WEIGHTS * f(k) * np.expm1(-rate * k)) * (high - low) / 2)
+    end = np.array([last])
+    return total + (float((f(end) * np.expm1(-rate * end))[0]) / 2 if whole else 0.0)

@@ -1,0 +1,192 @@
+"""The second engine: full flights of the simulator, handed to the strategies as the fast engine hands its runs.
+
+A run is flown with fixes throughout; again, on the same instrument noise, with the fixes ended at the start of the
+aperture, which gives the free INS; and, for strategy 3, with the fixes ended before the coast. Errors are taken along
+the track, across it and down. The smoother is that of the simulator's own filter of nine states.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.design import Design
+from nav_model.inputs import DesignError
+from nav_model.sar.axis_model import AxisModel
+from nav_model.sar.fast_engine import weight_of
+from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
+from nav_model.simulation.design_study import settling, specification
+from nav_model.simulation.specification import SimulationSpec
+
+if TYPE_CHECKING:
+    from nav_model.sar.flown_smoother import FlownSmoother
+
+_FloatArray = NDArray[np.float64]
+_JUST_BEFORE = 1e-9  # s
+_MOST_SAMPLES = 2_000_000  # of the instrument in one flight: a minute of a processor, and what a worker holds
+
+
+class Flight(NamedTuple):
+    """What is flown: with fixes throughout, without from the aperture's start, and without from the coast's.
+
+    ``start`` [s] of the aperture, at a fix; ``first``: which fix of the flight that is, counted from 0.
+    """
+
+    aided: SimulationSpec
+    free: SimulationSpec
+    coasted: SimulationSpec | None
+    start: float
+    first: int
+
+
+def flight_of(design: Design, aperture_time: float, coast_time: float) -> Flight:
+    """The flight of a design: straight and level, until its filter has settled, then the coast, then the aperture.
+
+    The coast is rounded to whole fix intervals.
+
+    Raises
+    ------
+    DesignError
+        Naming the key of the design that makes a flight too long or cannot be flown.
+    """
+    interval, rate = design.gnss.interval, design.imu.rate
+    before = settling(design)
+    count = math.ceil((before + coast_time) / interval)
+    length = count * interval + aperture_time + 2 / rate
+    if length * rate > _MOST_SAMPLES:
+        raise DesignError(
+            "imu.rate",
+            f"{rate:g} Hz over {length:.4g} s, in which the filter settles ({before:.4g} s), are more than the "
+            f"simulator flies for a strategy; at most {_MOST_SAMPLES / length:.4g} Hz go, or the fast engine",
+        )
+    start = round(count * interval * rate) / rate
+    aided = replace(
+        specification(design, trajectory="straight", runs=1, duration=length, every=1 / rate), record_from=start
+    )
+    coast = round(coast_time / interval) * interval
+    free = replace(aided, outages=((start, length),))
+    coasted = replace(aided, outages=((start - coast, length),)) if coast > 0 else None
+    return Flight(aided, free, coasted, start, count - 1)
+
+
+def fly_axes(
+    flight: Flight,
+    models: tuple[AxisModel, AxisModel, AxisModel],
+    aperture_time: float,
+    rate: float,
+    seed: int,
+    first_run: int,
+    runs: int,
+    tuning: Tuning,
+) -> list[StrategyErrors]:
+    """Every strategy on each axis (along, across, down) of runs first_run .. first_run + runs - 1.
+
+    ``models`` give 5w its weight; histories are of ``rate`` [Hz]. The same numbers whoever flies them.
+
+    Raises ArithmeticError where the filter's covariance stops being positive definite.
+    """
+    flown = histories(flight, aperture_time, rate, seed, first_run, runs)
+    fixes = len(flown[0].fix_time)
+    return [
+        apply_strategies(axis, weight_of(model, aperture_time, fixes), tuning)
+        for axis, model in zip(flown, models, strict=True)
+    ]
+
+
+def histories(
+    flight: Flight, aperture_time: float, rate: float, seed: int, first_run: int, runs: int
+) -> list[NavigationHistories]:
+    """Error histories (runs, n) of the three axes over the aperture, n = T rate + 1."""
+    from nav_model.simulation.schedule import plan
+    from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly
+
+    numbers = range(first_run, first_run + runs)
+    schedule = plan(flight.aided)
+    instants = schedule.outputs.time_s[1:]
+    all_fixes = schedule.fixes.time_s
+    within = np.flatnonzero(
+        (all_fixes >= flight.start - _JUST_BEFORE)
+        & (all_fixes <= flight.start + aperture_time + 0.5 / flight.aided.imu.rate)
+    )
+    at = 1 + np.rint((all_fixes[within] - instants[0]) * flight.aided.imu.rate).astype(int)
+    time = np.linspace(0.0, aperture_time, round(aperture_time * rate) + 1)
+    heading = flight.aided.trajectory.heading
+    turn = np.array(
+        [[math.cos(heading), math.sin(heading), 0], [-math.sin(heading), math.cos(heading), 0], [0, 0, 1]]
+    )
+    # The record has roll, pitch and yaw; the filter's covariance is of its own small angles.
+    own_angles = np.linalg.inv(schedule.error_map[at])
+
+    # Just before a fix and at it: nothing may be interpolated across the filter's jump.
+    both = np.column_stack([instants - _JUST_BEFORE, instants]).ravel()
+
+    def sampled(values: _FloatArray) -> _FloatArray:
+        """(2, outputs, 3), before and after, north, east, down -> (3, n), the aircraft's axes."""
+        level = np.swapaxes(values[:, 1:] @ turn.T, 0, 1).reshape(-1, 3)
+        return np.stack([np.interp(flight.start + time, both, column) for column in level.T])
+
+    aided: list[_FloatArray] = []
+    speed: list[_FloatArray] = []
+    before: list[_FloatArray] = []
+    after: list[_FloatArray] = []
+    fix_errors: list[_FloatArray] = []
+    for run in numbers:
+        record = fly(replace(flight.aided, seed=seed), run)
+        aided.append(sampled(record.error[..., :3]))
+        speed.append(sampled(record.error[..., 3:6]))
+        for kept, phase in ((before, PRIOR), (after, POSTERIOR)):
+            state = record.error[phase, at].copy()
+            state[:, 6:9] = np.einsum("kij,kj->ki", own_angles, state[:, 6:9])
+            kept.append(state)
+        fix_errors.append(record.fix_error[within] @ turn.T)
+    free, free_speed = _unaided(flight.free, seed, numbers, sampled)
+    coasted = free if flight.coasted is None else _unaided(flight.coasted, seed, numbers, sampled)[0]
+
+    prior, posterior = np.stack(before, axis=1), np.stack(after, axis=1)
+    smoother = _smoother(flight.aided, tuple(all_fixes[: within[-1] + 1]), int(within[0]))
+    added = smoother.correction(flight.start + time, prior, posterior) @ turn.T
+    position, velocity, errors = np.stack(aided, axis=1), np.stack(speed, axis=1), np.stack(fix_errors)
+    jump = (posterior - prior)[:, :, :3] @ turn.T
+    jump[0] = 0.0  # the aperture starts just after its first fix
+    return [
+        NavigationHistories(
+            time=time,
+            fix_time=all_fixes[within] - flight.start,
+            ins_position=free[axis],
+            ins_velocity=free_speed[axis],
+            coasted_position=coasted[axis],
+            filter_position=position[axis],
+            filter_velocity=velocity[axis],
+            filter_correction=jump[:, :, axis].T,
+            gnss_error=errors[:, :, axis],
+            smoothed_position=position[axis] + added[:, :, axis],
+        )
+        for axis in range(3)
+    ]
+
+
+def _unaided(
+    spec: SimulationSpec, seed: int, numbers: range, sampled: Callable[[_FloatArray], _FloatArray]
+) -> tuple[_FloatArray, _FloatArray]:
+    """Position and velocity errors (3, runs, n) of the flights without fixes."""
+    from nav_model.simulation.single_run import fly
+
+    position, velocity = [], []
+    for run in numbers:
+        error = fly(replace(spec, seed=seed), run).error
+        position.append(sampled(error[..., :3]))
+        velocity.append(sampled(error[..., 3:6]))
+    return np.stack(position, axis=1), np.stack(velocity, axis=1)
+
+
+@lru_cache(maxsize=2)
+def _smoother(spec: SimulationSpec, fix_times: tuple[float, ...], first: int) -> FlownSmoother:
+    from nav_model.sar.flown_smoother import flown_smoother
+
+    return flown_smoother(spec, np.array(fix_times), first)

@@ -1,0 +1,114 @@
+"""What the turning line of sight makes of the errors of each axis: more than [S-2], and under squint.
+
+Over the aperture, x from -1 to 1, the line of sight is to second order
+
+    u(x) = u0 + kappa (s u0 - e) x + kappa² ((3 s² - 1)/2 u0 - s e) x²,     kappa = V T / (2 R),  s = sin(squint)
+
+with u0 that of mid-aperture and e along the track. The quadratic of u . dp is then, axis by axis, a weighted sum
+of three functionals of the axis's error p: the quadratics of p, of x p (its velocity) and of x² p (its position).
+A free INS's are Gaussian with the covariance written here: from the state it starts in, and from its noise (found
+symbolically). Higher orders that the turn makes are left out.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nav_model.sar.axis_model import noise_covariance, transition
+
+_FloatArray = NDArray[np.float64]
+
+# Covariance of the three functionals under white accelerometer noise (times S_a T³) and gyro noise (g² S_g T⁵).
+_ACCELEROMETER = np.array(
+    [[5 / 224, 1 / 32, 215 / 7392], [1 / 32, 213 / 2464, 9 / 112], [215 / 7392, 9 / 112, 21547 / 288288]]
+)
+_GYRO = np.array(
+    [
+        [181 / 29568, 15 / 1792, 4475 / 576576],
+        [15 / 1792, 1739 / 144144, 421 / 37632],
+        [4475 / 576576, 421 / 37632, 46523 / 4484480],
+    ]
+)
+
+
+class Turn(NamedTuple):
+    """Weights (..., 3) of the three functionals, for each axis: along the track, across, down."""
+
+    along: _FloatArray
+    across: _FloatArray
+    down: _FloatArray
+
+
+def turn_weights(
+    grazing_angle: ArrayLike, squint_angle: ArrayLike, turn_rate: ArrayLike, aperture_time: ArrayLike
+) -> Turn:
+    """How the functionals of each axis add up along the line of sight; turn_rate V/R [rad/s]. Broadcasts."""
+    s, down, turned = np.broadcast_arrays(
+        np.sin(np.asarray(squint_angle, float)),
+        np.sin(np.asarray(grazing_angle, float)),
+        np.asarray(turn_rate, float) * np.asarray(aperture_time, float) / 2,
+    )
+    across = np.sqrt(np.maximum(1 - s**2 - down**2, 0.0))  # below zero by rounding alone: `analyse` refuses the rest
+    powers = np.stack([np.ones_like(turned), turned * s, turned**2 * (3 * s**2 - 1) / 2], axis=-1)
+    track = np.stack([np.zeros_like(turned), turned, turned**2 * s], axis=-1)
+    return Turn(s[..., None] * powers - track, across[..., None] * powers, down[..., None] * powers)
+
+
+def free_quadratic_variance(
+    weights: _FloatArray,
+    start: _FloatArray,
+    accelerometer_noise: ArrayLike,
+    tilt_noise: ArrayLike,
+    aperture_time: ArrayLike,
+    coast_time: ArrayLike = 0.0,
+    jerk: ArrayLike = 0.0,
+) -> _FloatArray:
+    """Variance [m²] of the weighted sum of one axis's functionals under a free INS.
+
+    Parameters
+    ----------
+    weights : ndarray (..., 3)
+        One axis of `turn_weights`.
+    start : ndarray (..., 3, 3)
+        Covariance of position, velocity and acceleration error (g tilt + bias) at the last fix.
+    accelerometer_noise, tilt_noise : array_like
+        Densities [m/s/√s], [m/s²/√s]: sigma_a, g sigma_w.
+    aperture_time, coast_time : array_like
+        s; the coast lies between the last fix and the aperture.
+    jerk : array_like
+        g times the residual gyro bias, 1σ [m/s³].
+    """
+    t, coast, s_a, s_g, j = (
+        np.asarray(x, float) for x in (aperture_time, coast_time, accelerometer_noise, tilt_noise, jerk)
+    )
+    s_a, s_g = s_a**2, s_g**2
+    forward = transition(coast)
+    carried = forward @ start @ np.swapaxes(forward, -1, -2) + noise_covariance(s_a, s_g, coast)
+    q, v, p = np.moveaxis(weights, -1, 0)
+    h, age = t / 2, coast + t / 2
+    by_state = np.stack(np.broadcast_arrays(p, (v + p) * h, (q + 2 * v + 13 / 7 * p) * t**2 / 8), axis=-1)
+    by_jerk = q * age * t**2 / 8 + v * (age**2 * t / 4 + h**3 / 7) + p * (age**3 / 6 + 3 / 7 * age * h**2)
+    noise = s_a * t**3 * np.einsum("...i,ij,...j", weights, _ACCELEROMETER, weights)
+    noise = noise + s_g * t**5 * np.einsum("...i,ij,...j", weights, _GYRO, weights)
+    return np.asarray(np.einsum("...i,...ij,...j", by_state, carried, by_state) + noise + (j * by_jerk) ** 2)
+
+
+def bent_variance(
+    weights: _FloatArray,
+    start: _FloatArray,
+    accelerometer_noise: ArrayLike,
+    tilt_noise: ArrayLike,
+    aperture_time: ArrayLike,
+    coast_time: ArrayLike = 0.0,
+    jerk: ArrayLike = 0.0,
+) -> _FloatArray:
+    """What the turn adds to the variance [m²] of the quadratic: with the weights, less with the first alone.
+
+    Arguments as `free_quadratic_variance`. It may be negative: the turn can work against the quadratic.
+    """
+    free = (start, accelerometer_noise, tilt_noise, aperture_time, coast_time, jerk)
+    still = np.asarray(weights * np.array([1.0, 0.0, 0.0]))
+    return np.asarray(free_quadratic_variance(weights, *free) - free_quadratic_variance(still, *free))

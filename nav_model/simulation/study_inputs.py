@@ -1,0 +1,256 @@
+"""What a study may add to a design: sensor errors, a receiver and a filter beyond the closed forms' inputs.
+
+A design holds what the closed forms take. The simulator flies more; each such input is declared here once,
+with unit, bounds and help, and the command line and the page are derived from it. All default to nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, TypeVar
+
+from nav_model.inputs import BaseQuantity, DesignError, OptionalQuantity, Quantity
+from nav_model.parts import Part
+from nav_model.simulation.specification import (
+    FilterModel,
+    GnssModel,
+    InitialErrors,
+    SimulationSpec,
+    TriadModel,
+)
+
+_DEGREE = math.pi / 180
+_DPH = _DEGREE / 3600
+_MG = 9.80665e-3
+_TRIAD, _GNSS, _FILTER, _INITIAL = TriadModel(), GnssModel(), FilterModel(), InitialErrors()
+
+
+def _nothing(dimension: str, unit: str, highest: float, label: str, doc: str) -> Any:
+    """An input that is zero unless given."""
+    return Quantity(
+        default=0.0, dimension=dimension, unit=unit, short="", bounds=(0.0, highest), label=label, doc=doc
+    )
+
+
+def _correlation_time() -> Any:
+    return Quantity(
+        default=_TRIAD.correlation_time,
+        dimension="time",
+        unit="s",
+        short="",
+        bounds=(1e-3, 1e9),
+        label="Correlation time",
+        doc="Of the bias instability, a first-order Gauss-Markov process.",
+    )
+
+
+class Gyro(Part):
+    """Gyroscope errors beside the white noise and the residual bias of the design."""
+
+    section = "gyro"
+    title = "Gyros"
+
+    bias_instability = _nothing(
+        "angular rate", "°/h", 1e5 * _DPH, "Bias instability", "Gauss-Markov bias, 1σ per axis, in its steady state."
+    )
+    correlation_time = _correlation_time()
+    rate_random_walk = _nothing(
+        "rate random walk", "°/h/√h", 1e5 * _DPH / 60, "Rate random walk", "Density of the noise that moves the bias."
+    )
+    scale_factor = _nothing("ratio", "ppm", 0.1, "Scale factor error", "1σ per axis, drawn for each run.")
+    misalignment = _nothing("angle", "mrad", 0.1, "Misalignment", "1σ of each of six angles, drawn for each run.")
+    quantization = _nothing("angle", "arcsec", 0.1, "Quantization", "One count of the integrated angle.")
+
+
+class Accelerometer(Part):
+    """Accelerometer errors beside the white noise and the residual bias of the design."""
+
+    section = "accelerometer"
+    title = "Accelerometers"
+
+    bias_instability = _nothing(
+        "acceleration", "mg", 1000 * _MG, "Bias instability", "Gauss-Markov bias, 1σ per axis, in its steady state."
+    )
+    correlation_time = _correlation_time()
+    rate_random_walk = _nothing(
+        "acceleration random walk", "µg/√h", 10 * _MG, "Acceleration random walk",
+        "Density of the noise that moves the bias.",
+    )  # fmt: skip
+    scale_factor = _nothing("ratio", "ppm", 0.1, "Scale factor error", "1σ per axis, drawn for each run.")
+    misalignment = _nothing("angle", "mrad", 0.1, "Misalignment", "1σ of each of six angles, drawn for each run.")
+    quantization = _nothing("speed", "mm/s", 10.0, "Quantization", "One count of the integrated velocity.")
+
+
+def _arm(label: str) -> Any:
+    return Quantity(
+        default=0.0,
+        dimension="length",
+        unit="m",
+        short="",
+        bounds=(-200.0, 200.0),
+        label=f"Antenna {label}",
+        doc="Of the IMU, body axes; the filter knows it.",
+    )
+
+
+class Receiver(Part):
+    """The receiver beside its position fixes."""
+
+    section = "receiver"
+    title = "Receiver"
+
+    velocity_noise = OptionalQuantity(
+        default=None,
+        dimension="speed",
+        unit="cm/s",
+        short="",
+        bounds=(1e-5, 1e3),
+        label="Velocity noise",
+        doc="1σ per axis and fix; empty: position only.",
+    )
+    lever_forward = _arm("forward")
+    lever_right = _arm("to the right")
+    lever_down = _arm("below")
+
+
+def _scale(label: str, doc: str) -> Any:
+    return Quantity(default=1.0, dimension="", unit="", short="", bounds=(1e-3, 1e3), label=label, doc=doc)
+
+
+class Filter(Part):
+    """The filter's tuning, as factors on the standard deviations it is told: 1 is matched."""
+
+    section = "filter"
+    title = "Filter"
+
+    process_noise_scale = _scale("Process noise factor", "0.71 halves the variance the filter is told.")
+    gnss_noise_scale = _scale("Fix noise factor", "On the fix noise the filter is told.")
+    propagation_rate = Quantity(
+        default=_FILTER.propagation_rate,
+        dimension="frequency",
+        unit="Hz",
+        short="",
+        bounds=(0.5, 1e4),
+        label="Propagation rate",
+        doc="Covariance steps per second, between fixes.",
+    )
+    initial_yaw = Quantity(
+        default=_INITIAL.yaw,
+        dimension="angle",
+        unit="°",
+        short="",
+        bounds=(1e-6 * _DEGREE, 20 * _DEGREE),
+        label="Initial yaw error",
+        doc="1σ at the start; drawn for each run, and what the filter starts from.",
+    )
+
+
+STUDY_PARTS: Final[tuple[type[Part], ...]] = (Gyro, Accelerometer, Receiver, Filter)
+STUDY_KEYS: Final[Mapping[str, BaseQuantity[Any]]] = {
+    f"{part.section}.{name}": declaration
+    for part in STUDY_PARTS
+    for name, declaration in part.inputs().items()
+    if isinstance(declaration, BaseQuantity)
+}
+"""Dotted key -> declaration, in the order they are shown."""
+
+SECTIONS: Final = tuple(part.section for part in STUDY_PARTS)
+
+_Model = TypeVar("_Model", bound=Any)
+_RENAMED: Final[Mapping[str, str]] = {"quantization": "quantisation"}
+
+
+@dataclass(frozen=True)
+class StudyInputs:
+    """What was given, as (key, value in SI) in the order of `STUDY_KEYS`; hashable and picklable.
+
+    Raises DesignError for an unknown key or a value out of bounds.
+    """
+
+    given: tuple[tuple[str, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        for key, value in self.given:
+            _declared(key)._validate(value)
+
+    def __getitem__(self, key: str) -> float | None:
+        """Value in SI under a dotted key."""
+        value: float | None = dict(self.given).get(key, _declared(key).default)
+        return value
+
+    def _section(self, section: str) -> Iterator[tuple[str, float]]:
+        for key, value in self.given:
+            own, _, name = key.partition(".")
+            if own == section:
+                yield _RENAMED.get(name, name), value
+
+    def triad(self, section: str, random_walk: float, turn_on_bias: float) -> TriadModel:
+        """The triad "gyro" or "accelerometer" with the design's noise and bias and what is added to them."""
+        return TriadModel(random_walk=random_walk, turn_on_bias=turn_on_bias, **dict(self._section(section)))
+
+    def lever_arm(self) -> tuple[float, float, float]:
+        """Antenna from the IMU, forward, right, down [m]."""
+        forward, right, down = (self[f"receiver.lever_{way}"] or 0.0 for way in ("forward", "right", "down"))
+        return forward, right, down
+
+    def filter(self, states: int) -> FilterModel:
+        """The filter of so many states with this tuning."""
+        tuning = {name: value for name, value in self._section("filter") if name != "initial_yaw"}
+        return FilterModel(states=states, **tuning)
+
+
+NOTHING_ADDED: Final = StudyInputs()
+
+
+def read_study_inputs(texts: Mapping[str, str]) -> StudyInputs:
+    """Values written with units, by dotted key; an empty text is not given.
+
+    Raises
+    ------
+    DesignError
+        Naming the key, what was given and what is allowed.
+    """
+    values = {key: _declared(key).read(text).value for key, text in texts.items() if text.strip()}
+    return StudyInputs(tuple((key, values[key]) for key in STUDY_KEYS if key in values))
+
+
+def split_changes(changes: Iterable[str]) -> tuple[list[str], dict[str, str]]:
+    """KEY=VALUE changes sorted into the design's own and those of the study."""
+    of_design: list[str] = []
+    of_study: dict[str, str] = {}
+    for change in changes:
+        key, equals, text = change.partition("=")
+        if equals and key.strip().partition(".")[0] in SECTIONS:
+            of_study[key.strip()] = text.strip()
+        else:
+            of_design.append(change)
+    return of_design, of_study
+
+
+def _declared(key: str) -> BaseQuantity[Any]:
+    if key not in STUDY_KEYS:
+        raise DesignError(key, f"unknown key; a study takes {', '.join(STUDY_KEYS)}")
+    return STUDY_KEYS[key]
+
+
+def added(spec: SimulationSpec) -> dict[str, float]:
+    """What a specification holds of `STUDY_KEYS` other than their defaults, by key, in SI."""
+    found: dict[str, float | None] = {}
+    for section, triad in (("gyro", spec.imu.gyro), ("accelerometer", spec.imu.accelerometer)):
+        for name in (key.partition(".")[2] for key in STUDY_KEYS if key.startswith(section + ".")):
+            found[f"{section}.{name}"] = getattr(triad, _RENAMED.get(name, name))
+        if not triad.bias_instability:
+            del found[f"{section}.correlation_time"]  # of nothing
+    found["receiver.velocity_noise"] = spec.gnss.velocity_noise
+    for way, length in zip(("forward", "right", "down"), spec.gnss.lever_arm, strict=True):
+        found[f"receiver.lever_{way}"] = length
+    for name in ("process_noise_scale", "gnss_noise_scale", "propagation_rate"):
+        found[f"filter.{name}"] = getattr(spec.filter, name)
+    found["filter.initial_yaw"] = spec.initial.yaw
+    return {
+        key: value
+        for key, value in found.items()
+        if value is not None and (value != STUDY_KEYS[key].default or key.endswith("correlation_time"))
+    }

@@ -1,0 +1,50 @@
+"""What the sensors' errors are along a flight [B-1]: bias, instability and total of each axis against time."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.frames import Array, require
+from nav_model.suborbital.mechanisation import oscillations
+
+
+@dataclass(frozen=True)
+class SensorHistory:
+    """Errors of the measured quantities of c cases at m instants, body axes: time_s (m,), specific_force_m_s2
+    and angular_rate_rad_s (c, m, 3), without the white noise, which has no value at an instant."""
+
+    time_s: Array
+    specific_force_m_s2: Array = field(repr=False)
+    angular_rate_rad_s: Array = field(repr=False)
+    source: str = "sensor errors [B-1] at the flight's true specific force and angular rate"
+
+
+def sensor_history(flight: Flight, parameters: Array, errors: ErrorSet, every: int = 10) -> SensorHistory:
+    """df and domega [B-1] of the parameter vectors (c, 61) or (61,), in the order of `errors.PARAMETERS`.
+
+    errors supplies the periods of the oscillating terms; every: spacing in steps, a divisor of their number.
+    At burn-out the specific force is that of the step which begins there. Raises ValueError for a wrong
+    shape or spacing.
+    """
+    p, n = np.atleast_2d(parameters), flight.steps
+    require(p.shape[1] == len(PARAMETERS), f"parameters has shape {p.shape}: must be (cases, {len(PARAMETERS)})")
+    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+
+    def at_steps(nodes: Array) -> Array:
+        return np.concatenate([nodes[:, 0], nodes[-1:, 2]])[::every]
+
+    slow = oscillations(flight, errors)[:: 2 * every]
+
+    def triad(start: int, measured: Array, bias: Array, matrix: Array) -> Array:
+        part = p[:, start : start + 24]
+        constant, slowly = part[:, 6:15].reshape(-1, 3, 3), part[:, 15:24].reshape(-1, 3, 3)
+        moving = part[:, None, 3:6] * bias[:, None] + np.einsum("cij,t,tj->cti", slowly, matrix, measured)
+        return np.asarray(part[:, None, :3] + np.einsum("cij,tj->cti", constant, measured) + moving)
+
+    return SensorHistory(
+        time_s=flight.time_s[::every],
+        specific_force_m_s2=triad(0, at_steps(flight.specific_force_b), slow[:, 0], slow[:, 1]),
+        angular_rate_rad_s=triad(24, at_steps(flight.angular_rate_b), slow[:, 2], slow[:, 3]),
+    )

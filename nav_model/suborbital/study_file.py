@@ -1,0 +1,184 @@
+"""A suborbital study as a file and as a link: every input, and the trajectory where one was flown from a file.
+
+    study = "suborbital"
+    [gyros]
+    bias = "3, 4, 2 °/h"
+    [trajectory]            # only where the flight came from a file: its name and its text
+    name = "flight.csv"
+    csv = "time_s,latitude_deg,..."
+
+A study has inputs of its own and so a file of its own; a design enters it by its inertial unit (`from_design`).
+Reading names the first key that is wrong; writing states every value in the shortest text that gives the same
+number back. A key that is not stated has its GP-1 value.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.parse import parse_qsl, urlencode
+
+import tomli_w
+
+from nav_model.inputs import DesignError, shown
+from nav_model.link import MAX_QUERY, STUDY_PREFIX
+from nav_model.suborbital.input_table import SETTINGS
+from nav_model.suborbital.setting import Value
+from nav_model.suborbital.settings import DEFAULTS, Settings
+from nav_model.suborbital.trajectory_file import MAX_BYTES as MAX_TRAJECTORY
+
+KIND = "suborbital"
+MAX_BYTES = MAX_TRAJECTORY + 1_000_000
+
+_SECTIONS = tuple(dict.fromkeys(key.rpartition(".")[0] for key in SETTINGS if "." in key))
+
+
+@dataclass(frozen=True)
+class StudyFile:
+    """What a study file holds: the inputs, and name and content of the trajectory (None: the golden flight)."""
+
+    settings: Settings
+    trajectory: tuple[str, bytes] | None = field(default=None, repr=False)
+
+
+def is_study(data: bytes) -> bool:
+    """Whether a file says it is a study (a design does not); it may still be a wrong one."""
+    try:
+        return "study" in tomllib.loads(data.decode("utf-8-sig"))
+    except (UnicodeDecodeError, ValueError, RecursionError):
+        return False
+
+
+def parse_study(data: bytes, where: str = "study") -> StudyFile:
+    """The study a file holds.
+
+    Raises
+    ------
+    DesignError
+        Naming the file or key, what was given and what is allowed.
+    """
+    tables = _load(data, where)
+    if tables.get("study") != KIND:
+        said = "is missing" if "study" not in tables else f"{shown(tables['study'])} is not allowed"
+        raise DesignError("study", f'{said}; a study of a suborbital flight says study = "{KIND}"')
+    values: dict[str, Value] = {}
+    for key, content in tables.items():
+        if key in ("study", "trajectory"):
+            continue
+        if key in SETTINGS:
+            values[key] = SETTINGS[key].take(content)
+            continue
+        if key not in _SECTIONS:
+            raise DesignError(key, f"unknown key; a study has seed, {_sections()} and [trajectory]")
+        if not isinstance(content, dict):
+            raise DesignError(key, f"must be a section, [{key}], not {shown(content)}")
+        for name, inner in content.items():
+            full = f"{key}.{name}"
+            if full not in SETTINGS:
+                allowed = (k.rpartition(".")[2] for k in SETTINGS if k.rpartition(".")[0] == key)
+                raise DesignError(full, f"unknown key; [{key}] has {', '.join(allowed)}")
+            values[full] = SETTINGS[full].take(inner)
+    return StudyFile(_settings(values, f"file {where}"), _trajectory(tables.get("trajectory")))
+
+
+def _settings(values: dict[str, Value], origin: str) -> Settings:
+    """Only what differs from GP-1 comes from elsewhere."""
+    return DEFAULTS.change({k: v for k, v in values.items() if v != DEFAULTS[k]}, origin)
+
+
+def _sections() -> str:
+    return ", ".join(f"[{section}]" for section in _SECTIONS)
+
+
+def _load(data: bytes, where: str) -> dict[str, Any]:
+    if len(data) > MAX_BYTES:
+        raise DesignError(where, f"larger than {MAX_BYTES // 1_000_000} MB; not a study")
+    try:
+        tables = tomllib.loads(data.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise DesignError(where, f"not a text file (byte {error.start} is not UTF-8)") from error
+    except RecursionError as error:
+        raise DesignError(where, "not a study file: nested too deeply") from error
+    except ValueError as error:  # also an integer beyond what Python reads
+        raise DesignError(where, f"not a study file (TOML): {str(error).partition(';')[0]}") from error
+    return tables
+
+
+def _trajectory(content: Any) -> tuple[str, bytes] | None:
+    if content is None:
+        return None
+    if not isinstance(content, dict):
+        raise DesignError("trajectory", f"must be a section, [trajectory], not {shown(content)}")
+    unknown = [key for key in content if key not in ("name", "csv")]
+    if unknown:
+        raise DesignError(f"trajectory.{unknown[0]}", "unknown key; [trajectory] has name, csv")
+    for key in ("name", "csv"):
+        if not isinstance(content.get(key), str) or not content[key].strip():
+            said = "is missing" if key not in content else f"{shown(content[key])} is not text in quotes"
+            raise DesignError(f"trajectory.{key}", said)
+    return content["name"][:200], content["csv"].encode("utf-8")
+
+
+def format_study(settings: Settings, trajectory: tuple[str, bytes] | None = None) -> str:
+    """TOML text of a study: every input stated, and the trajectory whole.
+
+    Raises
+    ------
+    DesignError
+        If the trajectory is not text, which no run would have taken either.
+    """
+    tables: dict[str, Any] = {"study": KIND}
+    for key, setting in SETTINGS.items():
+        section, _, name = key.rpartition(".")
+        value = settings[key]
+        plain = setting.kind in ("number", "whole") and not setting.dimension and value is not None
+        table = tables.setdefault(section, {}) if section else tables
+        table[name] = _number(value) if plain else setting.show(value, None)
+    if trajectory is not None:
+        name, content = trajectory
+        try:
+            tables["trajectory"] = {"name": name, "csv": content.decode("utf-8-sig")}
+        except UnicodeDecodeError as error:
+            raise DesignError(name, f"not a text file (byte {error.start} is not UTF-8)") from error
+    return tomli_w.dumps(tables, multiline_strings=True)
+
+
+def _number(value: Any) -> float | int:
+    return int(value) if float(value).is_integer() else float(value)
+
+
+def to_link(settings: Settings) -> str:
+    """The part of a link's query that gives the study's inputs: what differs from GP-1. A trajectory from a file
+    does not fit into an address."""
+    pairs = [
+        (STUDY_PREFIX + key, setting.show(settings[key], None))
+        for key, setting in SETTINGS.items()
+        if settings[key] != DEFAULTS[key]
+    ]
+    return urlencode(pairs or [(STUDY_PREFIX + "seed", SETTINGS["seed"].show(settings["seed"], None))])
+
+
+def from_link(query: str) -> Settings:
+    """The inputs that the study's part of a link gives.
+
+    Raises
+    ------
+    DesignError
+        Naming the key that is wrong; nothing of a wrong link is used.
+    """
+    if len(query) > MAX_QUERY:
+        raise DesignError("link", f"longer than {MAX_QUERY} characters")
+    try:
+        pairs = parse_qsl(query, keep_blank_values=True, strict_parsing=True, errors="strict")
+    except (ValueError, UnicodeDecodeError) as error:
+        raise DesignError("link", "not a query of the form key=value&key=value") from error
+    values: dict[str, Value] = {}
+    for name, text in pairs:
+        key = name.removeprefix(STUDY_PREFIX)
+        if key not in SETTINGS:
+            raise DesignError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
+        if key in values:
+            raise DesignError(key, "is given twice in the link")
+        values[key] = SETTINGS[key].read(text)
+    return _settings(values, "link")

@@ -1,0 +1,156 @@
+"""`navbudget serve` as a process, and a visitor that speaks to it over raw sockets."""
+
+from __future__ import annotations
+
+import asyncio
+import http.client
+import os
+import re
+import subprocess
+import sys
+import urllib.parse
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tornado.httpclient import HTTPClientError, HTTPRequest
+from tornado.websocket import WebSocketClientConnection, websocket_connect
+
+from app.serving.passwords import password_line
+
+_PASSWORD = "correct horse battery"
+_TOKEN = re.compile(r'"token":"([^"]+)"')
+_XSRF = re.compile(r'name="_xsrf" value="([^"]+)"')
+
+
+@dataclass
+class Served:
+    """A running server and the cookies of one visitor."""
+
+    process: subprocess.Popen[str]
+    port: int
+    cookies: dict[str, str] = field(default_factory=dict)
+
+    def ask(
+        self, path: str, body: dict[str, str] | None = None, **headers: str
+    ) -> tuple[int, str, http.client.HTTPMessage]:
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+        sent = {"Cookie": "; ".join(f"{k}={v}" for k, v in self.cookies.items()), **headers}
+        if body is not None:
+            sent["Content-Type"] = "application/x-www-form-urlencoded"
+        connection.request(
+            "GET" if body is None else "POST", path, None if body is None else urllib.parse.urlencode(body), sent
+        )
+        answer = connection.getresponse()
+        text = answer.read().decode()
+        for line in answer.headers.get_all("Set-Cookie") or []:
+            name, _, rest = line.partition("=")
+            self.cookies[name] = rest.split(";")[0]
+        connection.close()
+        return answer.status, text, answer.headers
+
+    def log_in(self, name: str, password: str, path: str = "/login") -> tuple[int, str, http.client.HTTPMessage]:
+        found = _XSRF.search(self.ask(path)[1])
+        assert found
+        return self.ask(path, {"_xsrf": found[1], "username": name, "password": password})
+
+    def token(self) -> str:
+        """Of a newly opened page."""
+        status, text, _ = self.ask("/")
+        assert status == 200
+        found = _TOKEN.search(text)
+        assert found
+        return found[1]
+
+    async def connect(self, token: str, origin: str | None = None) -> WebSocketClientConnection:
+        return await websocket_connect(
+            HTTPRequest(
+                f"ws://127.0.0.1:{self.port}/ws",
+                headers={
+                    "Origin": origin or f"http://127.0.0.1:{self.port}",
+                    "Cookie": "; ".join(f"{k}={v}" for k, v in self.cookies.items()),
+                },
+            ),
+            subprotocols=["bokeh", token],
+        )
+
+    @staticmethod
+    async def hang_up(connection: WebSocketClientConnection) -> None:
+        """Close and let the server know."""
+        connection.close()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(0.5):
+                while await connection.read_message() is not None:
+                    pass
+
+    def hello(self, token: str, origin: str | None = None) -> str | None:
+        """The first thing the server says to a connection; None if it hangs up instead."""
+
+        async def first() -> str | None:
+            connection = await self.connect(token, origin)
+            said = await asyncio.wait_for(connection.read_message(), 20)
+            if said is not None:
+                await self.hang_up(connection)
+            return said if said is None else str(said)
+
+        return asyncio.run(first())
+
+    def refused(self, token: str, origin: str | None = None) -> int:
+        """The status with which a connection is refused."""
+        with pytest.raises(HTTPClientError) as caught:
+            self.hello(token, origin)
+        return int(caught.value.code)
+
+    def metrics(self, **headers: str) -> dict[str, float]:
+        status, text, _ = self.ask("/metrics", **headers)
+        assert status == 200
+        pairs = (line.rpartition(" ") for line in text.splitlines() if not line.startswith("#"))
+        return {name: float(value) for name, _, value in pairs}
+
+
+@contextmanager
+def _serving(*options: str, log: Path | None = None) -> Iterator[Served]:
+    with open(log or os.devnull, "w") as errors:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "app.cli", "serve", "--port", "0", *options],
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+        )
+        assert process.stdout is not None
+        with process:
+            line = process.stdout.readline()
+            assert line.startswith("NavBudget on http://"), line
+            try:
+                yield Served(process, int(line.rpartition(":")[2]))
+            finally:
+                if process.poll() is None:
+                    process.terminate()
+                assert process.wait(timeout=20) == 0
+
+
+@pytest.fixture(scope="session")
+def serving() -> Callable[..., Any]:
+    """A context manager: a server started with options, seen by a visitor without cookies."""
+    return _serving
+
+
+@pytest.fixture(scope="module")
+def people(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("people") / "people"
+    path.write_text(f"# the team\n\n{password_line('ada', _PASSWORD)}\n{password_line('bob', _PASSWORD + '2')}\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def guarded(people: Path) -> Iterator[Served]:
+    with _serving("--password-file", str(people)) as served:
+        yield served
+
+
+@pytest.fixture
+def visitor(guarded: Served) -> Served:
+    return Served(guarded.process, guarded.port)

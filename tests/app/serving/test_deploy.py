@@ -1,0 +1,170 @@
+"""What deploy/ and the Dockerfile say is what the program takes; nginx's file is what nginx takes."""
+
+from __future__ import annotations
+
+import asyncio
+import http.client
+import json
+import re
+import shutil
+import socket
+import ssl
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from tornado.httpclient import HTTPClientError, HTTPRequest
+from tornado.websocket import websocket_connect
+
+from app.cli import main
+
+ROOT = Path(__file__).parents[3]
+_NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
+_TOKEN = re.compile(r'"token":"([^"]+)"')
+
+
+def _refusal(capsys: pytest.CaptureFixture[str], command: list[str]) -> str:
+    """What the program says to a command whose files are not there: the options themselves it must take."""
+    assert main(command) == 2
+    return capsys.readouterr().err
+
+
+def test_the_compose_file_gives_options_the_program_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    compose = yaml.safe_load((ROOT / "deploy" / "compose.yaml").read_text())
+    services = compose["services"]
+    command = services["navbudget"]["command"]
+    options = dict(part.split("=", 1) for part in command if "=" in part)
+    for option in ("--password-file", "--cookie-secret-file"):
+        assert Path(options[option]).name in services["navbudget"]["secrets"]
+        assert Path(options[option]).name in compose["secrets"]
+    said = _refusal(capsys, command)
+    assert "/run/secrets/" in said
+    assert "No such file" in said
+    host = re.search(r"//(\w+)@(\w+)/(\w+)$", options["--library"])
+    assert host
+    database = services[host[2]]
+    assert (database["environment"]["POSTGRES_USER"], database["environment"]["POSTGRES_DB"]) == (host[1], host[3])
+    password = services["navbudget"]["environment"]["PGPASSWORD"]
+    assert password == database["environment"]["POSTGRES_PASSWORD"]
+    assert password.startswith("${DATABASE_PASSWORD:?")
+    assert "ports" not in services["navbudget"]
+    assert compose["networks"]["back"]["internal"]
+    assert f"server_name {options['--allow-origin']};" in (ROOT / "deploy" / "nginx.conf").read_text()
+
+
+def test_the_image_starts_with_options_the_program_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    text = (ROOT / "Dockerfile").read_text()
+    (command,) = re.findall(r"^CMD (\[.*\])", text, re.M)
+    assert "/run/secrets/people" in _refusal(capsys, json.loads(command))
+    assert "http://127.0.0.1:5006/liveness" in text
+
+
+@contextmanager
+def _proxy(folder: Path, upstream: int) -> Iterator[tuple[int, int]]:
+    """nginx with the file of deploy/, its names and ports made those of this machine: https and http port."""
+    with socket.socket() as one, socket.socket() as two:
+        one.bind(("127.0.0.1", 0))
+        two.bind(("127.0.0.1", 0))
+        port, plain = one.getsockname()[1], two.getsockname()[1]
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost",
+         "-keyout", folder / "privkey.pem", "-out", folder / "fullchain.pem"],
+        check=True, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    text = (ROOT / "deploy" / "nginx.conf").read_text()
+    for ours, theirs in (
+        ("listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
+        ("listen 80", f"listen 127.0.0.1:{plain}"),
+        ("http://navbudget:5006", f"http://127.0.0.1:{upstream}"),
+        ("/etc/nginx/tls", str(folder)),
+        ("navbudget.example.org", "localhost"),
+    ):
+        assert ours in text
+        text = text.replace(ours, theirs)
+    (folder / "site.conf").write_text(text)
+    paths = "".join(
+        f"{kind}_temp_path {folder}/{kind};" for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi")
+    )
+    (folder / "nginx.conf").write_text(
+        f"daemon off; pid {folder}/pid; error_log stderr; events {{}} http {{ {paths} include {folder}/site.conf; }}"
+    )
+    command = [str(_NGINX), "-c", str(folder / "nginx.conf"), "-p", str(folder)]
+    subprocess.run([*command, "-t"], check=True, capture_output=True)
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
+        try:
+            deadline = time.monotonic() + 20
+            while True:
+                try:
+                    socket.create_connection(("127.0.0.1", port)).close()
+                    break
+                except OSError:
+                    assert time.monotonic() < deadline
+                    time.sleep(0.05)
+            yield port, plain
+        finally:
+            process.terminate()
+
+
+def _cookies(jar: dict[str, str]) -> str:
+    return "; ".join(f"{name}={value}" for name, value in jar.items())
+
+
+@pytest.mark.skipif(_NGINX is None, reason="no nginx on this machine (apt-get install nginx)")
+def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> None:
+    trusting = ssl.create_default_context()
+    trusting.check_hostname, trusting.verify_mode = False, ssl.CERT_NONE
+    options = ["--password-file", str(people), "--behind-proxy", "--allow-origin", "localhost"]
+    with serving(*options) as served, _proxy(tmp_path, served.port) as (port, plain):
+        jar: dict[str, str] = {}
+
+        def ask(path: str, body: str | None = None) -> tuple[int, str, Any]:
+            connection = http.client.HTTPSConnection("127.0.0.1", port, context=trusting, timeout=30)
+            headers = {"Cookie": _cookies(jar), "Host": "localhost"}
+            if body is not None:
+                headers["Content-Type"] = "application/x-www-form-urlencoded"
+            connection.request("GET" if body is None else "POST", path, body, headers)
+            answer = connection.getresponse()
+            text = answer.read().decode()
+            for line in answer.headers.get_all("Set-Cookie") or []:
+                name, _, rest = line.partition("=")
+                jar[name] = rest.split(";")[0]
+                if name == "user":
+                    assert "Secure" in line
+            connection.close()
+            return answer.status, text, answer.headers
+
+        redirect = http.client.HTTPConnection("127.0.0.1", plain, timeout=30)
+        redirect.request("GET", "/?f=9GHz", headers={"Host": "localhost"})
+        assert redirect.getresponse().headers["Location"] == "https://localhost/?f=9GHz"
+        redirect.close()
+        assert ask("/metrics")[0] == 403
+        found = re.search(r'name="_xsrf" value="([^"]+)"', ask("/login")[1])
+        assert found
+        status, _, _ = ask("/login", f"_xsrf={found[1]}&username=ada&password=correct+horse+battery")
+        assert status == 302
+        assert ask("/login", "x" * 70_000)[0] == 413
+        status, text, headers = ask("/")
+        assert status == 200
+        assert "max-age" in headers["Strict-Transport-Security"]
+        token = _TOKEN.search(text)
+        assert token
+
+        async def hello(origin: str) -> str:
+            request = HTTPRequest(
+                f"wss://127.0.0.1:{port}/ws", validate_cert=False, ssl_options=trusting,
+                headers={"Origin": origin, "Host": "localhost", "Cookie": _cookies(jar)},
+            )  # fmt: skip
+            connection = await websocket_connect(request, subprotocols=["bokeh", token[1]])
+            said = str(await asyncio.wait_for(connection.read_message(), 30))
+            connection.close()
+            return said
+
+        with pytest.raises(HTTPClientError) as refused:
+            asyncio.run(hello("https://example.org"))
+        assert refused.value.code == 403
+        assert "ACK" in asyncio.run(hello("https://localhost"))

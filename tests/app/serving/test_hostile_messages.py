@@ -1,0 +1,119 @@
+"""A page of the server spoken to over its socket by somebody who means harm: only their own page suffers."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from open_page import Tab
+
+from app.library.store import Library
+
+PASSWORD = "correct horse battery"
+_SLIDER = {"label": "Angle random walk", "show_value": False}
+_DATA = ("position lines 0", "velocity lines 0", "phase bars")
+
+
+async def _step(tab: Tab) -> None:
+    """A slider step that must be answered."""
+    slider = tab.find(**_SLIDER)
+    answered = tab.expect({tab.find(name=name)["id"] for name in _DATA})
+    slider["attributes"]["value"] -= 0.02
+    await tab.set(slider["id"], value=slider["attributes"]["value"])
+    await asyncio.wait_for(answered, 20)
+
+
+def _change(model: str, attribute: str, value: Any) -> dict[str, Any]:
+    return {"events": [{"kind": "ModelChanged", "model": {"id": model}, "attr": attribute, "new": value}]}
+
+
+def _messages(tab: Tab) -> list[tuple[str, Any]]:
+    slider, box = tab.find(**_SLIDER)["id"], tab.find(label="Angle random walk", name="Angle random walk")["id"]
+    return [
+        ("PATCH-DOC", _change(slider, "value", "a lot")),
+        ("PATCH-DOC", _change(slider, "value", [None])),
+        ("PATCH-DOC", _change(slider, "value", {"type": "number", "value": "nan"})),
+        ("PATCH-DOC", _change(slider, "value", {"type": "number", "value": "+inf"})),
+        ("PATCH-DOC", _change(slider, "value", 1e308)),
+        ("PATCH-DOC", _change(slider, "no_such_thing", 1)),
+        ("PATCH-DOC", _change("p999999", "value", 1)),
+        ("PATCH-DOC", _change(box, "value", "9" * 1_000_000)),
+        ("PATCH-DOC", _change(box, "value", "<script>alert(1)</script>")),
+        ("PATCH-DOC", {"events": [{"kind": "Explode"}]}),
+        (
+            "PATCH-DOC",
+            {"events": [{"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": {"type": "event"}}]},
+        ),
+        ("PATCH-DOC", {"events": [{"kind": "RootRemoved", "model": {"id": slider}}]}),
+        ("PATCH-DOC", "[" * 50_000 + "]" * 50_000),
+        ("PATCH-DOC", "not JSON"),
+        ("PUSH-DOC", {"doc": {"version": "3.9.2", "title": "owned", "roots": []}}),
+        ("NO-SUCH-MESSAGE", {}),
+    ]
+
+
+def test_hostile_messages_hurt_nobody_else_and_are_told_nothing(serving: Any, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with serving("--log", "json", "--library", str(tmp_path / "l.db"), log=log) as served:
+        address = f"http://127.0.0.1:{served.port}"
+
+        async def attack() -> None:
+            bystander, attacker = await Tab.open(address), await Tab.open(address)
+            for kind, content in _messages(attacker):
+                if attacker.errors and "hung up" in attacker.errors[-1]:
+                    attacker = await Tab.open(address)
+                await attacker.send(kind, content)
+                await asyncio.sleep(0.1)
+                said = " ".join(attacker.errors)
+                assert "Traceback" not in said
+                assert "site-packages" not in said
+                assert "/app/" not in said
+            await _step(bystander)
+            assert not bystander.errors
+            for tab in (bystander, attacker):
+                await tab.close()
+
+        asyncio.run(attack())
+        assert served.ask("/liveness")[0] == 200
+    text = log.read_text()
+    assert "alert(1)" not in text
+    assert all(json.loads(line) for line in text.splitlines())
+
+
+@pytest.mark.parametrize("name", ["bob", ""])
+def test_nobody_saves_under_another_name(serving: Any, people: Path, tmp_path: Path, name: str) -> None:
+    """The field with the name is shown disabled to whoever is logged in; a browser can be made to change it."""
+    place = tmp_path / "library.db"
+    with serving("--password-file", str(people), "--library", str(place)) as served:
+        served.log_in("ada", PASSWORD)
+        cookies = "; ".join(f"{key}={value}" for key, value in served.cookies.items())
+
+        async def forge() -> None:
+            tab = await Tab.open(f"http://127.0.0.1:{served.port}", cookies)
+            bar = next(model for model in tab.objects if model["name"].startswith("Tabs"))
+            await tab.set(bar["id"], active=6)
+            async with asyncio.timeout(30):
+                while not any(model["attributes"].get("label") == "Your name" for model in tab.objects):
+                    await asyncio.sleep(0.3)
+                    await tab.pull()
+            field = tab.find(label="Your name")
+            assert field["attributes"]["value"] == "ada"
+            assert field["attributes"]["disabled"]
+            await tab.set(field["id"], disabled=False, value=name)
+            await tab.click(tab.find(label="Save as new design")["id"])
+            async with asyncio.timeout(30):
+                while not any(
+                    model["attributes"].get("label", "").startswith("Save as revision 2") for model in tab.objects
+                ):
+                    await asyncio.sleep(0.3)
+                    await tab.pull()
+            await tab.close()
+
+        asyncio.run(forge())
+    library = Library(place)
+    (saved,) = library.designs()
+    assert saved.author == "ada"
+    library.close()

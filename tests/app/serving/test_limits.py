@@ -1,0 +1,126 @@
+"""How many get in, how much they may send, and what the operator sees of them."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import socket
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from tornado.websocket import WebSocketClosedError
+
+PASSWORD = "correct horse battery"
+
+
+def test_session_limit(serving: Any) -> None:
+    with serving("--max-sessions", "2", "--session-lifetime", "1") as served:
+
+        async def crowd() -> None:
+            loop = asyncio.get_running_loop()
+            tokens = [await loop.run_in_executor(None, served.token) for _ in range(2)]
+            connections = [await served.connect(token) for token in tokens]
+            for connection in connections:
+                assert "ACK" in str(await connection.read_message())
+            status, text, headers = await loop.run_in_executor(None, served.ask, "/?f=9GHz")
+            assert status == 503
+            assert headers["Retry-After"] == "60"
+            assert "All places are taken" in text
+            connections.append(await served.connect(tokens[0]))  # the same page again is not a new session
+            for connection in connections:
+                await served.hang_up(connection)
+
+        asyncio.run(crowd())
+        metrics = served.metrics()
+        assert metrics["navbudget_sessions_limit"] == 2
+        assert metrics["navbudget_sessions_refused_total"] == 1
+        deadline = time.monotonic() + 20
+        while served.ask("/")[0] == 503:
+            assert time.monotonic() < deadline, "closed pages keep their places"
+            time.sleep(0.2)
+
+
+def test_metrics_and_liveness(visitor: Any) -> None:
+    assert visitor.ask("/liveness")[0] == 200
+    before = visitor.metrics()
+    visitor.log_in("ada", PASSWORD)
+    visitor.token()
+    after = visitor.metrics()
+    assert after["navbudget_sessions_opened_total"] == before["navbudget_sessions_opened_total"] + 1
+    assert after["navbudget_sessions"] >= 1
+    assert after["navbudget_uptime_seconds"] > before["navbudget_uptime_seconds"] > 0
+    assert 5e7 < after["process_resident_memory_bytes"] < 2e9
+
+
+def test_metrics_are_not_for_a_forwarded_stranger(visitor: Any) -> None:
+    stranger = {"X-Forwarded-For": "192.0.2.7"}
+    assert visitor.ask("/metrics", **stranger)[0] == 403
+    visitor.log_in("ada", PASSWORD)
+    assert visitor.ask("/metrics", **stranger)[0] == 200
+
+
+def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(serving: Any, people: Path, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with serving("--password-file", str(people), "--behind-proxy", "--log", "json", log=log) as served:
+        assert served.ask("/metrics", **{"X-Forwarded-For": "192.0.2.7"})[0] == 403
+        found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
+        assert found
+        body = {"_xsrf": found[1], "username": "ada", "password": PASSWORD}
+        _, _, headers = served.ask("/login", body, **{"X-Forwarded-For": "192.0.2.7", "X-Forwarded-Proto": "https"})
+        (user,) = (line for line in headers.get_all("Set-Cookie") or [] if line.startswith("user="))
+        assert "Secure" in user
+    assert any(
+        e.get("event") == "login" and e["peer"] == "192.0.2.7" for e in map(json.loads, log.read_text().splitlines())
+    )
+
+
+def test_every_answer_keeps_other_sites_out(visitor: Any) -> None:
+    for path in ("/login", "/liveness", "/metrics", "/nowhere", "/static/js/bokeh.min.js"):
+        headers = visitor.ask(path)[2]
+        assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
+        assert headers["X-Content-Type-Options"] == "nosniff"
+        assert "Tornado" not in headers["Server"]
+
+
+def test_oversized_requests_do_not_stop_the_server(visitor: Any) -> None:
+    with socket.create_connection(("127.0.0.1", visitor.port), timeout=20) as raw:
+        raw.sendall(b"POST /login HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10000000\r\n\r\n")
+        assert raw.recv(100).startswith((b"HTTP/1.1 400", b"HTTP/1.1 413"))
+    visitor.log_in("ada", PASSWORD)
+    token = visitor.token()
+
+    async def flood() -> int | None:
+        connection = await visitor.connect(token)
+        await connection.read_message()
+        with suppress(WebSocketClosedError):
+            await connection.write_message("x" * 21_000_000)
+        await visitor.hang_up(connection)
+        return connection.close_code
+
+    assert asyncio.run(flood()) in {1006, 1009, None}
+    assert visitor.ask("/liveness")[0] == 200
+
+
+def test_json_log_never_says_what_a_design_says(serving: Any, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with serving("--log", "json", log=log) as served:
+        served.ask("/?n=SECRETNAME&arw=0.777deg/sqrt(h)")
+        served.ask("/?n=SECRETNAME&arw=SECRETVALUE")
+        served.ask("/SECRETPATH?x=SECRETVALUE")
+        token = served.token()
+
+        async def rubbish() -> None:
+            connection = await served.connect(token)
+            await connection.read_message()
+            await connection.write_message('{"SECRETMESSAGE": 1}')
+            await served.hang_up(connection)
+
+        asyncio.run(rubbish())
+    text = log.read_text()
+    events = [json.loads(line) for line in text.splitlines()]
+    assert {"started", "request", "session opened", "stopped"} <= {e.get("event") for e in events}
+    assert not re.search("SECRET(NAME|VALUE|MESSAGE)|0\\.777", text)
+    assert token not in text

@@ -1,0 +1,172 @@
+"""Sign-in through an OAuth provider: a small one on loopback carries the whole way, as Panel's generic one goes."""
+
+from __future__ import annotations
+
+import asyncio
+import http.client
+import json
+import threading
+import urllib.parse
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+from bokeh.util.token import generate_jwt_token, generate_session_id
+from tornado.httpserver import HTTPServer
+from tornado.netutil import bind_sockets
+from tornado.web import Application, RequestHandler
+
+_SECRET = "secret-of-the-client"
+
+
+@dataclass
+class Provider:
+    """Who is at the provider's keyboard, and what it was asked."""
+
+    account: dict[str, Any]
+    port: int = 0
+    asked: list[tuple[str, dict[str, str]]] = field(default_factory=list)
+
+
+class _Authorize(RequestHandler):
+    """The provider's own page, where the person has agreed already: back with a code."""
+
+    def get(self) -> None:
+        provider = self.settings["provider"]
+        given = {name: self.get_argument(name) for name in self.request.arguments}
+        provider.asked.append(("authorize", given))
+        back = urllib.parse.urlencode({"code": "the-code", "state": given["state"]})
+        self.redirect(f"{given['redirect_uri']}?{back}")
+
+
+class _Token(RequestHandler):
+    """A code, with the client's secret, for a token."""
+
+    def post(self) -> None:
+        provider = self.settings["provider"]
+        given = {name: self.get_body_argument(name) for name in self.request.body_arguments}
+        provider.asked.append(("token", given))
+        if (given.get("code"), given.get("client_secret")) != ("the-code", _SECRET):
+            self.set_status(400)
+            self.write({"error": "invalid_grant"})
+            return
+        self.write({"access_token": "the-token", "token_type": "Bearer"})
+
+
+class _Person(RequestHandler):
+    """A token for who it belongs to."""
+
+    def get(self) -> None:
+        provider = self.settings["provider"]
+        provider.asked.append(("person", {"header": self.request.headers.get("Authorization", "")}))
+        self.set_header("Content-Type", "application/json")
+        self.write(json.dumps(provider.account))
+
+
+@pytest.fixture
+def provider() -> Iterator[Provider]:
+    found, ready = Provider({"email": "ada@example.org"}), threading.Event()
+    stop: list[Any] = []
+
+    async def run() -> None:
+        pages = [(r"/authorize", _Authorize), (r"/token", _Token), (r"/person", _Person)]
+        (listening,) = bind_sockets(0, "127.0.0.1")
+        server = HTTPServer(Application(pages, provider=found))
+        server.add_sockets([listening])
+        found.port = listening.getsockname()[1]
+        over = asyncio.Event()
+        stop.append((asyncio.get_running_loop(), over))
+        ready.set()
+        await over.wait()
+        server.stop()
+        await server.close_all_connections()
+
+    thread = threading.Thread(target=lambda: asyncio.run(run()))
+    thread.start()
+    assert ready.wait(10)
+    yield found
+    ((loop, over),) = stop
+    loop.call_soon_threadsafe(over.set)
+    thread.join(10)
+
+
+def test_oauth_sends_to_the_provider(serving: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PANEL_OAUTH_SECRET", _SECRET)
+    with serving("--oauth-provider", "github", "--oauth-key", "the-id", "--oauth-allow", "ada") as served:
+        assert served.ask("/")[2]["Location"].startswith("./login")
+        _, _, headers = served.ask("/login")
+        assert headers["Location"].startswith("https://github.com/login/oauth/authorize?")
+        assert "client_id=the-id" in headers["Location"]
+        assert _SECRET not in str(headers)
+        assert served.refused(generate_jwt_token(generate_session_id())) == 403
+
+
+def _fetch(address: str) -> str:
+    """Where the provider sends a visitor on to."""
+    parts = urllib.parse.urlsplit(address)
+    connection = http.client.HTTPConnection(parts.netloc, timeout=20)
+    connection.request("GET", f"{parts.path}?{parts.query}")
+    answer = connection.getresponse()
+    answer.read()
+    connection.close()
+    assert answer.status == 302
+    return str(answer.headers["Location"])
+
+
+def _generic(serving: Any, provider: Provider, monkeypatch: pytest.MonkeyPatch, *allow: str) -> Any:
+    monkeypatch.setenv("PANEL_OAUTH_SECRET", _SECRET)
+    for name, path in (("AUTHORIZE", "authorize"), ("TOKEN", "token"), ("USER", "person")):
+        monkeypatch.setenv(f"PANEL_OAUTH_{name}_URL", f"http://127.0.0.1:{provider.port}/{path}")
+    allowed = [part for who in allow for part in ("--oauth-allow", who)]
+    return serving("--oauth-provider", "generic", "--oauth-key", "the-id", *allowed)
+
+
+def _sign_in(served: Any) -> tuple[int, str]:
+    """To the provider, back with its code, and what the page then says."""
+    to_provider = served.ask("/login?next=%2F")[2]["Location"]
+    back = urllib.parse.urlsplit(_fetch(to_provider))
+    assert (back.hostname, back.port) == ("127.0.0.1", served.port)
+    status, text, headers = served.ask(f"{back.path}?{back.query}")
+    for _ in range(5):
+        if status != 302 or "/authorize?" in headers["Location"]:
+            break
+        status, text, headers = served.ask(urllib.parse.urljoin("/", headers["Location"]))
+    return status, text
+
+
+def test_the_whole_way_through_a_provider(serving: Any, provider: Provider, monkeypatch: pytest.MonkeyPatch) -> None:
+    with _generic(serving, provider, monkeypatch, "@example.org") as served:
+        status, _ = _sign_in(served)
+        assert status == 200
+        assert "ACK" in str(served.hello(served.token()))
+        asked = dict(provider.asked)
+        assert asked["authorize"]["client_id"] == "the-id"
+        assert _SECRET not in str(asked["authorize"])
+        assert asked["token"]["client_secret"] == _SECRET
+        assert "the-token" in asked["person"]["header"]
+        assert served.ask("/logout")[0] == 200
+        served.cookies = {name: value for name, value in served.cookies.items() if value != '""'}
+        assert served.ask("/")[0] == 302
+
+
+def test_an_account_that_is_not_allowed_gets_no_page(
+    serving: Any, provider: Provider, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    provider.account = {"email": "eve@example.org.evil"}
+    with _generic(serving, provider, monkeypatch, "@example.org", "ada") as served:
+        status, text = _sign_in(served)
+        assert status in {302, 403}
+        assert "token" not in text
+        assert served.hello(generate_jwt_token(generate_session_id())) is None  # a session nobody was given
+
+
+@pytest.mark.parametrize("forged", ["code=the-code", "code=the-code&state=forged", "code=wrong", "error=denied"])
+def test_an_answer_nobody_asked_for_signs_nobody_in(
+    serving: Any, provider: Provider, monkeypatch: pytest.MonkeyPatch, forged: str
+) -> None:
+    with _generic(serving, provider, monkeypatch, "*") as served:
+        served.ask("/login")
+        served.ask(f"/login?{forged}")
+        assert "user" not in served.cookies
+        assert served.ask("/")[0] == 302

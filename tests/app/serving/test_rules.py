@@ -1,0 +1,144 @@
+"""What the operator asks for: options, the password file, who may enter."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from app.cli import main
+from app.serving.passwords import Passwords, password_line, read_passwords
+from app.serving.rules import OAuth, Rules, cookie_secret, is_loopback, oauth_from
+from nav_model.inputs import DesignError
+
+PASSWORD = "correct horse battery"
+
+
+def refusal(capsys: pytest.CaptureFixture[str], *options: str) -> str:
+    assert main(["serve", *options]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    return said
+
+
+@pytest.mark.parametrize("address", ["0.0.0.0", "::", "192.0.2.1", "example.org"])
+def test_off_loopback_needs_a_decision(capsys: pytest.CaptureFixture[str], address: str) -> None:
+    said = refusal(capsys, "--address", address)
+    assert address in said
+    assert "--password-file" in said
+    assert "--open" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--max-sessions", "0"], "--max-sessions: 0 is outside 1 to 10000"),
+        (["--port", "70000"], "--port"),
+        (["--session-lifetime", "nan"], "--session-lifetime"),
+        (["--max-message", "inf"], "--max-message"),
+        (["--workers", "0"], "--workers"),
+        (["--allow-origin", "*"], "--allow-origin"),
+        (["--allow-origin", "https://example.org"], "--allow-origin"),
+        (["--password-file", "/nowhere"], "/nowhere: No such file"),
+        (["--oauth-provider", "github"], "--oauth-key"),
+        (["--oauth-key", "id"], "needs --oauth-provider"),
+        (["--cookie-secret-file", "/dev/null"], "holds 0 characters"),
+    ],
+)
+def test_wrong_options(capsys: pytest.CaptureFixture[str], options: list[str], said: str) -> None:
+    assert said in refusal(capsys, *options)
+
+
+def test_open_contradicts_a_password_file(people: Path) -> None:
+    with pytest.raises(DesignError, match="contradicts"):
+        Rules(open=True, password_file=people).check()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "# nobody", "ada", "ada:secret", "ada:scrypt$16384$8$1$AAAA$AAAA", "ada:scrypt$16383$8$1$$",
+     "ada:scrypt$99999999999$8$1$AAAAAAAAAAAAAAAAAAAAAA==$" + "A" * 43 + "=", "\x00\xff"],
+)  # fmt: skip
+def test_a_wrong_password_file_is_refused_without_quoting_it(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "people"
+    path.write_text(text, encoding="latin-1")
+    with pytest.raises(DesignError) as caught:
+        read_passwords(path)
+    assert "secret" not in str(caught.value).replace(str(tmp_path), "")
+
+
+def test_a_name_twice_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "people"
+    path.write_text(f"{password_line('ada', PASSWORD)}\n{password_line('ada', PASSWORD)}")
+    with pytest.raises(DesignError, match="second time"):
+        read_passwords(path)
+
+
+def test_password_command(tmp_path: Path) -> None:
+    path = tmp_path / "people"
+    with path.open("w") as out:
+        subprocess.run(
+            [sys.executable, "-m", "app.cli", "password", "ada"],
+            input=PASSWORD + "\n",
+            stdout=out,
+            text=True,
+            check=True,
+        )
+    assert Passwords(path).fits("ada", PASSWORD)
+    assert PASSWORD not in path.read_text()
+    for name, password in (("a:b", PASSWORD), ("#a", PASSWORD), ("ada", "short"), ("a\nb", PASSWORD)):
+        with pytest.raises(DesignError):
+            password_line(name, password)
+
+
+def test_hash_is_scrypt_of_the_standard() -> None:
+    """RFC 7914, section 12, third vector: what the file holds is scrypt, not something like it."""
+    from app.serving.passwords import _key
+
+    key = _key("pleaseletmein", b"SodiumChloride", 16384, 8, 1)
+    assert key.hex() == "7023bdcb3afd7348461c06cd81fd38ebfda8fbba904f8e3ea9b543f6545da1f2"
+
+
+def test_who_is_taken_out_of_the_file_is_out(tmp_path: Path) -> None:
+    people = tmp_path / "people"
+    people.write_text(password_line("ada", PASSWORD) + "\n" + password_line("bob", PASSWORD))
+    passwords = Passwords(people)
+    assert passwords.knows("ada")
+    assert passwords.fits("ada", PASSWORD)
+    people.write_text(password_line("bob", PASSWORD + "!"))
+    assert not passwords.knows("ada")
+    assert not passwords.fits("ada", PASSWORD)
+    assert not passwords.fits("bob", PASSWORD)
+    assert passwords.fits("bob", PASSWORD + "!")
+    people.write_text("broken")
+    assert not passwords.knows("bob")
+    people.unlink()
+    assert not passwords.fits("bob", PASSWORD + "!")
+
+
+def test_loopback() -> None:
+    assert all(is_loopback(x) for x in ("127.0.0.1", "127.8.8.8", "::1", "localhost", "::ffff:127.0.0.1"))
+    assert not any(is_loopback(x) for x in ("0.0.0.0", "::", "10.0.0.1", "localhost.example.org", "::ffff:10.0.0.1"))
+
+
+def test_oauth_needs_its_parts_and_says_who_may_enter() -> None:
+    environment = {"PANEL_OAUTH_SECRET": "s"}
+    with pytest.raises(DesignError, match="PANEL_OAUTH_SECRET"):
+        oauth_from("github", "id", None, ("ada",), {})
+    with pytest.raises(DesignError, match="--oauth-allow"):
+        oauth_from("github", "id", None, (), environment)
+    oauth = oauth_from("github", "id", None, ("ada", "@example.org"), environment)
+    assert isinstance(oauth, OAuth)
+    assert all(oauth.admits(x) for x in ("ada", "Ada", "bob@example.org"))
+    assert not any(
+        oauth.admits(x) for x in ("bob", "ada@evil.org", "x@example.org.evil", "@example.org@evil", "None")
+    )
+
+
+def test_cookie_secret_outlives_a_restart(tmp_path: Path) -> None:
+    assert cookie_secret(None) != cookie_secret(None)
+    path = tmp_path / "secret"
+    path.write_text("s" * 40 + "\n")
+    assert cookie_secret(path) == "s" * 40

@@ -1,0 +1,144 @@
+"""A team's server in the real browser: the way in and out, who is written under what, strangers, and the end."""
+
+from __future__ import annotations
+
+import http.server
+import re
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from app.library.store import Library
+from app.serving.passwords import password_line
+
+_PASSWORD = "correct horse battery"
+_IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
+
+
+@contextmanager
+def _serving(library: Path, *options: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+    command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--library", str(library), *options]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        assert line.startswith("NavBudget on http://"), line
+        try:
+            yield line.split()[-1], process
+        finally:
+            process.terminate()
+            assert process.wait(timeout=30) == 0
+
+
+def _log_in(page: Page, name: str, password: str) -> None:
+    page.get_by_label("Name").fill(name)
+    page.get_by_label("Password").fill(password)
+    page.get_by_role("button", name="Log in").click()
+
+
+def test_the_way_in_and_out_with_a_password(page: Page, tmp_path: Path) -> None:
+    people, library = tmp_path / "people", tmp_path / "library.db"
+    people.write_text(password_line("ada", _PASSWORD) + "\n")
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    with _serving(library, "--password-file", str(people)) as (server, _):
+        page.goto(server + "/#review")
+        expect(page.get_by_role("heading", name="Log in")).to_be_visible()
+        _log_in(page, "ada", "wrong horse battery")
+        expect(page.get_by_role("alert")).to_have_text("Name or password is wrong.")
+        expect(page.get_by_label("Name")).to_have_value("ada")
+        _log_in(page, "<b>eve</b>", _PASSWORD)
+        expect(page.get_by_role("alert")).to_be_visible()
+        assert page.locator("b").count() == 0
+        _log_in(page, "ada", _PASSWORD)
+        page.wait_for_function(_IDLE, timeout=60_000)
+        page.get_by_role("tab", name="Review", exact=True).click()
+        who = page.get_by_role("textbox", name="Your name", exact=True)
+        expect(who).to_have_value("ada")
+        expect(who).to_be_disabled()
+        page.get_by_role("button", name="Save as new design").click()
+        expect(page.get_by_role("status").filter(has_text="Saved: revision 1")).to_be_visible()
+        saved = Library(library)
+        assert [design.author for design in saved.designs()] == ["ada"]
+        saved.close()
+        page.goto(server + "/logout")
+        expect(page.get_by_text("You are logged out.")).to_be_visible()
+        page.get_by_role("link", name="Log in again").click()
+        expect(page.get_by_role("heading", name="Log in")).to_be_visible()
+    assert all(url.startswith((server, "data:", "blob:")) for url in asked), asked
+
+
+@pytest.fixture
+def elsewhere(server: str) -> Iterator[str]:
+    """Another site, whose page tries to open this server's connection and to show its page in a frame."""
+    socket = server.replace("http", "ws") + "/ws"
+    body = f"""<!doctype html><title>trying</title><iframe src="{server}/"></iframe><script>
+      const s = new WebSocket("{socket}", ["bokeh", "no.token"]);
+      s.onopen = () => document.title = "opened"; s.onerror = () => document.title = "refused";
+    </script>""".encode()
+
+    class Site(http.server.BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html")
+            self.end_headers()
+            self.wfile.write(body)
+
+        def log_message(self, *_: Any) -> None:
+            pass
+
+    site = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Site)
+    thread = threading.Thread(target=site.serve_forever)
+    thread.start()
+    yield f"http://127.0.0.1:{site.server_port}/"
+    site.shutdown()
+    site.server_close()
+    thread.join()
+
+
+def test_another_site_gets_neither_the_connection_nor_a_frame(page: Page, elsewhere: str) -> None:
+    page.goto(elsewhere)
+    page.wait_for_function("() => document.title !== 'trying'")
+    assert page.title() == "refused"
+    assert page.frames[1].url.startswith("chrome-error:")
+
+
+def test_oversized_and_wrong_files_are_refused_where_they_are_given(visit: Callable[..., Page]) -> None:
+    page = visit()
+    files = page.locator("input[type=file][accept='.toml']")
+    files.set_input_files({"name": "../../etc/passwd.toml", "mimeType": "text/plain", "buffer": b"imu = 3"})
+    notice = page.get_by_role("alert").first
+    expect(notice).to_contain_text("Not opened.")
+    files.set_input_files(
+        {"name": "<img src=x onerror=document.title='owned'>.toml", "mimeType": "text/plain", "buffer": b"\xff\x00"}
+    )
+    expect(notice).to_contain_text("<img src=x")
+    files.set_input_files({"name": "big.toml", "mimeType": "text/plain", "buffer": b"#" * 3_000_000})
+    expect(page.get_by_text(re.compile("too large|exceeds|larger than|at most", re.I)).first).to_be_visible()
+    assert page.title() == "NavBudget"
+    assert page.locator("img[src=x]").count() == 0
+    page.get_by_role("slider", name="Angle random walk").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.get_by_role("button", name="Undo")).to_be_enabled()
+
+
+def test_a_report_under_way_arrives_although_the_server_is_told_to_stop(page: Page, tmp_path: Path) -> None:
+    with _serving(tmp_path / "library.db", "--grace", "60") as (server, process):
+        page.goto(server)
+        page.wait_for_function(_IDLE, timeout=60_000)
+        page.get_by_role("status").first.wait_for()
+        with page.expect_download(timeout=60_000) as download:
+            page.get_by_role("button", name="HTML report").click()
+            page.get_by_role("progressbar").first.wait_for(state="attached")
+            page.wait_for_timeout(300)
+            process.terminate()
+        path = download.value.path()
+        assert path is not None
+        assert "</html>" in Path(path).read_text()
+        assert process.wait(timeout=60) == 0
