@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from html import escape
 
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.explore.margins import ALL, label_of, quantity
-from nav_model.explore.search import Candidate
 from nav_model.explore.solve import Answer, Solution, remedies, resolution_for, round_down
 from nav_model.units import from_si, join_quantity, plain_number
 
@@ -157,39 +155,3 @@ def _helpless(design: Design, helpless: list[Solution], solutions: tuple[Solutio
     would = "; ".join(_phrase(design, found) for found in remedies(solutions, ALL))
     tail = f"What would: {would}." if would else "No other single input closes it either."
     return f"<p><b>No value helps</b>, however small, of {escape(names)}. {tail}</p>"
-
-
-_SEARCHED = ("Inertial unit", "Receiver", "Verdict", "Margin [%]", "Tightest", "Dominant source", "Not confirmed")
-
-
-def search_table(found: tuple[Candidate, ...]) -> str:
-    """Every pair of the catalogue search for a `SortableTable`; a row's button holds the pair's `pair_name`."""
-    heads = "".join(
-        f'<th scope="col"{" class=num" if "[" in text else ""}><button type="button">{text}</button></th>'
-        for text in _SEARCHED
-    )
-    rows = "".join(map(_pair, found))
-    return (
-        '<div class="scroll tall" tabindex="0" role="region" aria-label="Catalogue search"><table class="checks">'
-        f'<thead><tr>{heads}<th scope="col">Adopt</th></tr></thead><tbody>{rows}</tbody></table></div>'
-    )
-
-
-def pair_name(row: Candidate) -> str:
-    """What tells a pair from all others."""
-    return f"{row.imu} with {row.gnss}"
-
-
-def _pair(row: Candidate) -> str:
-    margin = f"{100 * row.margin:+.1f}".replace("-", "−")
-    counts = Counter(doubt.rpartition(" ")[2] for doubt in row.doubts)
-    doubts = ", ".join(f"{count} {status}" for status, count in counts.items())
-    name = escape(pair_name(row))
-    return (
-        f'<tr><th scope="row">{escape(row.imu)}</th><td>{escape(row.gnss)}</td>'
-        f'<td class="nw">{"✓ closes" if row.closes else "✗ does not"}</td>'
-        f'<td class="num" data-sort="{row.margin!r}">{margin}</td><td>{escape(label_of(row.tightest))}</td>'
-        f'<td data-sort="{row.share!r}">{escape(row.dominant)} <span class="num">{100 * row.share:.0f} %</span></td>'
-        f"<td>{f'⚠ {escape(doubts)}' if doubts else ''}</td>"
-        f'<td><button type="button" data-choose="{name}" aria-label="Adopt {name}">Adopt</button></td></tr>'
-    )

@@ -1,9 +1,11 @@
-"""A table that is sorted and searched in the browser: no message to the server, no library."""
+"""A table that is sorted by pressing its headings, in the browser: no message to the server, no library.
+
+A row is chosen by its radio button, where the table has any.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import param
 from panel.custom import JSComponent
@@ -16,11 +18,6 @@ th button:focus-visible { outline: 2px solid; outline-offset: 2px; border-radius
 th button::after { content: " ↕"; opacity: .45; }
 th[aria-sort="ascending"] button::after { content: " ↑"; opacity: 1; }
 th[aria-sort="descending"] button::after { content: " ↓"; opacity: 1; }
-.scroll.tall { max-height: 430px; overflow-y: auto; }
-.scroll.tall thead th { position: sticky; top: 0; background: var(--mui-palette-background-paper, Canvas); }
-td button { font: inherit; font-size: 12.5px; cursor: pointer; color: inherit; background: none; padding: 2px 10px;
-  border: 1px solid color-mix(in srgb, currentColor 45%, transparent); border-radius: 6px; }
-td button:hover, td button:focus-visible { outline: 2px solid; outline-offset: 1px; }
 """
 
 
@@ -28,24 +25,16 @@ class SortableTable(JSComponent):
     """Our own HTML with one table; a column whose heading holds a `<button>` can be sorted.
 
     A cell sorts by its `data-sort` attribute when it has one (a number or a text), else by what it says; an
-    empty `data-sort` goes last in both directions. Order, focus and place scrolled to survive new content. Rows that
-    lack one of `words` are hidden; a `<button data-choose="...">` in a row calls `chosen` with what it holds.
+    empty `data-sort` goes last in both directions. The order chosen survives new content, and so do the row chosen
+    as long as it is there, the place scrolled to and the focus on a row's button.
     """
 
     html = param.String(default="", doc="Already escaped.")
-    words = param.String(default="", doc="Rows that hold all of these words are shown, whatever the case.")
-
-    def __init__(self, chosen: Callable[[str], Any] | None = None, **params: Any) -> None:
-        super().__init__(**params)
-        self._chosen = chosen
-
-    def _handle_msg(self, msg: Any) -> None:
-        if self._chosen is not None and isinstance(msg, dict) and isinstance(msg.get("chosen"), str):
-            self._chosen(msg["chosen"])
+    chosen = param.String(default="", doc="Value of the radio button that is on, if any.")
 
     _stylesheets: ClassVar[list[str]] = [SHEET, _SORTING]
 
-    _esm = r"""
+    _esm = """
 export function render({ model }) {
   const place = document.createElement("div")
   let column = -1, sign = 1
@@ -69,17 +58,9 @@ export function render({ model }) {
       else head.removeAttribute("aria-sort")
     })
   }
-  const search = () => {
-    const words = model.words.toLowerCase().split(/\s+/).filter(Boolean)
-    place.querySelectorAll("tbody tr").forEach((row) => {
-      const text = row.textContent.toLowerCase()
-      row.hidden = !words.every((word) => text.includes(word))
-    })
-  }
   const draw = () => {
-    const focused = place.getRootNode().activeElement?.dataset?.choose
-    const before = place.querySelector(".scroll")
-    const [top, left] = before ? [before.scrollTop, before.scrollLeft] : [0, 0]
+    const focused = place.getRootNode().activeElement?.value
+    const { scrollTop, scrollLeft } = place.querySelector(".scroll") ?? { scrollTop: 0, scrollLeft: 0 }
     place.innerHTML = model.html
     place.querySelectorAll("thead th").forEach((head, index) => {
       head.querySelector("button")?.addEventListener("click", () => {
@@ -88,16 +69,18 @@ export function render({ model }) {
         sort()
       })
     })
-    place.querySelectorAll("[data-choose]").forEach((button) => {
-      button.addEventListener("click", () => model.send_msg({ chosen: button.dataset.choose }))
-      if (button.dataset.choose === focused) button.focus({ preventScroll: true })
-    })
     sort()
-    search()
-    place.querySelector(".scroll")?.scrollTo(left, top)
+    choose()
+    place.querySelector(".scroll")?.scrollTo(scrollLeft, scrollTop)
+    const again = [...place.querySelectorAll("input[type=radio]")].find((radio) => radio.value === focused)
+    again?.focus({ preventScroll: true })
   }
+  const choose = () => place.querySelectorAll("input[type=radio]").forEach((radio) => {
+    radio.checked = radio.value === model.chosen
+  })
+  place.addEventListener("change", (event) => { model.chosen = event.target.value })
   model.on("html", draw)
-  model.on("words", search)
+  model.on("chosen", choose)
   draw()
   return place
 }

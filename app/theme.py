@@ -100,6 +100,7 @@ table.checks td, table.checks th { overflow-wrap: break-word; }
 table.checks td { min-width: 8ch; }
 table.checks th[scope="row"] { min-width: 14ch; max-width: 60ch; }
 .scroll { overflow-x: auto; }
+.scroll.tall { max-height: 420px; overflow-y: auto; }
 .line { display: flex; flex-wrap: wrap; gap: 0 16px; font-size: 13px; overflow-wrap: anywhere; }
 .line > .mark { min-width: 17ch; }
 .line > .who { min-width: 10ch; }

@@ -187,7 +187,7 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
     """Whether a unit passes, and with what margin."""
     if point.met is None:
         return "no limit is given"
-    margin = f"{100 * (1 - point.value / chart.trade.limit):+.0f} %".replace("-", "−")
+    margin = f"{100 * (1 - point.value / chart.level):+.0f} %".replace("-", "−")
     return f"{'meets' if point.met else 'does not meet'} the limit, margin {margin}"
 
 

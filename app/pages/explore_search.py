@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Mapping
 from html import escape
 from typing import Any
@@ -12,7 +13,6 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.chart_view import html_pane, prose
-from app.explore_words import pair_name, search_table
 from app.pages.explore_map import download
 from app.sortable_table import SortableTable
 from app.state import Session
@@ -20,6 +20,7 @@ from app.theme import FRAME
 from app.upload import LimitedFileInput
 from nav_model.budget import Budget
 from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
+from nav_model.explore.margins import label_of
 from nav_model.explore.search import Candidate, left_out, search
 from nav_model.inputs import DesignError
 
@@ -29,11 +30,26 @@ _KNOWLEDGE = (
     "logarithmic sensitivity, which is its share of the variance [T-18]. Residual biases and the vibration factor "
     "are the design's for every unit, because no data sheet prints them. A receiver's noise is taken as white."
 )
+
+
+EXAMPLE = """\
+# Your own sensors, in the format of the product's catalogue. status: confirmed, secondary, assumed or unconfirmed.
+[[imu]]
+name = "Our inertial unit"
+angle_random_walk = { value = "0.05 °/√h", status = "confirmed", source = "bench log of 3 May, unit 7" }
+velocity_random_walk = { value = "50 µg/√Hz", status = "secondary", source = "data sheet, typical" }
+
+[[gnss]]
+name = "Our receiver"
+position_noise = { value = "3 cm", status = "assumed", source = "maker's web page" }
+vertical_position_noise = { value = "5 cm", status = "assumed", source = "maker's web page" }
+interval = { value = "0.2 s", status = "confirmed", source = "manual" }
+"""
 _KINDS: tuple[Kind, ...] = ("imu", "gnss")
 
 
 class SearchPanel:
-    """The table, its filter, the user's own sensors, and the buttons that adopt a row."""
+    """The table, its filter, the user's own sensors, and the button that adopts a row."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -41,25 +57,33 @@ class SearchPanel:
         self._found: tuple[Candidate, ...] = ()
         self._head = html_pane("", margin=(10, 14, 0, 14))
         self._said = html_pane("", margin=(0, 14))
-        self._table = SortableTable(self._adopt, sizing_mode="stretch_width", margin=(4, 14))
-        self._words = pmui.TextInput(
-            label="Find in the table", placeholder="closes tactical carrier", description="", size="small", width=240,
-            margin=(6, 8, 6, 14),
+        self._filter = pmui.TextInput(
+            label="Show only rows with these words", description="", placeholder="closes carrier", size="small",
+            max_length=100, width=300, margin=(8, 14),
         )  # fmt: skip
-        self._words.param.watch(lambda event: self._table.param.update(words=event.new), "value_input")
+        self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
+        self._adopt = pmui.Button(
+            label="Adopt the selected row", size="small", variant="outlined", disabled=True, margin=(6, 8, 6, 14)
+        )
         self._file = LimitedFileInput(
             lambda reason: self._say(f"Not opened: {reason}."), label="Your own sensors (TOML)", description="",
             accept=".toml", size="small", variant="text", max_file_size=MAX_BYTES, margin=(6, 8),
         )  # fmt: skip
+        self._adopt.on_click(lambda _: self._adopt_selected())
+        self._filter.param.watch(lambda _: self._fill(), "value_input")
+        self._table.param.watch(self._selected, "chosen")
         self._file.param.watch(self._opened, "value")
         self.view = pn.Column(
             self._head,
+            self._filter,
+            self._table,
             pn.FlexBox(
-                self._words, self._file, download("Search: data (CSV)", "search.csv", self._csv),
-                align_items="center", sizing_mode="stretch_width",
+                self._adopt, self._file,
+                download("An example of such a file", "sensors.toml", lambda: io.BytesIO(EXAMPLE.encode())),
+                download("Search: data (CSV)", "search.csv", self._csv),
+                sizing_mode="stretch_width",
             ),
             self._said,
-            self._table,
             html_pane(f'<p class="know quiet"><b>How do we know:</b> {prose(_KNOWLEDGE)}</p>'),
             styles=FRAME,
             sizing_mode="stretch_width",
@@ -74,12 +98,12 @@ class SearchPanel:
         """Judge every pair again."""
         if not budget.verdict.checks:
             self._found = ()
-            self._table.html = ""
+            self._fill()
             self._head.object = "<h3>Which sensors would do</h3><p>Give a limit under Requirements to search.</p>"
             return
         imus = self._entries("imu")
         self._found = search(budget.design, imus, self._entries("gnss"))
-        self._table.html = search_table(self._found)
+        self._fill()
         good = sum(row.closes for row in self._found)
         silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(imus).items())
         self._head.object = (
@@ -87,9 +111,21 @@ class SearchPanel:
             f"close under this radar. Left out, their sheet being silent: {escape(silent) or 'none'}.</p>"
         )
 
-    def _adopt(self, name: str) -> None:
-        """Take the pair of that name over into the design; one that is no longer listed is left alone."""
-        row = next((row for row in self._found if pair_name(row) == name), None)
+    def _fill(self) -> None:
+        """Show the rows that hold every word of the filter."""
+        words = (self._filter.value_input or "").lower().split()
+        shown = [row for row in self._found if all(word in " ".join(_cells(row)).lower() for word in words)]
+        html = _table(shown, len(self._found))
+        if html != self._table.html:
+            self._table.html = html
+        if self._table.chosen not in {_name(row) for row in shown}:
+            self._table.chosen = ""
+
+    def _selected(self, event: Any) -> None:
+        self._adopt.disabled = not event.new
+
+    def _adopt_selected(self) -> None:
+        row = next((row for row in self._found if _name(row) == self._table.chosen), None)
         if row is None:
             return
         changes = dict(row.changes)
@@ -121,10 +157,63 @@ class SearchPanel:
     def _csv(self) -> io.BytesIO:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
+        margins = self._found[0].margins if self._found else ()
         writer.writerow(("IMU", "Receiver", "Closes", "Margin", "Tightest", "Dominant source", "Its share",
-                         *(f"Margin of {name}" for name in self._found[0].margins), "Not confirmed")
-                        if self._found else ("nothing to search: no requirement is set",))  # fmt: skip
+                         *(f"Margin of {name}" for name in margins), "Not confirmed"))  # fmt: skip
         for row in self._found:
             writer.writerow((row.imu, row.gnss, row.closes, row.margin, row.tightest, row.dominant, row.share,
                              *row.margins.values(), "; ".join(row.doubts)))  # fmt: skip
         return io.BytesIO(text.getvalue().encode())
+
+
+def _doubts(row: Candidate) -> str:
+    """How many values the sources do not confirm, by status."""
+    counts = Counter(doubt.rpartition(" ")[2] for doubt in row.doubts)
+    return ", ".join(f"{count} {status}" for status, count in counts.items())
+
+
+_HEADS = ("IMU", "Receiver", "Verdict", "Margin [%]", "Tightest", "Dominant source", "Not confirmed")
+_MARGIN = _HEADS.index("Margin [%]")
+_NUMBER = " class='num'"
+
+
+def _cells(row: Candidate) -> tuple[str, ...]:
+    return (
+        row.imu,
+        row.gnss,
+        "✓ closes" if row.closes else "✗ does not",
+        f"{100 * row.margin:.1f}",
+        label_of(row.tightest),
+        f"{row.dominant} {100 * row.share:.0f} %",
+        _doubts(row),
+    )
+
+
+def _name(row: Candidate) -> str:
+    return f"{row.imu} with {row.gnss}"
+
+
+def _table(rows: list[Candidate], of: int) -> str:
+    """The rows for `SortableTable`, each with a radio button; as many as there are, in a box that scrolls."""
+    if not rows:
+        return f"<p>{'No pair has these words.' if of else ''}</p>"
+    head = "".join(
+        f"<th scope='col'{_NUMBER if i == _MARGIN else ''}><button>{escape(name)}</button></th>"
+        for i, name in enumerate(_HEADS)
+    )
+    body = "".join(f"<tr>{''.join(_cell(row, i, text) for i, text in enumerate(_cells(row)))}</tr>" for row in rows)
+    return (
+        '<div class="scroll tall" tabindex="0" role="region" aria-label="Pairs of inertial unit and receiver">'
+        f'<table class="checks"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+        f'<p class="quiet" role="status">{len(rows)} of {of} pairs.</p>'
+    )
+
+
+def _cell(row: Candidate, index: int, text: str) -> str:
+    if index == 0:
+        name = escape(_name(row))
+        radio = f'<input type="radio" name="pair" value="{name}" aria-label="{name}">'
+        return f'<th scope="row" data-sort="{escape(text)}"><label>{radio} {escape(text)}</label></th>'
+    if index == _MARGIN:
+        return f'<td class="num" data-sort="{row.margin!r}">{text.replace("-", "−")}</td>'
+    return f"<td>{escape(text)}</td>"

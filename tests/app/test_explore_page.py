@@ -9,6 +9,7 @@ import re
 import pytest
 
 from app.pages.explore import ExplorePage
+from app.pages.explore_search import EXAMPLE
 from app.server import first_design
 from app.state import Session
 from nav_model.explore import solve as solving
@@ -48,7 +49,8 @@ def test_own_units_and_receivers_are_judged_and_adopted(explore: ExplorePage) ->
     assert "Added Our &lt;b&gt;unit&lt;/b&gt;, Our receiver" in _open(explore, OWN.encode())
     assert search._table.html.count("<tr>") > before
     assert "<b>unit" not in search._table.html
-    search._table._handle_msg({"chosen": "Our <b>unit</b> with Our receiver"})
+    search._table.chosen = "Our <b>unit</b> with Our receiver"
+    search._adopt_selected()
     design = search._session.design
     assert design["imu.preset"] is None
     assert design.imu.angle_random_walk == pytest.approx(0.01 * 3.14159265 / 180 / 60)
@@ -61,11 +63,15 @@ def test_own_units_and_receivers_are_judged_and_adopted(explore: ExplorePage) ->
     assert search._session.design == first_design()
 
 
+def test_the_example_offered_is_such_a_file(explore: ExplorePage) -> None:
+    assert "Added Our inertial unit, Our receiver." in _open(explore, EXAMPLE.encode())
+
+
 def test_a_pair_that_is_no_longer_there_adopts_nothing(explore: ExplorePage) -> None:
-    table = explore._parts[2]._table
-    for message in ({"chosen": "LN-200 with a kite"}, {"chosen": 3}, "chosen", {}):
-        table._handle_msg(message)
-    assert explore._parts[2]._session.design == first_design()
+    search = explore._parts[2]
+    search._table.chosen = "LN-200 with a kite"
+    search._adopt_selected()
+    assert search._session.design == first_design()
 
 
 @pytest.mark.parametrize(
@@ -92,8 +98,8 @@ def test_files_that_hold_no_sensors_are_refused_and_change_nothing(
 def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
     search = explore._parts[2]
     rows = list(csv.DictReader(io.StringIO(search._csv().read().decode())))
-    shown = re.findall(r'<th scope="row">(.*?)</th>', search._table.html)
-    assert [row["IMU"] for row in rows] == shown
+    shown = re.findall(r'type="radio" name="pair" value="(.*?)"', search._table.html)
+    assert [f"{row['IMU']} with {row['Receiver']}" for row in rows] == shown
     assert search._table.html.count("✓ closes") == sum(row["Closes"] == "True" for row in rows) > 0
 
 
