@@ -30,7 +30,7 @@ REFERENCES = (
     "suborbital flight; its printed equations, sensors and trajectory are lost. [B-1] to [B-9] are derived in "
     "NavBudget and verified against independent integrations, scipy's align_vectors and Monte Carlo runs in its test "
     "suite.",
-    "ESA, The Hipparcos and Tycho Catalogues, SP-1200, 1997: the stars of the camera.",
+    "van Leeuwen, Hipparcos, the New Reduction of the Raw Data, Springer, 2007; CDS I/311: the camera's stars.",
 )
 
 
