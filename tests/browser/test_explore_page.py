@@ -25,7 +25,7 @@ def _open(visit: Visit, **size: int) -> Page:
         page.keyboard.press("Escape")  # the drawer, open over a narrow page
         page.wait_for_timeout(400)
     page.get_by_role("tab", name="Explore").click()
-    expect(page.get_by_text("Which sensors would do")).to_be_visible(timeout=20_000)
+    expect(page.get_by_text("Which sensors would do")).to_be_visible(timeout=60_000)
     return page
 
 
