@@ -13,11 +13,11 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.chart_view import html_pane, prose
-from app.log_upload import LimitedFileInput
 from app.pages.explore_map import download
 from app.sortable_table import SortableTable
 from app.state import Session
 from app.theme import FRAME
+from app.upload import LimitedFileInput
 from nav_model.budget import Budget
 from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.explore.margins import label_of

@@ -16,11 +16,11 @@ from app.charts.sensors import axis_chart, triad_chart
 from app.log_panel import progress_line
 from app.log_study import LogRequest, study_log
 from app.log_tables import coefficient_tables, origin_table
-from app.log_upload import LimitedFileInput
 from app.long_run import RunLost, run_alone
 from app.pages.sensors import SensorsPage
 from app.server import first_design
 from app.state import Session
+from app.upload import LimitedFileInput
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import LogOptions
 from nav_model.allan.static_log import analyse_log
@@ -134,7 +134,7 @@ def test_cancel_ends_the_process_at_once(tmp_path: Path):
 
 
 def test_a_refusal_comes_back_with_its_key(tmp_path: Path):
-    for path, reason in ((tmp_path / "none.csv", "no such file"), (tmp_path / "bad.csv", "line 1")):
+    for path, reason in ((tmp_path / "none.csv", "no such file"), (tmp_path / "bad.csv", "no numbers found")):
         (tmp_path / "bad.csv").write_text("a,b\nx,y\n")
         with pytest.raises(DesignError) as caught:
             asyncio.run(run_alone(study_log, LogRequest(path), progress=lambda fraction, what: None))
