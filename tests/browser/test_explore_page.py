@@ -8,6 +8,8 @@ from pathlib import Path
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
+from app.pages.budget import _LAYOUT
+
 Visit = Callable[..., Page]
 
 _SOURCE = """(name) => {
@@ -19,13 +21,18 @@ _SOURCE = """(name) => {
 }"""
 
 
+_FIGURES = """() => [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "Figure").length"""
+
+
 def _open(visit: Visit, **size: int) -> Page:
     page = visit(**size)
+    # Nobody turns the page before the first one's charts have all come, as a script on a busy machine would.
+    page.wait_for_function(f"(count) => ({_FIGURES})() >= count", arg=len(_LAYOUT), timeout=60_000)
     if size:
         page.keyboard.press("Escape")  # the drawer, open over a narrow page
         page.wait_for_timeout(400)
     page.get_by_role("tab", name="Explore").click()
-    expect(page.get_by_text("Which sensors would do")).to_be_visible(timeout=20_000)
+    expect(page.get_by_text("Which sensors would do")).to_be_visible(timeout=60_000)
     return page
 
 
