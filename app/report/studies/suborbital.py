@@ -15,7 +15,8 @@ from app.report.wording import number, percent
 from app.suborbital import tables
 from app.suborbital.finding import Finding
 from nav_model.design import Design
-from nav_model.suborbital.settings import GROUPS, Settings, from_design
+from nav_model.suborbital.input_table import GROUPS
+from nav_model.suborbital.settings import Settings, from_design
 from nav_model.suborbital.summary import explain
 
 _ERRORS = tuple(draw for channel in (2, 1, 0) for draw in (charts.source_chart(channel), charts.aided_chart(channel)))
