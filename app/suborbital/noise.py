@@ -31,7 +31,6 @@ class NoiseRun:
         self._ensemble: NoiseEnsemble | None = None
         look: dict[str, Any] = {"description": "", "size": "small", "margin": (10, 6, 4, 6)}
         self.runs = pmui.Select(label="Runs", options=list(_RUNS), value=100, width=110, **look)
-        self.seed = pmui.IntInput(label="Seed", value=1, start=0, end=2**31, width=120, **look)
         self.start = pmui.Button(label="Fly the ensemble", icon="play_arrow", variant="outlined", **look)
         self.cancel = pmui.Button(
             label="Cancel the ensemble", icon="close", variant="outlined", visible=False, **look
@@ -40,7 +39,7 @@ class NoiseRun:
         self.start.on_click(lambda _: self.run())
         self.cancel.on_click(lambda _: self.stop())
         self.view = pn.Column(
-            pn.FlexBox(self.runs, self.seed, self.start, self.cancel, align_items="center",
+            pn.FlexBox(self.runs, self.start, self.cancel, align_items="center",
                        sizing_mode="stretch_width", margin=0),
             self._state,
             sizing_mode="stretch_width",
@@ -72,7 +71,7 @@ class NoiseRun:
         self.cancel.visible = True
         try:
             ensemble = await run_alone(
-                fly_noise, shown.study, int(self.runs.value), int(self.seed.value), covariance,
+                fly_noise, shown.study, int(self.runs.value), int(shown.survey.settings["seed"]), covariance,
                 progress=self._progressed,
             )  # fmt: skip
         except (ValueError, RunLost) as error:

@@ -114,7 +114,8 @@ GROUPS: dict[str, tuple[Setting, ...]] = {
                 "choice", "Hipparcos", choices=("Hipparcos", "synthetic")),
         Setting("sky.magnitude_limit", "Magnitude limit", "Faintest star identified, Hp.", "number", 6.5,
                 low=2.0, high=9.0),
-        Setting("seed", "Seed", "Of the centroid noise and of the synthetic sky.", "whole", 1.0, low=0, high=2**31),
+        Setting("seed", "Seed", "Of centroid noise, white noise and the synthetic sky.", "whole", 1.0,
+                low=0, high=2**31),
     ),
     "Flight and gravity": (
         Setting("flight.latitude", "Launch latitude", "North is positive.", "number", _FLIGHT.latitude_rad,
