@@ -94,7 +94,7 @@ def departure_table(study: DesignStudy) -> str:
             f'<tr><th scope="row">{first.group.capitalize()}, {axes}</th>'
             f'<td class="num">{start:g} to {stop:g} s, {_PHASES_IN_WORDS[first.phase]}</td>'
             f'<td class="num">{_range([d.simulated for d in alike])}</td>'
-            f'<td class="num">{_range([d.ratio for d in alike])}</td><td>{_why(alike, study)}</td></tr>'
+            f'<td class="num">{_range([d.ratio for d in alike])}</td><td class="why">{_why(alike, study)}</td></tr>'
         )
     return (
         f'{title}<div class="scroll" tabindex="0" role="region" aria-label="Departures">'
