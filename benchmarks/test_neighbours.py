@@ -37,7 +37,7 @@ def test_sliders_of_others_during_a_monte_carlo(benchmark: Any, browser: Browser
     before = _steps(sliding, _STEPS)
     flying.get_by_text("Simulate", exact=True).click()
     start = flying.get_by_role("button", name="Start", exact=True)
-    expect(start).to_be_enabled()
+    expect(start).to_be_enabled(timeout=60_000)
     for label, text in (("Runs", "2000"), ("Length [s]", "1000")):
         flying.get_by_role("textbox", name=label, exact=True).fill(text)
         flying.get_by_role("textbox", name=label, exact=True).press("Enter")
