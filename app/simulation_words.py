@@ -98,7 +98,7 @@ def departure_table(study: DesignStudy) -> str:
             f'<tr><th scope="row">{first.group.capitalize()}, {", ".join(d.axis for d in found)}</th>'
             f'<td class="num">{when(found)}</td>'
             f'<td class="num">{_range([d.simulated for d in found])}</td>'
-            f'<td class="num">{_range([d.ratio for d in found])}</td><td>{_why(found, study)}</td></tr>'
+            f'<td class="num">{_range([d.ratio for d in found])}</td><td class="why">{_why(found, study)}</td></tr>'
         )
     return (
         f'{title}<div class="scroll" tabindex="0" role="region" aria-label="Departures">'

@@ -129,7 +129,7 @@ progress { width: 220px; vertical-align: middle; }
 .mark { font-weight: 700; }
 td.fine, .mark.fine { font-size: 12px; }
 td.fine { min-width: 130px; }
-table.checks th.source { min-width: 260px; }
+table.checks th.source, table.checks td.why { min-width: 260px; }
 .digest { overflow-wrap: anywhere; font-size: 12px; }
 progress { width: min(420px, 100%); height: 8px; accent-color: #2b83c4; }
 ul.cautions { padding-left: 18px; font-size: 13px; }

@@ -10,7 +10,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page, expect
 
-from benchmarks.test_browser import _STEPS, _WATCH, _open, browser, server
+from benchmarks.test_browser import _STEPS, _WATCH, _WHOLE, _open, browser, server
 
 __all__ = ["browser", "server"]  # fixtures, found by their names here
 
@@ -31,12 +31,13 @@ def _steps(page: Page, count: int) -> list[float]:
 def test_sliders_of_others_during_a_monte_carlo(benchmark: Any, browser: Browser, server: str) -> None:
     """Two browser contexts are two sessions; the second moves a slider while 2000 runs of the first are flown."""
     flying, sliding = _open(browser, server), _open(browser, server)
-    sliding.wait_for_timeout(1500)
+    sliding.wait_for_function(_WHOLE, timeout=60_000)
+    sliding.wait_for_timeout(1000)
     sliding.evaluate(_WATCH)
     before = _steps(sliding, _STEPS)
     flying.get_by_text("Simulate", exact=True).click()
     start = flying.get_by_role("button", name="Start", exact=True)
-    expect(start).to_be_enabled()
+    expect(start).to_be_enabled(timeout=60_000)
     for label, text in (("Runs", "2000"), ("Length [s]", "1000")):
         flying.get_by_role("textbox", name=label, exact=True).fill(text)
         flying.get_by_role("textbox", name=label, exact=True).press("Enter")

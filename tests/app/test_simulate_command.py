@@ -15,6 +15,7 @@ import pytest
 
 import app.cli
 from app.cli import main
+from nav_model.simulation.study_inputs import STUDY_KEYS
 
 ROOT = Path(app.cli.__file__).parent.parent
 MEMS = str(ROOT / "examples" / "mems_x_band.toml")
@@ -88,6 +89,16 @@ def test_fifteen_states_and_a_flight_from_a_file(tmp_path, capsys) -> None:
     assert "The flight is the file's" in document["conditions"][0]
 
 
+def test_what_is_added_to_the_design_is_flown_and_said(capsys) -> None:
+    assert _simulate("--set", "gyro.bias_instability=300 °/h", "gyro.correlation_time=2 min", "imu.rate=50 Hz") == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["added"] == {"gyro.bias_instability": "300 °/h", "gyro.correlation_time": "120 s"}
+    assert any("gyro bias instability 300 °/h" in sentence for sentence in document["conditions"])
+    assert main(["simulate", "--inputs"]) == 0
+    listed = capsys.readouterr().out
+    assert all(f"{key} " in listed for key in STUDY_KEYS)
+
+
 @pytest.mark.parametrize(
     ("arguments", "key"),
     [
@@ -105,6 +116,8 @@ def test_fifteen_states_and_a_flight_from_a_file(tmp_path, capsys) -> None:
         (["--trajectory", MEMS], "--trajectory"),
         (["--trajectory", "turns"], "--duration"),  # too short for the turns
         (["--set", "imu.rate=2 Hz"], "imu.rate"),
+        (["--set", "gyro.bias_instability=5 mg"], "gyro.bias_instability"),
+        (["--set", "gyro.drift=5 °/h"], "gyro.drift"),
         (["--set", "flight.latitude=89°"], "flight.latitude"),
         (["-o", "result.txt"], "-o"),
         (["-o", "/nowhere/result.json"], "-o"),

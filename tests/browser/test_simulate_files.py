@@ -86,7 +86,8 @@ def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Sigmas (CSV)").click()
     waiting.value.save_as(tmp_path / "a.csv")
-    arrays = np.load(tmp_path / "a.npz")
+    with np.load(tmp_path / "a.npz") as packed:
+        arrays = dict(packed)
     rows = list(csv.DictReader((tmp_path / "a.csv").read_text("utf-8").splitlines()))
     assert arrays["time_s"].tolist() == list(range(61)) == [float(row["time_s"]) for row in rows]
     end = np.degrees(arrays["true_latitude_longitude_height"][-1, 0])

@@ -22,7 +22,7 @@ from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
 from nav_model.simulation.study_inputs import read_study_inputs, split_changes
 
-EXAMPLES = Path(__file__).parents[3] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples" / "outage"
 
 G = 9.797
 SIGMA_A, SIGMA_W = 0.06 / 60, math.radians(0.06) / 60
@@ -81,7 +81,7 @@ def test_each_second_of_the_outage_with_biases_and_with_noise_alone(make_imu, va
 
 def test_the_table_of_the_example_is_what_its_command_gives():
     """Second by second against the five-state channel, and to the last printed digit against the command's study."""
-    text = (EXAMPLES / "array_outage.md").read_text("utf-8")
+    text = (EXAMPLES / "README.md").read_text("utf-8")
     table = np.array(
         [[float(x) for x in row] for row in re.findall(r"^\| (\d+) \|" + r" ([\d.]+) \|" * 4, text, re.M)]
     )
@@ -91,7 +91,7 @@ def test_the_table_of_the_example_is_what_its_command_gives():
     perfect = np.sqrt(SIGMA_A**2 * table[:, 0] ** 3 / 3 + (9.80665 * SIGMA_W) ** 2 * table[:, 0] ** 5 / 20)
     assert table[:, 4] == pytest.approx(perfect, abs=0.0006)
 
-    design = read_design(EXAMPLES / "array_outage.toml")
+    design = read_design(EXAMPLES / "array.toml")
     of_design, of_study = split_changes(f"{key}={value}" for key, value in re.findall(r'(\w+\.\w+)="([^"]+)"', text))
     assert (of_design, len(of_study)) == ([], 4)
     options = {"duration": 630.0, "outages": [(600, 630)], "trajectory": "straight"}
