@@ -18,7 +18,7 @@ from app.charts.on_screen import to_bokeh
 from app.charts.spoken import in_words
 from app.prose import prose
 from app.state import Session
-from app.theme import FRAME, SHEET
+from app.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE, SHEET
 from app.workers import elsewhere
 from nav_model.budget import Budget
 
@@ -51,8 +51,9 @@ class ChartPane(Generic[_T]):
             # The figure stands in a native column: directly in a Material layout it breaks when replaced.
             pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
             self._know,
-            pn.FlexBox(*self._takes, margin=0, sizing_mode="stretch_width"),
+            pn.FlexBox(*self._takes, margin=0, sizing_mode="stretch_width", stylesheets=[PRINT_NOTHING]),
             styles=FRAME,
+            stylesheets=[PRINT_WHOLE],
             sizing_mode="stretch_width",
             margin=0,
         )

@@ -17,12 +17,14 @@ from panel.util import edit_readonly
 
 from app.controls import SECTION_TITLES, Control, section_controls
 from app.once_shown import once_shown
+from app.paper import fit_to_paper
 from app.report import report_of_text
 from app.report.studies import study_sections
 from app.report.wording import chapter_key
 from app.report_choice import ReportChoice
+from app.select_keys import SelectKeys
 from app.state import Session
-from app.theme import DARK, LIGHT, PRINT_NOTHING
+from app.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.tour import Tour
 from app.upload import LimitedFileInput
 from app.workers import elsewhere
@@ -78,12 +80,18 @@ class Frame:
         # Material tabs speak to keyboard and screen reader; figures must not stand inside them, so they are only
         # the bar, and the pages below are shown and hidden.
         self._tabs = pmui.Tabs(
-            *((name, pn.Spacer(height=0)) for name, _ in PAGES), sizing_mode="stretch_width", margin=(0, 6)
+            *((name, pn.Spacer(height=0)) for name, _ in PAGES),
+            sizing_mode="stretch_width",
+            margin=(0, 6),
         )
+        self._bar = pn.Column(self._tabs, sizing_mode="stretch_width", margin=0, stylesheets=[PRINT_NOTHING])
         self._open_page(self._tabs.active)
         self.view = self._shell()
         session.param.watch(self._show, "budget")
+        session.param.watch(self._present, "presenting")
         self._tabs.param.watch(self._turned, "active")
+        if pn.state.curdoc:
+            fit_to_paper(pn.state.curdoc)
         if pn.state.location:
             # What stands behind # reaches the server from the page only, before the page can be changed.
             location = pn.state.location
@@ -98,7 +106,15 @@ class Frame:
             self._pages[self._tabs.active].show(budget)
             self._follow_name(budget)
 
+    def _present(self, event: Any) -> None:
+        """Leave the screen to the decision at hand, and come back."""
+        with pn.io.hold():
+            self.view.sidebar_open = not event.new
+            self._tools.visible = self._bar.visible = not event.new
+
     def _turned(self, event: Any) -> None:
+        if leave := getattr(self._pages[event.old], "leave", None):
+            leave()
         self._open_page(event.new)
         self._pages[event.new].show(self.session.budget)
         for index, place in enumerate(self._places):
@@ -135,16 +151,18 @@ class Frame:
 
     def _shell(self) -> pmui.Page:
         mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
+        self._tools = self._toolbar()
         page = pmui.Page(
             title="NavBudget",
             sidebar=self._sidebar(),
             main=[
                 pn.Column(
-                    self._toolbar(),
+                    self._tools,
                     self._notice,
                     self._examples,
-                    self._tabs,
+                    self._bar,
                     *self._places,
+                    SelectKeys(margin=0, width=0, height=0),
                     sizing_mode="stretch_width",
                 )
             ],
@@ -152,6 +170,7 @@ class Frame:
             sidebar_width=340,
             sidebar_resizable=False,
             theme_config={"light": LIGHT, "dark": DARK},
+            stylesheets=[PRINT_PAGE],
         )
         # As shipped, Page follows one busy flag of the whole server: every event of every user would redraw
         # every page. It follows this session's own long runs instead.
@@ -230,9 +249,9 @@ class Frame:
             link,
             self._download("HTML report", "description", "html", functools.partial(self._report, "html")),
             self._download("PDF report", "picture_as_pdf", "pdf", functools.partial(self._report, "pdf")),
-            self._choice.view,
             examples,
             Tour(margin=2),
+            self._choice.view,
             sizing_mode="stretch_width",
             margin=(2, 6, 0, 6),
             css_classes=["tools"],

@@ -24,11 +24,12 @@ class Session(param.Parameterized):
     """The design in force and its history.
 
     ``budget`` changes with every accepted change; ``design`` is always ``budget.design``. ``running`` is for
-    long work of this person alone.
+    long work of this person alone, ``presenting`` while a review is shown to a room.
     """
 
     budget: Budget = param.ClassSelector(class_=Budget, allow_None=False, instantiate=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
+    presenting = param.Boolean(default=False, doc="Whether a decision is shown to a room: tools stand back.")
     findings: dict[str, Any] = param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
     can_undo = param.Boolean(default=False)
     can_redo = param.Boolean(default=False)

@@ -37,8 +37,28 @@ FRAME = {
 }
 """Around a chart; follows the page's text colour, so it holds in the dark."""
 
+NO_STEPPERS: dict[str, Any] = {"& .MuiIconButton-root": {"display": "none"}}
+"""Of a field for a number: its stepping buttons have no names, and the arrow keys step as well."""
+
 PRINT_NOTHING = "@media print { :host { display: none !important; } }"
 """Sheet of what has no place on paper: tools, tabs, fields."""
+
+PRINT_PAGE = """
+@media print {
+  :host { height: auto !important; }
+  header, nav, [role=tooltip] { display: none !important; }
+  .page, .page > div, .page > div > div, .main, .main > div, .main-content { display: block !important;
+    position: static !important; width: auto !important; height: auto !important; max-height: none !important;
+    min-height: 0 !important; overflow: visible !important; margin: 0 !important; padding: 0 !important; }
+  .main > div > .MuiToolbar-root { display: none !important; }
+  .page.mui-dark { print-color-adjust: exact; background: #000 !important; filter: invert(1) hue-rotate(180deg); }
+  .page.mui-dark > div, .page.mui-dark > div > div, .mui-dark .main { background: #000 !important; }
+}
+"""
+"""Sheet of the frame: on paper the page alone; a dark one is turned over, and its hues turned back."""
+
+PRINT_WHOLE = "@media print { :host { break-inside: avoid; } }"
+"""Sheet of what must not be torn by a page's end."""
 
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.
@@ -85,11 +105,15 @@ table.checks th[scope="row"] { min-width: 14ch; max-width: 60ch; }
 .line > .mark { min-width: 17ch; }
 .line > .who { min-width: 10ch; }
 .tag { border: 1px solid; border-radius: 9px; padding: 0 7px; font-size: 12px; }
-.slide { font-size: 24px; padding: 24px 28px; border: 1px solid; border-radius: 6px;
+.slide { font-size: clamp(18px, 1.8vw, 44px); padding: 1.1em 1.3em; border: 1px solid; border-radius: 6px;
   border-color: color-mix(in srgb, currentColor 25%, transparent); }
-.slide h2 { font-size: 44px; margin: 8px 0; font-weight: 600; }
-.slide p { margin: 6px 0; overflow-wrap: anywhere; }
-.slide .figure { font-size: 40px; white-space: normal; }
+.slide h2 { font-size: clamp(30px, 3.8vw, 96px); line-height: 1.15; margin: .2em 0; font-weight: 600; }
+.slide p { margin: .35em 0; overflow-wrap: anywhere; }
+.slide .figure { font-size: clamp(26px, 3.2vw, 80px); white-space: normal; }
+.gauge { position: relative; height: 1.1em; margin: .6em 0; border-radius: 4px;
+  background: color-mix(in srgb, currentColor 12%, transparent); }
+.gauge div { height: 100%; border-radius: 4px; background: color-mix(in srgb, currentColor 55%, transparent); }
+.gauge i { position: absolute; top: -.25em; bottom: -.25em; width: 0; border-left: 5px solid #c62f2f; }
 ul.legend { display: flex; flex-wrap: wrap; gap: 2px 16px; list-style: none; margin: 0 0 4px; padding: 0;
   font-size: 12.5px; }
 ul.legend svg { vertical-align: -1px; }

@@ -54,10 +54,11 @@ class Tour(JSComponent):
     _stylesheets: ClassVar[list[str]] = [
         PRINT_NOTHING,
         """
-:host { font-family: Roboto, "Segoe UI", system-ui, sans-serif; font-size: 13px; }
+:host { align-self: center; font-family: Roboto, "Segoe UI", system-ui, sans-serif; font-size: 13px; }
 button { font: inherit; font-weight: 500; color: inherit; background: none; border: 1px solid transparent;
   border-radius: 4px; padding: 4px 8px; cursor: pointer; }
 button:focus-visible { outline: 2px solid; outline-offset: 1px; }
+button:disabled { opacity: .5; cursor: default; }
 .offer { border-color: currentColor; }
 .card { position: fixed; z-index: 1300; right: 16px; bottom: 16px; width: min(380px, calc(100vw - 32px));
   box-sizing: border-box; padding: 14px 16px; border-radius: 8px; background: Canvas; color: CanvasText;
@@ -148,11 +149,12 @@ export function render({ model }) {
   }
   start.onclick = () => {
     step = 0
+    if (location.hash.length > 1) location.hash = "#budget"  // the page it tells of
     card.hidden = false
-    // The page's own colours: a card outside its theme would be white in the dark.
-    const back = getComputedStyle(find(".MuiPaper-root") ?? document.body).backgroundColor
-    card.style.background = back
-    card.style.color = getComputedStyle(place).color
+    // As light or dark as the page, which says so by the colour of its text only.
+    const ink = getComputedStyle(place).color
+    const light = ink.match(/[0-9.]+/g).slice(0, 3).reduce((sum, part) => sum + Number(part), 0) > 384
+    Object.assign(card.style, { color: ink, background: light ? "#161d24" : "#ffffff" })
     show()
     cancelAnimationFrame(watching)
     follow()

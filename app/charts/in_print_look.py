@@ -13,7 +13,7 @@ DASHES: dict[str, Any] = {
     "dashed": (0, (6, 2.5)),
     "dotted": (0, (1.2, 1.8)),
     "dotdash": (0, (1.2, 2, 5, 2)),
-    "dashdot": (0, (7, 2, 1.2, 2)),
+    "dashdot": (0, (7, 2, 1.2, 2, 1.2, 2)),
 }
 MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^", "x": "x", "cross": "+"}
 LINE_SCALE = 0.62  # a pixel on screen, in points on paper

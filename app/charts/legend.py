@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from html import escape
 
-from app.charts.description import BAR_STYLES, STYLES, AnyChart, BarChart, Chart, DotChart, MapChart, Style
-
-_DASHES = {"solid": "", "dashed": "6 4", "dotted": "2 3", "dotdash": "2 4 6 4", "dashdot": "6 4 2 4"}
+from app.charts.description import BAR_STYLES, DASHES, STYLES, AnyChart, BarChart, Chart, DotChart, MapChart, Style
 
 
 def legend_html(chart: AnyChart) -> str:
@@ -71,7 +69,7 @@ def _svg(content: str) -> str:
 def _line(style: Style) -> str:
     return _svg(
         f'<line x1="1" y1="5.5" x2="29" y2="5.5" stroke="{style.colour}" stroke-width="{style.width}" '
-        f'stroke-dasharray="{_DASHES[style.dash]}"/>'
+        f'stroke-dasharray="{DASHES[style.dash]}"/>'
     )
 
 

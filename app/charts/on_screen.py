@@ -31,7 +31,7 @@ from bokeh.models.glyphs import Glyph
 from bokeh.plotting import figure
 from bokeh.transform import dodge
 
-from app.charts.description import BAR_STYLES, STYLES, AnyChart, BarChart, Chart, Line
+from app.charts.description import BAR_STYLES, DASHES, STYLES, AnyChart, BarChart, Chart, Line
 from app.charts.log_axis import mark_in_powers
 from app.charts.on_screen_grid import columns_of, draw
 
@@ -165,7 +165,7 @@ def _curves(chart: Chart, height: int) -> Figure:
     lines = []
     for line in chart.lines:
         style = STYLES[line.style]
-        look = {"line_color": style.colour, "line_dash": style.dash, "line_width": style.width}
+        look = {"line_color": style.colour, "line_dash": DASHES[style.dash], "line_width": style.width}
         glyph = LineGlyph(x="x", y=field_of(_column(line)), **look)
         lines.append(_draw(plot, sources[_line_source(chart, line.x)], glyph, _column(line)))
     x_unit, y_unit = _unit(chart.x_label), _unit(chart.y_label)
@@ -181,7 +181,7 @@ def _curves(chart: Chart, height: int) -> Figure:
         _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
     if chart.limits:
         style = STYLES["limit"]
-        look = {"line_color": style.colour, "line_dash": style.dash, "line_width": style.width}
+        look = {"line_color": style.colour, "line_dash": DASHES[style.dash], "line_width": style.width}
         renderer = _draw(plot, sources["limits"], Segment(x0="x0", y0="y", x1="x1", y1="y", **look))
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
     plot.styles = TEXT_SIZE
@@ -259,7 +259,7 @@ def _bars(chart: BarChart, height: int) -> Figure:
         )
         plot.segment(
             "x", "low", "x", "high", source=sources[f"limit {kind}"],
-            line_color=STYLES["limit"].colour, line_dash=dash, line_width=2,
+            line_color=STYLES["limit"].colour, line_dash=DASHES[dash], line_width=2,
         )  # fmt: skip
         tooltip = f"<b>@label</b><br>@{kind}{{0.000}}° = @{kind}_mm{{0.0000}} mm<br>@source"
         _hover(plot, [bars], tooltip)

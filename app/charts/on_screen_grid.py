@@ -9,7 +9,7 @@ import numpy as np
 from bokeh.models import ColumnDataSource, FactorRange, HoverTool, LinearColorMapper
 from bokeh.plotting import figure
 
-from app.charts.description import STYLES, DotChart, MapChart
+from app.charts.description import DASHES, STYLES, DotChart, MapChart
 from app.charts.region import middle_of
 
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
@@ -59,7 +59,7 @@ def _dots(chart: DotChart, sources: Mapping[str, ColumnDataSource], height: int)
     )  # fmt: skip
     plot.segment(
         "x", "low", "x", "high", source=sources["limit"],
-        line_color=limit.colour, line_dash=limit.dash, line_width=limit.width,
+        line_color=limit.colour, line_dash=DASHES[limit.dash], line_width=limit.width,
     )  # fmt: skip
     said = "<b>@label</b><br>closed form @closed{0.000}° = @closed_mm{0.000} mm<br>"
     said += "ensemble rms @ensemble{0.000}° = @ensemble_mm{0.000} mm<br>"
@@ -121,7 +121,7 @@ def _map(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) 
     )  # fmt: skip
     limit = STYLES[chart.contour.style]
     plot.line("x", "y", source=sources["contour"], line_color=limit.colour, line_width=2.2,
-                        line_dash=limit.dash)  # fmt: skip
+                        line_dash=DASHES[limit.dash])  # fmt: skip
     for points in chart.points:
         style = STYLES[points.style]
         look = {"size": 7, "line_width": 0.8, "line_color": "#ffffff"}

@@ -6,6 +6,7 @@ import re
 from urllib.parse import parse_qs
 
 import panel as pn
+import param
 
 from app.library.place import library
 from app.library.reviews import MAX_ITEMS
@@ -35,13 +36,26 @@ class ReviewPage:
             ("Reviews", self._room.view),
             dynamic=True,
             sizing_mode="stretch_width",
+            stylesheets=[":host(.presenting) .bk-header { display: none; }"],
         )
+        session.param.watch(self._present, "presenting")
         self._tabs.param.watch(self._turned, "active")
         self.view = pn.Column(self._desk.author, self._desk.notice, self._tabs, sizing_mode="stretch_width")
         self._follow_link()
 
     def show(self, budget: Budget) -> None:
         """The page shows saved designs; the one in force is saved as it stands when asked."""
+
+    def leave(self) -> None:
+        """Another page is turned to; what is on this one changes only when that has been drawn."""
+        document = pn.state.curdoc
+        if document is None:
+            self._room.stand_back()
+        else:
+            document.add_next_tick_callback(self._room.stand_back)
+
+    def _present(self, event: param.parameterized.Event) -> None:
+        self._tabs.css_classes = ["presenting"] if event.new else []
 
     def _turned(self, event: object) -> None:
         """A turn brings what others have written meanwhile; what was said about another part goes."""

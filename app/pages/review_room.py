@@ -9,6 +9,7 @@ from html import escape
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
 from app.chart_view import html_pane
 from app.library.place import library
@@ -75,6 +76,7 @@ class ReviewRoom:
             )
             for kind in ("html", "pdf")
         ]  # fmt: skip
+        self._open = button("Open a review of the picked", self._begin)
         self._decide = pn.FlexBox(
             button("Previous", functools.partial(self._turn, -1)),
             button("Next", functools.partial(self._turn, 1)),
@@ -92,7 +94,7 @@ class ReviewRoom:
         )  # fmt: skip
         self.view = pn.Column(
             pn.FlexBox(
-                self._choice, self._title, button("Open a review of the picked", self._begin), self._present,
+                self._choice, self._title, self._open, self._present,
                 *self._reports, align_items="center", margin=(6, 4),
             ),
             self._slide,
@@ -104,7 +106,17 @@ class ReviewRoom:
         self._list()
         self._choice.param.watch(self._chosen, "value")
         self._about.param.watch(lambda _: self._draw_slide(), "value")
-        self._present.param.watch(lambda _: self._show(self._review), "value")
+        self._present.param.watch(self._presented, "value")
+
+    def stand_back(self) -> None:
+        """End the presenter view: somebody turned away from the reviews."""
+        self._present.value = False
+
+    def _presented(self, event: param.parameterized.Event) -> None:
+        self._desk.say("")
+        self._desk.session.presenting = event.new
+        self._desk.author.visible = not event.new
+        self._show(self._review)
 
     # --- which review ----------------------------------------------------------------------------------
 
@@ -172,11 +184,11 @@ class ReviewRoom:
             self._design.value = self._design.value or 1
             open_ = review.signed is None
             self._decide.visible = open_ or self._present.value
-            self._talk.visible = open_
+            self._talk.visible = open_ and not self._present.value
+            for part in (self._choice, self._title, self._open, *self._reports):
+                part.visible = not self._present.value
             for part in self._decide[3:]:
                 part.visible = open_
-            for report in self._reports:
-                report.visible = True
             tables = (status_table(review), comment_table(review), decision_table(review), audit_table(review))
             self._status.visible = not self._present.value
             self._status.object = _headline(review) + "".join(map(table_html, tables))
@@ -255,7 +267,7 @@ class ReviewRoom:
             f'<section class="slide" aria-live="polite"><p class="quiet">{escape(self._review.title)} · decision '
             f"{names.index(self._about.value) + 1} of {len(names)}</p>"
             f"<p>D{place}: {escape(self._review.revisions[place - 1].name)}</p><h2>{escape(check.label)}</h2>"
-            f'<p class="figure num">{escape(figure)}</p>'
+            f'<p class="figure num">{escape(figure)}</p>{_gauge(check)}'
             f"<p>{'✓ met' if check.met else '✗ not met'}, margin {signed_percent(check.margin)}; dominated by "
             f"{escape(check.sensor)}</p><p><b>{escape(decided)}</b></p></section>"
         )
@@ -268,6 +280,16 @@ class ReviewRoom:
             return io.BytesIO(await elsewhere(report_of_texts, texts, f".{kind}", audit_sections(self._review)))
         finally:
             self._desk.session.running = False
+
+
+def _gauge(check: Check) -> str:
+    """Value against limit as a bar; the words beside it say the same."""
+    full = 1.08 * max(check.value, check.limit)
+    value, limit = (100 * x / full for x in (check.value, check.limit))
+    return (
+        f'<div class="gauge" aria-hidden="true"><div style="width:{value:.1f}%"></div>'
+        f'<i style="left:{limit:.1f}%"></i></div>'
+    )
 
 
 def _mark(review: Review, place: int, check: Check) -> str:

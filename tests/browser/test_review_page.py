@@ -173,3 +173,29 @@ def test_forged_links_are_said_so(visit: Visit) -> None:
         page = visit("/" + query)
         expect(page.get_by_role("status").first).to_contain_text(re.compile("not used|not in the library"))
         assert page.title() == "NavBudget"
+
+
+def test_the_presenter_view_leaves_the_room_one_decision(visit: Visit) -> None:
+    page = visit(width=1920, height=1080)
+    tab(page, "Review")
+    save(page, "Shown to a room")
+    page.get_by_role("checkbox", name="Shown to a room").check()
+    expect(page.get_by_label("Picked revisions")).to_contain_text("Shown to a room")
+    tab(page, "Reviews")
+    field(page, "Title of a new review").fill("In the room")
+    press(page, "Open a review of the picked")
+    said(page, "In the room is open")
+    page.get_by_label("Presenter view").check()
+    slide = page.locator(".slide")
+    expect(slide).to_contain_text("decision 1 of 5")
+    for tool in (page.get_by_role("button", name="PDF report", exact=True), field(page, "Your name"),
+                 page.get_by_role("tab", name="Budget"), page.locator(".bk-tab").first):  # fmt: skip
+        expect(tool).to_be_hidden()
+    assert slide.locator("h2").evaluate("e => parseFloat(getComputedStyle(e).fontSize)") >= 60
+    press(page, "Accept")
+    expect(slide).to_contain_text("decision 2 of 5")
+    page.evaluate("() => { location.hash = '#budget' }")  # the only way out but the switch
+    expect(page.get_by_role("tab", name="Budget")).to_be_visible()
+    tab(page, "Review")
+    expect(field(page, "Your name")).to_be_visible()
+    expect(page.get_by_label("Presenter view")).not_to_be_checked()

@@ -1,0 +1,97 @@
+"""Lines of one chart are told apart in grey, and each stands out from the page, light or dark."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from app.charts import budget as budget_charts
+from app.charts.comparison import phase_comparison, position_comparison
+from app.charts.description import DASHES, STYLES, Chart
+from app.gallery import EXAMPLES, example
+from app.theme import DARK, LIGHT
+from nav_model.budget import analyse
+
+# What stands in one chart together: the budget's and the comparison's charts say it themselves below.
+TOGETHER = {
+    "simulation": ("simulated", "simulated, second axis", "filter", "filter, second axis", "closed form", "refined",
+                   "worst run", "limit"),
+    "tilt and its worst run": ("simulated", "simulated, second axis", "filter", "filter, second axis", "closed form",
+                               "worst run", "worst run, second axis"),
+    "ensemble": ("simulated", "filter, second axis", "worst run, second axis", "closed form"),
+    "flight": ("simulated", "simulated, second axis", "third axis"),
+    "strategies, INS": ("strategy 1", "strategy 2", "strategy 3", "strategy 5", "strategy 5w"),
+    "strategies, filters": ("strategy 1", "strategy 4", "strategy 6", "strategy 7", "strategy 8"),
+    "suborbital sources": ("accelerometer bias", "accelerometer instability", "gyro bias", "gyro instability",
+                           "initial position and velocity", "initial attitude", "everything"),
+    "suborbital, aided": ("INS alone", "INS with tracker", "decoupled, holds", "decoupled, fails"),
+    "suborbital axes": ("axis x", "axis y", "axis z", "axis x, tracker", "axis y, tracker", "axis z, tracker"),
+    "Allan, three axes": ("x", "y", "z", "fit x", "fit y", "fit z"),
+    "Allan, one axis": ("measured", "quantization", "random_walk", "bias_instability", "rate_random_walk", "ramp",
+                        "fit"),
+    "designs": tuple(f"design {i}" for i in range(1, 8)),
+}  # fmt: skip
+POINTS = {"path", "mark", "star", "measured star"}  # drawn as points, or alone
+
+
+def luminance(colour):
+    """Relative luminance of WCAG 2.1."""
+    part = np.array([int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)])
+    linear = np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)
+    return float(linear @ (0.2126, 0.7152, 0.0722))
+
+
+def lightness(colour):
+    """L* of CIE 1976: equal steps look equal; what is left of a colour in grey."""
+    return 116 * luminance(colour) ** (1 / 3) - 16
+
+
+def separable(a, b):
+    wider, thinner = max(a.width, b.width), min(a.width, b.width)
+    return a.dash != b.dash or wider >= 1.5 * thinner or abs(lightness(a.colour) - lightness(b.colour)) >= 12
+
+
+def confused(names):
+    return [(a, b) for a, b in itertools.combinations(sorted(set(names)), 2) if not separable(STYLES[a], STYLES[b])]
+
+
+@pytest.mark.parametrize("chart", TOGETHER)
+def test_lines_of_a_chart_differ_in_grey(chart):
+    assert confused(TOGETHER[chart]) == []
+
+
+def test_lines_of_the_budgets_charts_differ_in_grey():
+    budget = analyse(example(EXAMPLES[0]))
+    charts = [draw(budget) for draw in budget_charts.BUDGET_CHARTS]
+    charts += [draw([budget] * 6, [f"D{i}" for i in range(6)]) for draw in (position_comparison, phase_comparison)]
+    seen = set()
+    for chart in charts:
+        if isinstance(chart, Chart):
+            names = [line.style for line in chart.lines] + (["limit"] if chart.limits else [])
+            assert confused(names) == [], chart.key
+            seen |= set(names)
+    told = seen.union(*TOGETHER.values()) | POINTS | {"limit", "tilt", "yaw"}
+    assert set(STYLES) <= told | {"reference", "exact", "asymptote", "quadratic", "with cubic", "mark"}
+
+
+@pytest.mark.parametrize("name", STYLES)
+def test_a_line_stands_out_from_the_page(name):
+    """Contrast of at least 3 to white and to the dark page (WCAG 2.1, 1.4.11)."""
+    own = luminance(STYLES[name].colour)
+    for theme in (LIGHT, DARK):
+        page = luminance(theme["palette"]["background"]["paper"])
+        high, low = max(own, page), min(own, page)
+        assert (high + 0.05) / (low + 0.05) >= 3.0
+
+
+def test_dashes_are_not_each_other_shifted():
+    """A pattern repeats, so one that is another begun later looks the same."""
+
+    def turns(pattern):
+        parts = pattern.split()
+        return {" ".join(parts[i:] + parts[:i]) for i in range(0, max(len(parts), 1), 2)} | {
+            " ".join(parts[i:] + parts[:i]) for i in range(max(len(parts), 1))
+        }
+
+    for a, b in itertools.combinations(DASHES.values(), 2):
+        assert b not in turns(a)

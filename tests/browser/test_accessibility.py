@@ -1,0 +1,99 @@
+"""Every page for everybody: axe in light and dark, twice the zoom, keyboard alone, and on paper."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+
+import pypdf
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Page, expect
+
+from app.page import PAGES
+
+Visit = Callable[..., Page]
+_IDLE = "() => Bokeh.documents.every(d => d.is_idle)"
+_FOCUSED = """() => {
+  let at = document.activeElement
+  while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement
+  const named = at?.getAttribute("aria-label") || at?.labels?.[0]?.innerText || at?.innerText || ""
+  return [at?.getAttribute("role") || at?.type || "", named.split("\\n")[0]]
+}"""
+
+
+@pytest.mark.parametrize("name", [name for name, _ in PAGES])
+def test_no_serious_finding_in_light_and_dark_and_nothing_lost_at_twice_the_zoom(visit: Visit, name: str) -> None:
+    page = visit()
+    page.get_by_role("tab", name=name).click()
+    page.wait_for_function(_IDLE)
+    page.wait_for_timeout(1000)
+    for theme in ("light", "dark"):
+        found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]}).response["violations"]
+        serious = [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}]
+        assert serious == [], theme
+        page.get_by_role("button", name="theme").click()
+        page.wait_for_timeout(600)
+    page.set_viewport_size({"width": 720, "height": 450})  # what a 1440 px screen leaves at 200 %
+    page.wait_for_timeout(600)
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 720
+    main = page.locator(".main-content").bounding_box()
+    assert main is not None
+    assert main["width"] >= 360  # the page itself still has room beside or under the design
+
+
+def _to(page: Page, role: str, name: str, key: str = "Tab") -> None:
+    """Press a key until something has the focus."""
+    for _ in range(150):
+        if page.evaluate(_FOCUSED) == [role, name]:
+            return
+        page.keyboard.press(key)
+    pytest.fail(f"{role} {name!r} is not reached by {key}")
+
+
+def test_the_main_job_by_keyboard_alone(visit: Visit) -> None:
+    page = visit()
+    page.wait_for_function(_IDLE)
+    _to(page, "text", "Angle random walk")
+    page.keyboard.press("Control+A")
+    page.keyboard.type("0.01 °/√h")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("status").first).to_contain_text("Closes")
+    _to(page, "tab", "Budget")
+    _to(page, "tab", "Review", "ArrowRight")
+    page.keyboard.press("Enter")
+    _to(page, "text", "Your name")
+    page.keyboard.type("Ann")
+    _to(page, "button", "Save as new design")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("status").filter(has_text="Saved: revision 1")).to_be_visible()
+
+
+def test_charts_say_what_they_show(visit: Visit) -> None:
+    page = visit()
+    said = page.get_by_text("What the chart shows: Curves of position, 1σ in m")
+    expect(said).to_contain_text("horizontal, refined: 0.374 at 0 to 17.1 at 100.")
+    expect(said).to_contain_text("Limit on horizontal position")
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_the_page_prints_without_its_tools(visit: Visit, dark: bool) -> None:
+    page = visit()
+    expect(page.get_by_text("Regime: who rules").first).to_be_attached()
+    page.wait_for_function(_IDLE)
+    if dark:
+        page.get_by_role("button", name="theme").click()
+        page.mouse.move(700, 500)
+        page.wait_for_timeout(800)
+    sheets = pypdf.PdfReader(io.BytesIO(page.pdf(format="A4"))).pages
+    text = [" ".join(sheet.extract_text().split()) for sheet in sheets]
+    assert 3 <= len(sheets) <= 8
+    assert page.locator(".bk-Figure:visible").first.evaluate("e => e.style.zoom") == ""  # as it was
+    if dark:  # turned over as a picture
+        page.emulate_media(media="print")
+        assert "invert" in page.locator(".page").evaluate("e => getComputedStyle(e).filter")
+        return
+    assert "Does not close" in text[0]
+    assert any("Regime" in sheet for sheet in text)
+    for tool in ("Explain every input", "PDF report", "Suborbital", "data (CSV)"):
+        assert not any(tool in sheet for sheet in text), tool
