@@ -19,7 +19,7 @@ import panel.io.document
 from app import workers
 from app.page import Frame, is_review_link
 from app.serving.access import provider_of
-from app.serving.handlers import Metrics, around, close_door
+from app.serving.handlers import Metrics, around, being_sent, close_door
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.rules import Rules
 from app.state import Session
@@ -30,7 +30,7 @@ from nav_model.link import from_query, split_link
 
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
 _MAX_HEADER = 65_536  # a design as a link is far shorter
-_LAST_WORDS = 0.5  # seconds for results to reach the pages once all work has ended
+_LAST_LOOKS = 20  # for results to reach the pages once all work has ended, 50 ms and more between two
 
 
 def first_design() -> Design:
@@ -143,10 +143,9 @@ def _run(server: Any, grace: float) -> None:
         server._http.stop()
         close_door()
         deadline = loop.time() + grace
-        idle_since = loop.time()
-        while loop.time() < min(deadline, idle_since + _LAST_WORDS):
-            if workers.under_way():
-                idle_since = loop.time()
+        quiet = 0  # looks in a row that found nothing; not seconds, in which a busy machine may do nothing
+        while quiet < _LAST_LOOKS and loop.time() < deadline:
+            quiet = 0 if workers.under_way() or being_sent() else quiet + 1
             await asyncio.sleep(0.05)
         server.io_loop.stop()
 

@@ -15,7 +15,7 @@ from typing import ParamSpec, TypeVar
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
-_NICENESS = 10  # of heavy work: where cores are few, a slider step of anybody goes before it
+_NICENESS = 5  # of heavy work: a third of the share of a slider step, where both want the same core
 
 _asked_for: int | None = None
 _under_way = 0

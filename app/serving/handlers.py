@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import Any
+from weakref import WeakSet
 
 from bokeh.protocol.exceptions import ProtocolError
 from bokeh.server.urls import per_app_patterns
@@ -77,6 +78,15 @@ class _Limit:
     metrics: Metrics
 
 
+_connections: WeakSet[LimitedWSHandler] = WeakSet()
+
+
+def being_sent() -> bool:
+    """Whether a page has not yet taken all that was sent to it."""
+    streams = (own.ws_connection.stream for own in _connections if own.ws_connection is not None)
+    return any(stream is not None and stream.writing() for stream in streams)
+
+
 def close_door() -> None:
     """Let no new session in, over connections that are open already either."""
     _Limit.stopping = True
@@ -130,6 +140,11 @@ class LimitedWSHandler(WSHandler):
             _Limit.metrics.refused.inc()
             self.set_status(503)
             self.finish()
+
+    def open(self, *arguments: Any, **options: Any) -> None:
+        """As Bokeh; and remember the connection for as long as it lives."""
+        _connections.add(self)
+        super().open(*arguments, **options)
 
     async def _handle(self, message: Any) -> Any:
         """As Bokeh, but a page may change what it shows, not put another document in its place."""
