@@ -45,7 +45,8 @@ _LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
 _START = (
     "<p>Flies this design as a strapdown INS with a Kalman filter, many times over, each run with errors of its own, "
     "and holds the errors against the filter's own covariance and against the closed forms.</p>"
-    "<p>Press <b>Start</b>; how far it has come stands here meanwhile. You will see:</p><ul><li>rms of the runs beside the filter's sigma and the closed form, steady and through the "
+    "<p>Press <b>Start</b>; how far it has come stands here meanwhile. You will see:</p>"
+    "<ul><li>rms of the runs beside the filter's sigma and the closed form, steady and through the "
     "outage;</li><li>whether the filter is consistent: the mean NEES inside its 95 % band, or optimistic;</li>"
     "<li>where a closed form departs from the runs, and why.</li></ul>"
     "<p class='quiet'>Outages are start,stop in seconds, several parted by semicolons. Fifteen states estimate the "
