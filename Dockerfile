@@ -12,9 +12,11 @@ COPY --from=build /opt/navbudget /opt/navbudget
 USER 10001
 WORKDIR /home/navbudget
 # Saved designs, unless --library says otherwise: mount a volume here to keep them.
-RUN mkdir -p .cache .local/share/navbudget
+RUN mkdir -p .cache .local/share/navbudget kernels
 # Compiled kernels and fonts are cached here; the package itself is not writable for this user.
-ENV NUMBA_CACHE_DIR=/home/navbudget/.cache/numba MPLCONFIGDIR=/home/navbudget/.cache/matplotlib
+ENV NUMBA_CACHE_DIR=/home/navbudget/kernels MPLCONFIGDIR=/home/navbudget/.cache/matplotlib
+# Compiled for this machine's processor. On another kind the first run compiles again, once if a volume keeps it.
+RUN /opt/navbudget/bin/python -m nav_model.simulation.warm
 EXPOSE 5006
 HEALTHCHECK --interval=30s --timeout=5s --start-period=20s --retries=3 \
   CMD ["/opt/navbudget/bin/python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:5006/liveness', timeout=4)"]

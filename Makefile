@@ -3,7 +3,7 @@ PYTHON ?= python3
 PORT ?= 5006
 BIN := .venv/bin
 
-.PHONY: run test test-slow validation bench lint browser postgresql clean
+.PHONY: run test test-slow validation bench load lint browser postgresql clean
 .DEFAULT_GOAL := run
 
 .venv/.runtime: pyproject.toml
@@ -50,6 +50,10 @@ validation: .venv/.test
 
 bench: .venv/.test browser
 	$(BIN)/python -m pytest benchmarks --benchmark-columns=median,iqr,ops,rounds
+
+# Fifty people at once on this machine; means something only when nothing else runs.
+load: .venv/.test
+	$(BIN)/python benchmarks/load.py
 
 clean:
 	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

@@ -25,9 +25,9 @@ from app.log_tables import (
     remedy_list,
     warning_list,
 )
-from app.log_upload import LimitedFileInput
 from app.long_run import WAITING, RunLost, run_alone
 from app.state import Session
+from app.upload import LimitedFileInput
 from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibration_factor, bench_of
 from nav_model.allan.log_file import Limits
 from nav_model.allan.motion import BenchNoise, MotionAnalysis

@@ -122,7 +122,12 @@ def _coefficient_cell(axis: AxisNoise, term: str) -> str:
     if found is None:
         return f'<td class="fine">{escape(axis.not_resolved[term])}</td>'
     _, scale = UNITS[axis.quantity][term]
-    mark = f'<br><span class="mark fine">⚠ {escape(found.interval)}</span>' if found.reading else ""
+    mark = ""
+    if found.reading:
+        mark = (
+            f'<br><span class="fine">effective reading about 1 s; white floor <b class="num">'
+            f'{_in(axis.white_floor, scale)}</b></span><br><span class="mark fine">⚠ {escape(found.interval)}</span>'
+        )
     return (
         f'<td><b class="num">{_in(found.value, scale)}</b><br>'
         f'<span class="num quiet">{_in(found.low, scale)} to {_in(found.high, scale)}</span>{mark}</td>'

@@ -22,9 +22,11 @@ from app.report import report_of_text
 from app.report.studies import study_sections
 from app.report.wording import chapter_key
 from app.report_choice import ReportChoice
+from app.select_keys import SelectKeys
 from app.state import Session
 from app.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.tour import Tour
+from app.upload import LimitedFileInput
 from app.workers import elsewhere
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -160,6 +162,7 @@ class Frame:
                     self._examples,
                     self._bar,
                     *self._places,
+                    SelectKeys(margin=0, width=0, height=0),
                     sizing_mode="stretch_width",
                 )
             ],
@@ -227,8 +230,13 @@ class Frame:
         link.on_click(self._put_link)
         examples = _tool("Examples", "auto_awesome_mosaic")
         examples.on_click(self._show_examples)
-        self._open = pmui.FileInput(
-            label="Open", accept=".toml", icon="folder_open", max_file_size=MAX_BYTES, **_TOOL_LOOK
+        self._open = LimitedFileInput(
+            lambda why: self._say(f"Not opened. {why}"),
+            label="Open",
+            accept=".toml",
+            icon="folder_open",
+            max_file_size=MAX_BYTES,
+            **_TOOL_LOOK,
         )
         self._open.param.watch(self._opened, "value")
         self._choice = ReportChoice(session)
@@ -241,9 +249,9 @@ class Frame:
             link,
             self._download("HTML report", "description", "html", functools.partial(self._report, "html")),
             self._download("PDF report", "picture_as_pdf", "pdf", functools.partial(self._report, "pdf")),
-            self._choice.view,
             examples,
             Tour(margin=2),
+            self._choice.view,
             sizing_mode="stretch_width",
             margin=(2, 6, 0, 6),
             css_classes=["tools"],

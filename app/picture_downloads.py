@@ -1,67 +1,69 @@
-"""Pictures to take away: the numbers as NPZ or CSV, and all of them with axes and scale as one PNG."""
+"""Pictures to take away: the numbers as NPZ or CSV, and all of them with axes and scale as they print."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 
-from app.charts.pictures_in_print import to_png
+from app.charts.description import PictureChart
+from app.charts.in_print import to_svg
 from app.workers import elsewhere
-from nav_model.sar.pictures import Pictures, pictures_arrays, pictures_csv
 
 
 class PictureDownloads:
     """A row of links under pictures; hidden while there are none."""
 
-    def __init__(self, title: str, key: str, names: Sequence[str]) -> None:
-        self._names = names
-        self._pictures: Pictures | None = None
-        look = {"description": "", "variant": "text", "size": "small", "margin": (0, 8), "icon": "download"}
-        self.view = pn.FlexBox(
-            *(
-                pmui.FileDownload(
-                    callback=make,
-                    filename=f"{key}.{suffix}",
-                    label=f"{title.partition(',')[0].partition(':')[0]}: {what}",
-                    **look,
-                )
-                for make, suffix, what in (
-                    (self._npz, "npz", "data (NPZ)"),
-                    (self._csv, "csv", "data (CSV)"),
-                    (self._png, "png", "picture (PNG)"),
-                )
-            ),
-            visible=False,
-            sizing_mode="stretch_width",
-            margin=(0, 4),
-        )
+    def __init__(self, title: str, key: str) -> None:
+        self._chart: PictureChart | None = None
+        look: dict[str, Any] = {"description": "", "variant": "text", "size": "small", "margin": (0, 8)}
+        links = [
+            pmui.FileDownload(
+                callback=make, filename=f"{key}.{suffix}", label=f"{title}: {what}", icon="download", **look
+            )
+            for make, suffix, what in (
+                (self._npz, "npz", "data (NPZ)"),
+                (self._csv, "csv", "data (CSV)"),
+                (self._svg, "svg", "picture (SVG)"),
+            )
+        ]
+        self.view = pn.FlexBox(*links, visible=False, sizing_mode="stretch_width", margin=(0, 4))
 
-    def show(self, pictures: Pictures) -> None:
+    def show(self, chart: PictureChart) -> None:
         """Offer these."""
-        self._pictures = pictures
+        self._chart = chart
         self.view.visible = True
 
     def hide(self) -> None:
         """Offer nothing."""
-        self._pictures = None
+        self._chart = None
         self.view.visible = False
 
-    def _shown(self) -> Pictures:
-        assert self._pictures is not None
-        return self._pictures
+    def _shown(self) -> PictureChart:
+        assert self._chart is not None
+        return self._chart
 
     def _npz(self) -> io.BytesIO:
-        packed = io.BytesIO()
-        np.savez_compressed(packed, **pictures_arrays(self._shown(), self._names))  # type: ignore[arg-type]
+        chart, packed = self._shown(), io.BytesIO()
+        np.savez_compressed(packed, names=np.array(chart.names), x_m=chart.x, y_m=chart.y, power_db=chart.power_db)
         packed.seek(0)
         return packed
 
     async def _csv(self) -> io.BytesIO:
-        return io.BytesIO((await elsewhere(pictures_csv, self._shown(), self._names)).encode("utf-8"))
+        return io.BytesIO((await elsewhere(pictures_csv, self._shown())).encode("utf-8"))
 
-    async def _png(self) -> io.BytesIO:
-        return io.BytesIO(await elsewhere(to_png, self._shown(), self._names))
+    async def _svg(self) -> io.BytesIO:
+        return io.BytesIO((await elsewhere(to_svg, self._shown())).encode("utf-8"))
+
+
+def pictures_csv(chart: PictureChart) -> str:
+    """The pictures as a table, a pixel a line and a column a picture."""
+    y, x = np.meshgrid(chart.y, chart.x, indexing="ij")
+    table = np.column_stack([x.ravel(), y.ravel(), *(power.ravel() for power in chart.power_db)])
+    head = ",".join([chart.x_label, chart.y_label, *(f'"{name} [dB]"' for name in chart.names)])
+    text = io.StringIO()
+    np.savetxt(text, table, fmt="%.5g", delimiter=",", header=head, comments="")
+    return text.getvalue()

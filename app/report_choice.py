@@ -8,9 +8,9 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from app.chart_view import html_pane
 from app.report.studies import KINDS, belonging
 from app.state import Session
+from app.theme import SHEET
 
 
 class ReportChoice:
@@ -20,12 +20,10 @@ class ReportChoice:
         self._session = session
         self._unticked: set[str] = set()
         self._boxes = pmui.CheckBoxGroup(
-            label="In the report", options={}, value=[], inline=True, description="", size="small", margin=(0, 8)
+            label="", options={}, value=[], inline=True, description="", size="small", margin=(0, 8)
         )
-        self._left = html_pane("", margin=(0, 8))
-        self.view = pn.FlexBox(
-            self._boxes, self._left, align_items="center", visible=False, margin=0, sizing_mode="stretch_width"
-        )
+        self._left = pn.pane.HTML("", stylesheets=[SHEET], margin=(0, 8))
+        self.view = pn.FlexBox(self._boxes, self._left, align_items="center", visible=False, margin=0)
         self._boxes.param.watch(self._ticked, "value")
         session.param.watch(lambda _: self._follow(), ["findings", "budget"])
 
@@ -42,7 +40,7 @@ class ReportChoice:
         if not findings:
             return
         fits = belonging(findings, self._session.design)
-        offered = {title: kind for kind, (title, _) in KINDS.items() if fits.get(title)}
+        offered = {f"{title} in the report": kind for kind, (title, _) in KINDS.items() if fits.get(title)}
         if offered != self._boxes.options:
             value = [kind for kind in offered.values() if kind not in self._unticked]
             self._boxes.param.update(options=offered, value=value, visible=bool(offered))

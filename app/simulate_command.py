@@ -27,7 +27,7 @@ from nav_model.simulation.design_study import (
     to_document,
 )
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
-from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, StudyInputs
+from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, StudyInputs
 
 _KINDS = (".json", ".npz", ".csv")
 _DURATION = 500.0
@@ -65,14 +65,14 @@ def simulate_design(design: Design, more: StudyInputs, options: argparse.Namespa
 
 
 def fly_design(design: Design, options: argparse.Namespace) -> DesignStudy:
-    """The study of a design with options as `navbudget simulate` has them, progress on standard error.
+    """The study of a design alone with options as `navbudget simulate` has them, progress on standard error.
 
     Raises
     ------
     DesignError
         For an option or a key of the design that cannot be flown.
     """
-    return _fly(design, _specification(design, options, keep_runs=False), options)
+    return _fly(design, _specification(design, NOTHING_ADDED, options, keep_runs=False), options)
 
 
 def _kind(options: argparse.Namespace) -> str:

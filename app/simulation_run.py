@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 import copy
 import importlib
+import multiprocessing
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from app.workers import elsewhere, size
 from nav_model.design import Design
@@ -20,27 +21,32 @@ from nav_model.simulation.design_study import DesignStudy, conclude, refusal
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.warm import warm_up
 
+_T = TypeVar("_T")
 _LOOK_SECONDS = 2.0  # between results shown while runs are still flying
 _TELL_SECONDS = 1.0  # between words about a compilation
 
-_prepared: asyncio.Task[float] | None = None
+_prepared: asyncio.Task[None] | None = None
 
 
-def prepare() -> asyncio.Task[float]:
-    """Have a worker compile the simulator, once per server: what the first run would otherwise wait for."""
+def prepare() -> asyncio.Task[None]:
+    """Have the simulator compiled, once per server: what the first run would otherwise wait for."""
     global _prepared
     loop = asyncio.get_running_loop()
-    failed = _prepared is not None and _prepared.done() and (_prepared.cancelled() or _prepared.exception())
-    if _prepared is None or _prepared.get_loop() is not loop or failed:
-        _prepared = loop.create_task(elsewhere(warm_up))
-        # Whoever waits for it hears of a failure; on a page where nobody flies it is of no interest.
-        _prepared.add_done_callback(lambda task: task.cancelled() or task.exception())
+    if _prepared is None or _prepared.get_loop() is not loop:
+        _prepared = loop.create_task(_compile())
     return _prepared
+
+
+async def _compile() -> None:
+    """In a process of its own: the pool's are for people who wait. What goes wrong there the first run tells."""
+    process = multiprocessing.get_context("spawn").Process(target=warm_up, daemon=True)
+    process.start()
+    await asyncio.to_thread(process.join)
 
 
 @dataclass(frozen=True)
 class Compiling:
-    """The simulator is being made ready, for so many seconds now."""
+    """The simulator and the flight are being made ready, for so many seconds now."""
 
     seconds: float
 
@@ -104,14 +110,16 @@ class SimulationRun:
         self._told(last)
 
     async def _fly(self, design: Design, spec: SimulationSpec) -> DesignStudy:
-        await self._made_ready()
-        self._told(Progress(0, spec.runs, None))
+        pressed = time.monotonic()
+        await self._patiently(prepare(), pressed)
         # Numba and the kernels' modules take a second to import: in a thread, so that others' sliders move on.
         single = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.single_run")
         many = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.monte_carlo")
         sums = importlib.import_module("nav_model.simulation.statistics")
         text = format_design(design)
-        nominal = await elsewhere(single.fly_without_errors, spec)
+        # Compiles once more where nothing could be kept on disk.
+        nominal = await self._patiently(elsewhere(single.fly_without_errors, spec), pressed)
+        self._told(Progress(0, spec.runs, None))
         scale = nominal.filter_sigma[single.POSTERIOR]
         total = sums.Statistics.empty(scale)
         began = looked = time.monotonic()
@@ -139,12 +147,18 @@ class SimulationRun:
                 task.cancel()
         return await elsewhere(conclude, text, spec, total, nominal, time.monotonic() - began)
 
-    async def _made_ready(self) -> None:
-        ready, began = prepare(), time.monotonic()
-        while not ready.done():
-            self._told(Compiling(time.monotonic() - began))
-            await asyncio.wait({ready}, timeout=_TELL_SECONDS)
-        ready.result()
+    async def _patiently(self, preparing: Awaitable[_T], began: float) -> _T:
+        """What `preparing` gives, with word of how long it has been."""
+        task = asyncio.ensure_future(preparing)
+        try:
+            while not task.done():
+                self._told(Compiling(time.monotonic() - began))
+                await asyncio.wait({task}, timeout=_TELL_SECONDS)
+        except asyncio.CancelledError:
+            if task is not _prepared:  # that one is everybody's
+                task.cancel()
+            raise
+        return task.result()
 
     async def _look(
         self, design: Design, text: str, spec: SimulationSpec, total: Any, nominal: Any, wall_s: float

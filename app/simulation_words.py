@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from html import escape
 
 from app.figures import show
 from app.prose import prose
 from app.simulation_run import Compiling, Progress, Result
-from nav_model.simulation.departures import Departure
+from nav_model.simulation.departures import SMALL, Departure, cause_in_words
 from nav_model.simulation.design_study import DesignStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
 
 _DIMENSIONS = {"position": "length", "velocity": "speed", "attitude": "angle"}
 _SURELY_COMPILING = 4.0  # seconds: a worker that finds the compiled simulator on disk has started by then
-_PHASES = ("at the last fix", "at the end of the outage")
+_PHASES_IN_WORDS = {"settling": "settling", "aided": "with fixes", "coast": "outage"}
+
+DEPARTURES = (
+    "Where they differ most, if by more than 10 %, just after the fix. Causes are found by flying this design with "
+    "one thing changed at a time; their factors multiply to the whole, but for those below 3 % or a quarter of the "
+    "largest. Simulated errors count when chance would bring them once in a thousand."
+)
+"""How the table of departures is to be read."""
 
 
 def answer(result: Result, stale: bool) -> str:
@@ -85,36 +92,45 @@ def departure_table(study: DesignStudy) -> str:
     if not study.departures:
         return f"{title}<p>Nowhere by more than 10 %.</p>"
     rows = ""
-    for alike in _alike(study):
-        first = alike[0]
-        start, stop = min(d.start_s for d in alike), max(d.stop_s for d in alike)
-        reasons = prose(first.reason[:1].upper() + first.reason[1:])
+    for found in alike(study):
+        first = found[0]
         rows += (
-            f'<tr><th scope="row">{escape(first.group.capitalize())}, {", ".join(d.axis for d in alike)}</th>'
-            f'<td class="num">{start:g} to {stop:g} s</td>'
-            f'<td class="num">{_range([d.simulated for d in alike])}</td>'
-            f'<td class="num">{_range([d.ratio for d in alike])}</td><td>{reasons}.</td></tr>'
+            f'<tr><th scope="row">{first.group.capitalize()}, {", ".join(d.axis for d in found)}</th>'
+            f'<td class="num">{when(found)}</td>'
+            f'<td class="num">{_range([d.simulated for d in found])}</td>'
+            f'<td class="num">{_range([d.ratio for d in found])}</td><td>{_why(found, study)}</td></tr>'
         )
     return (
         f'{title}<div class="scroll" tabindex="0" role="region" aria-label="Departures">'
         '<table class="checks"><thead><tr><th scope="col">Error</th><th scope="col" class="num">When</th>'
         '<th scope="col" class="num">simulated / closed</th><th scope="col" class="num">filter / closed</th>'
         f'<th scope="col">Why, and how much of it</th></tr></thead><tbody>{rows}</tbody></table></div>'
-        '<p class="know quiet">Where they differ most, if by more than 10 %, just after the fix. Causes are found by '
-        "flying this design with one thing changed at a time; their factors multiply to the whole, but for those "
-        "below 3 % or a quarter of the largest. Simulated errors count when chance would bring them once in a "
-        "thousand.</p>"
+        f'<p class="know quiet">{escape(DEPARTURES)}</p>'
     )
 
 
-def _alike(study: DesignStudy) -> list[list[Departure]]:
-    """Departures of axes that part at about the same time for the same causes, together."""
+def when(found: Sequence[Departure]) -> str:
+    """From when to when, and in which part of the flight."""
+    start, stop = min(d.start_s for d in found), max(d.stop_s for d in found)
+    return f"{start:g} to {stop:g} s, {_PHASES_IN_WORDS[found[0].phase]}"
+
+
+def alike(study: DesignStudy) -> list[list[Departure]]:
+    """Departures of axes that part in the same phase for the same causes, together."""
     groups: dict[tuple[object, ...], list[Departure]] = {}
     for found in study.departures:
-        in_outage = any(start < found.stop_s and found.start_s > start for start, _ in study.result.spec.outages)
-        size = tuple((cause, round(10 * math.log(factor))) for cause, factor in found.steps)
-        groups.setdefault((found.group, in_outage, found.start_s > 0.5 * found.stop_s, size), []).append(found)
+        causes = tuple(cause for cause, _ in found.steps)
+        groups.setdefault((found.group, found.phase, causes), []).append(found)
     return list(groups.values())
+
+
+def _why(found: Sequence[Departure], study: DesignStudy) -> str:
+    said = [
+        f"{prose(cause_in_words(cause, study.result.spec))} "
+        f'<span class="num">({_range([d.steps[place][1] for d in found])})</span>'
+        for place, (cause, _) in enumerate(found[0].steps)
+    ]
+    return "; ".join(said) or SMALL
 
 
 def _range(values: list[float]) -> str:

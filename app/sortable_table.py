@@ -25,8 +25,8 @@ class SortableTable(JSComponent):
     """Our own HTML with one table; a column whose heading holds a `<button>` can be sorted.
 
     A cell sorts by its `data-sort` attribute when it has one (a number or a text), else by what it says; an
-    empty `data-sort` goes last in both directions. The order chosen survives new content, and so does the row
-    chosen, as long as it is there.
+    empty `data-sort` goes last in both directions. The order chosen survives new content, and so do the row chosen
+    as long as it is there, the place scrolled to and the focus on a row's button.
     """
 
     html = param.String(default="", doc="Already escaped.")
@@ -59,6 +59,8 @@ export function render({ model }) {
     })
   }
   const draw = () => {
+    const focused = place.getRootNode().activeElement?.value
+    const { scrollTop, scrollLeft } = place.querySelector(".scroll") ?? { scrollTop: 0, scrollLeft: 0 }
     place.innerHTML = model.html
     place.querySelectorAll("thead th").forEach((head, index) => {
       head.querySelector("button")?.addEventListener("click", () => {
@@ -69,6 +71,9 @@ export function render({ model }) {
     })
     sort()
     choose()
+    place.querySelector(".scroll")?.scrollTo(scrollLeft, scrollTop)
+    const again = [...place.querySelectorAll("input[type=radio]")].find((radio) => radio.value === focused)
+    again?.focus({ preventScroll: true })
   }
   const choose = () => place.querySelectorAll("input[type=radio]").forEach((radio) => {
     radio.checked = radio.value === model.chosen

@@ -81,11 +81,11 @@ def percentile(values: list[float], share: float) -> float:
 
 async def measure(address: str, server: psutil.Process, sessions: int, seconds: float, monte_carlo: bool) -> Report:
     """Open the pages, move everybody's slider, and once more while a Monte Carlo runs in one session more."""
-    first = await Tab.open(address)  # what is loaded with the first page is not a session's
+    first = await _visit(address)  # what is loaded with the first page is not a session's
     await first.close()
     report = Report(sessions, base=_resident(server))
     before = _cpu(server)
-    tabs = [await Tab.open(address) for _ in range(sessions)]
+    tabs = [await _visit(address) for _ in range(sessions)]
     report.open_cpu, report.opened = (_cpu(server) - before) / sessions, _resident(server)
     report.phases.append(await _phase("quiet", tabs, server, seconds))
     if monte_carlo:
@@ -102,6 +102,14 @@ async def measure(address: str, server: psutil.Process, sessions: int, seconds: 
     for tab in tabs:
         await tab.close()
     return report
+
+
+async def _visit(address: str) -> Tab:
+    """An open page with everything that a step changes on it."""
+    tab = await Tab.open(address)
+    for name in _DATA:
+        await tab.until(name=name)
+    return tab
 
 
 async def _phase(name: str, tabs: list[Tab], server: psutil.Process, seconds: float) -> Phase:
@@ -140,10 +148,7 @@ async def _fly(tab: Tab, over: asyncio.Event) -> int:
     """Keep a Monte Carlo under way, starting another whenever one ends; how many were started."""
     bar = next(model for model in tab.objects if model["name"].startswith("Tabs"))
     await tab.set(bar["id"], active=1)
-    while not any(model["attributes"].get("label") == "Runs" for model in tab.objects):
-        await asyncio.sleep(1)
-        await tab.pull()
-    await tab.set(tab.find(label="Runs")["id"], value=_RUNS)
+    await tab.set((await tab.until(label="Runs"))["id"], value=_RUNS)
     started = 0
     while not over.is_set():
         await tab.pull()
@@ -201,7 +206,7 @@ def judge(report: Report, log: list[str]) -> list[str]:
             f"server resident {phase.resident:.0f} MB"
         )
         for error in sorted(set(phase.errors)):
-            print(f"  error: {error}")
+            print(f"  error: {error[:300]}")
         if phase.errors:
             missed.append(f"{phase.name}: {len(phase.errors)} errors")
         if not phase.p95() < GOAL_P95_MS:

@@ -70,6 +70,16 @@ class Tab:
                 return model
         raise LookupError(f"no model with {wanted}")
 
+    async def until(self, **wanted: Any) -> dict[str, Any]:
+        """The model that has these attributes, once the page has it: what is below the first screen comes later."""
+        async with asyncio.timeout(120):
+            while True:
+                try:
+                    return self.find(**wanted)
+                except LookupError:
+                    await asyncio.sleep(0.3)
+                    await self.pull()
+
     async def set(self, model: str, **values: Any) -> None:
         """Change a model as the browser's side does."""
         for name, value in values.items():
@@ -126,7 +136,7 @@ class Tab:
                 if not self._waiting and self._answered is not None and not self._answered.done():
                     self._answered.set_result(None)
             elif kind == "ERROR":
-                self.errors.append(str(content)[:300])
+                self.errors.append(str(content))
         if not self._closing:
             self.errors.append(f"the server hung up: {self.connection.close_code} {self.connection.close_reason}")
 

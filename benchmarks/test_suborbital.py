@@ -2,12 +2,30 @@
 
 from dataclasses import replace
 
+import pytest
+
+from app.pages.suborbital import SuborbitalPage
+from app.server import first_design
+from app.state import Session
+from app.suborbital.tabs import TABS
 from nav_model.suborbital.errors import ErrorSet, InitialErrors
 from nav_model.suborbital.flight import golden_flight
+from nav_model.suborbital.noise_ensemble import fly_noise
 from nav_model.suborbital.sensitivity import sensitivity
+from nav_model.suborbital.settings import DEFAULTS
 from nav_model.suborbital.sky import hipparcos_sky
 from nav_model.suborbital.star_camera import StarCamera, track_stars
 from nav_model.suborbital.study import run_study, slide
+from nav_model.suborbital.survey import run_survey
+
+
+@pytest.fixture(scope="module")
+def page():
+    """The page with its first answer, as a person has it before touching a slider."""
+    page = SuborbitalPage(Session(first_design()))
+    page.survey = run_survey(DEFAULTS)
+    page.follow()
+    return page
 
 
 def test_full_set_of_cases(benchmark):
@@ -34,3 +52,28 @@ def test_star_frames_of_a_flight(benchmark):
     benchmark.pedantic(track_stars, args=(flight, StarCamera(), sky), rounds=3, warmup_rounds=1)
     benchmark.extra_info["frames"] = flight.steps + 1
     benchmark.extra_info["goal_s"] = 20.0
+
+
+def test_survey(benchmark):
+    """All that one exact run of the page computes: the cases, noise, star frames, methods, gravity models."""
+    run_survey(DEFAULTS)
+    benchmark.pedantic(run_survey, args=(DEFAULTS,), rounds=3)
+
+
+def test_noise_ensemble_of_100(benchmark):
+    study = run_study()
+    benchmark.pedantic(fly_noise, args=(study, 100), rounds=3)
+
+
+@pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+@pytest.mark.parametrize("tab", range(len(TABS)), ids=[tab.name for tab in TABS])
+def test_slider_to_fed_figures(benchmark, page, tab):
+    """What the server does for one step of a slider with a tab in view."""
+    page.tabs.bar.active = tab
+    places = iter(range(10**9))
+
+    def step():
+        page.inputs.put("initial.velocity", (0.1 + 1e-4 * next(places), 0.1, -0.1))
+
+    benchmark.pedantic(step, rounds=20, warmup_rounds=2)
+    benchmark.extra_info["goal_s"] = 0.1

@@ -90,7 +90,8 @@ def _bar(item: Sensitivity, figure_label: str) -> RankBar | None:
 class TradeMapChart:
     """A map: ``ratio`` (len(y), len(x)) of the result to its limit, contours, units of the catalogue, the design.
 
-    Axes are in the units shown. ``contours`` holds one curve for each of `LEVELS`, pieces parted by NaN.
+    Axes are in the units shown. ``contours`` holds one curve for each of `LEVELS`, pieces parted by NaN. ``level``
+    is what ``ratio`` is over: the limit, or the design's own value.
     """
 
     key: str
@@ -111,6 +112,7 @@ class TradeMapChart:
     knowledge: str
     trade: TradeMap
     scale: tuple[float, float]
+    level: float
 
     @property
     def structure(self) -> tuple[str, str, str]:
@@ -124,7 +126,7 @@ class TradeMapChart:
             for x, value in zip(self.x, row, strict=True):
                 yield (repr(float(x)), repr(float(y)), repr(float(value)), "")
         for x, y, point in zip(self.points_x, self.points_y, self.points, strict=True):
-            yield (repr(float(x)), repr(float(y)), "" if point.met is None else f"met: {point.met}", point.name)
+            yield (repr(float(x)), repr(float(y)), repr(point.value / self.level), point.name)
 
 
 def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapChart:
@@ -164,6 +166,7 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
         ),
         trade=trade,
         scale=(x_factor, y_factor),
+        level=level,
     )
 
 

@@ -213,7 +213,7 @@ def _bars(axes: Any, chart: BarChart) -> list[Any]:
             axes.axvline(limit, **line)
             handles.append(Line2D([], [], label=f"limit on {label}, at 1σ", **line))
     axes.set_yticks(list(rows), [bar.label for bar in chart.bars])
-    axes.invert_yaxis()
+    axes.set_ylim(len(chart.bars) - 0.5, -0.5)  # a last row without a second bar stays whole
     axes.set_xlim(left=0)
     axes.tick_params(axis="y", length=0)
     return handles

@@ -21,6 +21,7 @@ from app.charts.description import STYLES
 from app.charts.explore import LEVELS, RankChart, TradeMapChart
 from app.charts.log_axis import mark_in_powers
 from app.charts.on_screen import TEXT_SIZE
+from nav_model.explore.trade_map import MapPoint
 
 # Light meets the limit, dark does not; the steps are told apart in grey too.
 _PALETTE = ("#f4f8fb", "#dfebf4", "#c3d9ea", "#93b7d3", "#5d8fb5", "#2f6690")
@@ -172,20 +173,27 @@ def _image(chart: TradeMapChart) -> dict[str, Any]:
 
 
 def _points(chart: TradeMapChart) -> dict[str, Any]:
-    words = {None: "no limit is given", True: "meets the limit", False: "does not meet the limit"}
     return {
         "x": chart.points_x,
         "y": chart.points_y,
         "unit": [point.name for point in chart.points],
         "marker": ["x" if point.met is False else "circle" for point in chart.points],
         **_labels(chart),
-        "said": [words[point.met] for point in chart.points],
+        "said": [_said(chart, point) for point in chart.points],
     }
+
+
+def _said(chart: TradeMapChart, point: MapPoint) -> str:
+    """Whether a unit passes, and with what margin."""
+    if point.met is None:
+        return "no limit is given"
+    margin = f"{100 * (1 - point.value / chart.level):+.0f} %".replace("-", "−")
+    return f"{'meets' if point.met else 'does not meet'} the limit, margin {margin}"
 
 
 def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
     """Where each name stands beside its mark: the first place that covers no other name or mark, as drawn about
-    500 pixels wide; a name that finds none is left to the hover."""
+    430 pixels wide; a name that finds none is left to the hover."""
     x, y = (
         (np.log(values) - np.log(ends[0])) / (np.log(ends[-1]) - np.log(ends[0]))
         if is_log
@@ -195,7 +203,7 @@ def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
             (chart.points_y, chart.y, chart.y_log),
         )
     )
-    across, down = 500 * x, -400 * y
+    across, down = 430 * x, -400 * y
     taken = [(px - 6, py - 6, px + 6, py + 6) for px, py in zip(across, down, strict=True)]
     placed: dict[str, list[Any]] = {"right": [], "down": [], "align": [], "name": []}
     for point, px, py in zip(chart.points, across, down, strict=True):
@@ -203,7 +211,7 @@ def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
         for right, lower, align in _PLACES:
             left = px + right - {"left": 0, "right": width, "center": width / 2}[align]
             box = (left, py + lower - 7, left + width, py + lower + 7)
-            if box[0] > 0 and box[2] < 560 and not any(_overlap(box, other) for other in taken):
+            if box[0] > 0 and box[2] < 490 and not any(_overlap(box, other) for other in taken):
                 taken.append(box)
                 break
         else:

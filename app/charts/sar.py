@@ -164,6 +164,30 @@ def scene_picture(pictures: Pictures) -> PictureChart:
     return _picture(pictures, "sar-scene", SCENE_TITLE, "a unit target", "ground range [m]")
 
 
+def uploaded_picture(pictures: Pictures, name: str, key: str) -> PictureChart:
+    """A phase history of the user's as it is and with the error of a strategy, side by side."""
+    (x, y), (moved_x, moved_y) = (_brightest(pictures, index) for index in (0, 1))
+    loss = float(pictures.power_db[1].max() - pictures.power_db[0].max())
+    return PictureChart(
+        key="sar-phase-history",
+        title=f"{name}, formed with and without the design's navigation error",
+        x_label="x [m]",
+        y_label="y [m]",
+        x=pictures.x,
+        y=pictures.y,
+        power_db=pictures.power_db,
+        names=("without navigation error", f"with that of {_SHORT[key]}"),
+        captions=("brightest 0 dB", f"brightest {loss:+.2f} dB".replace("-", "−")),
+        reference=f"over the brightest pixel of {name}; Taylor window; the brightest pixel moved by "
+        f"{math.hypot(moved_x - x, moved_y - y):.2g} m",
+    )
+
+
+def _brightest(pictures: Pictures, index: int) -> tuple[float, float]:
+    row, column = np.unravel_index(int(pictures.power_db[index].argmax()), pictures.power_db[index].shape)
+    return float(pictures.x[column]), float(pictures.y[row])
+
+
 def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) -> PictureChart:
     peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
     cell = f"range cell {pictures.range_cell:.3g} m" + (

@@ -85,66 +85,28 @@ def designed_attitude_chart(study: DesignStudy) -> Chart:
 
 def horizontal_position_chart(study: DesignStudy) -> Chart:
     """Horizontal position error."""
-    time = study.result.time_s
-    return Chart(
-        key="sim-position-horizontal",
-        title="Horizontal position error",
-        x_label=_TIME,
-        y_label="position, 1σ [m]",
-        lines=(
-            *_pair(study, 0, 1, "north", "east"),
-            Line("refined", "refined", time, study.refined_sigma[:, 0], "refined", "linear covariance [T-17]"),
-        ),
-        spans=_outages(study),
-        y_log=True,
-        knowledge=f"{_runs(study)}. Closed form [T-3], in the outage [T-9]; refined [T-17].",
-    )
+    lines = (*_pair(study, 0, 1, "north", "east"), _refined(study, 0))
+    closed = "Closed form [T-3], in the outage [T-9]; refined [T-17]."
+    return _errors(study, "position-horizontal", "Horizontal position", lines, closed)
 
 
 def vertical_position_chart(study: DesignStudy) -> Chart:
     """Vertical position error."""
-    time = study.result.time_s
-    return Chart(
-        key="sim-position-vertical",
-        title="Vertical position error",
-        x_label=_TIME,
-        y_label="position, 1σ [m]",
-        lines=(
-            *_single(study, 2, "down"),
-            Line("refined", "refined", time, study.refined_sigma[:, 2], "refined", "linear covariance [T-17]"),
-        ),
-        spans=_outages(study),
-        y_log=True,
-        knowledge=f"{_runs(study)}. Closed form [T-4], in the outage [T-10]; refined [T-17].",
-    )
+    lines = (*_single(study, 2, "down"), _refined(study, 2))
+    closed = "Closed form [T-4], in the outage [T-10]; refined [T-17]."
+    return _errors(study, "position-vertical", "Vertical position", lines, closed)
 
 
 def horizontal_velocity_chart(study: DesignStudy) -> Chart:
     """Horizontal velocity error."""
-    return Chart(
-        key="sim-velocity-horizontal",
-        title="Horizontal velocity error",
-        x_label=_TIME,
-        y_label="velocity, 1σ [m/s]",
-        lines=_pair(study, 3, 4, "north", "east"),
-        spans=_outages(study),
-        y_log=True,
-        knowledge=f"{_runs(study)}. Closed form [T-3], in the outage [T-9].",
-    )
+    closed = "Closed form [T-3], in the outage [T-9]."
+    return _errors(study, "velocity-horizontal", "Horizontal velocity", _pair(study, 3, 4, "north", "east"), closed)
 
 
 def vertical_velocity_chart(study: DesignStudy) -> Chart:
     """Vertical velocity error."""
-    return Chart(
-        key="sim-velocity-vertical",
-        title="Vertical velocity error",
-        x_label=_TIME,
-        y_label="velocity, 1σ [m/s]",
-        lines=_single(study, 5, "down"),
-        spans=_outages(study),
-        y_log=True,
-        knowledge=f"{_runs(study)}. Closed form [T-4], in the outage [T-10].",
-    )
+    closed = "Closed form [T-4], in the outage [T-10]."
+    return _errors(study, "velocity-vertical", "Vertical velocity", _single(study, 5, "down"), closed)
 
 
 def tilt_chart(study: DesignStudy) -> Chart:
@@ -155,31 +117,35 @@ def tilt_chart(study: DesignStudy) -> Chart:
              style, f"run {worst.run}")
         for name, column, style in (("roll", 6, "worst run"), ("pitch", 7, "worst run, second axis"))
     ]  # fmt: skip
-    return Chart(
-        key="sim-tilt",
-        title="Roll and pitch error",
-        x_label=_TIME,
-        y_label="angle, 1σ [°]",
-        lines=(*_pair(study, 6, 7, "roll", "pitch"), *lines),
-        spans=_outages(study),
-        knowledge=(
-            f"{_runs(study)}. Closed form [T-3], in the outage [T-9]. Worst: run {worst.run}, largest horizontal "
-            "position error."
-        ),
-    )
+    closed = f"Closed form [T-3], in the outage [T-9]. Worst: run {worst.run}, largest horizontal position error."
+    return _errors(study, "tilt", "Roll and pitch", (*_pair(study, 6, 7, "roll", "pitch"), *lines), closed)
 
 
 def yaw_chart(study: DesignStudy) -> Chart:
     """Yaw error."""
+    closed = "Closed form [T-5]: unobservable on a straight path, so it only grows."
+    return _errors(study, "yaw", "Yaw", _single(study, 8, "yaw"), closed)
+
+
+def _errors(study: DesignStudy, key: str, what: str, lines: tuple[Line, ...], closed: str) -> Chart:
+    """A chart of one kind of error over the flight; position and velocity grow by decades, angles do not."""
+    quantity = what.split()[-1]
+    y_label = {"position": "position, 1σ [m]", "velocity": "velocity, 1σ [m/s]"}.get(quantity)
     return Chart(
-        key="sim-yaw",
-        title="Yaw error",
+        key=f"sim-{key}",
+        title=f"{what} error",
         x_label=_TIME,
-        y_label="angle, 1σ [°]",
-        lines=_single(study, 8, "yaw"),
+        y_label=y_label or "angle, 1σ [°]",
+        lines=lines,
         spans=_outages(study),
-        knowledge=f"{_runs(study)}. Closed form [T-5]: unobservable on a straight path, so it only grows.",
+        y_log=y_label is not None,
+        knowledge=f"{_runs(study)}. {closed}",
     )
+
+
+def _refined(study: DesignStudy, column: int) -> Line:
+    sigma = study.refined_sigma[:, column]
+    return Line("refined", "refined", study.result.time_s, sigma, "refined", "linear covariance [T-17]")
 
 
 def _pair(study: DesignStudy, first: int, second: int, name: str, other: str) -> tuple[Line, ...]:

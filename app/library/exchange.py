@@ -46,14 +46,17 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
     Raises
     ------
     DesignError
-        If a design is not there.
+        If a design is not there, or there are more revisions than an import takes.
     """
+    histories = {design: library.revisions(design)[::-1] for design in designs}
+    count = sum(map(len, histories.values()))
+    if count >= _MAX_FILES:
+        raise DesignError("export", f"{count} revisions; at most {_MAX_FILES - 1} go into one archive: pick designs")
     tags = {saved.id: saved.tags for archived in (False, True) for saved in library.designs(archived=archived)}
     listed = []
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
-        for design in dict.fromkeys(designs):
-            history = library.revisions(design)[::-1]
+        for design, history in histories.items():
             folder = f"{slug(history[-1].name)}-{design[:8]}"
             rows = []
             for revision in history:
@@ -170,10 +173,7 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
             raise DesignError(_LIST, f"has format {content['format']!r}; this program reads {_FORMAT}")
         designs = [
             (
-                [
-                    {key: str(row[key]) for key in ("file", "name", "author", "note", "saved")}
-                    for row in d["revisions"]
-                ],
+                [{key: str(row[key]) for key in _KEPT} for row in d["revisions"]],
                 clean_tags(",".join(map(str, d["tags"]))),
             )
             for d in content["designs"]

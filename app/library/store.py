@@ -16,18 +16,15 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event, text
-from sqlalchemy.engine import make_url
-from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
+from sqlalchemy import Connection, text
 
+from app.library.engine import engine_at, said
 from app.library.schema import migrate
 from app.library.texts import clean, clean_tags
 from app.report.wording import verdict_of
 from nav_model.budget import Budget, analyse
 from nav_model.design_file import format_design, parse_design
 from nav_model.inputs import DesignError
-
-_WAIT = 15.0  # seconds a writer waits for another before it is told
 
 
 class Conflict(DesignError):
@@ -91,27 +88,42 @@ class Library:
     """
 
     def __init__(self, address: str | Path) -> None:
-        self.engine = _engine(address)
-        try:
-            with self.write() as connection:
-                migrate(connection)
-        except DBAPIError as error:
-            raise DesignError("library", f"cannot be opened: {_reason(error)}") from error
+        self.engine = engine_at(address)
+        with said("cannot be opened: {}"), self._transaction(writes=True) as connection:
+            migrate(connection)
 
     def close(self) -> None:
         """Let go of the file or the connections."""
         self.engine.dispose()
 
     @contextmanager
-    def write(self) -> Iterator[Connection]:
-        """A transaction that writes: whole or not at all."""
-        with self.engine.connect().execution_options(writes=True) as connection, connection.begin():
+    def _transaction(self, *, writes: bool) -> Iterator[Connection]:
+        with self.engine.connect().execution_options(writes=writes) as connection, connection.begin():
             yield connection
 
     @contextmanager
+    def write(self) -> Iterator[Connection]:
+        """A transaction that writes: whole or not at all.
+
+        Raises
+        ------
+        DesignError
+            If the library did not confirm it: it is full, locked for too long, or its server has gone.
+        """
+        # A server that goes while it confirms may have written.
+        with said("did not confirm this: {}; look before you do it again"), self._transaction(writes=True) as own:
+            yield own
+
+    @contextmanager
     def read(self) -> Iterator[Connection]:
-        """A transaction that reads one state of the library."""
-        with self.engine.connect() as connection, connection.begin():
+        """A transaction that reads one state of the library.
+
+        Raises
+        ------
+        DesignError
+            If it cannot be read.
+        """
+        with said("cannot be read: {}"), self._transaction(writes=False) as connection:
             yield connection
 
     # --- saving ----------------------------------------------------------------------------------------
@@ -338,43 +350,3 @@ def _saved(row: Mapping[str, Any], tags: Sequence[str]) -> Saved:
         latest.design, latest.name, latest.number, bool(row["archived"]), tuple(tags), latest.author, latest.saved,
         latest.closes, latest.verdict, latest.content_hash,
     )  # fmt: skip
-
-
-def _engine(address: str | Path) -> Engine:
-    try:
-        url = make_url(address) if isinstance(address, str) and "://" in address else None
-        if url is None:
-            path = Path(address).expanduser()
-            path.parent.mkdir(parents=True, exist_ok=True)
-            url = make_url("sqlite://").set(database=str(path))
-        elif url.drivername in ("postgres", "postgresql"):
-            url = url.set(drivername="postgresql+psycopg")
-        if url.get_backend_name() == "postgresql":
-            return create_engine(url, pool_pre_ping=True)
-        if url.get_backend_name() != "sqlite" or not url.database or url.database == ":memory:":
-            raise DesignError("library", "is neither the path of a file nor a sqlite or postgresql address")
-        engine = create_engine(url, connect_args={"timeout": _WAIT})
-    except (ArgumentError, NoSuchModuleError, ImportError) as error:
-        raise DesignError("library", f"cannot be used: {error}") from error
-    except OSError as error:
-        raise DesignError("library", f"{str(address)!r} cannot be used: {error.strerror or error}") from error
-    event.listen(engine, "connect", _set_up)
-    event.listen(engine, "begin", _begin)
-    return engine
-
-
-def _set_up(connection: Any, _: Any) -> None:
-    """SQLite: durable when a save returns; transactions begin where we say and not where the driver guesses."""
-    connection.isolation_level = None
-    for setting in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON"):
-        connection.execute(f"PRAGMA {setting}")
-
-
-def _begin(connection: Connection) -> None:
-    # A writer takes its lock at once: one that read first could not upgrade when another wrote in between.
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if connection.get_execution_options().get("writes") else "BEGIN")
-
-
-def _reason(error: DBAPIError) -> str:
-    lines = str(error.orig).strip().splitlines()  # never the statement or the address, which may hold a password
-    return lines[0] if lines else type(error.orig).__name__

@@ -101,10 +101,12 @@ class MapPanel:
         chart = self._chart
         if chart is None or event.x is None or event.y is None:
             return
-        shown = [float(f"{value:.{_DIGITS}g}") for value in (event.x, event.y)]
-        x, y = (value * factor for value, factor in zip(shown, chart.scale, strict=True))
-        changes = changes_at(chart.trade, x, y)
-        design = self._session.design
+        design, trade = self._session.design, chart.trade
+        places = [
+            _place(key, value, design.unit(key) if _has_unit(quantity(key)) else "")
+            for key, value in ((trade.x_key, event.x), (trade.y_key, event.y))
+        ]
+        changes = changes_at(trade, *places)
         units = {key: design.unit(key) for key in changes if _has_unit(quantity(key))}
         problem = self._session.change(changes, units)
         self._say("" if problem is None else f"Not adopted. {problem}")
@@ -115,6 +117,12 @@ class MapPanel:
     def _csv(self) -> io.BytesIO:
         chart = map_chart(self._session.design, self._x.value, self._y.value, self._result.value)
         return io.BytesIO(to_csv(chart).encode())  # type: ignore[arg-type]
+
+
+def _place(key: str, value: float, unit: str) -> float:
+    """SI of a place clicked, rounded as a person would type it, so that its box shows no more digits."""
+    text = f"{value:.{_DIGITS}g}"
+    return float(quantity(key).read(f"{text} {unit}").value if unit else text)
 
 
 def _has_unit(declaration: BaseQuantity[float | None]) -> bool:

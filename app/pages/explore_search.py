@@ -17,8 +17,9 @@ from app.pages.explore_map import download
 from app.sortable_table import SortableTable
 from app.state import Session
 from app.theme import FRAME
+from app.upload import LimitedFileInput
 from nav_model.budget import Budget
-from nav_model.catalogue import Entry, catalogue, read_catalogue
+from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.explore.margins import label_of
 from nav_model.explore.search import Candidate, left_out, search
 from nav_model.inputs import DesignError
@@ -31,12 +32,28 @@ _KNOWLEDGE = (
 )
 
 
+EXAMPLE = """\
+# Your own sensors, in the format of the product's catalogue. status: confirmed, secondary, assumed or unconfirmed.
+[[imu]]
+name = "Our inertial unit"
+angle_random_walk = { value = "0.05 °/√h", status = "confirmed", source = "bench log of 3 May, unit 7" }
+velocity_random_walk = { value = "50 µg/√Hz", status = "secondary", source = "data sheet, typical" }
+
+[[gnss]]
+name = "Our receiver"
+position_noise = { value = "3 cm", status = "assumed", source = "maker's web page" }
+vertical_position_noise = { value = "5 cm", status = "assumed", source = "maker's web page" }
+interval = { value = "0.2 s", status = "confirmed", source = "manual" }
+"""
+_KINDS: tuple[Kind, ...] = ("imu", "gnss")
+
+
 class SearchPanel:
     """The table, its filter, the user's own sensors, and the button that adopts a row."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._own: dict[str, Entry] = {}
+        self._own: dict[Kind, dict[str, Entry]] = {kind: {} for kind in _KINDS}
         self._found: tuple[Candidate, ...] = ()
         self._head = html_pane("", margin=(10, 14, 0, 14))
         self._said = html_pane("", margin=(0, 14))
@@ -48,9 +65,9 @@ class SearchPanel:
         self._adopt = pmui.Button(
             label="Adopt the selected row", size="small", variant="outlined", disabled=True, margin=(6, 8, 6, 14)
         )
-        self._file = pmui.FileInput(
-            label="Your own units (TOML)", description="", accept=".toml", size="small", variant="text",
-            max_file_size=MAX_BYTES, margin=(6, 8),
+        self._file = LimitedFileInput(
+            lambda reason: self._say(f"Not opened: {reason}."), label="Your own sensors (TOML)", description="",
+            accept=".toml", size="small", variant="text", max_file_size=MAX_BYTES, margin=(6, 8),
         )  # fmt: skip
         self._adopt.on_click(lambda _: self._adopt_selected())
         self._filter.param.watch(lambda _: self._fill(), "value_input")
@@ -61,7 +78,9 @@ class SearchPanel:
             self._filter,
             self._table,
             pn.FlexBox(
-                self._adopt, self._file, download("Search: data (CSV)", "search.csv", self._csv),
+                self._adopt, self._file,
+                download("An example of such a file", "sensors.toml", lambda: io.BytesIO(EXAMPLE.encode())),
+                download("Search: data (CSV)", "search.csv", self._csv),
                 sizing_mode="stretch_width",
             ),
             self._said,
@@ -72,8 +91,8 @@ class SearchPanel:
         )  # fmt: skip
         self.show(session.budget)
 
-    def _imus(self) -> Mapping[str, Entry]:
-        return {**catalogue("imu"), **self._own}
+    def _entries(self, kind: Kind) -> Mapping[str, Entry]:
+        return {**catalogue(kind), **self._own[kind]}
 
     def show(self, budget: Budget) -> None:
         """Judge every pair again."""
@@ -82,10 +101,11 @@ class SearchPanel:
             self._fill()
             self._head.object = "<h3>Which sensors would do</h3><p>Give a limit under Requirements to search.</p>"
             return
-        self._found = search(budget.design, self._imus(), catalogue("gnss"))
+        imus = self._entries("imu")
+        self._found = search(budget.design, imus, self._entries("gnss"))
         self._fill()
         good = sum(row.closes for row in self._found)
-        silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(self._imus()).items())
+        silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(imus).items())
         self._head.object = (
             f"<h3>Which sensors would do</h3><p>{good} of {len(self._found)} pairs of inertial unit and receiver "
             f"close under this radar. Left out, their sheet being silent: {escape(silent) or 'none'}.</p>"
@@ -109,7 +129,7 @@ class SearchPanel:
         if row is None:
             return
         changes = dict(row.changes)
-        if row.imu in self._own:  # a unit of the user's own is no preset of the product
+        if row.imu in self._own["imu"]:  # a unit of the user's own is no preset of the product
             changes["imu.preset"] = None
         problem = self._session.change(changes, row.written)
         self._say(f"Not adopted. {problem}" if problem else f"Adopted {row.imu} with {row.gnss}; Undo takes it back.")
@@ -118,8 +138,13 @@ class SearchPanel:
         if not event.new:
             return
         try:
-            self._own = dict(read_catalogue(event.new.decode("utf-8-sig"), "imu"))
-            self._say(f"Added {', '.join(self._own) or 'nothing: the file has no [[imu]] entry'}.")
+            text = event.new.decode("utf-8-sig")
+            found = {kind: dict(read_catalogue(text, kind)) for kind in _KINDS}
+            names = [name for entries in found.values() for name in entries]
+            if not names:
+                raise DesignError("file", "has neither [[imu]] nor [[gnss]] entries")
+            self._own = found
+            self._say(f"Added {', '.join(names)}.")
         except UnicodeDecodeError as error:
             self._say(f"Not opened. Byte {error.start} is not UTF-8 text.")
         except DesignError as error:
@@ -131,9 +156,13 @@ class SearchPanel:
 
     def _csv(self) -> io.BytesIO:
         text = io.StringIO()
-        writer = csv.writer(text)
-        writer.writerow(_HEADS)
-        writer.writerows([*_cells(row)[:-1], ", ".join(row.doubts)] for row in self._found)
+        writer = csv.writer(text, lineterminator="\n")
+        margins = self._found[0].margins if self._found else ()
+        writer.writerow(("IMU", "Receiver", "Closes", "Margin", "Tightest", "Dominant source", "Its share",
+                         *(f"Margin of {name}" for name in margins), "Not confirmed"))  # fmt: skip
+        for row in self._found:
+            writer.writerow((row.imu, row.gnss, row.closes, row.margin, row.tightest, row.dominant, row.share,
+                             *row.margins.values(), "; ".join(row.doubts)))  # fmt: skip
         return io.BytesIO(text.getvalue().encode())
 
 

@@ -26,6 +26,10 @@ _INPUTS = (
     "imu.accelerometer_bias",
     "imu.gyro_bias",
     "gnss.position_noise",
+    "gnss.interval",
+    "coast.duration",
+    "flight.speed",
+    "radar.slant_range",
 )
 _ASSUMED = 1.3  # factor of one standard deviation that the button puts on the noises
 _KNOWLEDGE = (
@@ -72,9 +76,11 @@ class UncertaintyPanel:
         self.view = pn.Column(
             html_pane("<h3>How sure is the verdict</h3>", margin=(10, 14, 0, 14)),
             html_pane(
-                "<p>Data sheets print typical or maximum values, and units vary. Write a range as "
-                "<b>LOW .. HIGH</b> (uniform), <b>LOW .. HIGH log</b>, or <b>TYPICAL */ FACTOR</b> (lognormal, one "
-                "standard deviation a factor).</p>",
+                "<p>What a data sheet says, and how to write it: <b>typical</b> is a middle value, half the units "
+                "are worse: <b>TYPICAL */ FACTOR</b> (lognormal about it, one standard deviation a factor). "
+                "<b>Maximum</b> is a bound no unit shipped exceeds: <b>LOWEST .. MAXIMUM</b> (uniform; "
+                "<b>log</b> behind it spreads evenly over the decades), with the best unit you expect as the lowest. "
+                "Inputs left empty stay as set.</p>",
                 margin=(0, 14),
             ),
             pn.FlexBox(*self._boxes.values(), sizing_mode="stretch_width", margin=(0, 6)),

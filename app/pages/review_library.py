@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import io
 from collections.abc import Callable
 from functools import partial
@@ -19,6 +18,7 @@ from app.library.store import Library, Revision, Saved
 from app.pages.review_desk import BUTTON, LOOK, Desk, button
 from app.report.audit import moment
 from app.report.wording import shortened
+from app.upload import LimitedFileInput
 from nav_model.design_file import parse_design
 from nav_model.inputs import DesignError
 
@@ -45,7 +45,8 @@ class LibraryView:
         self._archived = pmui.Switch(label="Archived", description="", margin=(12, 8))
         self._rows = pn.Column(sizing_mode="stretch_width", margin=(2, 0))
         self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
-        self._bring = pmui.FileInput(
+        self._bring = LimitedFileInput(
+            lambda why: self._desk.say(f"Not imported. {why}", wrong=True),
             label="Import (zip)", accept=".zip", max_file_size=MAX_ARCHIVE, description="", size="small",
             variant="text", margin=(6, 6),
         )  # fmt: skip
@@ -250,8 +251,8 @@ class LibraryView:
 
     async def _catch_up(self, base: Revision) -> None:
         """After somebody else's save: the next press is on top of theirs, as the button then says."""
-        history = await asyncio.to_thread(lambda: library().revisions(base.design))
-        if history[0].number != base.number:
+        history = await self._desk.ask(lambda place: place.revisions(base.design))
+        if history and history[0].number != base.number:
             self._desk.param.update(base=history[0], changed=self._desk.changed + 1)
 
     async def _zip(self) -> io.BytesIO:

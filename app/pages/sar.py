@@ -27,19 +27,18 @@ from app.charts.sar import (
     residual_chart,
     responses_chart,
     scene_picture,
-    short_name,
 )
+from app.fields import whole_number
 from app.pages.sar_upload import UploadedPicture
 from app.picture_downloads import PictureDownloads
 from app.pictures import picture_gallery
 from app.sar_run import Progress, SarResult, SarRun
 from app.sar_words import agreement_table, answer, caution_list, error_table, response_table
 from app.state import Session
-from app.theme import NO_STEPPERS
 from nav_model.budget import Budget
+from nav_model.inputs import DesignError
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
-from nav_model.sar.strategies import STRATEGY_KEYS
 from nav_model.sar.study_json import to_json
 
 _RUNS = (100, 200, 500, 1000)
@@ -61,8 +60,7 @@ class SarPage:
         # Heading and pictures apart: the mark of a stale study must not send the pictures again.
         self._headings = [html_pane("", margin=(8, 10, 0, 10)) for _ in _PICTURES]
         self._pictures = [html_pane("<p class='quiet'>Appears with the first run.</p>") for _ in _PICTURES]
-        names = [short_name(key) for key in STRATEGY_KEYS]
-        self._downloads = [PictureDownloads(title, key, names) for key, title, _ in _PICTURES]
+        self._downloads = [PictureDownloads(short, key) for key, short, *_ in _PICTURES]
         self._whole = pmui.FileDownload(
             callback=self._json, filename="sar-study.json", label="All of the study (JSON)", icon="download",
             variant="text", size="small", description="", margin=(0, 8), visible=False,
@@ -129,7 +127,7 @@ class SarPage:
         look: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
         self._engine = pmui.Select(label="Engine", options=_ENGINES, value="fast", width=200, **look)
         self._runs = pmui.Select(label="Runs", options=list(_RUNS), value=_RUNS[0], width=100, **look)
-        self._seed = pmui.IntInput(label="Seed", value=0, start=0, end=2**31, width=110, sx=NO_STEPPERS, **look)
+        self._seed = pmui.TextInput(label="Seed", value="0", width=80, **look)
         self._start = pmui.Button(label="Run the strategies", icon="play_arrow", variant="contained", **look)
         self._stop = pmui.Button(label="Cancel", icon="stop", variant="outlined", disabled=True, **look)
         self._start.on_click(self._begin)
@@ -164,13 +162,18 @@ class SarPage:
         if not self._run.running:
             self._state.object = _standing(study, stale)
         mark = " <span class='stale'>stale: of an earlier design</span>" if stale else ""
-        for pane, (_, title, _) in zip(self._headings, _PICTURES, strict=True):
+        for pane, (*_, title, _) in zip(self._headings, _PICTURES, strict=True):
             pane.object = f"<h3>{title}{mark}</h3>"
 
     # --- the run --------------------------------------------------------------------------------------
 
     async def _begin(self, _: Any = None) -> None:
-        self._run.start(self._session.budget, self._runs.value, self._seed.value or 0, self._engine.value)
+        try:
+            seed = whole_number("Seed", self._seed.value or "", 0, 2**31)
+        except DesignError as error:
+            self._state.object = f'<p role="status">Not run. {escape(str(error))}</p>'
+            return
+        self._run.start(self._session.budget, self._runs.value, seed, self._engine.value)
         self._busy(True)
 
     def _told(self, news: Progress | SarResult | str) -> None:
@@ -188,8 +191,9 @@ class SarPage:
             for pane, take, pictures, (*_, draw) in zip(
                 self._pictures, self._downloads, (news.points, news.scene), _PICTURES, strict=True
             ):
-                pane.object = picture_gallery(draw(pictures))
-                take.show(pictures)
+                chart = draw(pictures)
+                pane.object = picture_gallery(chart)
+                take.show(chart)
             self._whole.visible = True
             stale = news.stale(self._budget)
             self._state.object = _standing(news.study, stale)
@@ -208,7 +212,10 @@ class SarPage:
         self._stop.disabled = not running
 
 
-_PICTURES = (("sar-point", POINT_TITLE, point_picture), ("sar-scene", SCENE_TITLE, scene_picture))
+_PICTURES = (
+    ("sar-point", "Point target", POINT_TITLE, point_picture),
+    ("sar-scene", "Eight point targets", SCENE_TITLE, scene_picture),
+)
 
 
 def _standing(study: DesignStudy | None, stale: bool) -> str:

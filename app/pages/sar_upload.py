@@ -7,19 +7,20 @@ from concurrent.futures.process import BrokenProcessPool
 from html import escape
 from typing import Any
 
-import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 
 from app.chart_view import html_pane
-from app.charts.sar import short_name
+from app.charts.sar import short_name, uploaded_picture
+from app.fields import number
 from app.picture_downloads import PictureDownloads
-from app.pictures import gallery
+from app.pictures import picture_gallery
 from app.sar_run import SarResult
 from app.state import Session
-from app.theme import NO_STEPPERS
+from app.upload import LimitedFileInput
 from app.workers import elsewhere
-from nav_model.sar.pictures import Pictures, uploaded_pictures
+from nav_model.inputs import DesignError
+from nav_model.sar.pictures import uploaded_pictures
 from nav_model.sar.strategies import STRATEGY_KEYS
 
 MOST_BYTES = 32 * 2**20
@@ -39,7 +40,8 @@ class UploadedPicture:
         self._result = result
         self._file: tuple[str, bytes] | None = None
         look: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
-        self._input = pmui.FileInput(
+        self._input = LimitedFileInput(
+            lambda why: self._say(f"Not formed. {why}"),
             label="Open a phase history", accept=".npz", icon="upload_file", max_file_size=MOST_BYTES,
             variant="outlined", **look,
         )  # fmt: skip
@@ -47,11 +49,9 @@ class UploadedPicture:
             label="Navigation error of strategy", value="2", width=230, **look,
             options={short_name(key): key for key in STRATEGY_KEYS[1:]},
         )  # fmt: skip
-        self._half = pmui.FloatInput(
-            label="Half width [m]", value=50.0, start=1.0, end=5000.0, width=130, sx=NO_STEPPERS, **look
-        )
+        self._half = pmui.TextInput(label="Half width [m]", value="50", width=110, **look)
         self._picture = html_pane("")
-        self._take = PictureDownloads("Your phase history", "sar-phase-history", ["as it is", "with the error"])
+        self._take = PictureDownloads("Your phase history", "sar-phase-history")
         self._input.param.watch(self._opened, "value")
         for widget in (self._key, self._half):
             widget.param.watch(self._form, "value")
@@ -88,36 +88,26 @@ class UploadedPicture:
         name, data = self._file
         key = self._key.value
         residual = result.study.typical[[STRATEGY_KEYS.index(key)]]
+        try:
+            half = number("Half width [m]", self._half.value or "", 1.0, 5000.0)
+        except DesignError as error:
+            self._say(f"Not formed. {error}")
+            return
         self._session.running = True
         self._picture.object = f"<p class='quiet'>Forming {escape(name)} …</p>"
         try:
-            pictures = await elsewhere(uploaded_pictures, name, data, result.study.time, residual, self._half.value)
+            pictures = await elsewhere(uploaded_pictures, name, data, result.study.time, residual, half)
         except ValueError as error:
             self._say(f"Not formed. {error}")
         except BrokenProcessPool:
             self._say("The worker process ended before its time; open the file again.")
         else:
-            self._picture.object = two_pictures(pictures, name, key)
-            self._take.show(pictures)
+            chart = uploaded_picture(pictures, name, key)
+            self._picture.object = f'<div class="pair">{picture_gallery(chart)}</div>'
+            self._take.show(chart)
         finally:
             self._session.running = False
 
     def _say(self, text: str) -> None:
         self._take.hide()
         self._picture.object = f'<p role="alert"><b>{escape(text)}</b></p>'
-
-
-def two_pictures(pictures: Pictures, name: str, key: str) -> str:
-    """The file's scene as it is and with the error, side by side."""
-    loss = pictures.power_db[1].max() - pictures.power_db[0].max()
-    captions = ["brightest 0 dB", f"brightest {loss:+.2f} dB".replace("-", "−")]
-    axes = f"x across ±{pictures.x[-1]:.3g} m, y upwards ±{pictures.y[-1]:.3g} m"
-    moved = np.hypot(*(np.subtract(_brightest(pictures, 1), _brightest(pictures, 0))))
-    reference = f"over the brightest pixel of {name}; Taylor window; the brightest pixel moved by {moved:.2g} m"
-    titles = ["without navigation error", f"with that of {short_name(key)}"]
-    return f'<div class="pair">{gallery(pictures.power_db, titles, captions, axes, reference)}</div>'
-
-
-def _brightest(pictures: Pictures, index: int) -> tuple[float, float]:
-    row, column = np.unravel_index(int(pictures.power_db[index].argmax()), pictures.power_db[index].shape)
-    return float(pictures.x[column]), float(pictures.y[row])

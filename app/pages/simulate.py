@@ -20,6 +20,7 @@ from app.charts.description import Chart
 from app.simulation_controls import StudyControls
 from app.simulation_run import Compiling, News, Progress, Result, SimulationRun, outages_of, prepare, same_subject
 from app.state import Session
+from app.upload import LimitedFileInput
 from app.workers import elsewhere
 from nav_model.budget import Budget
 from nav_model.inputs import DesignError
@@ -45,9 +46,9 @@ _LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
 _START = (
     "<p>Flies this design as a strapdown INS with a Kalman filter, many times over, each run with errors of its own, "
     "and holds the errors against the filter's own covariance and against the closed forms.</p>"
-    "<p>Press <b>Start</b>; how far it has come stands here meanwhile. You will see:</p>"
-    "<ul><li>rms of the runs beside the filter's sigma and the closed form, steady and through the "
-    "outage;</li><li>whether the filter is consistent: the mean NEES inside its 95 % band, or optimistic;</li>"
+    "<p>Press <b>Start</b>; how far it has come stands here meanwhile. You will see:</p><ul>"
+    "<li>rms of the runs beside the filter's sigma and the closed form, steady and through the outage;</li>"
+    "<li>whether the filter is consistent: the mean NEES inside its 95 % band, or optimistic;</li>"
     "<li>where a closed form departs from the runs, and why.</li></ul>"
     "<p class='quiet'>Outages are start,stop in seconds, several parted by semicolons. Fifteen states estimate the "
     "biases as well. The same seed gives the same errors again.</p>"
@@ -111,7 +112,8 @@ class SimulatePage:
             width=250,
             **_LOOK,
         )
-        self._upload = pmui.FileInput(
+        self._upload = LimitedFileInput(
+            lambda why: self._say(f"Not used. {why}"),
             label="Trajectory file", accept=".csv", icon="upload_file", max_file_size=_UPLOAD, visible=False,
             variant="outlined", **_LOOK,
         )  # fmt: skip

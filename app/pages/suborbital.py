@@ -193,7 +193,7 @@ class SuborbitalPage:
         self.shown = Shown(
             self.survey, study, **self.tabs.looks, ensemble=self.noise.ensemble_of(study), gap=self.gap
         )
-        self._session.keep("suborbital", Finding(self.shown, self.inputs.settings, self.gap))
+        self._session.keep("suborbital", Finding(self.shown, self.inputs.settings))
         with pn.io.hold():
             said = answer(self.shown, self.inputs.settings, self.gap)
             if self._answer.object != said:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.metadata import version
+
 from app.library.reviews import Comment, Decision, Review
 from app.report.document import Cell, Column, Section, Table
 from app.report.wording import requirement_quantity
@@ -25,7 +27,7 @@ def audit_table(review: Review) -> Table:
     rows = [
         (Cell("Review"), Cell(review.id)),
         (Cell("Opened"), Cell(f"{review.author}, {moment(review.opened)}")),
-        (Cell("Program"), Cell(f"NavBudget {review.product}")),
+        (Cell("Program"), _program(review.product)),
         (Cell("Signed off"), Cell(signed)),
         (Cell("Seal (SHA-256)"), Cell(review.seal or "none before the signature")),
         (Cell("Integrity"), intact),
@@ -37,6 +39,15 @@ def audit_table(review: Review) -> Table:
         if revision.note:
             rows.append((Cell("note"), Cell(revision.note)))
     return Table("audit-table", "Audit", (Column("Subject", width=1), Column("Record", width=2)), tuple(rows))
+
+
+def _program(frozen: str) -> Cell:
+    """With which version the review was opened; figures are always worked out by the one that shows them."""
+    here = version("navbudget")
+    if frozen == here:
+        return Cell(f"NavBudget {frozen}")
+    said = f"NavBudget {frozen}; values here are worked out by {here}, figures of decisions stand as they were"
+    return Cell(said, tone="warn")
 
 
 def status_table(review: Review) -> Table:

@@ -136,14 +136,14 @@ EQUATIONS: tuple[Equation, ...] = (
         "Quadratic phase from along-track velocity",
         "phi = (pi V T^2 thin delta V) / (lambda R)",
         "The line of sight turns over the aperture, so a velocity error does more than shift the image. Checked of "
-        "its own against the limit on quadratic phase.",
+        "its own against the limit on quadratic phase. Broadside; squint takes off the square of its cosine.",
     ),
     Equation(
         "S-3",
         "Aperture and cell",
         'T = (k lambda R) / (2 rho_a V), quad rho_"cell" = (lambda R) / (2 V T)',
         "k is the half-power width of the window in cells: 0.8859 uniform, 1.1875 Taylor (−35 dB, n̄ = 5), "
-        "1.3030 Hamming.",
+        "1.3030 Hamming. Broadside; under squint the speed is that across the line of sight, V times the cosine.",
     ),
     Equation(
         "S-5",

@@ -11,10 +11,10 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.chart_view import html_pane
-from app.log_upload import LimitedFileInput
 from app.state import Session
 from app.suborbital.controls import SettingControl, setting_controls
 from app.theme import FRAME
+from app.upload import LimitedFileInput
 from nav_model.inputs import DesignError
 from nav_model.link import MAX_QUERY, to_query
 from nav_model.suborbital.input_table import GROUPS

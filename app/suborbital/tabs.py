@@ -79,7 +79,9 @@ class StudyTabs:
         self._shown: Shown | None = None
         self._panes: dict[int, list[ChartPane[Shown]]] = {}
         self._tables: dict[int, list[tuple[SortableTable, Callable[[Shown], Table]]]] = {}
-        self.places = [pn.Column(sizing_mode="stretch_width", margin=0, visible=not i) for i in range(len(TABS))]
+        self._contents: dict[int, pn.viewable.Viewable] = {}
+        # The tab in view alone stands in the browser: every layout there asks every figure, seen or not.
+        self.place = pn.Column(sizing_mode="stretch_width", margin=0)
         # Only the bar is Material, for keyboard and screen reader: figures must not stand inside it.
         self.bar = pmui.Tabs(
             *((tab.name, pn.Spacer(height=0)) for tab in TABS), sizing_mode="stretch_width", margin=(0, 4)
@@ -87,7 +89,7 @@ class StudyTabs:
         self.bar.param.watch(self._turned, "active")
         self._choosers = self._make_choosers() | {"noise": noise}
         self._chooser = pn.FlexBox(*self._chosen(0), sizing_mode="stretch_width", margin=0)
-        self.view = pn.Column(self.bar, self._chooser, *self.places, sizing_mode="stretch_width")
+        self.view = pn.Column(self.bar, self._chooser, self.place, sizing_mode="stretch_width")
 
     def _make_choosers(self) -> dict[str, pn.viewable.Viewable]:
         def select(name: str, label: str, options: dict[str, Any], width: int) -> pmui.Select:
@@ -133,8 +135,6 @@ class StudyTabs:
         with pn.io.hold():
             self._chooser.objects = self._chosen(event.new)
             self._draw()
-            for index, place in enumerate(self.places):
-                place.visible = index == event.new
 
     def show(self, shown: Shown) -> None:
         """Feed the tab in view; the others are fed when they are opened."""
@@ -145,9 +145,14 @@ class StudyTabs:
         index, shown = self.bar.active, self._shown
         if shown is None:
             return
-        if index not in self._panes:
+        if index not in self._contents:
             self._build(index, shown)
-            return
+        else:
+            self._feed(index, shown)
+        if self.place.objects != [self._contents[index]]:
+            self.place.objects = [self._contents[index]]
+
+    def _feed(self, index: int, shown: Shown) -> None:
         for pane in self._panes[index]:
             pane.show(shown)
         for place, build in self._tables[index]:
@@ -166,9 +171,9 @@ class StudyTabs:
             for pane, (_, _, columns) in zip(panes, tab.charts, strict=True)
         ]
         cells += [pmui.Grid(self._table_view(place, build, shown), size={"xs": 12}) for place, build in tables]
-        self.places[index].objects = [
-            pmui.Grid(*cells, container=True, spacing=1, sizing_mode="stretch_width", margin=(4, 0))
-        ]
+        self._contents[index] = pmui.Grid(
+            *cells, container=True, spacing=1, sizing_mode="stretch_width", margin=(4, 0)
+        )
 
     def _table_view(self, place: SortableTable, build: Callable[[Shown], Table], shown: Shown) -> pn.Column:
         table = build(shown)

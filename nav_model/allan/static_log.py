@@ -199,9 +199,12 @@ def _coefficient(
 def _effective_at_1s(deviation: AllanDeviation) -> float | None:
     """Slope -1/2 line, least squares in logarithms over the decade of averaging times centred on 1 s.
 
-    None unless the log's averaging times span that decade. IEEE Std 952 reads the line at 1 s; the decade is
-    ours. It averages over a vibration line near 1 Hz, which a reading at 1 s alone takes in full. Of 17
-    windows tried it is among the closest to the ADIS16405 figures it is tested on (3 %; 1 s alone: 13 %).
+    None unless the log's averaging times span that decade. IEEE Std 952 reads N at 1 s off a slope -1/2 line laid
+    along the stretch that has that slope; where a vibration line near 1 Hz leaves no such stretch the decade is
+    ours, and averages over the line, which a reading at 1 s alone takes in full. Of 17 windows tried it is among
+    the closest to the ADIS16405 figures it is tested on (3 %; 1 s alone: 13 %). Those figures are what the line
+    through the Allan deviation at 3 s alone gives, past the vibration (five of six to the last digit printed, all
+    within 3 %): a choice of where to read, not another sensor.
     """
     low, high = 10.0**-0.5, 10.0**0.5
     if deviation.tau_s[0] > low or deviation.tau_s[-1] < high:

@@ -91,7 +91,7 @@ def read_catalogue(text: str, kind: Kind) -> Mapping[str, Entry]:
     """
     try:
         tables = tomllib.loads(text).get(kind, [])
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise DesignError(f"{kind} catalogue", f"not TOML: {error}") from error
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
         raise DesignError(f"{kind} catalogue", f"entries must be [[{kind}]] tables")

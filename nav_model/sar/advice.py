@@ -59,8 +59,8 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
     )
     if fitted and sigma["5w"] > 1.01 * min(sigma["2"], sigma["5"]):
         because += (
-            " The shrunk fit loses to neither on any single axis; along the line of sight it does here, since the "
-            "line fitted along the track has the fixes' velocity noise, which the turning line of sight bends [S-2]."
+            " With white noise the shrunk fit loses to neither on any single axis; along the line of sight it does "
+            "here: the line fitted along the track has the fixes' velocity noise, which the turn bends [S-2]."
         )
     if coast > 0:
         because += f" After {coast:.4g} s without fixes the INS leaves {_length(sigma['3'])}."

@@ -118,11 +118,6 @@ def band(values: ArrayLike) -> Band:
     return Band(np.asarray(median), np.asarray(low), np.asarray(high))
 
 
-def summarize(parts: Decomposition) -> dict[str, Band]:
-    """Bands over the runs of every part; signed coefficients by their magnitude."""
-    return {name: band(np.abs(getattr(parts, name))) for name in Decomposition.__dataclass_fields__}
-
-
 def run_responses(
     phase: ArrayLike, window: Window | Taper = "uniform", autofocus_order: int = 1
 ) -> dict[str, _FloatArray]:
@@ -138,10 +133,3 @@ def run_responses(
         for name in response.__dataclass_fields__
         if name != "ideal_null_cells"
     }
-
-
-def ensemble_responses(
-    phase: ArrayLike, window: Window | Taper = "uniform", autofocus_order: int = 1
-) -> dict[str, Band]:
-    """Bands over the runs of `run_responses`."""
-    return {name: band(values) for name, values in run_responses(phase, window, autofocus_order).items()}

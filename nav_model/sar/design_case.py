@@ -178,7 +178,8 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     )
     said.append(
         "The closed form of 5 takes the quadratic fit as continuous: with few fixes in the aperture its inertial "
-        "part is low, by up to 9 % with a fix at both ends [T-16]."
+        "part is low, by up to 6 % with a fix at both ends, by more where the aperture ends well after its last fix "
+        "[T-16]."
     )
     return tuple(said)
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -106,27 +103,6 @@ def uploaded_pictures(
         power = 20 * np.log10(np.abs(np.stack(images)) / brightest)
     band = float(np.ptp(history.frequency))
     return Pictures(axis, axis, power, SPEED_OF_LIGHT_M_S / (2 * band), False)
-
-
-def pictures_arrays(pictures: Pictures, names: Sequence[str]) -> dict[str, NDArray[Any]]:
-    """The pictures as named arrays for an npz file: SI, dB, one name a picture."""
-    return {
-        "names": np.array(names),
-        "x_m": pictures.x,
-        "y_m": pictures.y,
-        "power_db": pictures.power_db,
-        "range_cell_m": np.array(pictures.range_cell),
-    }
-
-
-def pictures_csv(pictures: Pictures, names: Sequence[str]) -> str:
-    """The pictures as a table, a pixel a line and a column a picture."""
-    y, x = np.meshgrid(pictures.y, pictures.x, indexing="ij")
-    table = np.column_stack([x.ravel(), y.ravel(), *(power.ravel() for power in pictures.power_db)])
-    head = ",".join(["azimuth or x [m]", "range or y [m]", *(f'"{name} [dB]"' for name in names)])
-    text = io.StringIO()
-    np.savetxt(text, table, fmt="%.5g", delimiter=",", header=head, comments="")
-    return text.getvalue()
 
 
 def _range_cell(budget: Budget) -> tuple[float, bool]:

@@ -1,4 +1,4 @@
-"""The whole study of one aperture: three axes, exact line of sight, every strategy, statistics."""
+"""Runs of one aperture: three axes, exact line of sight, every strategy, and what is measured of each run."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import (
-    Band,
     Decomposition,
     autofocus,
-    band,
     decompose,
     fix_rate_harmonics,
     run_responses,
@@ -21,9 +19,7 @@ from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.impulse_response import Taper, Window
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 from nav_model.sar.strategies import (
-    STRATEGIES,
     NavigationHistories,
-    Strategy,
     StrategyErrors,
     Tuning,
     damping_loop,
@@ -40,43 +36,14 @@ _INTEGRAL_PARTS = (0.0, 0.5)
 
 
 @dataclass(frozen=True)
-class ApertureStudy:
-    """Results over the runs, strategies first, in the order of ``strategies``; metres of line of sight.
-
-    ``residual`` (9, runs, n): error left in range after the autofocus order. ``parts``: band of each part of
-    the decomposition [m], each (9,). ``responses``: band of each measure of the impulse response, each (9,).
-    ``jump_rms``: band of the filter's jumps at the fixes [m], projected on the line of sight of mid-aperture.
-    ``fix_harmonics``: band of the ripple's amplitude [m] at 1, 2, 3 times the fix rate, (9, 3);
-    fewer where half the sampling rate cuts them off. ``fixes``: in the aperture; below three there is no
-    quadratic to fit and 5 and 5w are the same as 2.
-    ``typical_run``: the run to draw, whose free INS (strategy 2) is the median one. ``tuning`` of 6 and 7.
-    """
-
-    strategies: tuple[Strategy, ...]
-    time: _FloatArray
-    residual: _FloatArray
-    parts: dict[str, Band]
-    responses: dict[str, Band]
-    jump_rms: Band
-    fix_harmonics: Band
-    fixes: int
-    typical_run: int
-    wavelength: float
-    autofocus_order: int
-    tuning: Tuning
-
-    @property
-    def phase(self) -> _FloatArray:
-        """Residual phase histories (9, runs, n) [rad], 4 pi / lambda times the residual [T-13]."""
-        return np.asarray(4 * np.pi / self.wavelength * self.residual)
-
-
-@dataclass(frozen=True)
 class RunMeasures:
     """The measures of each run, strategies first; metres of line of sight.
 
     ``residual`` (9, runs, n). ``parts`` and ``responses``: name -> (9, runs), the signed coefficients by their
-    magnitude. ``jump_rms`` (runs,). ``fix_harmonics`` (9, runs, h). The rest as in `ApertureStudy`.
+    magnitude. ``jump_rms`` (runs,): of the filter's jumps at the fixes, along the line of sight of mid-aperture.
+    ``fix_harmonics`` (9, runs, h): the ripple's amplitude at 1, 2, 3 times the fix rate, fewer where half the
+    sampling rate cuts them off. ``fixes``: in the aperture; below three 5 and 5w are the same as 2. ``tuning`` of
+    6 and 7.
     """
 
     time: _FloatArray
@@ -105,49 +72,6 @@ def simulate_axes(
     ]
 
 
-def study_aperture(
-    along: AxisModel,
-    across: AxisModel,
-    down: AxisModel,
-    geometry: ApertureGeometry,
-    aperture_time: float,
-    wavelength: float,
-    window: Window | Taper = "uniform",
-    autofocus_order: int = 1,
-    coast_time: float = 0.0,
-    runs: int = 200,
-    seed: int = 0,
-    rate: float = 100.0,
-    tuning: Tuning | None = None,
-) -> ApertureStudy:
-    """Simulate the three axes on one noise realisation per run, project, detrend, measure.
-
-    ``tuning`` of the reconstructions is chosen on other seeds (`choose_tuning`) unless given.
-    """
-    if not (np.isfinite(wavelength) and wavelength > 0):
-        raise ValueError(f"wavelength: {wavelength} m; a positive, finite number is needed")
-    if tuning is None:
-        tuning = choose_tuning(across, aperture_time, seed)
-    axes = simulate_axes(
-        (along, across, down), aperture_time, coast_time, runs, np.random.SeedSequence(seed), rate, tuning
-    )
-    measures = measure_runs(axes, geometry, wavelength, across.fix_interval, window, autofocus_order)
-    return ApertureStudy(
-        strategies=STRATEGIES,
-        time=measures.time,
-        residual=measures.residual,
-        parts={name: band(values) for name, values in measures.parts.items()},
-        responses={name: band(values) for name, values in measures.responses.items()},
-        jump_rms=band(measures.jump_rms),
-        fix_harmonics=band(np.moveaxis(measures.fix_harmonics, 1, -1)),
-        fixes=measures.fixes,
-        typical_run=typical_run(measures.parts["detrended_rms"]),
-        wavelength=wavelength,
-        autofocus_order=autofocus_order,
-        tuning=tuning,
-    )
-
-
 def measure_runs(
     axes: list[StrategyErrors],
     geometry: ApertureGeometry,
@@ -156,7 +80,12 @@ def measure_runs(
     window: Window | Taper = "uniform",
     autofocus_order: int = 1,
 ) -> RunMeasures:
-    """Measure strategies already applied to each axis (along, across, down), by either engine."""
+    """Measure strategies already applied to each axis (along, across, down), by either engine.
+
+    Raises ValueError for a wavelength [m] that is not positive and finite.
+    """
+    if not (np.isfinite(wavelength) and wavelength > 0):
+        raise ValueError(f"wavelength: {wavelength} m; a positive, finite number is needed")
     along, across, down = axes
     error = range_error(geometry, along.time, along.error, across.error, down.error)
     line = geometry.target / geometry.slant_range
@@ -185,7 +114,7 @@ def typical_run(detrended_rms: _FloatArray) -> int:
 def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: int = 60) -> Tuning:
     """Gains of the reconstructions 6 and 7 with the least median detrended rms, on seeds of their own.
 
-    A grid search on one axis; the seeds are never those of `study_aperture`.
+    A grid search on one axis; the seeds are never those of a study's runs.
     """
     own = np.random.SeedSequence([seed, 1])
     rate = max(min(25.0, 2000.0 / aperture_time), 200.0 / aperture_time)

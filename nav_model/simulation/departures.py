@@ -45,6 +45,7 @@ CAUSES: Final = {
     "errors": "errors that the filter does not expect",
 }
 """Steps of the chain in its order ("settling" stands for "earth" at the start of a flight)."""
+SMALL: Final = "several small differences, none above 3 %"
 _LEAST_STEP = 0.03  # of a factor: smaller steps explain nothing a reader would ask about
 _LEAST_SHARE = 0.25  # of the largest step
 _CHANCE = 1e-3  # probability that a study without a fault reports simulated errors that part
@@ -54,14 +55,15 @@ _CHANCE = 1e-3  # probability that a study without a fault reports simulated err
 class Departure:
     """One state over one phase of the flight.
 
-    group, axis: as in the JSON. start_s, stop_s: when they differ by more than the tolerance. ratio: filter
-    sigma over closed form where they differ most. simulated: the same of the simulated errors, smoothed over
-    the phase. steps: (key of `CAUSES`, factor) of what matters, in the order of the chain; their product is
-    `simulated` but for the steps too small to name. reason: the same in words.
+    group, axis: as in the JSON. phase: "settling", "aided" or "coast". start_s, stop_s: when they differ by more
+    than the tolerance. ratio: filter sigma over closed form where they differ most. simulated: the same of the
+    simulated errors, smoothed over the phase. steps: (key of `CAUSES`, factor) of what matters, in the order of
+    the chain; their product is `simulated` but for the steps too small to name. reason: the same in words.
     """
 
     group: str
     axis: str
+    phase: str
     start_s: float
     stop_s: float
     ratio: float
@@ -182,6 +184,7 @@ def departures(
                 Departure(
                     group,
                     axis,
+                    phase,
                     float(result.time_s[apart[0]]),
                     float(result.time_s[apart[-1]]),
                     float(ratio[worst]),
@@ -201,12 +204,13 @@ def _that_matter(steps: list[tuple[str, float]]) -> tuple[tuple[str, float], ...
 
 def in_words(steps: tuple[tuple[str, float], ...], spec: SimulationSpec) -> str:
     """The steps as a sentence: each cause with its factor, and what in this study is behind it."""
-    said = []
-    for key, factor in steps:
-        behind = {"filter": instruments_beside(spec), "errors": untold(spec)}.get(key, [])
-        detail = f": {', '.join(behind)}" if behind else ""
-        said.append(f"{CAUSES[key]}{detail} (×{factor:.2f})")
-    return "; ".join(said) or "several small differences, none above 3 %"
+    return "; ".join(f"{cause_in_words(key, spec)} (×{factor:.2f})" for key, factor in steps) or SMALL
+
+
+def cause_in_words(key: str, spec: SimulationSpec) -> str:
+    """A key of `CAUSES` in words, with what in this study is behind it."""
+    behind = {"filter": instruments_beside(spec), "errors": untold(spec)}.get(key, [])
+    return CAUSES[key] + (f": {', '.join(behind)}" if behind else "")
 
 
 def instruments_beside(spec: SimulationSpec) -> list[str]:

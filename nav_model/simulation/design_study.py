@@ -291,6 +291,7 @@ def to_document(study: DesignStudy) -> dict[str, Any]:
         {
             "group": found.group,
             "axis": found.axis,
+            "phase": found.phase,
             "start_s": found.start_s,
             "stop_s": found.stop_s,
             "filter_over_closed_form": found.ratio,

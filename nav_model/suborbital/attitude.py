@@ -212,6 +212,20 @@ METHODS: dict[str, Callable[..., AttitudeEstimate]] = {
 """The five methods by name; each takes (body, reference, sigma, weight)."""
 
 
+def solvable(method: str, body: Array, weight: Array) -> np.ndarray:
+    """Which scenes (...) a method does not refuse: TRIAD wants two stars apart in the first two places, the
+    N-vector three that span space, the others two apart. ValueError for an unknown method."""
+    require(method in METHODS, f"method = {method!r}: must be one of {', '.join(METHODS)}")
+    b, w = (body[..., :2, :], weight[..., :2]) if method == "TRIAD" else (body, weight)
+    apart = np.linalg.eigvalsh(information(b, w))[..., 0] >= COLLINEAR
+    enough = np.sum(w > 0.0, axis=-1) >= (3 if method == "N-vector" else 2)
+    if method != "N-vector":
+        return np.asarray(apart & enough)
+    seen = np.where(w[..., None] > 0.0, b, 0.0)
+    spanned = np.linalg.eigvalsh(np.swapaxes(seen, -1, -2) @ seen)[..., 0] >= COLLINEAR
+    return np.asarray(apart & enough & spanned)
+
+
 def attitude_error(estimate: Array, truth: Array) -> Array:
     """Rotation vector e of A_est = exp([e x]) A_true on body axes, (..., 3), rad."""
     return vector_from_rotation(estimate @ np.swapaxes(truth, -1, -2))

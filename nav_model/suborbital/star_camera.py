@@ -11,7 +11,7 @@ import numba
 import numpy as np
 
 from nav_model.suborbital.aiding import attitude_at
-from nav_model.suborbital.attitude import COLLINEAR, METHODS, attitude_error, information, nees
+from nav_model.suborbital.attitude import COLLINEAR, METHODS, attitude_error, information, nees, solvable
 from nav_model.suborbital.flight import Flight
 from nav_model.suborbital.frames import ARCSEC, Array, require, require_finite
 from nav_model.suborbital.mechanisation import AttitudeFrames, Cancelled
@@ -128,16 +128,21 @@ def roll_sigma(camera: StarCamera, body: Array, weight: Array) -> Array:
     return np.where(sound, camera.centroid_sigma_rad * np.sqrt(covariance[..., 2, 2]), np.inf)
 
 
-def gate(camera: StarCamera, body: Array, weight: Array) -> tuple[np.ndarray, np.ndarray]:
+def gate(camera: StarCamera, body: Array, weight: Array, method: str = "SVD") -> tuple[np.ndarray, np.ndarray]:
     """Which frames may be used, (n,) bool, and why not, (n,) text (empty where used)."""
     stars, roll = np.sum(weight > 0.0, axis=-1), roll_sigma(camera, body, weight)
     few, flat = stars < camera.least_stars, roll > camera.roll_limit_rad
-    reason = np.where(
-        few,
-        f"fewer than {camera.least_stars} stars",
-        np.where(flat, "stars too close together or near a line: rotation about the boresight too uncertain", ""),
+    refused = ~solvable(method, body, weight)
+    reason = np.select(
+        [few, flat, refused],
+        [
+            f"fewer than {camera.least_stars} stars",
+            "stars too close together or near a line: rotation about the boresight too uncertain",
+            f"the stars that {method} takes are in one line or plane",
+        ],
+        "",
     )
-    return ~(few | flat), reason
+    return ~(few | flat | refused), reason
 
 
 @dataclass(frozen=True)
@@ -175,7 +180,7 @@ def star_frame(
     attitude = attitude_at(flight, np.array([time_s]))
     chosen, count = select_stars(camera, sky, attitude)
     body, _, weight = measured = measure(camera, sky, attitude, chosen, np.random.default_rng(seed))
-    used, reason = gate(camera, body, weight)
+    used, reason = gate(camera, body, weight, method)
     seen = chosen[0][chosen[0] >= 0]
     x, y = project(camera, sky.direction[seen] @ attitude[0] @ CAMERA_TO_BODY)
     mx, my = project(camera, body[0, : len(seen)] @ CAMERA_TO_BODY)
@@ -260,7 +265,7 @@ def track_stars(
         attitude = truth[part]
         chosen, stars[part] = select_stars(camera, sky, attitude)
         body, reference, weight = measure(camera, sky, attitude, chosen, generator)
-        good, _ = gate(camera, body, weight)
+        good, _ = gate(camera, body, weight, method)
         roll[part] = roll_sigma(camera, body, weight)
         used[part] = good
         if good.any():

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from nav_model.suborbital.aiding import frame_steps
-from nav_model.suborbital.attitude import MethodScore, compare_methods
+from nav_model.suborbital.attitude import METHODS, MethodScore, compare_methods
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
 from nav_model.suborbital.flight import Flight, golden_flight
@@ -184,7 +184,7 @@ def _scores(flight: Flight, camera: StarCamera, sky: Sky, seed: int) -> tuple[tu
     attitude = flight.attitude_bi[:: max(1, round(1.0 / flight.step_s))]
     chosen, _ = select_stars(camera, sky, attitude)
     body, reference, weight = measure(camera, sky, attitude, chosen, np.random.default_rng(seed))
-    good, _ = gate(camera, body, weight)
+    good = np.all([gate(camera, body, weight, method)[0] for method in METHODS], axis=0)
     if not good.any():
         return (), len(good)
     scores = compare_methods(

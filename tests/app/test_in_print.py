@@ -131,3 +131,13 @@ def test_no_curve_at_all_still_makes_a_chart():
     nothing = (Line("a", "first", x, np.array([math.nan]), "horizontal"),)
     assert "first" in texts(to_svg(plain_chart(lines=nothing)))
     assert "first" in texts(to_svg(plain_chart(lines=nothing, y_log=True)))
+
+
+def test_a_last_row_with_one_bar_alone_stays_inside_the_frame():
+    bars = (Bar("one", 3.0, 1.0, 0.3, 0.1, ""), Bar("two", 2.0, math.nan, 0.2, math.nan, ""))
+    svg = ET.fromstring(to_svg(BarChart("k", "T", "x [°]", "plain", "hatched", bars, math.nan, math.nan)))
+
+    bottom = max(float(y) for y in re.findall(r"[ML] [\d.]+ ([\d.]+)", svg.find(".//*[@id='patch_2']/*").get("d")))
+    text = next(t for t in svg.iter(f"{SVG}text") if "".join(t.itertext()).strip() == "two")
+    place = text.get("y") or re.findall(r"[\d.]+", text.get("transform"))[1]
+    assert float(place) + 5 < bottom  # the label's line, and half a row of the bar under it

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
+from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 
 import pypdf
@@ -14,7 +16,7 @@ from app.library.reviews import Review, add_comment, decide, open_review, sign
 from app.library.store import Library
 from app.pages.review_compare import comparison_link
 from app.report import report_of_texts
-from app.report.audit import audit_sections, status_table
+from app.report.audit import audit_sections, audit_table, status_table
 from app.report.comparison import difference_tables
 from app.tables import table_html
 from nav_model.budget import Budget, analyse
@@ -53,6 +55,18 @@ def test_the_audit_travels_with_the_report_and_stays_text(signed: Review) -> Non
         assert said in page.replace("input angle random walk", "inputanglerandomwalk")
         assert said in printed
     assert HOSTILE.replace(" ", "") in printed
+
+
+def test_a_review_of_another_version_says_which_program_worked_out_what(signed: Review) -> None:
+    def program(review: Review) -> str:
+        (row,) = (row for row in audit_table(review).rows if row[0].text == "Program")
+        return row[1].text
+
+    here = version("navbudget")
+    assert program(signed) == f"NavBudget {here}"
+    assert program(replace(signed, product="0.0.1")).startswith(
+        "NavBudget 0.0.1; values here are worked out by " + here
+    )
 
 
 def test_status_has_a_row_for_every_requirement_with_its_decision(signed: Review, budgets: list[Budget]) -> None:

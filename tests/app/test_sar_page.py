@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 import app.pages.sar_upload as sar_upload
 import app.sar_run as sar_run
@@ -106,6 +105,11 @@ def test_a_run_is_told_step_by_step_and_cancelled_at_once(session: Session) -> N
 
 
 def test_what_cannot_be_run_is_said(sar: SarPage, session: Session) -> None:
+    sar._seed.value = "-1"
+    run(sar)
+    assert "Seed" in sar._state.object
+    assert "whole number from 0" in sar._state.object
+    sar._seed.value = "0"
     session.change({"radar.grazing_angle": np.pi / 2})
     run(sar)
     assert "radar.grazing_angle" in sar._state.object
@@ -140,6 +144,11 @@ def test_an_upload_is_refused_by_name_and_formed_when_it_is_good(sar: SarPage) -
     asyncio.run(upload._opened(_event(upload, "point.npz", _point_file())))
     assert upload._picture.object.count("<figure") == 2
     assert "without navigation error" in upload._picture.object
+    assert upload._take.view.visible
+    upload._half.value = "wide"
+    asyncio.run(upload._form())
+    assert "wide&#x27; is not a number from 1 to 5000" in upload._picture.object
+    assert not upload._take.view.visible
 
 
 def _event(upload: Any, name: str, data: bytes) -> Any:
@@ -236,10 +245,10 @@ def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.Mon
     row = 17 * 121 + 40
     assert table[row, :2] == pytest.approx([shown.x[40], shown.y[17]], rel=1e-4)
     assert table[row, 4] == pytest.approx(shown.power_db[2, 17, 40], rel=1e-4)
-    picture = Image.open(asyncio.run(scene._png()))
-    assert picture.format == "PNG"
-    assert picture.width > 1000
-    assert len(np.unique(np.asarray(picture.convert("L")))) > 50  # not an empty sheet
+    drawn = asyncio.run(scene._svg()).getvalue().decode("utf-8")
+    assert drawn.count("<image") >= 9
+    assert "8 RTS smoother" in drawn
+    assert "azimuth [m]" in drawn
     document = json.load(asyncio.run(sar._json()))
     assert document["engine"] == "fast"
     assert document["strategies"][1]["residual_rms_over_runs_m"] == sar._result.study.rms[1]

@@ -16,12 +16,14 @@ from app.charts.sensors import axis_chart, triad_chart
 from app.log_panel import progress_line
 from app.log_study import LogRequest, study_log
 from app.log_tables import coefficient_tables, origin_table
-from app.log_upload import LimitedFileInput
 from app.long_run import RunLost, run_alone
 from app.pages.sensors import SensorsPage
 from app.server import first_design
 from app.state import Session
+from app.upload import LimitedFileInput
+from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import LogOptions
+from nav_model.allan.static_log import analyse_log
 from nav_model.catalogue import catalogue
 from nav_model.inputs import DesignError
 
@@ -132,7 +134,7 @@ def test_cancel_ends_the_process_at_once(tmp_path: Path):
 
 
 def test_a_refusal_comes_back_with_its_key(tmp_path: Path):
-    for path, reason in ((tmp_path / "none.csv", "no such file"), (tmp_path / "bad.csv", "line 1")):
+    for path, reason in ((tmp_path / "none.csv", "no such file"), (tmp_path / "bad.csv", "no numbers found")):
         (tmp_path / "bad.csv").write_text("a,b\nx,y\n")
         with pytest.raises(DesignError) as caught:
             asyncio.run(run_alone(study_log, LogRequest(path), progress=lambda fraction, what: None))
@@ -209,6 +211,23 @@ def test_charts_carry_confidence_and_fit(sensors: SensorsPage):
     assert np.isnan(next(line for line in single.lines if line.key == "ramp").y).all()
     assert "ramp" in single.knowledge
     assert "95 % confidence" not in coefficient_tables(analysis)
+
+
+def test_a_reading_at_1_s_stands_beside_its_white_floor():
+    """A line at 0.6 Hz, as a real accelerometer log has it: both figures on the page, each under its name."""
+    noise = np.random.default_rng(5).standard_normal((60_000, 3)) * 1e-2
+    sway = 2e-3 * np.sin(2 * np.pi * 0.6 * np.arange(60_000) / 100.0)
+    result = analyse_log(ImuLog(None, noise + sway[:, None] + [0, 0, 9.8], 100.0))
+    cells = unescape(coefficient_tables(result))
+    for axis in result.axes:
+        walk = axis.coefficients["random_walk"]
+        assert walk is not None
+        assert walk.reading
+        assert axis.white_floor < walk.value
+        for said in (f"{60 * walk.value:.3g}", f"{60 * axis.white_floor:.3g}"):
+            assert said in cells
+    assert "effective reading about 1 s; white floor" in cells
+    assert "not a confidence interval" in cells
 
 
 def test_progress_tells_the_time_left_once_it_can():

@@ -130,11 +130,12 @@ def test_json_of_the_page_is_the_command_s(here: SuborbitalPage) -> None:
 
 
 def test_every_tab_is_built_and_fed(here: SuborbitalPage) -> None:
-    for index, tab in enumerate(TABS):
+    contents = []
+    for index in range(len(TABS)):
         here.tabs.bar.active = index
-        assert here.tabs.places[index].objects, tab.name
-        assert [place.visible for place in here.tabs.places].index(True) == index
         here._look()  # fed a second time
+        contents += here.tabs.place.objects
+    assert len({id(content) for content in contents}) == len(TABS)
     # what is opened after the curves have moved shows the moved ones
     here.tabs.bar.active = 0
     here.inputs.put("gyros.bias", (0.0, 0.0, 0.0))

@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
 Visit = Callable[..., Page]
+
+_SOURCE = """(name) => {
+  const out = {}
+  for (const d of Bokeh.documents) for (const m of d._all_models.values())
+    if (m.type === "ColumnDataSource" && m.name === name)
+      for (const [key, value] of (m.data.entries ? m.data.entries() : Object.entries(m.data))) out[key] = [...value]
+  return out
+}"""
 
 
 def _open(visit: Visit, **size: int) -> Page:
@@ -19,32 +29,45 @@ def _open(visit: Visit, **size: int) -> Page:
     return page
 
 
-def test_answer_first_then_a_slider_moves_it(visit: Visit) -> None:
+def _cross(page: Page) -> list[float]:
+    data = page.evaluate(_SOURCE, "map design")
+    return [data["x"][0], data["y"][0]]
+
+
+def test_answer_first_then_a_slider_moves_it_and_the_cross(visit: Visit) -> None:
     page = _open(visit)
     answer = page.get_by_role("status").first
     expect(answer).to_contain_text("Largest gyro noise (angle random walk) that closes: 0.036 °/√h")
     expect(answer).to_contain_text("You have 0.15 °/√h")
+    page.wait_for_function(f"() => ({_SOURCE})('map design').x", timeout=20_000)
+    before = _cross(page)
     slider = page.get_by_role("slider", name="Angle random walk")
     slider.focus()
     page.keyboard.press("ArrowLeft")
     expect(answer).not_to_contain_text("You have 0.15 °/√h")
     expect(answer).to_contain_text("0.036 °/√h")  # the others are held: the largest value does not move
+    page.wait_for_function(f"(x) => ({_SOURCE})('map design').x[0] < x", arg=before[0])
+    assert _cross(page)[1] == before[1]
+    catalogue = page.evaluate(_SOURCE, "map catalogue")
+    said = dict(zip(catalogue["unit"], catalogue["said"], strict=True))
+    assert said["LN-100"].startswith("meets the limit, margin +")
+    assert said["MPU-9250"].startswith("does not meet the limit, margin −")
 
 
-def test_click_on_the_map_adopts_a_point(visit: Visit) -> None:
+def test_click_on_the_map_adopts_the_point_clicked(visit: Visit) -> None:
     page = _open(visit)
-    box = page.get_by_label("Angle random walk").first
-    before = box.input_value()
-    page.wait_for_function(
-        "() => [...Bokeh.documents[0]._all_models.values()].some(m => m.name === 'map image')", timeout=20_000
-    )
+    page.wait_for_function(f"() => ({_SOURCE})('map design').x", timeout=20_000)
     canvas = page.locator(".bk-Figure:visible").first
     canvas.evaluate("element => element.scrollIntoView({block: 'center'})")
     page.wait_for_timeout(1000)
     place = canvas.bounding_box()
     assert place is not None
+    before = _cross(page)
     page.mouse.click(place["x"] + 0.3 * place["width"], place["y"] + 0.7 * place["height"])
-    expect(box).not_to_have_value(before)
+    page.wait_for_function(f"(x) => ({_SOURCE})('map design').x[0] !== x", arg=before[0])
+    x, y = _cross(page)
+    expect(page.get_by_label("Angle random walk").first).to_have_value(f"{x:.3g} °/√h")
+    expect(page.get_by_label("Velocity random walk").first).to_have_value(f"{y:.3g} m/s/√h")
 
 
 def test_a_pair_is_found_chosen_and_adopted_by_keyboard(visit: Visit) -> None:
@@ -65,11 +88,26 @@ def test_a_pair_is_found_chosen_and_adopted_by_keyboard(visit: Visit) -> None:
     expect(pairs.get_by_role("columnheader", name="Margin [%]")).to_have_attribute("aria-sort", "ascending")
 
 
-def test_uncertain_inputs_give_a_probability(visit: Visit) -> None:
+def test_uncertain_inputs_then_own_units_found_and_nothing_axe_minds(visit: Visit, tmp_path: Path) -> None:
     page = _open(visit)
     page.get_by_label("Angle random walk: range").fill("0.02 °/√h .. 0.06 °/√h")
     page.keyboard.press("Enter")
     expect(page.get_by_text("Closes with")).to_contain_text("40.1 %", timeout=30_000)
+
+    own = tmp_path / "own.toml"
+    own.write_text(
+        '[[imu]]\nname = "Ours"\n'
+        'angle_random_walk = { value = "0.011 °/√h", status = "confirmed", source = "bench" }\n'
+        'velocity_random_walk = { value = "0.012 m/s/√h", status = "confirmed", source = "bench" }\n',
+        encoding="utf-8",
+    )
+    page.locator("input[type=file][accept='.toml']:below(:text('Which sensors would do'))").first.set_input_files(own)
+    expect(page.get_by_text("Added Ours.")).to_be_visible()
+    page.get_by_label("Show only rows with these words").fill("ours design")
+    pairs = page.get_by_role("region", name="Pairs of inertial unit and receiver")
+    expect(pairs.get_by_role("radio")).to_have_count(1)
+    found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]}).response["violations"]
+    assert [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}] == []
 
 
 def test_nothing_overflows_a_phone(visit: Visit) -> None:
@@ -77,3 +115,4 @@ def test_nothing_overflows_a_phone(visit: Visit) -> None:
     strip = page.get_by_role("status").first.bounding_box()
     assert strip is not None
     assert strip["x"] + strip["width"] <= 391
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390

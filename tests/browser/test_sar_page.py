@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
 Visit = Callable[..., Page]
@@ -40,3 +42,45 @@ def test_a_real_phase_history_is_formed_twice(visit: Visit) -> None:
     page.locator("input[type=file][accept='.npz']").set_input_files(GOTCHA)
     expect(page.get_by_role("img", name="without navigation error")).to_be_visible(timeout=60_000)
     expect(page.get_by_role("img", name="with that of 2 INS")).to_be_visible()
+
+
+def test_every_part_is_accessible_and_pictures_are_taken_away(visit: Visit, tmp_path: Path) -> None:
+    """Axe over the whole page with its results, in a phone's width; then the keyboard alone."""
+    page = visit()
+    page.get_by_role("tab", name="SAR").click()
+    expect(page.get_by_text("The runs match the design.")).to_be_visible(timeout=60_000)
+    page.set_viewport_size({"width": 390, "height": 844})
+    expect(page.get_by_role("img", name="8 RTS smoother").first).to_be_visible()
+    axe = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]})
+    assert not [(v["id"], v["nodes"][0]["html"]) for v in axe.response["violations"]]
+    wider = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+    assert wider <= 0  # tables scroll in regions of their own
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Point target: data (NPZ)").press("Enter")
+    waiting.value.save_as(tmp_path / "point.npz")
+    with np.load(tmp_path / "point.npz") as packed:
+        assert packed["power_db"].shape == (9, 61, 121)
+    region = page.get_by_role("region", name="Errors by strategy")
+    region.focus()
+    region.press("ArrowRight")
+    page.wait_for_function("e => e.scrollLeft > 0", arg=region.element_handle())
+
+
+def test_the_simulator_flies_and_is_cancelled(visit: Visit) -> None:
+    page = visit()
+    page.get_by_role("tab", name="SAR").click()
+    expect(page.get_by_text("The runs match the design.")).to_be_visible(timeout=60_000)
+    page.get_by_role("combobox", name="Engine").press("ArrowDown")  # the choice by keyboard alone
+    expect(page.get_by_role("menuitem", name="Full simulator")).to_be_visible()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("combobox", name="Engine")).to_have_text("Full simulator")
+    run, cancel = (page.get_by_role("button", name=name) for name in ("Run the strategies", "Cancel"))
+    run.press("Enter")
+    expect(page.get_by_text("of 100 runs, about")).to_be_visible(timeout=180_000)
+    cancel.press("Enter")
+    expect(page.get_by_text("Cancelled.")).to_be_visible()
+    expect(page.get_by_text("100 runs of the error model")).to_have_count(0)
+    run.press("Enter")
+    expect(page.get_by_text("The two engines beside each other")).to_be_visible(timeout=180_000)
+    expect(page.get_by_text("100 flights of the simulator, seed 0")).to_be_visible()

@@ -39,13 +39,16 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(visit: Visit, tmp_pa
     box.press("Enter")
     expect(page.get_by_text("is not a unit of angular rate")).to_be_visible()
 
-    page.locator(".bk-tab", has_text="Tables").click()
+    page.get_by_role("tab", name="Unstable height").focus()
+    page.keyboard.press("ArrowRight")  # tabs are walked by keys
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("tab", name="Tables")).to_have_attribute("aria-selected", "true")
     table = page.get_by_role("region", name="Accelerometer errors")
     table.get_by_role("button", name="INS height [m]").click()
     expect(table.get_by_role("rowheader")).to_have_text(
         ["accelerometer instability", "accelerometer total", "accelerometer bias"]
     )
-    page.locator(".bk-tab", has_text="Stars").click()
+    page.get_by_role("tab", name="Stars").click()
     expect(page.get_by_role("heading", name="Star frame at 100 s")).to_be_visible()
     page.get_by_role("slider", name=re.compile("Star frame at")).focus()
     page.keyboard.press("ArrowRight")
@@ -57,13 +60,53 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(visit: Visit, tmp_pa
 
     bad = tmp_path / "mine.csv"
     bad.write_text("a,b\n1,2\n")
-    page.locator("input[type=file]").last.set_input_files(bad)
+    page.locator("input[type=file][accept='.csv']").set_input_files(bad)
     expect(page.get_by_text("mine.csv: columns time_s")).to_be_visible(timeout=60_000)
     expect(status).to_contain_text("the linear answer was off by")
 
-    found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]}).response["violations"]
-    assert [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}] == []
-
+    assert_accessible(page)
     page.set_viewport_size({"width": 390, "height": 844})
     page.wait_for_timeout(500)
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+
+
+def assert_accessible(page: Page) -> None:
+    found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]}).response["violations"]
+    assert [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}] == []
+
+
+def test_a_study_is_saved_changed_opened_and_shared(visit: Visit, tmp_path: Path) -> None:
+    page = visit("/?study.gyros.bias=6,8,4degph")
+    expect(page.get_by_role("tab", name="Suborbital")).to_have_attribute("aria-selected", "true")
+    expect(page.get_by_text("The link's study was not used. gyros.bias")).to_be_visible()
+    page = visit("/?study.gyros.bias=6,8,4deg/h")
+    box = page.get_by_role("textbox", name="Gyro bias, constant", exact=True)
+    expect(box).to_have_value("6, 8, 4 °/h")
+    expect(page.get_by_text("does not stabilise the height")).to_be_visible(timeout=90_000)
+
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Save study").click()
+    saved = Path(str(waiting.value.path())).read_text(encoding="utf-8")
+    assert 'bias = "6, 8, 4 °/h"' in saved
+    mine = tmp_path / "mine.toml"
+    mine.write_text(saved.replace("6, 8, 4 °/h", "7, 8, 9 °/h"), encoding="utf-8")
+    choose = page.locator("input[type=file][accept='.toml']").last
+    choose.set_input_files(mine)
+    expect(box).to_have_value("7, 8, 9 °/h")
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text('study = "suborbital"\n[gyros]\nbias = "5 kg"\n', encoding="utf-8")
+    choose.set_input_files(wrong)
+    expect(page.get_by_text("Not opened. gyros.bias: 'kg' is not a unit of angular rate")).to_be_visible()
+    expect(box).to_have_value("7, 8, 9 °/h")
+    page.get_by_role("button", name="Link to study").click()
+    expect(page).to_have_url(re.compile(r"study\.gyros\.bias=7"))
+
+    page.get_by_role("tab", name="Sensor errors").click()
+    expect(page.get_by_role("heading", name="Gyro error, z axis")).to_be_visible()
+    assert_accessible(page)
+    page.get_by_role("tab", name="White noise").click()
+    page.get_by_role("button", name="Fly the ensemble").click()
+    expect(page.get_by_role("region", name="White noise at the end of the flight")).to_contain_text(
+        re.compile("yes|no"), timeout=90_000
+    )
+    assert_accessible(page)

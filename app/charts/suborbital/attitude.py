@@ -67,6 +67,7 @@ def star_chart(shown: Shown) -> Chart:
     ra, dec = math.degrees(frame.boresight_ra_rad) / 15.0, math.degrees(frame.boresight_dec_rad)
     verdict = "used" if frame.used else f"not used: {frame.reason}"
     margin = 0.04 * camera.pixels
+    lens = f"field {math.degrees(camera.field_of_view_rad):.2f}°, focal length {1000 * camera.focal_length_m:.2f} mm"
     return Chart(
         key="star-frame",
         title=f"Star frame at {frame.time_s:.0f} s",
@@ -83,7 +84,7 @@ def star_chart(shown: Shown) -> Chart:
         y_range=(-margin, camera.pixels + margin),
         square=True,
         knowledge=f"{frame.source}. Frame {verdict}; {frame.stars_in_field} stars in the field, boresight "
-        f"{ra:.2f} h, {dec:+.1f}° on the flight's inertial axes.",
+        f"{ra:.2f} h, {dec:+.1f}° on the flight's inertial axes; {lens}.",
     )  # fmt: skip
 
 

@@ -7,11 +7,11 @@ import math
 from app.charts import sar as charts
 from app.report.chart_block import chart_block
 from app.report.document import Block, Bullets, Section, Text, Verdict
-from app.report.studies.sar_tables import error_table, parts_table, response_tables
+from app.report.studies.sar_tables import agreement_table, error_table, parts_table, response_tables
 from app.report.wording import number, title_of
 from app.sar_run import SarResult
 from nav_model.design import Design
-from nav_model.sar.design_case import study_cautions
+from nav_model.sar.design_case import flight_cautions, study_cautions
 from nav_model.sar.geometry import metres_to_phase
 
 REFERENCES = (
@@ -44,6 +44,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
         charts.responses_chart(study, charts.FILTERED, filtered, "sar-response-filter"),
     )
     phase = math.degrees(float(metres_to_phase(1e-3, budget.sar.wavelength)))
+    flown = flight_cautions(budget) if study.engine == "simulator" else ()
     scale = Text(f"A millimetre of line of sight is {number(phase)}° of two-way phase [T-13].")
     return (
         Section(
@@ -55,6 +56,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
                 chart_block(charts.residual_chart(budget, closed, study), key),
                 chart_block(charts.quadratic_chart(budget, closed, study), key),
                 parts_table(study, key),
+                *(() if result.beside is None else (agreement_table(study, result.beside, key),)),
             ),
             REFERENCES,
         ),
@@ -77,7 +79,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
             (
                 chart_block(charts.gnss_winner_chart(budget), key),
                 chart_block(charts.arw_winner_chart(budget), key),
-                Bullets(study_cautions(budget)),
+                Bullets((*study_cautions(budget), *flown)),
             ),
         ),
     )

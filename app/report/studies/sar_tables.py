@@ -8,6 +8,7 @@ import numpy as np
 
 from app.charts.sar import short_name
 from app.report.document import Cell, Column, Table
+from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
 from nav_model.sar.design_study import DesignStudy
 from nav_model.sar.geometry import metres_to_phase
@@ -15,6 +16,7 @@ from nav_model.sar.strategies import STRATEGIES, Strategy
 from nav_model.units import plain_number
 
 _LEFT = {1: "the line", 2: "the quadratic", 3: "the cubic"}
+_WHAT = {"fast": "runs of the error model", "simulator": "flights of the simulator"}
 _BANDS = "Medians of the runs, in brackets their 5 to 95 % band."
 _FIXED = (
     "Fixed: outside the null-to-null lobe of the error-free response, where a shoulder counts as a side lobe; nulls: "
@@ -57,8 +59,8 @@ def error_table(study: DesignStudy, key: str) -> Table:
             Column("[°]", numeric=True, width=1.3),
         ),
         tuple(rows),
-        f"{study.runs} runs, seed {study.seed}. {_BANDS} Closed forms [T-15], [T-16], [S-6], [S-7] with [S-1], "
-        "[S-2], from the filter just after a fix [T-8]; degrees are two-way phase [T-13].",
+        f"{study.runs} {_WHAT[study.engine]}, seed {study.seed}. {_BANDS} Closed forms [T-15], [T-16], "
+        "[S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]; degrees are two-way phase [T-13].",
     )
 
 
@@ -92,6 +94,34 @@ def parts_table(study: DesignStudy, key: str) -> Table:
         f"{_BANDS} Quadratic and cubic: coefficients at the aperture's ends, before autofocus [S-5], [S-6]; the "
         f"others rms [T-14]. The raw filter (4) jumps at the fixes by {jumps} mm rms.",
     )  # fmt: skip
+
+
+def agreement_table(study: DesignStudy, beside: DesignStudy, key: str) -> Table:
+    """Flights of the simulator beside the error model: the two engines, strategy by strategy."""
+    found = agreement(study, beside)
+    degrees = _degrees(study)
+    rows = tuple(
+        (
+            Cell(short_name(one.key)),
+            Cell(_number(1000 * one.flown)),
+            Cell(_number(degrees * one.flown)),
+            Cell(_number(1000 * one.fast)),
+            Cell(_number(degrees * one.fast)),
+            Cell(f"{one.ratio:.3f} ± {one.error:.3f}"),
+            Cell("✓ agrees", tone="good") if one.agrees else Cell("✗ parts", tone="warn"),
+        )
+        for one in found
+    )
+    titles = ("Simulator [mm]", "[°]", "Error model [mm]", "[°]", "Ratio")
+    columns = (*(Column(title, numeric=True, width=1) for title in titles), Column("Within three errors", width=1))
+    return Table(
+        f"{key}-sar-engines",
+        "The two engines beside each other",
+        (Column("Strategy", width=1.5), *columns),
+        rows,
+        f"{agreement_sentence(found)} Residual after autofocus, rms over {study.runs} flights and over {beside.runs} "
+        "runs; ± one standard error of the ratio.",
+    )
 
 
 def response_tables(study: DesignStudy, key: str) -> tuple[Table, Table]:

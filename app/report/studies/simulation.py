@@ -9,11 +9,13 @@ from app.charts import simulate as charts
 from app.report.chart_block import chart_block
 from app.report.document import Block, Bullets, Cell, Column, Section, Table, Text, Verdict
 from app.report.wording import number
+from app.simulation_words import DEPARTURES, alike, when
 from nav_model.design import Design
 from nav_model.design_file import parse_design
 from nav_model.simulation.design_study import DesignStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
+from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
 _FLIGHTS = {
     "wandering": "nearly straight: some metres of wander, a degree or two of roll, pitch and yaw",
@@ -106,6 +108,7 @@ def _run_table(study: DesignStudy, key: str) -> Table:
     spec = study.result.spec
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = spec.runs * spec.duration / 3600
+    more = tuple((STUDY_KEYS[key].label, STUDY_KEYS[key].show(value)) for key, value in added(spec).items())
     rows = (
         ("Flight", _FLIGHTS[spec.trajectory.kind]),
         ("Runs, seed", f"{spec.runs}, {spec.seed}; every run repeats from seed and number, however many workers"),
@@ -113,6 +116,7 @@ def _run_table(study: DesignStudy, key: str) -> Table:
         ("Fixes", f"every {spec.gnss.interval:g} s; outages: {outages}"),
         ("Filter", f"closed-loop error-state Kalman filter of {spec.filter.states} states"),
         ("Inertial unit", f"strapdown, WGS 84; vibration factor {spec.imu.vibration_factor:g} on both random walks"),
+        *more,
     )
     return Table(
         f"{key}-simulation-run",
@@ -158,24 +162,25 @@ def _sigma_table(study: DesignStudy, key: str) -> Table:
 
 def _departures(study: DesignStudy, key: str) -> tuple[Block, ...]:
     if not study.departures:
-        return (Text("Filter and closed form agree within 10 % in every state at every time."),)
-    rows: list[tuple[Cell, ...]] = []
-    for reason in dict.fromkeys(found.reason for found in study.departures):
-        rows.append((Cell(f"{reason[:1].upper()}{reason[1:]}"),))
-        rows += [
-            (
-                Cell(f"{found.group.capitalize()}, {found.axis}"),
-                Cell(f"{found.start_s:g} to {found.stop_s:g} s"),
-                Cell(f"{found.ratio:.2f}"),
-            )
-            for found in study.departures
-            if found.reason == reason
-        ]
-    columns = (
-        Column("State", width=1),
-        Column("When", width=1),
-        Column("Filter / closed form", numeric=True, width=1),
+        return (Text("Filter, simulated errors and closed form agree within 10 % in every state at every time."),)
+    rows = tuple(
+        (
+            Cell(f"{found[0].group.capitalize()}, {', '.join(d.axis for d in found)}"),
+            Cell(when(found)),
+            Cell(_range([d.simulated for d in found])),
+            Cell(_range([d.ratio for d in found])),
+            Cell(f"{found[0].reason[:1].upper()}{found[0].reason[1:]}"),
+        )
+        for found in alike(study)
     )
+    columns = (
+        Column("Error", width=1), Column("When", width=0.8), Column("Simulated / closed", numeric=True, width=0.75),
+        Column("Filter / closed", numeric=True, width=0.75), Column("Why, and how much of it", width=2.2),
+    )  # fmt: skip
     title = "Where closed form and simulation part, and why"
-    note = "Filter sigma over closed form where they differ most, if by more than 10 %."
-    return (Table(f"{key}-simulation-departures", title, columns, tuple(rows), note),)
+    return (Table(f"{key}-simulation-departures", title, columns, rows, DEPARTURES),)
+
+
+def _range(values: list[float]) -> str:
+    low, high = f"{min(values):.2f}", f"{max(values):.2f}"
+    return low if low == high else f"{low} to {high}"

@@ -15,10 +15,12 @@ from app.report.wording import number, percent
 from app.suborbital import tables
 from app.suborbital.finding import Finding
 from nav_model.design import Design
-from nav_model.suborbital.settings import GROUPS, Settings, from_design
+from nav_model.suborbital.input_table import GROUPS
+from nav_model.suborbital.settings import Settings, from_design
 from nav_model.suborbital.summary import explain
 
 _ERRORS = tuple(draw for channel in (2, 1, 0) for draw in (charts.source_chart(channel), charts.aided_chart(channel)))
+_SENSORS = tuple(charts.sensor_chart(sensor, axis) for sensor in (0, 1) for axis in range(3))
 _FLIGHT = (
     charts.map_chart, charts.height_chart, charts.force_chart, charts.rate_chart, charts.gravity_chart,
 )  # fmt: skip
@@ -28,7 +30,7 @@ REFERENCES = (
     "suborbital flight; its printed equations, sensors and trajectory are lost. [B-1] to [B-9] are derived in "
     "NavBudget and verified against independent integrations, scipy's align_vectors and Monte Carlo runs in its test "
     "suite.",
-    "ESA, The Hipparcos and Tycho Catalogues, SP-1200, 1997: the stars of the camera.",
+    "van Leeuwen, Hipparcos, the New Reduction of the Raw Data, Springer, 2007; CDS I/311: the camera's stars.",
 )
 
 
@@ -56,8 +58,13 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
         Section(
             f"{key}-suborbital-errors",
             "Suborbital flight: errors by source, with and without star tracker",
-            (*_drawn(_ERRORS, shown, key), chart_block(charts.growth_chart(shown), key),
-             _table(tables.source_table(shown), key)),
+            (*_drawn((*_ERRORS, charts.growth_chart), shown, key),
+             _table(tables.source_table(shown), key), _table(tables.gap_table(shown), key)),
+        ),
+        Section(
+            f"{key}-suborbital-sensors",
+            "Suborbital flight: errors of the sensors",
+            (*_drawn(_SENSORS, shown, key), *_noise(shown, key)),
         ),
         Section(
             f"{key}-suborbital-attitude",
@@ -77,6 +84,13 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
 
 def _drawn(describe: tuple[Callable[[Shown], Chart], ...], shown: Shown, key: str) -> tuple[Block, ...]:
     return tuple(chart_block(draw(shown), f"{key}-suborbital") for draw in describe)
+
+
+def _noise(shown: Shown, key: str) -> tuple[Block, ...]:
+    """White noise flown against its prediction, where it was flown; the prediction alone is a row of the sources."""
+    if shown.ensemble is None:
+        return ()
+    return (*_drawn(tuple(map(charts.noise_chart, (2, 1, 0))), shown, key), _table(tables.noise_table(shown), key))
 
 
 def _takes_a_design(settings: Settings) -> bool:
@@ -99,12 +113,13 @@ def _answer(finding: Finding) -> tuple[Block, ...]:
     exact = "Integrated exactly at these inputs."
     if not finding.shown.exact:
         exact = "Moved from the last exact run by the linear sensitivity matrix [B-4]."
-    elif finding.gap is not None:
-        k = finding.gap.names.index("all")
+    elif finding.shown.gap is not None:
+        gap = finding.shown.gap
+        k = gap.names.index("all")
         exact += (
-            f" The linear answer before was off by {number(float(finding.gap.pure_m[k]), 3)} m "
-            f"({percent(float(finding.gap.pure_share[k]))}) for the INS alone and "
-            f"{number(float(finding.gap.aided_m[k]), 3)} m ({percent(float(finding.gap.aided_share[k]))}) with it."
+            f" The linear answer before was off by {number(float(gap.pure_m[k]), 3)} m "
+            f"({percent(float(gap.pure_share[k]))}) for the INS alone and "
+            f"{number(float(gap.aided_m[k]), 3)} m ({percent(float(gap.aided_share[k]))}) with it."
         )
     frames = int(study.used.sum())
     images = "star images" if finding.settings["camera.frames"] == "star images" else "a perfect camera"

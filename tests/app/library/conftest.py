@@ -1,8 +1,13 @@
-"""A library in a temporary folder, and designs to put into it."""
+"""A library in a temporary folder, designs to put into it, and a process that saves until it is killed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import random
+import subprocess
+import sys
+import textwrap
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -11,7 +16,20 @@ from app.library.store import Library
 from nav_model.budget import Budget, analyse
 from nav_model.design_file import read_design
 
-EXAMPLES = Path(__file__).parents[3] / "examples"
+ROOT = Path(__file__).parents[3]
+EXAMPLES = ROOT / "examples"
+_SAVER = textwrap.dedent("""
+    import sys
+    from app.library.store import Library
+    from nav_model.budget import analyse
+    from nav_model.design_file import read_design
+    budget = analyse(read_design(sys.argv[2]))
+    library = Library(sys.argv[1])
+    print("ready", flush=True)
+    for line in sys.stdin:
+        saved = library.save(budget, "Ann", "n" * 4000)
+        print(saved.key, flush=True)
+""")
 
 
 @pytest.fixture
@@ -29,3 +47,33 @@ def mems() -> Budget:
 @pytest.fixture(scope="session")
 def tactical() -> Budget:
     return analyse(read_design(EXAMPLES / "tactical_x_band.toml"))
+
+
+@pytest.fixture(scope="session")
+def kill_during_saves() -> Callable[..., tuple[set[str], int]]:
+    """A function that saves in a process and kills it (SIGKILL), again and again, at random moments.
+
+    It comes back with the keys of the saves that were answered, and how many saves were asked for. The moment is a
+    random number of answers and up to 5 ms more, so that a slow machine is killed among its saves as well.
+    """
+
+    def kill(address: str, kills: int, saves: int, seed: int) -> tuple[set[str], int]:
+        draw, answered = random.Random(seed), []
+        command = [sys.executable, "-c", _SAVER, address, str(EXAMPLES / "mems_x_band.toml")]
+        for _ in range(kills):
+            with subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT
+            ) as process:
+                assert process.stdin is not None
+                assert process.stdout is not None
+                assert process.stdout.readline() == "ready\n"
+                process.stdin.write("\n" * saves)
+                process.stdin.flush()
+                said = [process.stdout.readline() for _ in range(draw.randrange(saves))]
+                time.sleep(draw.uniform(0.0, 0.005))
+                process.kill()
+                said += process.stdout.read().splitlines(keepends=True)
+                answered += [line.strip() for line in said if line.endswith("\n")]
+        return set(answered), kills * saves
+
+    return kill

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 import pwd
+import random
 import shutil
 import socket
 import subprocess
 import tempfile
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -20,6 +23,7 @@ from app.library.reviews import add_comment, decide, load_review, open_review, s
 from app.library.schema import STEPS
 from app.library.store import Conflict, Library
 from nav_model.budget import Budget
+from nav_model.design_file import parse_design
 from nav_model.inputs import DesignError
 
 _TABLES = (
@@ -35,9 +39,18 @@ def _program(name: str) -> str:
     return str(found[-1])
 
 
+@dataclass(frozen=True)
+class Server:
+    """A database server of our own."""
+
+    address: str
+    crash: Callable[[], None]
+    """End all its processes at once, as a power cut would, and start it again."""
+
+
 @pytest.fixture(scope="module")
-def server() -> Iterator[str]:
-    """Address of an empty database server; it refuses to run as root, so root hands it to another user."""
+def cluster() -> Iterator[Server]:
+    """An empty database server; it refuses to run as root, so root hands it to another user."""
     root = os.geteuid() == 0
     user = next((name for name in ("postgres", "nobody") if name in {p.pw_name for p in pwd.getpwall()}), "nobody")
     run = ["setpriv", f"--reuid={user}", f"--regid={pwd.getpwnam(user).pw_gid}", "--clear-groups"] if root else []
@@ -54,13 +67,25 @@ def server() -> Iterator[str]:
         initdb = [_program("initdb"), "-D", data, "-U", "nav", "--auth=trust", "-E", "UTF8", "--locale=C"]
         subprocess.run([*run, *initdb], **quiet)
         start = [_program("pg_ctl"), "-D", data, "-o", options, "-l", str(folder / "log"), "-w", "start"]
+        stop = [_program("pg_ctl"), "-D", data, "-m", "immediate", "-w", "stop"]
+
+        def crash() -> None:
+            for process in (stop, start):
+                subprocess.run([*run, *process], **quiet)
+
         subprocess.run([*run, *start], **quiet)
         try:
-            yield f"postgresql://nav@127.0.0.1:{port}/postgres"
+            yield Server(f"postgresql://nav@127.0.0.1:{port}/postgres", crash)
         finally:
-            subprocess.run([*run, _program("pg_ctl"), "-D", data, "-m", "immediate", "-w", "stop"], **quiet)
+            subprocess.run([*run, *stop], **quiet)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture
+def server(cluster: Server) -> str:
+    """Its address."""
+    return cluster.address
 
 
 @pytest.fixture
@@ -123,6 +148,56 @@ def test_writers_at_once_lose_no_revision(shared: Library, mems: Budget) -> None
     for i in range(4):
         assert [r.note for r in history[::-1] if r.author == f"writer {i}"] == [str(n) for n in range(15)]
     assert told, "the writers never met: the test shows nothing"
+
+
+def test_kills_during_saves_lose_nothing_that_was_answered(
+    shared: Library, server: str, kill_during_saves: Callable[..., tuple[set[str], int]]
+) -> None:
+    answered, asked = kill_during_saves(server, kills=4, saves=50, seed=8)
+    assert asked == 200
+    assert 0 < len(answered) < asked, "no kill fell among the saves: the test shows nothing"
+    _check_whole(shared, answered)
+
+
+def test_a_crash_of_the_database_loses_nothing_that_was_answered(
+    shared: Library, cluster: Server, mems: Budget
+) -> None:
+    answered: set[str] = set()
+    refused: list[str] = []
+    over = threading.Event()
+
+    def save() -> None:
+        while not over.is_set():
+            try:
+                answered.add(shared.save(mems, "Ann", "n" * 4000).key)
+            except DesignError as error:
+                refused.append(str(error))
+
+    threads = [threading.Thread(target=save) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    draw = random.Random(9)
+    for _ in range(2):
+        enough = len(answered) + draw.randrange(5, 30)
+        while len(answered) < enough:
+            time.sleep(0.005)
+        cluster.crash()
+    over.set()
+    for thread in threads:
+        thread.join()
+    assert refused, "no crash fell among the saves: the test shows nothing"
+    assert all(said.startswith("library: ") for said in refused)
+    _check_whole(shared, answered)
+
+
+def _check_whole(library: Library, answered: set[str]) -> None:
+    """Every answered save is there, and whatever is there is whole."""
+    kept = {saved.id for saved in library.designs()}
+    assert {key.partition(".")[0] for key in answered} <= kept
+    for design in kept:
+        (revision,) = library.revisions(design)
+        assert parse_design(revision.text).content_hash == revision.content_hash
+        assert len(revision.note) == 4000
 
 
 def test_several_processes_that_open_an_old_library_migrate_it_once(shared: Library, server: str) -> None:

@@ -19,6 +19,7 @@ from typing import Any
 import pytest
 import yaml
 from tornado.httpclient import HTTPClientError, HTTPRequest
+from tornado.web import create_signed_value
 from tornado.websocket import websocket_connect
 
 from app.cli import main
@@ -65,7 +66,7 @@ def test_the_image_starts_with_options_the_program_takes(capsys: pytest.CaptureF
 
 
 @contextmanager
-def _proxy(folder: Path, upstream: int) -> Iterator[tuple[int, int]]:
+def _proxy(folder: Path, *upstream: int) -> Iterator[tuple[int, int]]:
     """nginx with the file of deploy/, its names and ports made those of this machine: https and http port."""
     with socket.socket() as one, socket.socket() as two:
         one.bind(("127.0.0.1", 0))
@@ -80,7 +81,7 @@ def _proxy(folder: Path, upstream: int) -> Iterator[tuple[int, int]]:
     for ours, theirs in (
         ("listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
         ("listen 80", f"listen 127.0.0.1:{plain}"),
-        ("http://navbudget:5006", f"http://127.0.0.1:{upstream}"),
+        ("server navbudget:5006;", "".join(f"server 127.0.0.1:{port};" for port in upstream)),
         ("/etc/nginx/tls", str(folder)),
         ("navbudget.example.org", "localhost"),
     ):
@@ -118,8 +119,14 @@ def _cookies(jar: dict[str, str]) -> str:
 def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> None:
     trusting = ssl.create_default_context()
     trusting.check_hostname, trusting.verify_mode = False, ssl.CERT_NONE
-    options = ["--password-file", str(people), "--behind-proxy", "--allow-origin", "localhost"]
-    with serving(*options) as served, _proxy(tmp_path, served.port) as (port, plain):
+    (tmp_path / "cookie").write_text("c" * 48)
+    options = ["--password-file", str(people), "--cookie-secret-file", str(tmp_path / "cookie"),
+               "--behind-proxy", "--allow-origin", "localhost", "--log", "json"]  # fmt: skip
+    with (
+        serving(*options, log=tmp_path / "one") as served,
+        serving(*options, log=tmp_path / "two") as other,
+        _proxy(tmp_path, served.port, other.port) as (port, plain),
+    ):
         jar: dict[str, str] = {}
 
         def ask(path: str, body: str | None = None) -> tuple[int, str, Any]:
@@ -161,10 +168,23 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
             )  # fmt: skip
             connection = await websocket_connect(request, subprotocols=["bokeh", token[1]])
             said = str(await asyncio.wait_for(connection.read_message(), 30))
-            connection.close()
+            await served.hang_up(connection)
             return said
 
         with pytest.raises(HTTPClientError) as refused:
             asyncio.run(hello("https://example.org"))
         assert refused.value.code == 403
-        assert "ACK" in asyncio.run(hello("https://localhost"))
+        # A session stays with the server that opened it, whichever of the two that is.
+        logins = [
+            create_signed_value("c" * 48, "user", "ada", clock=lambda age=age: time.time() - age).decode()
+            for age in range(16)
+        ]
+        for number, jar["user"] in enumerate(logins):
+            assert ask(f"/try-{number}")[0] == 404
+        for log in ("one", "two"):
+            tried = re.search(r"/try-(\d+)", (tmp_path / log).read_text())
+            assert tried, "the proxy never chose this server"
+            jar["user"] = logins[int(tried[1])]
+            for _ in range(2):
+                token = _TOKEN.search(ask("/")[1])
+                assert "ACK" in asyncio.run(hello("https://localhost"))

@@ -232,6 +232,20 @@ def test_along_track_against_exact_ranges(wavelength, slant_range, speed, apertu
     )  # fmt: skip
 
 
+def test_a_constant_velocity_error_is_not_harmless(differs):
+    """Exact ranges of a platform processed at 0.0655 m/s too much: more than a shift and a scale."""
+    time = np.linspace(-2.7, 2.7, 4001)
+    error = np.hypot(6500.0, 90.0655 * time) - np.hypot(6500.0, 90 * time)
+    exact = 4 * math.pi / 0.0312 * np.polynomial.polynomial.polyfit(time / 2.7, error, 2)[2]
+    ours = float(along_track_quadratic(0.0655**2, 90.0, 5.4, 0.0312, 6500.0))
+    assert ours == pytest.approx(exact, rel=3e-3)
+    differs(
+        "Velocity error of 0.0655 m/s along the track, X band, 6.5 km, 5.4 s", "S-2",
+        "first-order errors shift and scale only [C]", f"{math.degrees(ours):.0f}° of quadratic phase", "ours",
+        "the line of sight turns over the aperture and bends a first-order error; exact ranges give the same",
+    )  # fmt: skip
+
+
 def test_along_track_as_printed():
     """pi lambda R dV k²/(4 rho² V), and the pi/4 limit dV/V < rho²/(k² lambda R)."""
     k, lam, r, rho, v, dv = 0.8858929413789045, 0.03, 8e3, 0.4, 95.0, 0.02

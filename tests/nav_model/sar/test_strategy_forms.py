@@ -76,6 +76,21 @@ def test_the_fit_noise_is_least_squares(fixes, interval, validated, ratio_off):
     assert fit_noise_variance(0.7, interval, span, fixes) == pytest.approx(4 / 45 * sigma**2)
 
 
+def test_the_fit_noise_knows_how_many_fixes_there_are(differs):
+    """A fix on both ends of the aperture is one more than N = T / dt: less noise, by least squares."""
+    found = {}
+    for count, first in ((20, 1), (21, 0)):
+        x = (first + np.arange(count) - 10) / 10
+        found[count] = 1e3 * 0.13 * np.linalg.norm(np.linalg.pinv(np.vander(x, 3))[0])
+        assert 1e3 * fit_quadratic_sigma(0.13, 1.0, 20.0, count) == pytest.approx(found[count], rel=1e-9)
+    differs(
+        "Quadratic that 0.13 m fixes at 1 Hz leave over 20 s", "S-7", f"{found[20]:.1f} mm, N = T/dt = 20 [C]",
+        f"{found[21]:.1f} mm, N = T/dt + 1 = 21", "both",
+        "an aperture that begins with a fix, as in the runs and on the maps, has one fix more than [C] counts; the "
+        "formula is the same, and least squares gives both figures",
+    )  # fmt: skip
+
+
 def test_the_printed_fit_noise():
     s2, n, span = 0.3**2 * 0.5, 40, 20.0
     expected = s2 / span * n**4 / ((n**2 - 1) * (n**2 - 4))
@@ -94,6 +109,22 @@ def test_where_the_continuous_fit_stops_holding(fixes, both_ends, after_start):
     late = exact_corrected_variance(10.0, SA, 0.0, 1e-12, np.arange(1, fixes + 1) * 10 / fixes) / continuous
     assert 1.0 < at_ends < both_ends
     assert after_start < late < 1.2 * after_start
+
+
+def test_few_fixes_leave_more_than_the_continuous_fit(differs):
+    whole = float(beyond_quadratic_variance(10.0, SA, 0.0))
+    late = {
+        count: np.sqrt(exact_corrected_variance(10.0, SA, 0.0, 1e-12, np.arange(1, count + 1) * 10 / count) / whole)
+        for count in (3, 21)
+    }
+    assert late[3] > 1.8
+    assert late[21] < 1.03
+    differs(
+        "Inertial residual under the quadratic correction (5), first fix an interval after the start", "T-16",
+        "the fit taken as continuous", f"{late[3]:.2f} times that with 3 fixes, {late[21]:.3f} times with 21", "ours",
+        "the covariance of the integrated noise carried through the fit at the fixes themselves, which random walks "
+        "confirm; [T-16] is a good guide from some ten fixes on",
+    )  # fmt: skip
 
 
 def test_exact_variance_against_random_walks(validated):

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
-import time
 from pathlib import Path
+
+import pytest
 
 import nav_model.simulation
 
 ROOM = Path(nav_model.simulation.__file__).parent
 FLY = """
 import math, time
-began = time.perf_counter()
+began = time.process_time()
 from nav_model.simulation.single_run import fly_without_errors
 from nav_model.simulation.specification import ImuModel, SimulationSpec, TriadModel
 imu = ImuModel(TriadModel(random_walk=1e-4), TriadModel(random_walk=1e-3))
 sigma = fly_without_errors(SimulationSpec(imu, duration=10.0)).filter_sigma[1, -1, 2]
-print(sigma, time.perf_counter() - began)
+print(sigma, time.process_time() - began)
 """
 
 
 def fly(root: Path) -> tuple[float, float]:
-    """Down sigma after 10 s and seconds taken, in a fresh process that imports nav_model from `root`."""
+    """Down sigma after 10 s and processor seconds taken, in a fresh process that imports nav_model from `root`."""
     done = subprocess.run([sys.executable, "-c", FLY], cwd=root, capture_output=True, text=True, check=True)
     sigma, seconds = done.stdout.split()
     return float(sigma), float(seconds)
@@ -31,11 +33,32 @@ def fly(root: Path) -> tuple[float, float]:
 
 def test_a_fresh_process_starts_quickly_from_the_cache():
     fly(ROOM.parents[1])
-    began = time.perf_counter()
     _sigma, seconds = fly(ROOM.parents[1])
-    # The promise is 3 s; a cold compile takes more than 10.
+    # The promise is 3 s, 0.9 s were measured; a cold compile takes more than 10. Processor time, as the machine
+    # may be busy: with imports and compiled code at hand nothing here waits for anything else.
     assert seconds < 3.0
-    assert time.perf_counter() - began < 6.0
+
+
+@pytest.mark.slow
+def test_without_a_place_to_write_the_simulator_still_flies(tmp_path):
+    """An installation of root's, run by another user without a home: a read-only container."""
+    shutil.copytree(ROOM.parent, tmp_path / "nav_model", ignore=shutil.ignore_patterns("__pycache__"))
+    for path in (tmp_path, *tmp_path.parents[:2], *tmp_path.rglob("*")):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    other = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
+    environment = {"PATH": os.environ["PATH"], "HOME": "/nonexistent"}
+    done = subprocess.run(
+        [sys.executable, "-c", FLY],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+        **other,
+    )
+    assert float(done.stdout.split()[0]) == pytest.approx(fly(ROOM.parents[1])[0], rel=1e-12)
+    for path in (*tmp_path.parents[:2], tmp_path, *tmp_path.rglob("*")):
+        path.chmod(0o755)
 
 
 FALL = """

@@ -8,14 +8,21 @@ on a flat Earth.
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from nav_model.design_file import read_design
+from nav_model.simulation.design_study import closed_form, specification
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
+from nav_model.simulation.study_inputs import read_study_inputs, split_changes
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
 
 G = 9.797
 SIGMA_A, SIGMA_W = 0.06 / 60, math.radians(0.06) / 60
@@ -70,3 +77,26 @@ def test_each_second_of_the_outage_with_biases_and_with_noise_alone(make_imu, va
     )  # fmt: skip
     assert biased[-1] == pytest.approx(1.58, abs=0.03)
     assert noise_only[-1] == pytest.approx(0.406, abs=0.008)
+
+
+def test_the_table_of_the_example_is_what_its_command_gives():
+    """Second by second against the five-state channel, and to the last printed digit against the command's study."""
+    text = (EXAMPLES / "array_outage.md").read_text("utf-8")
+    table = np.array(
+        [[float(x) for x in row] for row in re.findall(r"^\| (\d+) \|" + r" ([\d.]+) \|" * 4, text, re.M)]
+    )
+    assert table[:, 0].tolist() == list(range(31))
+    assert table[:, 1] == pytest.approx(channel(True), rel=0.02, abs=0.0006)
+    assert table[:, 2] == pytest.approx(channel(False), rel=0.02, abs=0.0006)
+    perfect = np.sqrt(SIGMA_A**2 * table[:, 0] ** 3 / 3 + (9.80665 * SIGMA_W) ** 2 * table[:, 0] ** 5 / 20)
+    assert table[:, 4] == pytest.approx(perfect, abs=0.0006)
+
+    design = read_design(EXAMPLES / "array_outage.toml")
+    of_design, of_study = split_changes(f"{key}={value}" for key, value in re.findall(r'(\w+\.\w+)="([^"]+)"', text))
+    assert (of_design, len(of_study)) == ([], 4)
+    options = {"duration": 630.0, "outages": [(600, 630)], "trajectory": "straight"}
+    for column, states, more in ((1, 15, of_study), (2, 9, {})):
+        spec = specification(design, states=states, more=read_study_inputs(more), **options)
+        assert table[:, column] == pytest.approx(fly_without_errors(spec).filter_sigma[POSTERIOR, 600:, 0], abs=6e-4)
+    noise = closed_form(design, spec)(np.arange(31.0), np.arange(600.0, 631.0))[:, 0]
+    assert table[:, 3] == pytest.approx(noise, abs=6e-4)

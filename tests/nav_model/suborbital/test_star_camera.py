@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from nav_model.suborbital.attitude import METHODS
 from nav_model.suborbital.frames import ARCSEC
 from nav_model.suborbital.mechanisation import Cancelled
 from nav_model.suborbital.sky import Sky, hipparcos_sky, synthetic_sky
@@ -113,6 +114,27 @@ def test_poor_geometry_is_gated_with_its_reason(flight, sky):
     used, reason = gate(StarCamera(), line, np.ones((1, 3)))
     assert not used[0]
     assert "line" in reason[0]
+
+
+def test_what_a_method_would_refuse_is_gated_for_it_alone():
+    """Three stars on a great circle, two of them a close pair in the first places; then the same turned about."""
+    x = np.array([0.0, 1e-6, 0.05])
+    line = np.stack([x, np.zeros(3), np.ones(3)], axis=-1)
+    body = (line / np.linalg.norm(line, axis=-1, keepdims=True) @ np.diag([1.0, -1.0, -1.0]))[None]
+    weight, camera = np.ones((1, 3)), StarCamera(roll_limit_rad=1.0)
+    assert {m: bool(gate(camera, body, weight, m)[0][0]) for m in METHODS} == {
+        "TRIAD": False, "N-vector": False, "q-method": True, "QUEST": True, "SVD": True,
+    }  # fmt: skip
+    assert gate(camera, body, weight, "N-vector")[1][0] == "the stars that N-vector takes are in one line or plane"
+    apart = body[:, ::-1]
+    assert bool(gate(camera, apart, weight, "TRIAD")[0][0])
+    for name, method in METHODS.items():  # the gate's answer is the method's own
+        good = gate(camera, apart, weight, name)[0][0]
+        if good:
+            method(apart, apart, 1e-5, weight)
+        else:
+            with pytest.raises(ValueError, match=r"plane|collinear"):
+                method(apart, apart, 1e-5, weight)
 
 
 def test_whole_flight_is_consistent_and_reports_progress(flight, sky):

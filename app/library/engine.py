@@ -1,0 +1,85 @@
+"""The database under a library: SQLite in a file, or PostgreSQL; and what its faults are called to a person."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
+
+from nav_model.inputs import DesignError
+
+_WAIT = 15.0  # seconds a writer waits for another before it is told
+_PATIENCE = {"connect_timeout": 5, "tcp_user_timeout": 15_000, "options": "-c lock_timeout=15s"}
+"""Of PostgreSQL, as libpq takes them, unless the address says otherwise: a server that is out of reach must not hold
+up every page."""
+
+
+def engine_at(address: str | Path) -> Engine:
+    """The engine of a library: a file's path, or a database URL that SQLAlchemy takes.
+
+    Raises
+    ------
+    DesignError
+        If the address is of another kind, or its place cannot be used.
+    """
+    try:
+        url = make_url(address) if isinstance(address, str) and "://" in address else None
+        if url is None:
+            path = Path(address).expanduser()
+            path.parent.mkdir(parents=True, exist_ok=True)
+            url = make_url("sqlite://").set(database=str(path))
+        elif url.drivername in ("postgres", "postgresql"):
+            url = url.set(drivername="postgresql+psycopg")
+        if url.get_backend_name() == "postgresql":
+            patience = {name: value for name, value in _PATIENCE.items() if name not in url.query}
+            return create_engine(url, pool_pre_ping=True, connect_args=patience)
+        if url.get_backend_name() != "sqlite" or not url.database or url.database == ":memory:":
+            raise DesignError("library", "is neither the path of a file nor a sqlite or postgresql address")
+        engine = create_engine(url, connect_args={"timeout": _WAIT})
+    except (ArgumentError, NoSuchModuleError, ImportError) as error:
+        raise DesignError("library", f"cannot be used: {error}") from error
+    except OSError as error:
+        raise DesignError("library", f"{str(address)!r} cannot be used: {error.strerror or error}") from error
+    event.listen(engine, "connect", _set_up)
+    event.listen(engine, "begin", _begin)
+    return engine
+
+
+def _set_up(connection: Any, _: Any) -> None:
+    """SQLite: durable when a save returns; transactions begin where we say and not where the driver guesses."""
+    connection.isolation_level = None
+    for setting in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON"):
+        connection.execute(f"PRAGMA {setting}")
+
+
+def _begin(connection: Connection) -> None:
+    # A writer takes its lock at once: one that read first could not upgrade when another wrote in between.
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if connection.get_execution_options().get("writes") else "BEGIN")
+
+
+@contextmanager
+def said(message: str) -> Iterator[None]:
+    """A fault of the database as a message for a person, its reason put in.
+
+    Raises
+    ------
+    DesignError
+        Instead of the driver's own error.
+    """
+    try:
+        yield
+    except DBAPIError as error:
+        raise DesignError("library", message.format(_reason(error))) from error
+    except PoolTimeout as error:
+        raise DesignError("library", message.format("too many people write at once")) from error
+
+
+def _reason(error: DBAPIError) -> str:
+    lines = str(error.orig).strip().splitlines()  # never the statement or the address, which may hold a password
+    return lines[0] if lines else type(error.orig).__name__

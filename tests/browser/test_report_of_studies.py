@@ -1,0 +1,35 @@
+"""A study run on a page is in the report downloaded from the toolbar, until the design changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from playwright.sync_api import Page, expect
+
+Visit = Callable[..., Page]
+
+
+def downloaded(page: Page) -> str:
+    """The HTML report as the button gives it."""
+    with page.expect_download(timeout=120_000) as waiting:
+        page.get_by_role("button", name="HTML report").click()
+    return Path(waiting.value.path()).read_text(encoding="utf-8")
+
+
+def test_the_runs_on_the_sar_page_are_in_the_report_while_the_design_stays(visit: Visit) -> None:
+    page = visit()
+    page.get_by_role("tab", name="SAR").click()
+    expect(page.get_by_text("The runs match the design.")).to_be_visible(timeout=60_000)
+    box = page.get_by_role("checkbox", name="SAR")
+    expect(box).to_be_checked()
+    sentence = page.get_by_text("runs the least median residual is").inner_text()
+    report = downloaded(page)
+    assert "SAR: which way of navigating through the aperture" in report
+    assert sentence.partition(" Strategy ")[0] in report
+    page.get_by_role("slider", name="Angle random walk").focus()
+    page.keyboard.press("PageDown")
+    expect(page.get_by_text("Not in the report, of another design: SAR.")).to_be_visible()
+    report = downloaded(page)
+    assert "SAR: which way of navigating" not in report
+    assert "the study at hand is of another design" in report

@@ -1,0 +1,128 @@
+"""The Simulate page: flights from a file, results to take away, and nobody left flying."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page, expect
+
+Visit = Callable[..., Page]
+
+_COMPILING = 180_000  # ms: the first use of a clone compiles the simulator
+_HEADER = "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg"
+
+
+def enter(page: Page, label: str, text: str) -> None:
+    box = page.get_by_role("textbox", name=label, exact=True)
+    box.fill(text)
+    box.press("Enter")
+
+
+def open_simulate(visit: Visit) -> Page:
+    page = visit()
+    page.get_by_text("Simulate", exact=True).click()
+    expect(page.get_by_role("button", name="Start", exact=True)).to_be_enabled()
+    return page
+
+
+def flight(path: Path, **spoiled: str) -> Path:
+    """A minute northwards at 60 m/s with a gentle weave; `spoiled` puts text into a column of the tenth row."""
+    lines = [_HEADER]
+    for second in range(61):
+        row = {
+            "time_s": f"{second}",
+            "latitude_deg": f"{47 + 60 * second / 111_170:.9f}",
+            "longitude_deg": f"{8 + 2e-5 * math.sin(second / 8):.9f}",
+            "height_m": "2500",
+            "roll_deg": f"{2 * math.sin(second / 5):.6f}",
+            "pitch_deg": "1",
+            "yaw_deg": "0",
+        }
+        lines.append(",".join((row | (spoiled if second == 9 else {})).values()))
+    path.write_text("\n".join(lines) + "\n", "utf-8")
+    return path
+
+
+def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name(
+    visit: Visit, tmp_path: Path
+) -> None:
+    page = open_simulate(visit)
+    page.get_by_role("combobox", name="Trajectory").click()
+    page.get_by_role("menuitem", name="From a file (CSV)").click()
+    upload = page.locator('input[type="file"][accept=".csv"]')
+    wrong = flight(tmp_path / "glitch.csv", latitude_deg="north")
+    upload.set_input_files(wrong)
+    expect(
+        page.get_by_text("Not used. glitch.csv: line 11: latitude_deg = 'north': must be a finite number")
+    ).to_be_visible()
+    upload.set_input_files(flight(tmp_path / "jump.csv", height_m="9000"))
+    expect(page.get_by_text(re.compile(r"jump\.csv: line \d+: the path needs an acceleration of"))).to_be_visible()
+    (tmp_path / "picture.csv").write_bytes(b"\x89PNG\r\n\x1a\n\xff\xfe")
+    upload.set_input_files(tmp_path / "picture.csv")
+    expect(page.get_by_text("Not used. picture.csv: not a text file.")).to_be_visible()
+    upload.set_input_files(flight(tmp_path / "weave.csv"))
+    expect(page.get_by_text("weave.csv: a flight of 60 s.")).to_be_visible()
+    expect(page.get_by_role("textbox", name="Length [s]")).to_have_value("60.0")
+    enter(page, "Runs", "8")
+    enter(page, "Outages [s]", "40,60")
+    page.get_by_role("button", name="Start", exact=True).click()
+    expect(page.get_by_role("status").filter(has_text="8 × 60 s")).to_be_visible(timeout=_COMPILING)
+    expect(page.get_by_text("The flight is the file's")).to_be_visible()
+
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Statistics (NPZ)").click()
+    assert waiting.value.suggested_filename == "simulation.npz"
+    waiting.value.save_as(tmp_path / "a.npz")
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Sigmas (CSV)").click()
+    waiting.value.save_as(tmp_path / "a.csv")
+    arrays = np.load(tmp_path / "a.npz")
+    rows = list(csv.DictReader((tmp_path / "a.csv").read_text("utf-8").splitlines()))
+    assert arrays["time_s"].tolist() == list(range(61)) == [float(row["time_s"]) for row in rows]
+    end = np.degrees(arrays["true_latitude_longitude_height"][-1, 0])
+    assert end == pytest.approx(47 + 60 * 60 / 111_170, abs=1e-8)  # the path flown is the file's
+    north = [float(row["position_north_rms_m"]) for row in rows]
+    assert np.allclose(arrays["rms"][1, :, 0], north, rtol=1e-12)
+
+
+def heavy_tasks(server: str) -> float:
+    with urllib.request.urlopen(server + "/metrics", timeout=10) as answer:
+        return float(re.search(r"^navbudget_heavy_tasks (\S+)", answer.read().decode(), re.M)[1])  # type: ignore[index]
+
+
+@pytest.fixture
+def forgetful() -> Iterator[str]:
+    """A server that keeps a closed page for two seconds only, for a browser that may come back."""
+    command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--session-lifetime", "2"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        yield process.stdout.readline().split()[-1]
+        process.terminate()
+        process.wait(timeout=20)
+
+
+def test_closing_the_page_ends_its_runs(page: Page, forgetful: str) -> None:
+    page.goto(forgetful)
+    page.get_by_text("Simulate", exact=True).click()
+    expect(page.get_by_role("button", name="Start", exact=True)).to_be_enabled()
+    enter(page, "Runs", "2000")
+    enter(page, "Length [s]", "2000")
+    page.get_by_role("button", name="Start", exact=True).click()
+    expect(page.get_by_text(re.compile(r"[1-9]\d* of 2000 runs, \d+ s left"))).to_be_visible(timeout=_COMPILING)
+    assert heavy_tasks(forgetful) > 0
+    page.goto("about:blank")
+    # The chunk a worker has in hand ends by itself; nothing of the many minutes left is begun.
+    until = time.monotonic() + 60
+    while heavy_tasks(forgetful) > 0:
+        assert time.monotonic() < until, "runs went on after the page was closed"
+        time.sleep(0.3)
