@@ -11,10 +11,10 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_the_package_carries_the_repositorys_examples():
-    ours, theirs = (sorted(folder.glob("*.toml")) for folder in (ROOT / "app" / "examples", ROOT / "examples"))
-    assert [path.name for path in ours] == [path.name for path in theirs]
-    assert [path.read_bytes() for path in ours] == [path.read_bytes() for path in theirs]
+    ours = sorted((ROOT / "app" / "examples").glob("*.toml"))
     assert {f"{name}.toml" for name in EXAMPLES} == {path.name for path in ours}
+    for path in ours:
+        assert path.read_bytes() == (ROOT / "examples" / path.name).read_bytes(), path.name
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

@@ -42,9 +42,11 @@ def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
     expect(equation).to_be_focused()
 
 
-def test_the_address_of_an_equation_opens_there(visit: Visit) -> None:
-    page = visit("/#theory-S-5")
-    expect(page.locator("#S-5")).to_be_focused()
+def test_the_address_of_an_equation_opens_there(visit: Visit, server: str) -> None:
+    page = visit()
+    page.goto("about:blank")
+    page.goto(server + "/#theory-S-5")
+    expect(page.locator("#S-5")).to_be_focused(timeout=60_000)
     assert page.locator("#S-5").evaluate(_IN_VIEW)
     for nowhere in ("#theory-<img src=x>", "#nonsense:S-5", "#theory-"):
         page.evaluate("hash => { location.hash = hash }", nowhere)
