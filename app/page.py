@@ -16,7 +16,6 @@ import panel_material_ui as pmui
 from panel.util import edit_readonly
 
 from app.controls import SECTION_TITLES, Control, section_controls
-from app.once_shown import once_shown
 from app.paper import fit_to_paper
 from app.report import report_of_text
 from app.report.studies import study_sections
@@ -190,7 +189,7 @@ class Frame:
             margin=0,
         )
         self._fill_section(_FIRST_OPEN[0])
-        once_shown(lambda: self._fill_section(_FIRST_OPEN[1]))
+        pn.state.onload(lambda: self._fill_section(_FIRST_OPEN[1]))
         accordion.param.watch(lambda event: [self._fill_section(index) for index in event.new], "active")
         self._explained.param.watch(self._explain, "value")
         self._name = pmui.TextInput(

@@ -18,7 +18,6 @@ from app.charts.budget import (
 )
 from app.charts.description import BarChart, Chart
 from app.figures import percent, show, signed_percent
-from app.once_shown import once_shown
 from app.state import Session
 from nav_model.budget import Budget
 from nav_model.provenance import cautions
@@ -47,8 +46,9 @@ _GRID = """
 class BudgetPage:
     """Everything below the tab.
 
-    The first screen is made at once: the answer and the first chart. The other charts follow when it stands, one
-    at a time, so that nobody waits for what is below the fold and no other session waits long.
+    The first screen is made at once: the answer and the first chart. The other charts follow when it stands, so
+    that nobody waits for what is below the fold; all in one turn, so that nothing a person does can come between
+    and name what the browser has not got yet.
     """
 
     def __init__(self, session: Session) -> None:
@@ -63,7 +63,7 @@ class BudgetPage:
         )
         self._add_chart()
         for _ in _LAYOUT[1:]:
-            once_shown(self._add_chart)
+            pn.state.onload(self._add_chart)  # in a script or a test: at once
 
     def _add_chart(self) -> None:
         describe, height, _ = _LAYOUT[len(self._charts)]
