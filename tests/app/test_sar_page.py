@@ -145,8 +145,12 @@ def test_an_upload_is_refused_by_name_and_formed_when_it_is_good(sar: SarPage) -
     assert upload._picture.object.count("<figure") == 2
     assert "without navigation error" in upload._picture.object
     assert upload._take.view.visible
-    upload._half.value = "wide"
-    asyncio.run(upload._form())
+
+    async def widen() -> None:  # inside a loop: outside, the framework would make one of its own and leave it
+        upload._half.value = "wide"
+        await upload._form()
+
+    asyncio.run(widen())
     assert "wide&#x27; is not a number from 1 to 5000" in upload._picture.object
     assert not upload._take.view.visible
 
