@@ -41,8 +41,9 @@ test: .venv/.test browser postgresql lint
 	$(BIN)/python -m pytest -n 2 --dist loadfile -p no:benchmark --ignore tests/browser
 	$(BIN)/python -m pytest -n 2 --dist load -p no:benchmark tests/browser
 
-test-slow: .venv/.test
-	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark
+test-slow: .venv/.test browser postgresql
+	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark --ignore tests/browser
+	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark tests/browser
 
 # What the Theory page says results were compared with, from the tests that compare them.
 validation: .venv/.test

@@ -23,6 +23,15 @@ _FLAGS = [
 _IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
 
 
+_STILL = """() => {
+  const roots = [document]
+  for (const root of roots)
+    for (const element of root.querySelectorAll("*")) if (element.shadowRoot) roots.push(element.shadowRoot)
+  return Bokeh.documents.every(d => d.is_idle)
+    && roots.every(root => root.getAnimations().every(animation => animation.playState !== "running"))
+}"""
+
+
 expect.set_options(timeout=20_000)  # a loaded machine is slow, not wrong
 
 
@@ -76,3 +85,15 @@ def visit(page: Page, server: str) -> Iterator[Callable[..., Page]]:
     yield open_
     assert not elsewhere, elsewhere
     assert not errors, errors
+
+
+@pytest.fixture
+def settled() -> Callable[[Page], None]:
+    """Wait until nothing moves: while colours fade over, nothing has its contrast."""
+
+    def wait(page: Page) -> None:
+        page.wait_for_timeout(300)
+        page.wait_for_function(_STILL, timeout=60_000)
+        page.wait_for_timeout(100)
+
+    return wait

@@ -27,14 +27,6 @@ _CURVE = """(name) => {
 }"""
 
 
-_STILL = """() => {
-  const roots = [document]
-  for (const root of roots)
-    for (const element of root.querySelectorAll("*")) if (element.shadowRoot) roots.push(element.shadowRoot)
-  return roots.every(root => root.getAnimations().every(animation => animation.playState !== "running"))
-}"""
-
-
 def box(page: Page, label: str) -> Locator:
     """The text box of an input (its slider and unit carry other roles)."""
     return page.get_by_role("textbox", name=label, exact=True)
@@ -132,6 +124,7 @@ def test_typed_value_unit_and_refusal(visit: Visit) -> None:
     expect(card(page, "Quadratic phase")).to_have_text("163°")
 
 
+@pytest.mark.slow
 def test_unit_chooser_converts_without_changing_the_value(visit: Visit) -> None:
     page = visit()
     before = card(page, "Position, horizontal").inner_text()
@@ -158,6 +151,7 @@ def test_undo_redo_reset_by_keyboard(visit: Visit) -> None:
     expect(card(page, "Position, horizontal")).to_have_text("40.4 cm")
 
 
+@pytest.mark.slow
 def test_preset_deviation_is_marked_and_taken_back(visit: Visit) -> None:
     page = visit()
     expect(page.get_by_text("secondary source").first).to_be_visible()
@@ -215,6 +209,7 @@ def test_save_open_and_refuse(visit: Visit, tmp_path: Path) -> None:
     expect(page.get_by_text("not a text file")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_every_tab_has_an_address(visit: Visit) -> None:
     page = visit("/#sensors")
     expect(page.get_by_role("tab", name="Sensors")).to_have_attribute("aria-selected", "true")
@@ -258,7 +253,8 @@ def test_phone_fits_and_the_design_is_a_drawer(visit: Visit) -> None:
     assert page.evaluate("() => document.documentElement.clientWidth") == 390
 
 
-def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit) -> None:
+@pytest.mark.slow
+def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit, settled: Callable[[Page], None]) -> None:
     page = visit()
     for title in ("Flight", "Coast", "Radar", "Requirements"):
         section(page, title)
@@ -269,5 +265,4 @@ def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit) -> N
         serious = [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}]
         assert serious == []
         page.get_by_role("button", name="theme").click()
-        page.wait_for_timeout(300)
-        page.wait_for_function(_STILL)  # colours fade over; in between nothing has its contrast
+        settled(page)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pypdf
+import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Download, Locator, Page, expect
 
@@ -147,6 +148,7 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     assert "✓ accepted" in text
 
 
+@pytest.mark.slow
 def test_a_library_goes_out_and_comes_in_as_a_zip(visit: Visit, tmp_path: Path) -> None:
     page = visit()
     tab(page, "Review")
@@ -168,6 +170,7 @@ def test_a_library_goes_out_and_comes_in_as_a_zip(visit: Visit, tmp_path: Path) 
     said(page, "not a path inside the archive")
 
 
+@pytest.mark.slow
 def test_forged_links_are_said_so(visit: Visit) -> None:
     for query in ("?compare=../../etc/passwd,%3Cscript%3E", "?review=%27%20OR%201=1", "?compare=" + "0" * 16 + ".1"):
         page = visit("/" + query)
@@ -175,6 +178,7 @@ def test_forged_links_are_said_so(visit: Visit) -> None:
         assert page.title() == "NavBudget"
 
 
+@pytest.mark.slow
 def test_the_presenter_view_leaves_the_room_one_decision(visit: Visit) -> None:
     page = visit(width=1920, height=1080)
     tab(page, "Review")

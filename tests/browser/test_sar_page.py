@@ -33,6 +33,7 @@ def test_runs_go_stale_with_the_design_and_the_closed_forms_follow(visit: Visit)
     expect(page.get_by_text("Cancelled.")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_a_real_phase_history_is_formed_twice(visit: Visit) -> None:
     if not GOTCHA.exists():
         pytest.skip(f"no real phase history at {GOTCHA}")
@@ -66,6 +67,7 @@ def test_every_part_is_accessible_and_pictures_are_taken_away(visit: Visit, tmp_
     page.wait_for_function("e => e.scrollLeft > 0", arg=region.element_handle())
 
 
+@pytest.mark.slow
 def test_the_simulator_flies_and_is_cancelled(visit: Visit) -> None:
     page = visit()
     page.get_by_role("tab", name="SAR").click()

@@ -128,6 +128,7 @@ def test_oversized_and_wrong_files_are_refused_where_they_are_given(visit: Calla
     expect(page.get_by_role("button", name="Undo")).to_be_enabled()
 
 
+@pytest.mark.slow
 def test_a_report_under_way_arrives_although_the_server_is_told_to_stop(page: Page, tmp_path: Path) -> None:
     with _serving(tmp_path / "library.db", "--grace", "300") as (server, process):
         page.goto(server)

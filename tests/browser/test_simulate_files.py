@@ -112,6 +112,7 @@ def forgetful() -> Iterator[str]:
         process.wait(timeout=20)
 
 
+@pytest.mark.slow
 def test_closing_the_page_ends_its_runs(page: Page, forgetful: str) -> None:
     page.goto(forgetful)
     page.get_by_text("Simulate", exact=True).click()

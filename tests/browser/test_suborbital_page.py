@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import urljoin
 
+import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
@@ -76,6 +77,7 @@ def assert_accessible(page: Page) -> None:
     assert [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}] == []
 
 
+@pytest.mark.slow
 def test_a_study_is_saved_changed_opened_and_shared(visit: Visit, tmp_path: Path) -> None:
     page = visit()
     page.goto(urljoin(page.url, "/?study.gyros.bias=6,8,4deg/h"))

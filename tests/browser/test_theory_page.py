@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from app.report.equations import ALL_EQUATIONS
@@ -42,6 +43,7 @@ def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
     expect(equation).to_be_focused()
 
 
+@pytest.mark.slow
 def test_the_address_of_an_equation_opens_there(visit: Visit, server: str) -> None:
     page = visit()
     page.goto("about:blank")

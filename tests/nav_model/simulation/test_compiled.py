@@ -69,6 +69,7 @@ print(navigate(start, np.zeros((102, 6)), 100.0)[-1, 5])
 """
 
 
+@pytest.mark.slow
 def test_a_changed_callee_is_compiled_again(tmp_path):
     """Numba alone would go on using the cached caller: the digest of the room is what forbids it."""
 
