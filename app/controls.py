@@ -142,6 +142,13 @@ class QuantityControl:
         row = pn.Row(self.box, self.unit, margin=0, sizing_mode="stretch_width") if self.unit else self.box
         return pn.Column(row, self.slider, margin=0, sizing_mode="stretch_width") if self.slider else row
 
+    def differs(self, old: Design, new: Design) -> bool:
+        """Whether anything shown here is another: most controls sleep through a slider's step."""
+        section = self.key.partition(".")[0]
+        return (old[self.key], old.unit(self.key), preset_of(old, section)) != (
+            new[self.key], new.unit(self.key), preset_of(new, section)
+        )  # fmt: skip
+
     def show(self, design: Design) -> None:
         """Follow the design in force."""
         self._writing = True
@@ -269,6 +276,10 @@ class ChoiceControl:
         """The control as it stands in the column."""
         return self._view
 
+    def differs(self, old: Design, new: Design) -> bool:
+        """Whether the choice is another."""
+        return bool(old[self.key] != new[self.key])
+
     def show(self, design: Design) -> None:
         """Follow the design in force."""
         if self.widget.value != design[self.key]:
@@ -318,6 +329,12 @@ class PresetControl:
     def view(self) -> pn.viewable.Viewable:
         """The control as it stands in the column."""
         return pn.Column(self.select, self.restore, margin=0, sizing_mode="stretch_width")
+
+    def differs(self, old: Design, new: Design) -> bool:
+        """Whether the entry or what deviates from it is another."""
+        return preset_of(old, self.section) != preset_of(new, self.section) or (
+            deviations(old, self.section) != deviations(new, self.section)
+        )
 
     def show(self, design: Design) -> None:
         """Follow the design in force."""

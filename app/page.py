@@ -101,7 +101,8 @@ class Frame:
         budget: Budget = event.new
         with pn.io.hold():
             for control in self._controls:
-                control.show(budget.design)
+                if control.differs(event.old.design, budget.design):
+                    control.show(budget.design)
             self._pages[self._tabs.active].show(budget)
             self._follow_name(budget)
 

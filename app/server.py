@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 import ipaddress
 import secrets
 import signal
@@ -14,11 +13,11 @@ from importlib.resources import files
 from typing import Any
 
 import panel as pn
-import panel.io.document
 
 from app import workers
 from app.page import Frame, is_review_link
 from app.serving.access import provider_of
+from app.serving.collector import Collector, settle
 from app.serving.handlers import Metrics, around, being_sent, close_door
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.rules import Rules
@@ -74,11 +73,11 @@ def serve(rules: Rules) -> None:
     pn.extension()
     set_up(rules.log)
     workers.use(rules.workers)
-    began, running, metrics = time.monotonic(), dict[str, Any](), Metrics()
+    began, running, metrics, collector = time.monotonic(), dict[str, Any](), Metrics(), Collector()
     try:
         port = rules.port or _free_port(rules.address)
         server = pn.serve(
-            {"/": lambda: _counted(metrics)},
+            {"/": lambda: _counted(metrics, collector)},
             address=rules.address,
             port=port,
             title="NavBudget",
@@ -95,41 +94,35 @@ def serve(rules: Rules) -> None:
             check_unused_sessions_milliseconds=min(10_000, round(500 * rules.session_lifetime)),
             log_function=request_done,
             **provider_of(rules),
-            **around(rules, metrics, running),
+            **around(rules, metrics, running, collector.heard),
         )
     except OSError as error:
         raise DesignError("--address", f"cannot listen on {rules.address}:{rules.port}: {error.strerror}") from error
     running |= {"server": server, "uptime": lambda: time.monotonic() - began}
     Frame(Session(first_design()))  # the first visitor should not wait for what Python loads late
-    _settle()
+    settle()
     print(f"NavBudget on http://{_host(rules.address)}:{port}", flush=True)
     event("started", address=rules.address, port=port, protected=rules.protected)
-    _run(server, rules.grace)
+    _run(server, rules.grace, collector)
     event("stopped")
 
 
-def _settle() -> None:
-    """Keep Python's collector from holding everybody up.
-
-    A page is some 50,000 objects, and a full collection looks at all of every open page: a second with fifty of them.
-    What is loaded by now stays, and need not be looked at again. And Panel collects in full whenever a page was
-    closed; left to itself Python does so once a quarter of what is alive is new, which bounds memory all the same.
-    """
-    gc.collect()
-    gc.freeze()
-    panel.io.document._garbage_collect = lambda: None
-
-
-def _counted(metrics: Metrics) -> Any:
+def _counted(metrics: Metrics, collector: Collector) -> Any:
     """`build`, seen by the operator: sessions come and go, budgets are computed."""
     metrics.opened.inc()
+    collector.heard()
     name = short(pn.state.curdoc.session_context.id)
     event("session opened", session=name)
-    pn.state.on_session_destroyed(lambda _: event("session closed", session=name))
+
+    def closed(_: Any) -> None:
+        event("session closed", session=name)
+        collector.page_closed()
+
+    pn.state.on_session_destroyed(closed)
     return build(lambda _: metrics.events.inc())
 
 
-def _run(server: Any, grace: float) -> None:
+def _run(server: Any, grace: float, collector: Collector) -> None:
     """Run until told to stop: nobody new is let in, heavy work may end and reach who asked for it, then everything
     is closed.
 
@@ -157,11 +150,13 @@ def _run(server: Any, grace: float) -> None:
             stopping.append(loop.create_task(wind_down()))
 
     server.start()
+    collecting = loop.create_task(collector.run())
     for signal_number in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(signal_number, told)
     try:
         server.io_loop.start()
     finally:
+        collecting.cancel()
         server.stop(wait=False)
         workers.stop()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 from weakref import WeakSet
 
@@ -76,6 +77,7 @@ class _Limit:
     most = 1
     stopping = False
     metrics: Metrics
+    heard: Callable[[], None]
 
 
 _connections: WeakSet[LimitedWSHandler] = WeakSet()
@@ -148,6 +150,7 @@ class LimitedWSHandler(WSHandler):
 
     async def _handle(self, message: Any) -> Any:
         """As Bokeh, but a page may change what it shows, not put another document in its place."""
+        _Limit.heard()
         if message.msgtype == "PUSH-DOC":
             raise ProtocolError("PUSH-DOC is not taken")
         return await super()._handle(message)
@@ -208,8 +211,9 @@ class _Headers(OutputTransform):
         return status_code, headers, chunk
 
 
-def around(rules: Rules, metrics: Metrics, server: dict[str, Any]) -> dict[str, Any]:
-    """What the server must be told, beside the dashboard itself."""
+def around(rules: Rules, metrics: Metrics, server: dict[str, Any], heard: Callable[[], None]) -> dict[str, Any]:
+    """What the server must be told, beside the dashboard itself; ``heard`` is called with every message of a page."""
+    _Limit.heard = heard
     _Limit.most, _Limit.metrics, _Limit.stopping = rules.max_sessions, metrics, False
     metrics.limit.set(rules.max_sessions)
     # The page and its connection; the ways to embed the page elsewhere are not offered.

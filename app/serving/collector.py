@@ -1,0 +1,73 @@
+"""When Python's collector may look at everything.
+
+A page is some 50,000 objects, and a full collection looks at all of every open page: two seconds with fifty of
+them, in which nobody is answered. Python would do so whenever a quarter of what is alive is new. Here the young
+generations are collected as ever, and everything only when nobody is doing anything, or when too much has been left
+behind to wait for that.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import time
+from collections.abc import Callable
+
+import panel.io.document
+
+_LOOK = 1.0  # seconds between two looks
+_QUIET = 2.0  # seconds without a message after which nobody is taken to wait
+_MOST_CLOSED = 25  # pages closed and not yet freed, some 10 MB each
+_LONGEST = 900.0  # seconds of work without a pause
+_NEVER = 1_000_000  # collections of the middle generation before one of everything
+
+
+class Collector:
+    """Remembers what there is to free and when anybody last did anything."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._heard = self._collected = clock()
+        self._closed = 0
+
+    def heard(self) -> None:
+        """A page sent something, or was asked for."""
+        self._heard = self._clock()
+
+    def page_closed(self) -> None:
+        """A session ended; its objects refer to each other in circles."""
+        self._closed += 1
+
+    def due(self) -> bool:
+        """Whether everything is to be looked at now."""
+        now = self._clock()
+        idle = self._heard > self._collected or self._closed
+        return bool(
+            (idle and now - self._heard >= _QUIET)
+            or self._closed >= _MOST_CLOSED
+            or (self._heard > self._collected and now - self._collected >= _LONGEST)
+        )
+
+    def collect(self) -> None:
+        """Look at everything."""
+        gc.collect()
+        self._collected, self._closed = self._clock(), 0
+
+    async def run(self) -> None:
+        """Until cancelled."""
+        while True:
+            await asyncio.sleep(_LOOK)
+            if self.due():
+                self.collect()
+
+
+def settle() -> None:
+    """What is loaded by now stays and need not be looked at again; from now on `Collector` says when to.
+
+    Panel would collect in full whenever a page was closed.
+    """
+    gc.collect()
+    gc.freeze()
+    young, middle, _ = gc.get_threshold()
+    gc.set_threshold(young, middle, _NEVER)
+    panel.io.document._garbage_collect = lambda: None

@@ -1,0 +1,83 @@
+"""When everything is looked at: not while somebody waits, and not never."""
+
+import gc
+import subprocess
+import sys
+import weakref
+
+from app.serving.collector import Collector
+
+
+class Clock:
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def test_it_waits_for_a_pause_and_then_does_it_once():
+    clock = Clock()
+    collector = Collector(clock)
+    assert not collector.due()
+    clock.now += 1.0
+    collector.heard()
+    clock.now += 1.9
+    assert not collector.due()  # somebody may still be dragging a slider
+    clock.now += 0.2
+    assert collector.due()
+    collector.collect()
+    clock.now += 1e5
+    assert not collector.due()  # nothing has happened since
+
+
+def test_closed_pages_are_freed_in_a_pause_or_when_they_are_many():
+    clock = Clock()
+    collector = Collector(clock)
+    for closed in range(25):
+        clock.now += 1.0
+        collector.heard()  # never a pause
+        assert not collector.due(), closed
+        collector.page_closed()
+    assert collector.due()
+    collector.collect()
+    assert not collector.due()
+    collector.page_closed()
+    clock.now += 3.0
+    assert collector.due()
+
+
+def test_work_without_a_pause_is_interrupted_now_and_then():
+    clock = Clock()
+    collector = Collector(clock)
+    for _ in range(899):
+        clock.now += 1.0
+        collector.heard()
+        assert not collector.due()
+    clock.now += 1.0
+    collector.heard()
+    assert collector.due()
+
+
+def test_it_frees_what_refers_to_itself():
+    class Page:
+        pass
+
+    page = Page()
+    page.itself, seen = page, weakref.ref(page)
+    del page
+    collector = Collector()
+    collector.collect()
+    assert seen() is None
+
+
+def test_after_settling_python_leaves_everything_alone():
+    """In a process of its own: settings of the collector hold for all of it."""
+    code = (
+        "import gc; from app.serving.collector import settle; settle(); full = []\n"
+        "gc.callbacks.append(lambda phase, info: full.append(1) if info['generation'] == 2 else None)\n"
+        "kept = [[[]] for _ in range(400_000)]\n"
+        "print(len(full), gc.get_freeze_count() > 100_000)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["0", "True"]
+    assert gc.isenabled()
