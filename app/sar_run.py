@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.charts.description import PictureChart
 from app.workers import elsewhere
 from nav_model.budget import Budget, analyse
 from nav_model.design_file import format_design, parse_design
@@ -25,13 +26,15 @@ from nav_model.sar.study import choose_tuning
 
 @dataclass(frozen=True)
 class SarResult:
-    """A study, the case it was run for, and its pictures; beside flights of the simulator the fast engine's study."""
+    """A study, the case it was run for, and its pictures; beside flights of the simulator the fast engine's study,
+    and a phase history of the user's with its navigation error, if there is one."""
 
     case: DesignCase
     study: DesignStudy
     points: Pictures
     scene: Pictures
     beside: DesignStudy | None = None
+    uploaded: PictureChart | None = None
 
     def stale(self, budget: Budget) -> bool:
         """Whether the ensemble no longer matches the design; a name or a requirement does not matter to it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 from html import escape
 from typing import Any
 
@@ -105,6 +106,8 @@ class UploadedPicture:
             chart = uploaded_picture(pictures, name, key)
             self._picture.object = f'<div class="pair">{picture_gallery(chart)}</div>'
             self._take.show(chart)
+            if result is self._result():  # not of a study that a newer one has replaced meanwhile
+                self._session.keep("sar", replace(result, uploaded=chart))
         finally:
             self._session.running = False
 

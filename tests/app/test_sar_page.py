@@ -13,10 +13,12 @@ import pytest
 import app.pages.sar_upload as sar_upload
 import app.sar_run as sar_run
 from app.charts.description import to_csv
+from app.charts.in_print import to_svg
 from app.charts.sar import gnss_winner_chart
 from app.cli import main
 from app.pages.sar import SarPage
 from app.pictures import gallery
+from app.report.studies.sar import sections
 from app.sar_run import Progress, SarResult, SarRun
 from app.server import first_design
 from app.state import Session
@@ -132,7 +134,9 @@ def test_the_map_has_the_design_the_catalogue_and_the_limit(session: Session) ->
     assert np.isnan(gnss_winner_chart(session.budget).contour.x).all()
 
 
-def test_an_upload_is_refused_by_name_and_formed_when_it_is_good(sar: SarPage) -> None:
+def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_report(
+    sar: SarPage, session: Session
+) -> None:
     upload = sar._upload
     asyncio.run(upload._opened(_event(upload, "mine.npz", b"junk")))
     assert "Run the strategies first" in upload._picture.object
@@ -145,6 +149,10 @@ def test_an_upload_is_refused_by_name_and_formed_when_it_is_good(sar: SarPage) -
     assert upload._picture.object.count("<figure") == 2
     assert "without navigation error" in upload._picture.object
     assert upload._take.view.visible
+    kept = session.findings["sar"]
+    (images,) = (part for part in sections(kept, "d") if part.title == "SAR: images")
+    assert [block.chart.key for block in images.blocks] == ["sar-point", "sar-scene", "sar-phase-history"]
+    assert "point.npz" in to_svg(images.blocks[-1].chart)
 
     async def widen() -> None:  # inside a loop: outside, the framework would make one of its own and leave it
         upload._half.value = "wide"

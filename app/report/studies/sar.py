@@ -71,6 +71,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
             (
                 chart_block(charts.point_picture(result.points), key),
                 chart_block(charts.scene_picture(result.scene), key),
+                *(() if result.uploaded is None else (chart_block(result.uploaded, key),)),
             ),
         ),
         Section(
