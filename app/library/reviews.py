@@ -101,6 +101,15 @@ class Review:
             if self.standing(item.place, check.name) is None
         ]
 
+    def rejected(self) -> list[tuple[int, Check]]:
+        """Requirements whose decision in force is no, with the item's place."""
+        return [
+            (item.place, check)
+            for item, revision in zip(self.items, self.revisions, strict=True)
+            for check in revision.budget().verdict.checks
+            if (decision := self.standing(item.place, check.name)) is not None and not decision.accepted
+        ]
+
 
 def open_review(library: Library, title: str, author: str, keys: Sequence[str]) -> Review:
     """Freeze revisions, by key, into a new review.

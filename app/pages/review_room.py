@@ -31,6 +31,7 @@ from app.report.audit import (
     audit_table,
     comment_table,
     decision_table,
+    overview_table,
     status_table,
     subject_label,
 )
@@ -145,9 +146,17 @@ class ReviewRoom:
             options[f"{shortened(review.title, 60)} ({state}, {review.opened[:10]}, {review.id[:4]})"] = review.id
         if self._choice.options != options:
             self._choice.options = options
+        if self._review is None:
+            self._status.object = table_html(overview_table(reviews)) + _EMPTY if reviews else _EMPTY
 
     def _chosen(self, event: object) -> None:
-        if self._choice.value and (self._review is None or self._choice.value != self._review.id):
+        if not self._choice.value and self._review is not None:
+            self._review, self._slide.object = None, ""
+            self._decide.visible = self._talk.visible = False
+            for report in self._reports:
+                report.visible = False
+            self._list()
+        elif self._choice.value and (self._review is None or self._choice.value != self._review.id):
             self.open(self._choice.value)
 
     async def _begin(self) -> None:
@@ -305,14 +314,8 @@ def _headline(review: Review) -> str:
         css, mark, word = "closes", "✓", f"Signed off by {review.signed_by}"
     else:
         css, mark, word = "open", "–", f"Open, {left} to decide" if left else "Open, all decided: can be signed"
-    rejected = sum(
-        not standing.accepted
-        for item, revision in zip(review.items, review.revisions, strict=True)
-        for check in revision.budget().verdict.checks
-        if (standing := review.standing(item.place, check.name)) is not None
-    )
     return (
         f'<div class="strip {css}"><h2>{escape(review.title)}</h2><p><span aria-hidden="true">{mark}</span> '
-        f"<b>{escape(word)}</b></p><p>{len(review.items)} designs, {rejected} requirements rejected, "
+        f"<b>{escape(word)}</b></p><p>{len(review.items)} designs, {len(review.rejected())} requirements rejected, "
         f"{len(review.comments)} comments</p></div>"
     )

@@ -18,6 +18,7 @@ from app.library.reviews import (
     sign,
 )
 from app.library.store import Conflict, Library
+from app.report.audit import overview_table
 from nav_model.budget import Budget
 from nav_model.inputs import DesignError
 
@@ -146,3 +147,17 @@ def test_two_reviewers_at_once_lose_no_comment(library: Library, review: Review)
         (a, str(i)) for a in ("Bob", "Eve") for i in range(10)
     )
     assert [c.number for c in said] == list(range(1, 21))
+
+
+def test_the_overview_counts_what_is_open_decided_rejected_and_signed(library: Library, review: Review) -> None:
+    open_points = len(review.open_points())
+    (row,) = overview_table([review]).rows
+    assert [cell.text for cell in row[1:6]] == ["open", "2", str(open_points), "0", "0"]
+    review = add_comment(library, review.id, 1, "", "Bob", "late")
+    review = _decided(library, review)  # what is not met is rejected
+    failed = sum(not check.met for revision in review.revisions for check in revision.budget().verdict.checks)
+    (row,) = overview_table([review]).rows
+    assert failed > 0
+    assert [cell.text for cell in row[1:6]] == ["open", "2", "0", str(failed), "1"]
+    review = sign(library, review.id, "Ann", review.version)
+    assert overview_table([review]).rows[0][1].text == "✓ signed off by Ann"
