@@ -87,6 +87,7 @@ def _slow_start() -> None:
     time.sleep(2.5)
 
 
+@pytest.mark.slow
 def test_a_compilation_is_told_as_it_goes_and_can_be_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(simulation_run, "warm_up", _slow_start)
     heard = _fly({"runs": 2, "duration": 10.0}, lambda run, news: None)
