@@ -67,6 +67,10 @@ def _to(page: Page, role: str, name: str, key: str = "Tab") -> None:
 def test_the_main_job_by_keyboard_alone(visit: Visit) -> None:
     page = visit()
     page.wait_for_function(_IDLE)
+    _to(page, "text", "Design")
+    page.keyboard.press("Control+A")
+    page.keyboard.type("By keyboard")
+    page.keyboard.press("Enter")
     _to(page, "text", "Angle random walk")
     page.keyboard.press("Control+A")
     page.keyboard.type("0.01 °/√h")
@@ -82,6 +86,7 @@ def test_the_main_job_by_keyboard_alone(visit: Visit) -> None:
     expect(page.get_by_role("status").filter(has_text="Saved: revision 1")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_charts_say_what_they_show(visit: Visit) -> None:
     page = visit()
     said = page.get_by_text("What the chart shows: Curves of position, 1σ in m")
@@ -89,7 +94,8 @@ def test_charts_say_what_they_show(visit: Visit) -> None:
     expect(said).to_contain_text("Limit on horizontal position")
 
 
-@pytest.mark.parametrize("dark", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.slow
 def test_the_page_prints_without_its_tools(visit: Visit, dark: bool) -> None:
     page = visit()
     expect(page.get_by_text("Regime: who rules").first).to_be_attached()

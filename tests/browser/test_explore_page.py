@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
@@ -41,6 +42,7 @@ def _cross(page: Page) -> list[float]:
     return [data["x"][0], data["y"][0]]
 
 
+@pytest.mark.slow
 def test_answer_first_then_a_slider_moves_it_and_the_cross(visit: Visit) -> None:
     page = _open(visit)
     answer = page.get_by_role("status").first
@@ -77,6 +79,7 @@ def test_click_on_the_map_adopts_the_point_clicked(visit: Visit) -> None:
     expect(page.get_by_label("Velocity random walk").first).to_have_value(f"{y:.3g} m/s/√h")
 
 
+@pytest.mark.slow
 def test_a_pair_is_found_chosen_and_adopted_by_keyboard(visit: Visit) -> None:
     page = _open(visit)
     page.get_by_label("Show only rows with these words").fill("closes carrier HG9900")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Page, expect
 
 Visit = Callable[..., Page]
@@ -17,6 +18,7 @@ def downloaded(page: Page) -> str:
     return Path(waiting.value.path()).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_runs_on_the_sar_page_are_in_the_report_while_the_design_stays(visit: Visit) -> None:
     page = visit()
     page.get_by_role("tab", name="SAR").click()

@@ -45,6 +45,7 @@ def test_a_real_phase_history_is_formed_twice(visit: Visit) -> None:
     expect(page.get_by_role("img", name="with that of 2 INS")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_every_part_is_accessible_and_pictures_are_taken_away(visit: Visit, tmp_path: Path) -> None:
     """Axe over the whole page with its results, in a phone's width; then the keyboard alone."""
     page = visit()

@@ -53,6 +53,7 @@ def flight(path: Path, **spoiled: str) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name(
     visit: Visit, tmp_path: Path
 ) -> None:

@@ -15,6 +15,7 @@ from playwright.sync_api import Page, expect
 Visit = Callable[..., Page]
 
 
+@pytest.mark.slow
 def test_first_answer_slider_exact_run_stars_file_and_phone(visit: Visit, tmp_path: Path) -> None:
     page = visit()
     page.get_by_role("tab", name="Suborbital").click()
