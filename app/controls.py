@@ -185,10 +185,9 @@ class QuantityControl:
     def _help(self, design: Design) -> None:
         said = (_origin(design, self.key, self._explained), self._full_help() if self._explained else "")
         text = self._error or " ".join(part for part in said if part)
-        if self.box.helper_text != text:
-            self.box.helper_text = text
-        if self.box.error_state != bool(self._error):
-            self.box.error_state = bool(self._error)
+        if (self.box.helper_text, self.box.error_state) != (text, bool(self._error)):
+            # In one message: a second one could undo what is typed between the two.
+            self.box.param.update(helper_text=text, error_state=bool(self._error))
 
     def _full_help(self) -> str:
         d = self._declaration

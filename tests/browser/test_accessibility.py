@@ -22,6 +22,7 @@ _FOCUSED = """() => {
 }"""
 
 
+@pytest.mark.slow
 def test_no_page_has_a_serious_finding_or_loses_anything_at_twice_the_zoom(
     visit: Visit, settled: Callable[[Page], None]
 ) -> None:

@@ -261,7 +261,6 @@ def test_phone_fits_and_the_design_is_a_drawer(visit: Visit) -> None:
     assert page.evaluate("() => document.documentElement.clientWidth") == 390
 
 
-@pytest.mark.slow
 def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit, settled: Callable[[Page], None]) -> None:
     page = visit()
     for title in ("Flight", "Coast", "Radar", "Requirements"):
