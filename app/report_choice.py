@@ -8,9 +8,9 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from app.chart_view import html_pane
 from app.report.studies import KINDS, belonging
 from app.state import Session
-from app.theme import SHEET
 
 
 class ReportChoice:
@@ -22,7 +22,7 @@ class ReportChoice:
         self._boxes = pmui.CheckBoxGroup(
             label="", options={}, value=[], inline=True, description="", size="small", margin=(0, 8)
         )
-        self._left = pn.pane.HTML("", stylesheets=[SHEET], margin=(0, 8))
+        self._left = html_pane("", margin=(0, 8))
         self.view = pn.FlexBox(self._boxes, self._left, align_items="center", visible=False, margin=0)
         self._boxes.param.watch(self._ticked, "value")
         session.param.watch(lambda _: self._follow(), ["findings", "budget"])
@@ -45,7 +45,8 @@ class ReportChoice:
             value = [kind for kind in offered.values() if kind not in self._unticked]
             self._boxes.param.update(options=offered, value=value, visible=bool(offered))
         left = [title for title, fit in fits.items() if not fit]
-        said = f"Not in the report, of another design: {', '.join(left)}." if left else ""
-        if self._left.object != said:
-            self._left.object = f'<span class="quiet">{escape(said)}</span>' if said else ""
+        said = f"Not in the report, of another design: {', '.join(left)}."
+        shown = f'<span class="quiet">{escape(said)}</span>' if left else ""
+        if self._left.object != shown:
+            self._left.object = shown
         self.view.visible = True

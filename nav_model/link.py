@@ -50,6 +50,22 @@ def split_link(query: str) -> tuple[str, str]:
     return "&".join(part for part in parts if not part.startswith(STUDY_PREFIX)), "&".join(study)
 
 
+def pairs_of(query: str) -> list[tuple[str, str]]:
+    """Keys and values of a link's query, in its order.
+
+    Raises
+    ------
+    DesignError
+        If it is too long or no query.
+    """
+    if len(query) > MAX_QUERY:
+        raise DesignError("link", f"longer than {MAX_QUERY} characters")
+    try:
+        return parse_qsl(query.removeprefix("?"), keep_blank_values=True, strict_parsing=True, errors="strict")
+    except (ValueError, UnicodeDecodeError) as error:
+        raise DesignError("link", "not a query of the form key=value&key=value") from error
+
+
 def from_query(query: str) -> Design:
     """The design a link's query describes.
 
@@ -58,12 +74,7 @@ def from_query(query: str) -> Design:
     DesignError
         Naming the key that is wrong; nothing of a wrong link is used.
     """
-    if len(query) > MAX_QUERY:
-        raise DesignError("link", f"longer than {MAX_QUERY} characters")
-    try:
-        pairs = parse_qsl(query.removeprefix("?"), keep_blank_values=True, strict_parsing=True, errors="strict")
-    except (ValueError, UnicodeDecodeError) as error:
-        raise DesignError("link", "not a query of the form key=value&key=value") from error
+    pairs = pairs_of(query)
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
     names = [short for short, _ in pairs]

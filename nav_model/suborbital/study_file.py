@@ -17,12 +17,12 @@ from __future__ import annotations
 import tomllib
 from dataclasses import dataclass, field
 from typing import Any
-from urllib.parse import parse_qsl, urlencode
+from urllib.parse import urlencode
 
 import tomli_w
 
 from nav_model.inputs import DesignError, shown
-from nav_model.link import MAX_QUERY, STUDY_PREFIX
+from nav_model.link import STUDY_PREFIX, pairs_of
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.setting import Value
 from nav_model.suborbital.settings import DEFAULTS, Settings
@@ -167,14 +167,8 @@ def from_link(query: str) -> Settings:
     DesignError
         Naming the key that is wrong; nothing of a wrong link is used.
     """
-    if len(query) > MAX_QUERY:
-        raise DesignError("link", f"longer than {MAX_QUERY} characters")
-    try:
-        pairs = parse_qsl(query, keep_blank_values=True, strict_parsing=True, errors="strict")
-    except (ValueError, UnicodeDecodeError) as error:
-        raise DesignError("link", "not a query of the form key=value&key=value") from error
     values: dict[str, Value] = {}
-    for name, text in pairs:
+    for name, text in pairs_of(query):
         key = name.removeprefix(STUDY_PREFIX)
         if key not in SETTINGS:
             raise DesignError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
