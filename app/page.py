@@ -22,6 +22,7 @@ from app.report.studies import study_sections
 from app.report.wording import chapter_key
 from app.report_choice import ReportChoice
 from app.select_keys import SelectKeys
+from app.serving.faults import tell_here
 from app.state import Session
 from app.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.tour import Tour
@@ -91,6 +92,7 @@ class Frame:
         self._tabs.param.watch(self._turned, "active")
         if pn.state.curdoc:
             fit_to_paper(pn.state.curdoc)
+            tell_here(self._say)
         if pn.state.location:
             # What stands behind # reaches the server from the page only, before the page can be changed.
             location = pn.state.location
@@ -103,7 +105,8 @@ class Frame:
             for control in self._controls:
                 if control.differs(event.old.design, budget.design):
                     control.show(budget.design)
-            self._pages[self._tabs.active].show(budget)
+            if page := self._pages.get(self._tabs.active):  # None where it could not be made
+                page.show(budget)
             self._follow_name(budget)
 
     def _present(self, event: Any) -> None:
@@ -113,12 +116,14 @@ class Frame:
             self._tools.visible = self._bar.visible = not event.new
 
     def _turned(self, event: Any) -> None:
-        if leave := getattr(self._pages[event.old], "leave", None):
+        if leave := getattr(self._pages.get(event.old), "leave", None):
             leave()
-        self._open_page(event.new)
-        self._pages[event.new].show(self.session.budget)
-        for index, place in enumerate(self._places):
-            place.visible = index == event.new
+        try:
+            self._open_page(event.new)
+            self._pages[event.new].show(self.session.budget)
+        finally:  # a page that could not be made leaves its place empty, not another's page under its name
+            for index, place in enumerate(self._places):
+                place.visible = index == event.new
         name, location = PAGES[event.new][0].lower(), pn.state.location
         if location and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
@@ -136,7 +141,7 @@ class Frame:
         for index, (name, _) in enumerate(PAGES):
             if name.lower() == wanted.lower():
                 self._tabs.active = index
-                go_to = getattr(self._pages[index], "go_to", None)
+                go_to = getattr(self._pages.get(index), "go_to", None)
                 if place and go_to:
                     go_to(place)
 

@@ -18,6 +18,7 @@ from app import workers
 from app.page import Frame, is_review_link
 from app.serving.access import provider_of
 from app.serving.collector import Collector, settle
+from app.serving.faults import caught
 from app.serving.handlers import Metrics, around, being_sent, close_door
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.rules import Rules
@@ -70,7 +71,7 @@ def serve(rules: Rules) -> None:
         If the rules contradict each other, or the address cannot be listened on.
     """
     rules.check()
-    pn.extension()
+    pn.extension(exception_handler=caught)
     set_up(rules.log)
     workers.use(rules.workers)
     began, running, metrics, collector = time.monotonic(), dict[str, Any](), Metrics(), Collector()

@@ -15,9 +15,14 @@ from sqlalchemy.exc import TimeoutError as PoolTimeout
 from nav_model.inputs import DesignError
 
 _WAIT = 15.0  # seconds a writer waits for another before it is told
-_PATIENCE = {"connect_timeout": 5, "tcp_user_timeout": 15_000, "options": "-c lock_timeout=15s"}
-"""Of PostgreSQL, as libpq takes them, unless the address says otherwise: a server that is out of reach must not hold
-up every page."""
+_POSTGRESQL = {
+    "connect_timeout": 5,
+    "tcp_user_timeout": 15_000,
+    "options": "-c lock_timeout=15s",
+    "client_encoding": "utf8",
+}
+"""As libpq takes them, unless the address says otherwise. A server that is out of reach must not hold up every page;
+and from a database without an encoding (SQL_ASCII) the driver would hand out bytes for text."""
 
 
 def engine_at(address: str | Path) -> Engine:
@@ -37,8 +42,8 @@ def engine_at(address: str | Path) -> Engine:
         elif url.drivername in ("postgres", "postgresql"):
             url = url.set(drivername="postgresql+psycopg")
         if url.get_backend_name() == "postgresql":
-            patience = {name: value for name, value in _PATIENCE.items() if name not in url.query}
-            return create_engine(url, pool_pre_ping=True, connect_args=patience)
+            arguments = {name: value for name, value in _POSTGRESQL.items() if name not in url.query}
+            return create_engine(url, pool_pre_ping=True, connect_args=arguments)
         if url.get_backend_name() != "sqlite" or not url.database or url.database == ":memory:":
             raise DesignError("library", "is neither the path of a file nor a sqlite or postgresql address")
         engine = create_engine(url, connect_args={"timeout": _WAIT})

@@ -83,9 +83,9 @@ def short(session_id: str) -> str:
 
 
 def request_done(handler: RequestHandler) -> None:
-    """Tornado's access log: everything as JSON, only failures as text."""
+    """Tornado's access log: everything as JSON but the page's own scripts and fonts, only failures as text."""
     request, status = handler.request, handler.get_status()
-    if request.path in {"/liveness", "/metrics"} and status < 400:
+    if request.path.startswith(("/liveness", "/metrics", "/static/")) and status < 400:
         return
     level = logging.ERROR if status >= 500 else logging.WARNING if status >= 400 else logging.INFO
     event(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.server
+import json
 import subprocess
 import sys
 import threading
@@ -145,3 +146,50 @@ def test_a_report_under_way_arrives_although_the_server_is_told_to_stop(page: Pa
         assert path is not None
         assert "</html>" in Path(path).read_text()
         assert process.wait(timeout=60) == 0
+
+
+_FAULTY = """
+import sys
+import app.page, app.pages.theory
+from app.cli import main
+
+class Broken:
+    def __init__(self, session):
+        raise RuntimeError("a secret of the design")
+
+async def broken(*_):
+    raise MemoryError("a secret of the design")
+
+app.pages.theory.TheoryPage, app.page.elsewhere = Broken, broken
+sys.exit(main(["serve", "--port", "0", "--log", "json", "--library", sys.argv[1]]))
+"""
+
+
+def test_a_fault_of_ours_is_told_with_its_number_in_the_log_and_the_page_goes_on(page: Page, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", _FAULTY, str(tmp_path / "library.db")]
+    log = tmp_path / "log"
+    with log.open("w") as stderr, subprocess.Popen(command, stdout=-1, stderr=stderr, text=True) as process:
+        assert process.stdout is not None
+        try:
+            page.goto(process.stdout.readline().split()[-1])
+            page.wait_for_function(_IDLE, timeout=60_000)
+            notice = page.get_by_role("alert").first
+            for kind, act in (
+                ("RuntimeError", page.get_by_role("tab", name="Theory", exact=True)),
+                ("MemoryError", page.get_by_role("button", name="HTML report")),
+            ):
+                act.click()
+                expect(notice).to_contain_text(f"Something failed in NavBudget ({kind})")
+                expect(notice).not_to_contain_text("secret")
+                number = notice.inner_text().rpartition("fault ")[2].strip(" .\n")
+                said = [json.loads(line) for line in log.read_text().splitlines()]
+                (told,) = [line for line in said if line.get("fault") == number]
+                assert (told["event"], told["exception"]) == ("fault", kind)
+            assert "secret" not in log.read_text()
+            page.get_by_role("tab", name="Budget", exact=True).click()
+            slider = page.get_by_role("slider", name="Angle random walk")
+            slider.press("ArrowRight")
+            expect(page.get_by_role("button", name="Undo")).to_be_enabled()
+        finally:
+            process.terminate()
+            assert process.wait(timeout=30) == 0

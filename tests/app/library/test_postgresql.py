@@ -227,3 +227,17 @@ def test_a_server_that_is_not_there_is_said_without_its_password() -> None:
     with pytest.raises(DesignError, match="cannot be opened") as refused:
         Library("postgresql://nav:sesame@127.0.0.1:9/x?connect_timeout=2")
     assert "sesame" not in str(refused.value)
+
+
+def test_a_database_without_an_encoding_keeps_text(shared: Library, server: str, mems: Budget) -> None:
+    """As `initdb` makes one where no locale is set."""
+    with shared.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+        connection.execute(text("CREATE DATABASE plain ENCODING 'SQL_ASCII' LOCALE 'C' TEMPLATE template0"))
+    library = Library(server.replace("/postgres", "/plain"))
+    try:
+        library.save(mems, "Zoë 🛰️")
+        assert library.designs("zoë")[0].author == "Zoë 🛰️"
+    finally:
+        library.close()
+        with shared.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+            connection.execute(text("DROP DATABASE plain"))
