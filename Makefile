@@ -3,7 +3,7 @@ PYTHON ?= python3
 PORT ?= 5006
 BIN := .venv/bin
 
-.PHONY: run test test-slow validation bench load lint browser postgresql clean
+.PHONY: run test test-slow validation bench load lint browser postgresql nginx clean
 .DEFAULT_GOAL := run
 
 .venv/.runtime: pyproject.toml
@@ -30,6 +30,12 @@ postgresql:
 	  sudo=$$(test "$$(id -u)" = 0 || echo sudo); \
 	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends postgresql; }
 
+# The proxy's file in deploy/ is tested in a real nginx.
+nginx:
+	@test -x /usr/sbin/nginx || command -v nginx >/dev/null || { \
+	  sudo=$$(test "$$(id -u)" = 0 || echo sudo); \
+	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends nginx; }
+
 lint: .venv/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -37,11 +43,11 @@ lint: .venv/.test
 	$(BIN)/lint-imports
 	$(BIN)/hadolint Dockerfile
 
-test: .venv/.test browser postgresql lint
+test: .venv/.test browser postgresql nginx lint
 	$(BIN)/python -m pytest -n 2 --dist loadfile -p no:benchmark --ignore tests/browser
 	$(BIN)/python -m pytest -n 2 --dist load -p no:benchmark tests/browser
 
-test-slow: .venv/.test browser postgresql
+test-slow: .venv/.test browser postgresql nginx
 	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark --ignore tests/browser
 	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark tests/browser
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import http.client
 import json
+import os
 import re
 import shutil
 import socket
@@ -66,8 +67,12 @@ def test_the_image_starts_with_options_the_program_takes(capsys: pytest.CaptureF
 
 
 @contextmanager
-def _proxy(folder: Path, *upstream: int) -> Iterator[tuple[int, int]]:
-    """nginx with the file of deploy/, its names and ports made those of this machine: https and http port."""
+def _proxy(folder: Path, upstream: int, *addresses: str) -> Iterator[tuple[int, int]]:
+    """nginx with the file of deploy/, its names and ports made those of this machine: https and http port.
+
+    The name ``navbudget`` has several addresses, as where compose runs several containers of one service. Names are
+    looked up in a hosts file of our own, which only nginx sees.
+    """
     with socket.socket() as one, socket.socket() as two:
         one.bind(("127.0.0.1", 0))
         two.bind(("127.0.0.1", 0))
@@ -81,7 +86,7 @@ def _proxy(folder: Path, *upstream: int) -> Iterator[tuple[int, int]]:
     for ours, theirs in (
         ("listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
         ("listen 80", f"listen 127.0.0.1:{plain}"),
-        ("server navbudget:5006;", "".join(f"server 127.0.0.1:{port};" for port in upstream)),
+        ("server navbudget:5006;", f"server navbudget:{upstream};"),
         ("/etc/nginx/tls", str(folder)),
         ("navbudget.example.org", "localhost"),
     ):
@@ -94,7 +99,10 @@ def _proxy(folder: Path, *upstream: int) -> Iterator[tuple[int, int]]:
     (folder / "nginx.conf").write_text(
         f"daemon off; pid {folder}/pid; error_log stderr; events {{}} http {{ {paths} include {folder}/site.conf; }}"
     )
-    command = [str(_NGINX), "-c", str(folder / "nginx.conf"), "-p", str(folder)]
+    (folder / "hosts").write_text("".join(f"{address} navbudget\n" for address in addresses))
+    apart = ["unshare", "--mount", *([] if os.geteuid() == 0 else ["--map-root-user"]), "sh", "-c",
+             'mount --bind "$0" /etc/hosts && exec "$@"', folder / "hosts"]  # fmt: skip
+    command = [*apart, str(_NGINX), "-c", str(folder / "nginx.conf"), "-p", str(folder)]
     subprocess.run([*command, "-t"], check=True, capture_output=True)
     with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
         try:
@@ -115,8 +123,8 @@ def _cookies(jar: dict[str, str]) -> str:
     return "; ".join(f"{name}={value}" for name, value in jar.items())
 
 
-@pytest.mark.skipif(_NGINX is None, reason="no nginx on this machine (apt-get install nginx)")
 def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> None:
+    assert _NGINX, "no nginx: `make test` installs it (`make nginx`)"
     trusting = ssl.create_default_context()
     trusting.check_hostname, trusting.verify_mode = False, ssl.CERT_NONE
     (tmp_path / "cookie").write_text("c" * 48)
@@ -124,8 +132,8 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
                "--behind-proxy", "--allow-origin", "localhost", "--log", "json"]  # fmt: skip
     with (
         serving(*options, log=tmp_path / "one") as served,
-        serving(*options, log=tmp_path / "two") as other,
-        _proxy(tmp_path, served.port, other.port) as (port, plain),
+        serving(*options, "--address", "127.0.0.2", "--port", str(served.port), log=tmp_path / "two"),
+        _proxy(tmp_path, served.port, "127.0.0.1", "127.0.0.2") as (port, plain),
     ):
         jar: dict[str, str] = {}
 
