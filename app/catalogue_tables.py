@@ -70,7 +70,7 @@ def _cell(item: SourcedValue | None, dimension: str, unit: str) -> str:
     small += [escape(item.kind)] if item.kind else []
     if not item.confirmed:
         small.append(f'<span class="{_MARKS[item.status]}">⚠ {item.status}</span>')
-    fine = f'<br><span class="quiet">{", ".join(small)}</span>' if small else ""
+    fine = f'<br><span class="quiet">{"<br>".join(small)}</span>' if small else ""
     return f'<td class="num" data-sort="{item.value!r}">{number}{fine}</td>'
 
 

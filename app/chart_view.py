@@ -98,7 +98,7 @@ def _heading(chart: AnyChart) -> str:
 
 
 def _labels(chart: AnyChart) -> tuple[str, str]:
-    return f"{chart.title}: data (CSV)", f"{chart.title}: picture (SVG)"
+    return f"{chart.title}: CSV", f"{chart.title}: SVG"
 
 
 def _know(chart: AnyChart) -> str:

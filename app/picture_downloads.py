@@ -25,9 +25,9 @@ class PictureDownloads:
                 callback=make, filename=f"{key}.{suffix}", label=f"{title}: {what}", icon="download", **look
             )
             for make, suffix, what in (
-                (self._npz, "npz", "data (NPZ)"),
-                (self._csv, "csv", "data (CSV)"),
-                (self._svg, "svg", "picture (SVG)"),
+                (self._npz, "npz", "NPZ"),
+                (self._csv, "csv", "CSV"),
+                (self._svg, "svg", "SVG"),
             )
         ]
         self.view = pn.FlexBox(*links, visible=False, sizing_mode="stretch_width", margin=(0, 4))

@@ -1,6 +1,6 @@
 """A table that is sorted by pressing its headings, in the browser: no message to the server, no library.
 
-A row is chosen by its radio button, where the table has any.
+A row is chosen by its radio button, or by a button in it, where the table has any.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from app.theme import SHEET
 _SORTING = """
 th button { all: unset; cursor: pointer; font-weight: 500; }
 th button:focus-visible { outline: 2px solid; outline-offset: 2px; border-radius: 2px; }
-th button::after { content: " ↕"; opacity: .45; }
+thead button::after { content: " ↕"; opacity: .45; }
+tbody button { text-decoration: underline; text-underline-offset: 2px; }
 th[aria-sort="ascending"] button::after { content: " ↑"; opacity: 1; }
 th[aria-sort="descending"] button::after { content: " ↓"; opacity: 1; }
 """
@@ -30,7 +31,7 @@ class SortableTable(JSComponent):
     """
 
     html = param.String(default="", doc="Already escaped.")
-    chosen = param.String(default="", doc="Value of the radio button that is on, if any.")
+    chosen = param.String(default="", doc="Value of the radio button that is on, or of the button last pressed.")
 
     _stylesheets: ClassVar[list[str]] = [SHEET, _SORTING]
 
@@ -79,6 +80,10 @@ export function render({ model }) {
     radio.checked = radio.value === model.chosen
   })
   place.addEventListener("change", (event) => { model.chosen = event.target.value })
+  place.addEventListener("click", (event) => {
+    const button = event.target.closest("tbody button")
+    if (button) model.chosen = button.value
+  })
   model.on("html", draw)
   model.on("chosen", choose)
   draw()

@@ -98,6 +98,8 @@ table.checks td.num, table.checks th.num { text-align: right; padding-right: 18p
 table.checks caption { text-align: left; font-weight: 600; padding: 10px 0 4px; }
 table.checks td, table.checks th { overflow-wrap: break-word; }
 table.checks td { min-width: 8ch; }
+table.checks label { display: flex; align-items: center; gap: 6px; }
+table.checks label input { margin: 0; flex: none; }
 table.checks th[scope="row"] { min-width: 14ch; max-width: 60ch; }
 .scroll { overflow-x: auto; }
 .scroll.tall { max-height: 420px; overflow-y: auto; }

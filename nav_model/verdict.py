@@ -57,6 +57,26 @@ class _Figure:
     shares: Mapping[str, float]
 
 
+CHECKS: Mapping[str, str] = {
+    "quadratic_phase": "quadratic_phase",
+    "along_track_quadratic_phase": "quadratic_phase",
+    "detrended_phase": "detrended_phase",
+    "horizontal_position": "horizontal_position",
+    "vertical_position": "vertical_position",
+    "horizontal_velocity": "horizontal_velocity",
+    "vertical_velocity": "vertical_velocity",
+    "tilt": "tilt",
+    "coast_horizontal_position": "coast_horizontal_position",
+    "coast_vertical_position": "coast_vertical_position",
+}
+"""Every check there can be, in the order of a verdict -> the requirement whose limit it is held against."""
+
+
+def checked(design: Design) -> tuple[str, ...]:
+    """Names of the checks a design's requirements ask for, in the order of its verdict; nothing is worked out."""
+    return tuple(name for name, key in CHECKS.items() if getattr(design.requirements, key) is not None)
+
+
 def judge(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> Verdict:
     """Check every requirement that is given.
 
@@ -65,12 +85,11 @@ def judge(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> 
     the along-track term [S-2] as well, which has a check of its own because other sensors answer for it.
     """
     confidence = design.requirements.confidence
+    figures = _figures(design, steady_state, coast, sar)
     checks = []
-    for name, figure in _figures(design, steady_state, coast, sar).items():
-        limit_key = "quadratic_phase" if name == "along_track_quadratic_phase" else name
+    for name in checked(design):
+        figure, limit_key = figures[name], CHECKS[name]
         limit = getattr(design.requirements, limit_key)
-        if limit is None:
-            continue
         declaration = design.requirements.param[limit_key]
         value = confidence * figure.sigma
         margin = 1 - value / limit

@@ -10,25 +10,23 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from typing import Any
 
 from sqlalchemy import Connection, text
 
-from app.library.store import Conflict, Library, Revision, find, new_id, now
+from app.library.store import Conflict, Library, Revision, as_revision, find, new_id, now
 from app.library.texts import clean
 from nav_model.inputs import DesignError
 from nav_model.parts import all_keys
-from nav_model.verdict import Check
+from nav_model.verdict import CHECKS
 
 MAX_ITEMS = 6
 """The most revisions one review, or one comparison, takes: what fits side by side."""
-RESULTS = (
-    "quadratic_phase", "along_track_quadratic_phase", "detrended_phase", "horizontal_position", "vertical_position",
-    "horizontal_velocity", "vertical_velocity", "tilt", "coast_horizontal_position", "coast_vertical_position",
-)  # fmt: skip
+RESULTS = tuple(CHECKS)
 """Names of the results that a comment or a decision can be about."""
 
 
@@ -92,23 +90,21 @@ class Review:
         own = [d for d in self.decisions if (d.place, d.requirement) == (place, requirement)]
         return own[-1] if own else None
 
-    def open_points(self) -> list[tuple[int, Check]]:
-        """Requirements nobody has decided on yet, with the item's place."""
+    def points(self) -> list[tuple[int, str]]:
+        """Everything to decide on: an item's place and a requirement's name."""
         return [
-            (item.place, check)
+            (item.place, name)
             for item, revision in zip(self.items, self.revisions, strict=True)
-            for check in revision.budget().verdict.checks
-            if self.standing(item.place, check.name) is None
+            for name in revision.checks()
         ]
 
-    def rejected(self) -> list[tuple[int, Check]]:
-        """Requirements whose decision in force is no, with the item's place."""
-        return [
-            (item.place, check)
-            for item, revision in zip(self.items, self.revisions, strict=True)
-            for check in revision.budget().verdict.checks
-            if (decision := self.standing(item.place, check.name)) is not None and not decision.accepted
-        ]
+    def open_points(self) -> list[tuple[int, str]]:
+        """Those of `points` nobody has decided on yet."""
+        return [point for point in self.points() if self.standing(*point) is None]
+
+    def rejected(self) -> list[tuple[int, str]]:
+        """Those of `points` whose decision in force is no."""
+        return [point for point in self.points() if (made := self.standing(*point)) is not None and not made.accepted]
 
 
 def open_review(library: Library, title: str, author: str, keys: Sequence[str]) -> Review:
@@ -142,8 +138,26 @@ def open_review(library: Library, title: str, author: str, keys: Sequence[str]) 
 def list_reviews(library: Library) -> tuple[Review, ...]:
     """Every review, latest first."""
     with library.read() as connection:
-        ids = connection.execute(text("SELECT id FROM reviews ORDER BY opened DESC, id")).scalars().all()
-        return tuple(_load(connection, review) for review in ids)
+
+        def rows(query: str) -> dict[str, list[dict[str, Any]]]:
+            found: dict[str, list[dict[str, Any]]] = defaultdict(list)
+            for row in connection.execute(text(query)).mappings():
+                found[row["review"]].append(dict(row))
+            return found
+
+        heads = connection.execute(text("SELECT * FROM reviews ORDER BY opened DESC, id")).mappings().all()
+        items = rows("SELECT * FROM review_items ORDER BY place")
+        comments = rows("SELECT * FROM review_comments ORDER BY number")
+        decisions = rows("SELECT * FROM review_decisions ORDER BY number")
+        frozen = text(
+            "SELECT * FROM revisions AS r WHERE EXISTS"
+            " (SELECT 1 FROM review_items AS i WHERE i.design = r.design AND i.number = r.number)"
+        )
+        revisions = {own.key: own for own in map(as_revision, connection.execute(frozen).mappings())}
+        return tuple(
+            _assembled(dict(head), items[head["id"]], comments[head["id"]], decisions[head["id"]], revisions)
+            for head in heads
+        )
 
 
 def load_review(library: Library, review: str) -> Review:
@@ -214,7 +228,8 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
             raise DesignError("review", "what it froze is not what the library holds; it cannot be signed")
         left = now_there.open_points()
         if left:
-            raise DesignError("review", f"{len(left)} requirements are not decided, the first: {left[0][1].label}")
+            first = left[0][1].replace("_", " ")
+            raise DesignError("review", f"{len(left)} requirements are not decided, the first: {first}")
         moment = now()
         connection.execute(
             text("UPDATE reviews SET signed_by = :signer, signed = :moment WHERE id = :review"),
@@ -268,21 +283,35 @@ def _load(connection: Connection, review: str) -> Review:
     heads = [] if "\0" in review else rows("SELECT * FROM reviews WHERE id = :review")
     if not heads:
         raise DesignError("review", f"{review[:60]!r} is not in the library")
-    items = tuple(
-        Item(row["place"], f"{row['design']}.{row['number']}", row["content_hash"], row["text_hash"])
-        for row in rows("SELECT * FROM review_items WHERE review = :review ORDER BY place")
-    )
+    items = rows("SELECT * FROM review_items WHERE review = :review ORDER BY place")
     comments = rows("SELECT * FROM review_comments WHERE review = :review ORDER BY number")
     decisions = rows("SELECT * FROM review_decisions WHERE review = :review ORDER BY number")
-    for row in (*comments, *decisions):
+    revisions = {key: find(connection, key) for key in map(_key, items)}
+    return _assembled(heads[0], items, comments, decisions, revisions)
+
+
+def _key(item: Mapping[str, Any]) -> str:
+    return f"{item['design']}.{item['number']}"
+
+
+def _assembled(
+    head: dict[str, Any],
+    item_rows: Sequence[Mapping[str, Any]],
+    comment_rows: Sequence[dict[str, Any]],
+    decision_rows: Sequence[dict[str, Any]],
+    found: Mapping[str, Revision],
+) -> Review:
+    """A review of its rows, in the order they count, and the revisions its items name."""
+    items = tuple(Item(row["place"], _key(row), row["content_hash"], row["text_hash"]) for row in item_rows)
+    revisions = tuple(found[item.key] for item in items)
+    for row in (*comment_rows, *decision_rows):
         del row["review"]
-    revisions = tuple(find(connection, item.key) for item in items)
     loaded = Review(
-        **heads[0],
+        **head,
         items=items,
         revisions=revisions,
-        comments=tuple(Comment(**row) for row in comments),
-        decisions=tuple(Decision(**{**row, "accepted": bool(row["accepted"])}) for row in decisions),
+        comments=tuple(Comment(**row) for row in comment_rows),
+        decisions=tuple(Decision(**{**row, "accepted": bool(row["accepted"])}) for row in decision_rows),
         intact=all(
             item.text_hash == _sha256(revision.text) and item.content_hash == revision.content_hash
             for item, revision in zip(items, revisions, strict=True)

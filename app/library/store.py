@@ -7,6 +7,7 @@ FULL). Two people who save the same design are told apart by the revision each s
 
 from __future__ import annotations
 
+import functools
 import secrets
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -25,6 +26,7 @@ from app.report.wording import verdict_of
 from nav_model.budget import Budget, analyse
 from nav_model.design_file import format_design, parse_design
 from nav_model.inputs import DesignError
+from nav_model.verdict import checked
 
 
 class Conflict(DesignError):
@@ -75,7 +77,22 @@ class Revision:
 
     def budget(self) -> Budget:
         """The revision worked out by this version of the program."""
-        return analyse(parse_design(self.text, f"revision {self.number} of {self.name!r}"))
+        return _worked_out(self.text, f"revision {self.number} of {self.name!r}")
+
+    def checks(self) -> tuple[str, ...]:
+        """Names of the requirements its verdict holds it against, without working it out."""
+        return _checks(self.text, f"revision {self.number} of {self.name!r}")
+
+
+# A revision never changes, and one review asks for its budget a dozen times, a list of reviews for all their checks.
+@functools.lru_cache(maxsize=64)
+def _worked_out(content: str, where: str) -> Budget:
+    return analyse(parse_design(content, where))
+
+
+@functools.lru_cache(maxsize=4096)
+def _checks(content: str, where: str) -> tuple[str, ...]:
+    return checked(parse_design(content, where))
 
 
 class Library:
@@ -203,7 +220,7 @@ class Library:
         with self.read() as connection:
             _existing(connection, design)
             query = text("SELECT * FROM revisions WHERE design = :design ORDER BY number DESC")
-            return tuple(_as_revision(row) for row in connection.execute(query, {"design": design}).mappings())
+            return tuple(as_revision(row) for row in connection.execute(query, {"design": design}).mappings())
 
     def revision(self, key: str) -> Revision:
         """One revision by its key, such as ``0123456789abcdef.3``.
@@ -242,7 +259,7 @@ def find(connection: Connection, key: str) -> Revision:
         row = connection.execute(query, {"design": design, "number": int(number)}).mappings().first()
     if row is None:
         raise DesignError("library", f"has no revision {key[:60]!r}")
-    return _as_revision(row)
+    return as_revision(row)
 
 
 def put_tags(connection: Connection, design: str, tags: Iterable[str]) -> None:
@@ -339,13 +356,14 @@ def _holds(words: Sequence[str], texts: Sequence[str]) -> bool:
     return all(word in all_text for word in words)
 
 
-def _as_revision(row: Mapping[str, Any]) -> Revision:
+def as_revision(row: Mapping[str, Any]) -> Revision:
+    """A row of the table of revisions."""
     closes = None if row["closes"] is None else bool(row["closes"])
     return Revision(**{**{name: row[name] for name in Revision.__dataclass_fields__}, "closes": closes})
 
 
 def _saved(row: Mapping[str, Any], tags: Sequence[str]) -> Saved:
-    latest = _as_revision(row)
+    latest = as_revision(row)
     return Saved(
         latest.design, latest.name, latest.number, bool(row["archived"]), tuple(tags), latest.author, latest.saved,
         latest.closes, latest.verdict, latest.content_hash,

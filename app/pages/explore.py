@@ -98,7 +98,7 @@ class _RankPanel:
             self._figure,
             pn.Column(pn.pane.Bokeh(self._chart.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
             self._know,
-            download("Ranking: data (CSV)", "ranking.csv", self._csv),
+            download("Ranking: CSV", "ranking.csv", self._csv),
             styles=FRAME,
             sizing_mode="stretch_width",
             margin=0,

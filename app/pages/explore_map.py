@@ -63,7 +63,7 @@ class MapPanel:
             self._said,
             self._place,
             self._know,
-            download("Map: data (CSV)", "map.csv", self._csv),
+            download("Map: CSV", "map.csv", self._csv),
             styles=FRAME,
             sizing_mode="stretch_width",
             margin=0,

@@ -80,7 +80,7 @@ class SearchPanel:
             pn.FlexBox(
                 self._adopt, self._file,
                 download("An example of such a file", "sensors.toml", lambda: io.BytesIO(EXAMPLE.encode())),
-                download("Search: data (CSV)", "search.csv", self._csv),
+                download("Search: CSV", "search.csv", self._csv),
                 sizing_mode="stretch_width",
             ),
             self._said,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from urllib.parse import parse_qs
 
 import panel as pn
 import param
 
-from app.library.place import library
 from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
 from app.pages.review_compare import CompareView
@@ -41,6 +41,7 @@ class ReviewPage:
         session.param.watch(self._present, "presenting")
         self._tabs.param.watch(self._turned, "active")
         self.view = pn.Column(self._desk.author, self._desk.notice, self._tabs, sizing_mode="stretch_width")
+        pn.state.execute(self._library.refresh)
         self._follow_link()
 
     def show(self, budget: Budget) -> None:
@@ -57,14 +58,14 @@ class ReviewPage:
     def _present(self, event: param.parameterized.Event) -> None:
         self._tabs.css_classes = ["presenting"] if event.new else []
 
-    def _turned(self, event: object) -> None:
+    async def _turned(self, event: object) -> None:
         """A turn brings what others have written meanwhile; what was said about another part goes."""
         if self._tabs.active != _COMPARE:
             self._desk.say("")
         if self._tabs.active == _LIBRARY:
-            self._library.refresh()
+            await self._library.refresh()
         elif self._tabs.active == _REVIEWS:
-            self._room.refresh()
+            await self._room.refresh()
 
     async def _compare(self) -> None:
         if await self._compared.show(self._desk.picked):
@@ -75,16 +76,16 @@ class ReviewPage:
         asked = parse_qs((pn.state.location.search if pn.state.location else "").lstrip("?"))
         if "compare" in asked:
             keys = [key for key in asked["compare"][0].split(",") if re.fullmatch(r"[0-9a-f]{16}\.\d{1,9}", key)]
-            try:
-                found = _revisions(library(), keys)
-            except DesignError as error:
-                self._desk.say(f"The link was not used. {error}", wrong=True)
-                return
-            self._desk.picked = found
-            pn.state.execute(self._compare)
+            pn.state.execute(partial(self._compare_linked, keys))
         elif "review" in asked:
             self._tabs.active = _REVIEWS
-            self._room.open(asked["review"][0])
+            pn.state.execute(partial(self._room.open, asked["review"][0]))
+
+    async def _compare_linked(self, keys: list[str]) -> None:
+        found = await self._desk.ask(lambda place: _revisions(place, keys), "The link was not used. ")
+        if found is not None:
+            self._desk.picked = found
+            await self._compare()
 
 
 def _revisions(place: Library, keys: list[str]) -> tuple[Revision, ...]:

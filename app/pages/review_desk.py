@@ -65,12 +65,13 @@ class Desk(param.Parameterized):
         said = f'<p><span aria-hidden="true">{mark}</span> {escape(message)}</p>'
         self._said.object = f'<div class="strip {css}" role="status">{said}</div>' if message else ""
 
-    async def ask(self, work: Callable[[Library], _T]) -> _T | None:
-        """Do something with the library outside the event loop; what is wrong is said, and None comes back."""
+    async def ask(self, work: Callable[[Library], _T], before: str = "") -> _T | None:
+        """Do something with the library outside the event loop, which must not wait for a database; what is wrong is
+        said, with ``before`` in front, and None comes back."""
         try:
             return await asyncio.to_thread(lambda: work(library()))
         except DesignError as error:
-            self.say(str(error), wrong=True)
+            self.say(f"{before}{error}", wrong=True)
             return None
 
     def pick(self, revision: Revision, wanted: bool) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from html import escape
 from typing import Any
@@ -24,6 +26,7 @@ from nav_model.inputs import DesignError
 
 _SHOWN = 25  # designs listed at once; a search narrows
 _ANY = "any tag"
+_OPENING = '<p class="quiet">Opening the library …</p>'
 _EMPTY = (
     "<p><b>No design saved yet.</b> Type your name, then <i>Save as new design</i>: what stands on the left is kept "
     "with its verdict, and every later save is a revision of it that can be compared and reviewed.</p>"
@@ -43,7 +46,8 @@ class LibraryView:
         self._search = pmui.TextInput(label="Search name, note, author, tag", width=260, **LOOK)
         self._tag = pmui.Select(label="Tag", options=[_ANY], value=_ANY, width=150, **LOOK)
         self._archived = pmui.Switch(label="Archived", description="", margin=(12, 8))
-        self._rows = pn.Column(sizing_mode="stretch_width", margin=(2, 0))
+        self._rows = pn.Column(html_pane(_OPENING), sizing_mode="stretch_width", margin=(2, 0))
+        self._asked: object = None
         self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
         self._bring = LimitedFileInput(
             lambda why: self._desk.say(f"Not imported. {why}", wrong=True),
@@ -80,12 +84,11 @@ class LibraryView:
             ),
             sizing_mode="stretch_width",
         )
-        self.refresh()
         self._say_picked()
         for field in (self._search, self._tag, self._archived):
-            field.param.watch(lambda _: self.refresh(), "value")
+            field.param.watch(self._look_again, "value")
         self._bring.param.watch(self._brought, "value")
-        desk.param.watch(lambda _: self.refresh(), "changed")
+        desk.param.watch(self._look_again, "changed")
         desk.param.watch(self._picks, "picked")
         desk.param.watch(self._based, "base")
 
@@ -96,34 +99,42 @@ class LibraryView:
 
         return run
 
+    async def _look_again(self, _: Any) -> None:
+        await self.refresh()
+
     # --- the list --------------------------------------------------------------------------------------
 
-    def refresh(self) -> None:
-        """List what the library holds now."""
+    async def refresh(self) -> None:
+        """List what the library holds now; where several ask at once, the last one's answer is shown."""
+        self._asked = asked = object()
         tag = "" if self._tag.value == _ANY else self._tag.value
-        self._ticks = {}
+        search, archived, unfolded = self._search.value or "", self._archived.value, frozenset(self._open_designs)
         try:
-            place = library()
-            found = place.designs(self._search.value or "", tag, archived=self._archived.value)
-            rows: list[Any] = []
-            for saved in found[:_SHOWN]:
-                rows += self._design_rows(place, saved)
-            options = [_ANY, *place.tags()]
+            listing: _Listing | DesignError = await asyncio.to_thread(
+                lambda: _listing(library(), search, tag, archived, unfolded)
+            )
         except DesignError as error:
-            self._rows.objects = [html_pane(f"<p>The library is not at hand. {escape(str(error))}</p>")]
+            listing = error
+        if self._asked is not asked:
             return
-        if not found:
-            nothing = self._search.value or tag or self._archived.value
-            rows = [html_pane("<p>No design matches.</p>" if nothing else _EMPTY)]
-        if len(found) > _SHOWN:
-            rows.append(html_pane(f"<p class='quiet'>{_SHOWN} of {len(found)} designs; search to narrow.</p>"))
+        if isinstance(listing, DesignError):
+            self._rows.objects = [html_pane(f"<p>The library is not at hand. {escape(str(listing))}</p>")]
+            return
+        self._ticks = {}
+        rows = [row for saved in listing.found[:_SHOWN] for row in self._design_rows(saved, listing.histories)]
+        if not listing.found:
+            rows = [html_pane("<p>No design matches.</p>" if search or tag or archived else _EMPTY)]
+        if len(listing.found) > _SHOWN:
+            rows.append(
+                html_pane(f"<p class='quiet'>{_SHOWN} of {len(listing.found)} designs; search to narrow.</p>")
+            )
         self._rows.objects = rows
-        if self._tag.options != options:
-            self._tag.options = options
+        if self._tag.options != [_ANY, *listing.tags]:
+            self._tag.options = [_ANY, *listing.tags]
 
-    def _design_rows(self, place: Library, saved: Saved) -> list[Any]:
+    def _design_rows(self, saved: Saved, histories: Mapping[str, tuple[Revision, ...]]) -> list[Any]:
         many = saved.number > 1
-        shown = saved.id in self._open_designs
+        shown = saved.id in histories
         history = button(
             f"{'Hide' if shown else 'Show'} {saved.number} revisions" if many else "1 revision",
             partial(self._toggle, saved.id), variant="text", disabled=not many, margin=(0, 4), width=150,
@@ -135,7 +146,7 @@ class LibraryView:
         if shown and many:
             rows += [
                 self._row(r.key, f"Revision {r.number}: {shortened(r.name, 44)}", _revision_cells(r), None, indent=28)
-                for r in place.revisions(saved.id)
+                for r in histories[saved.id]
             ]
         return rows
 
@@ -159,7 +170,7 @@ class LibraryView:
 
     async def _toggle(self, design: str) -> None:
         self._open_designs ^= {design}
-        self.refresh()
+        await self.refresh()
 
     # --- the picked ones -------------------------------------------------------------------------------
 
@@ -273,6 +284,21 @@ class LibraryView:
                 f"Imported {done.designs} designs, {done.revisions} revisions; {done.known} were here already."
             )
             self._desk.changed += 1
+
+
+@dataclass(frozen=True)
+class _Listing:
+    """What a look into the library brings: designs, all tags, and the histories that are unfolded."""
+
+    found: tuple[Saved, ...]
+    tags: tuple[str, ...]
+    histories: Mapping[str, tuple[Revision, ...]]
+
+
+def _listing(place: Library, search: str, tag: str, archived: bool, unfolded: frozenset[str]) -> _Listing:
+    found = place.designs(search, tag, archived=archived)
+    shown = [saved.id for saved in found[:_SHOWN] if saved.id in unfolded]
+    return _Listing(found, place.tags(), {design: place.revisions(design) for design in shown})
 
 
 _RULE = {"border-bottom": "1px solid color-mix(in srgb, currentColor 12%, transparent)"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import io
 from collections.abc import Callable
@@ -12,7 +13,6 @@ import panel_material_ui as pmui
 import param
 
 from app.chart_view import html_pane
-from app.library.place import library
 from app.library.reviews import (
     RESULTS,
     Review,
@@ -25,20 +25,20 @@ from app.library.reviews import (
 )
 from app.library.store import Library
 from app.pages.review_desk import BUTTON, LOOK, Desk, button
+from app.pages.review_overview import overview
 from app.report import report_of_texts
 from app.report.audit import (
     audit_sections,
     audit_table,
     comment_table,
     decision_table,
-    overview_table,
     status_table,
     subject_label,
 )
 from app.report.wording import requirement_quantity, shortened, signed_percent
+from app.sortable_table import SortableTable
 from app.tables import table_html
 from app.workers import elsewhere
-from nav_model.inputs import DesignError
 from nav_model.parts import INPUTS
 from nav_model.verdict import Check
 
@@ -69,6 +69,7 @@ class ReviewRoom:
         self._subject = pmui.Select(label="Comment on", options=_SUBJECTS, value="", width=240, **LOOK)
         self._comment = pmui.TextAreaInput(label="Comment", max_length=4000, rows=2, width=330, **LOOK)
         self._slide = html_pane("")
+        self._all = SortableTable(visible=False, sizing_mode="stretch_width", margin=(4, 10))
         self._status = html_pane(_EMPTY)
         self._reports = [
             pmui.FileDownload(
@@ -78,6 +79,7 @@ class ReviewRoom:
             for kind in ("html", "pdf")
         ]  # fmt: skip
         self._open = button("Open a review of the picked", self._begin)
+        self._back = button("All reviews", self._leave, visible=False)
         self._decide = pn.FlexBox(
             button("Previous", functools.partial(self._turn, -1)),
             button("Next", functools.partial(self._turn, 1)),
@@ -95,17 +97,18 @@ class ReviewRoom:
         )  # fmt: skip
         self.view = pn.Column(
             pn.FlexBox(
-                self._choice, self._title, self._open, self._present,
+                self._back, self._choice, self._title, self._open, self._present,
                 *self._reports, align_items="center", margin=(6, 4),
             ),
             self._slide,
             self._decide,
             self._talk,
+            self._all,
             self._status,
             sizing_mode="stretch_width",
         )  # fmt: skip
-        self._list()
         self._choice.param.watch(self._chosen, "value")
+        self._all.param.watch(self._pressed, "chosen")
         self._about.param.watch(lambda _: self._draw_slide(), "value")
         self._present.param.watch(self._presented, "value")
 
@@ -121,24 +124,10 @@ class ReviewRoom:
 
     # --- which review ----------------------------------------------------------------------------------
 
-    def refresh(self) -> None:
+    async def refresh(self) -> None:
         """Show what others have added meanwhile."""
-        self._list()
-        if self._review is not None:
-            self.open(self._review.id)
-
-    def open(self, review: str) -> None:
-        """Show a review by its id; an unknown one is said so."""
-        try:
-            self._show(load_review(library(), review))
-        except DesignError as error:
-            self._desk.say(str(error), wrong=True)
-
-    def _list(self) -> None:
-        try:
-            reviews = list_reviews(library())
-        except DesignError as error:
-            self._desk.say(str(error), wrong=True)
+        reviews = await self._desk.ask(list_reviews)
+        if reviews is None:
             return
         options = {_NONE: ""}
         for review in reviews:
@@ -146,18 +135,31 @@ class ReviewRoom:
             options[f"{shortened(review.title, 60)} ({state}, {review.opened[:10]}, {review.id[:4]})"] = review.id
         if self._choice.options != options:
             self._choice.options = options
-        if self._review is None:
-            self._status.object = table_html(overview_table(reviews)) + _EMPTY if reviews else _EMPTY
+        self._all.html = await asyncio.to_thread(overview, reviews)
+        at_hand = next((own for own in reviews if self._review is not None and own.id == self._review.id), None)
+        self._show(at_hand)
 
-    def _chosen(self, event: object) -> None:
+    async def open(self, review: str) -> None:
+        """Show a review by its id; an unknown one is said so."""
+        found = await self._desk.ask(lambda place: load_review(place, review))
+        if found is not None:
+            self._review = found
+            await self.refresh()
+
+    async def _chosen(self, event: object) -> None:
         if not self._choice.value and self._review is not None:
-            self._review, self._slide.object = None, ""
-            self._decide.visible = self._talk.visible = False
-            for report in self._reports:
-                report.visible = False
-            self._list()
+            await self._leave()
         elif self._choice.value and (self._review is None or self._choice.value != self._review.id):
-            self.open(self._choice.value)
+            await self.open(self._choice.value)
+
+    async def _leave(self) -> None:
+        self._review = None
+        await self.refresh()
+
+    async def _pressed(self, event: param.parameterized.Event) -> None:
+        if event.new:
+            self._all.chosen = ""
+            await self.open(event.new)
 
     async def _begin(self) -> None:
         keys = [revision.key for revision in self._desk.picked]
@@ -168,14 +170,19 @@ class ReviewRoom:
         review = await self._desk.ask(lambda place: open_review(place, title, author, keys))
         if review is not None:
             self._title.value = ""
+            self._review = review
+            await self.refresh()
             self._desk.say(f"Review {review.title} is open; {len(keys)} revisions are frozen.")
-            self._show(review)
 
     def _show(self, review: Review | None) -> None:
         self._review = review
+        self._all.visible = review is None
         if review is None:
+            with pn.io.hold():
+                self._slide.object, self._status.object, self._choice.value = "", _EMPTY, ""
+                for part in (self._decide, self._talk, self._back, *self._reports):
+                    part.visible = False
             return
-        self._list()
         points = {
             f"D{item.place}: {check.label}{_mark(review, item.place, check)}": (item.place, check.name)
             for item, revision in zip(review.items, review.revisions, strict=True)
@@ -194,7 +201,7 @@ class ReviewRoom:
             open_ = review.signed is None
             self._decide.visible = open_ or self._present.value
             self._talk.visible = open_ and not self._present.value
-            for part in (self._choice, self._title, self._open, *self._reports):
+            for part in (self._back, self._choice, self._title, self._open, *self._reports):
                 part.visible = not self._present.value
             for part in self._decide[3:]:
                 part.visible = open_

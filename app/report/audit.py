@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from importlib.metadata import version
 
 from app.library.reviews import Comment, Decision, Review
@@ -49,38 +48,6 @@ def _program(frozen: str) -> Cell:
         return Cell(f"NavBudget {frozen}")
     said = f"NavBudget {frozen}; values here are worked out by {here}, figures of decisions stand as they were"
     return Cell(said, tone="warn")
-
-
-def overview_table(reviews: Sequence[Review]) -> Table:
-    """All reviews: what stands open, what is decided, what is signed off."""
-    return Table(
-        "audit-overview",
-        "All reviews",
-        (
-            Column("Review", width=1.6),
-            Column("State", width=1.4),
-            Column("Designs", numeric=True),
-            Column("To decide", numeric=True),
-            Column("Rejected", numeric=True),
-            Column("Comments", numeric=True),
-            Column("Opened", width=1.2),
-        ),
-        tuple(_overview(review) for review in reviews),
-    )
-
-
-def _overview(review: Review) -> tuple[Cell, ...]:
-    if not review.intact:
-        state = Cell("✗ changed outside the program", tone="bad")
-    elif review.signed:
-        state = Cell(f"✓ signed off by {review.signed_by}", tone="good")
-    else:
-        state = Cell("open", tone="warn")
-    counts = (len(review.items), len(review.open_points()), len(review.rejected()), len(review.comments))
-    return (
-        Cell(review.title), state, *(Cell(str(count)) for count in counts),
-        Cell(f"{review.opened[:10]} by {review.author}"),
-    )  # fmt: skip
 
 
 def status_table(review: Review) -> Table:

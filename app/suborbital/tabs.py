@@ -179,7 +179,7 @@ class StudyTabs:
         table = build(shown)
         download = pmui.FileDownload(
             callback=lambda: io.BytesIO(build(self.current()).csv().encode("utf-8")),
-            filename=f"{table.key}.csv", label=f"{table.title.partition(' at ')[0]}: data (CSV)", variant="text",
+            filename=f"{table.key}.csv", label=f"{table.title.partition(' at ')[0]}: CSV", variant="text",
             description="", size="small", margin=2,
         )  # fmt: skip
         return pn.Column(place, download, styles=FRAME, sizing_mode="stretch_width", margin=0)

@@ -115,5 +115,5 @@ def test_the_page_prints_without_its_tools(visit: Visit, dark: bool) -> None:
         return
     assert "Does not close" in text[0]
     assert any("Regime" in sheet for sheet in text)
-    for tool in ("Explain every input", "PDF report", "Suborbital", "data (CSV)"):
+    for tool in ("Explain every input", "PDF report", "Suborbital", "Position sigma: CSV"):
         assert not any(tool in sheet for sheet in text), tool

@@ -228,7 +228,7 @@ def test_every_tab_has_an_address(visit: Visit) -> None:
 def test_chart_data_to_take_away(visit: Visit) -> None:
     page = visit()
     with page.expect_download() as waiting:
-        page.get_by_role("button", name="Position sigma: data (CSV)").click()
+        page.get_by_role("button", name="Position sigma: CSV").click()
     rows = list(csv.reader(io.StringIO(content(waiting.value).decode())))
     budget = analyse(read_design(EXAMPLES / "mems_x_band.toml"))
     refined = [float(row[2]) for row in rows if row[0] == "horizontal, refined"]

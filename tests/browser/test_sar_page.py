@@ -58,7 +58,7 @@ def test_every_part_is_accessible_and_pictures_are_taken_away(visit: Visit, tmp_
     wider = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
     assert wider <= 0  # tables scroll in regions of their own
     with page.expect_download() as waiting:
-        page.get_by_role("button", name="Point target: data (NPZ)").press("Enter")
+        page.get_by_role("button", name="Point target: NPZ").press("Enter")
     waiting.value.save_as(tmp_path / "point.npz")
     with np.load(tmp_path / "point.npz") as packed:
         assert packed["power_db"].shape == (9, 61, 121)

@@ -111,8 +111,8 @@ def test_designs_reviews_and_archives_work_alike(shared: Library, library: Libra
     assert import_archive(library, data, "Zoe").revisions == 2
     review = open_review(shared, "PDR", "Ann", [first.key])
     review = add_comment(shared, review.id, 1, "tilt", "Bob", "\x00 hm")
-    for place, check in review.open_points():
-        review = decide(shared, review.id, place, check.name, True, "Bob")
+    for item, name in review.open_points():
+        review = decide(shared, review.id, item, name, True, "Bob")
     review = sign(shared, review.id, "Chief", review.version)
     assert review.intact
     with pytest.raises(DesignError, match="never changes"):

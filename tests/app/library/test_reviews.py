@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import sqlite3
 import threading
+from html import unescape
 from pathlib import Path
 
 import pytest
+from sqlalchemy import text
 
 from app.library.reviews import (
     Review,
@@ -18,7 +21,7 @@ from app.library.reviews import (
     sign,
 )
 from app.library.store import Conflict, Library
-from app.report.audit import overview_table
+from app.pages.review_overview import overview
 from nav_model.budget import Budget
 from nav_model.inputs import DesignError
 
@@ -30,8 +33,9 @@ def review(library: Library, mems: Budget, tactical: Budget) -> Review:
 
 
 def _decided(library: Library, review: Review) -> Review:
-    for place, check in review.open_points():
-        review = decide(library, review.id, place, check.name, check.met, "Bob", "as computed", figure="1 m / 2 m")
+    for place, name in review.open_points():
+        checks = {check.name: check for check in review.revisions[place - 1].budget().verdict.checks}
+        review = decide(library, review.id, place, name, checks[name].met, "Bob", "as computed", figure="1 m / 2 m")
     return review
 
 
@@ -53,7 +57,7 @@ def test_comments_and_decisions_add_up_and_the_latest_decision_counts(library: L
         (1, 1, "imu.angle_random_walk"),
         (2, 2, "quadratic_phase"),
     ]
-    name = review.open_points()[0][1].name
+    name = review.open_points()[0][1]
     decide(library, review.id, 1, name, True, "Bob")
     review = decide(library, review.id, 1, name, False, "Eve", "no margin", figure="9 m / 10 m")
     standing = review.standing(1, name)
@@ -63,7 +67,7 @@ def test_comments_and_decisions_add_up_and_the_latest_decision_counts(library: L
 
 
 def test_what_makes_no_sense_is_refused(library: Library, review: Review) -> None:
-    name = review.open_points()[0][1].name
+    name = review.open_points()[0][1]
     with pytest.raises(DesignError, match="reason: is empty"):
         decide(library, review.id, 1, name, False, "Eve")
     with pytest.raises(DesignError, match="none that"):
@@ -149,15 +153,37 @@ def test_two_reviewers_at_once_lose_no_comment(library: Library, review: Review)
     assert [c.number for c in said] == list(range(1, 21))
 
 
+def _overview_cells(review: Review) -> list[str]:
+    """State, designs, to decide, rejected, comments, opened, last change, as a reader sees them."""
+    table = re.search("<tbody>(.*)</tbody>", overview([review]))
+    assert table
+    return [unescape(re.sub("<.*?>", " ", cell)).strip() for cell in re.findall("<td.*?>(.*?)</td>", table[1])]
+
+
 def test_the_overview_counts_what_is_open_decided_rejected_and_signed(library: Library, review: Review) -> None:
-    open_points = len(review.open_points())
-    (row,) = overview_table([review]).rows
-    assert [cell.text for cell in row[1:6]] == ["open", "2", str(open_points), "0", "0"]
+    assert _overview_cells(review)[:5] == ["– open", "2", str(len(review.open_points())), "0", "0"]
+    assert _overview_cells(review)[6].endswith("Ann")
     review = add_comment(library, review.id, 1, "", "Bob", "late")
     review = _decided(library, review)  # what is not met is rejected
     failed = sum(not check.met for revision in review.revisions for check in revision.budget().verdict.checks)
-    (row,) = overview_table([review]).rows
     assert failed > 0
-    assert [cell.text for cell in row[1:6]] == ["open", "2", "0", str(failed), "1"]
+    assert _overview_cells(review)[:5] == ["– all decided, to be signed", "2", "0", str(failed), "1"]
+    assert _overview_cells(review)[6].endswith("Bob")
     review = sign(library, review.id, "Ann", review.version)
-    assert overview_table([review]).rows[0][1].text == "✓ signed off by Ann"
+    assert _overview_cells(review)[0] == "✓ signed off by Ann"
+    assert _overview_cells(review)[6].endswith("Ann")
+    assert "<script>" not in overview([review])
+
+
+def test_the_list_holds_what_each_review_says_of_itself(library: Library, review: Review, mems: Budget) -> None:
+    other = open_review(library, "Second", "Bob", [library.save(mems, "Bob").key, review.items[1].key])
+    add_comment(library, other.id, 2, "tilt", "Bob", "shared with the first")
+    signed = _decided(library, review)
+    sign(library, review.id, "Ann", signed.version)
+    listed = list_reviews(library)
+    assert {own.id for own in listed} == {review.id, other.id}
+    assert all(own == load_review(library, own.id) for own in listed)
+    with library.write() as connection:
+        connection.execute(text("UPDATE review_comments SET comment = 'fine'"))
+        connection.execute(text("UPDATE review_decisions SET reason = 'fine'"))
+    assert {own.id: own.intact for own in list_reviews(library)} == {review.id: False, other.id: True}
