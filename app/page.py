@@ -16,6 +16,7 @@ import panel_material_ui as pmui
 from panel.util import edit_readonly
 
 from app.controls import SECTION_TITLES, Control, section_controls
+from app.layout_passes import LayoutPasses
 from app.paper import fit_to_paper
 from app.report import report_of_text
 from app.report.studies import study_sections
@@ -168,6 +169,7 @@ class Frame:
                     self._bar,
                     *self._places,
                     SelectKeys(margin=0, width=0, height=0),
+                    LayoutPasses(margin=0, width=0, height=0),
                     sizing_mode="stretch_width",
                 )
             ],

@@ -28,11 +28,10 @@ BUTTON: dict[str, Any] = {"description": "", "size": "small", "variant": "outlin
 
 class Desk(param.Parameterized):
     """``picked`` are revisions in the order they were picked, at most `MAX_ITEMS`; ``base`` is the revision that
-    the design in force came from, if any; ``changed`` counts what was written to the library from here."""
+    the design in force came from, if any."""
 
     picked: tuple[Revision, ...] = param.ClassSelector(class_=tuple, default=())
     base: Revision | None = param.ClassSelector(class_=Revision, default=None)
-    changed = param.Integer(default=0)
 
     def __init__(self, session: Session) -> None:
         super().__init__()

@@ -48,6 +48,7 @@ class LibraryView:
         self._archived = pmui.Switch(label="Archived", description="", margin=(12, 8))
         self._rows = pn.Column(html_pane(_OPENING), sizing_mode="stretch_width", margin=(2, 0))
         self._asked: object = None
+        self._listed: _Listing | DesignError | None = None
         self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
         self._bring = LimitedFileInput(
             lambda why: self._desk.say(f"Not imported. {why}", wrong=True),
@@ -88,7 +89,6 @@ class LibraryView:
         for field in (self._search, self._tag, self._archived):
             field.param.watch(self._look_again, "value")
         self._bring.param.watch(self._brought, "value")
-        desk.param.watch(self._look_again, "changed")
         desk.param.watch(self._picks, "picked")
         desk.param.watch(self._based, "base")
 
@@ -115,15 +115,16 @@ class LibraryView:
             )
         except DesignError as error:
             listing = error
-        if self._asked is not asked:
+        if self._asked is not asked or listing == self._listed:  # rows that stay keep the pointer and the focus
             return
+        self._listed = listing
         if isinstance(listing, DesignError):
             self._rows.objects = [html_pane(f"<p>The library is not at hand. {escape(str(listing))}</p>")]
             return
         self._ticks = {}
         rows = [row for saved in listing.found[:_SHOWN] for row in self._design_rows(saved, listing.histories)]
         if not listing.found:
-            rows = [html_pane("<p>No design matches.</p>" if search or tag or archived else _EMPTY)]
+            rows = [html_pane("<p>No design matches.</p>" if listing.narrowed else _EMPTY)]
         if len(listing.found) > _SHOWN:
             rows.append(
                 html_pane(f"<p class='quiet'>{_SHOWN} of {len(listing.found)} designs; search to narrow.</p>")
@@ -222,8 +223,9 @@ class LibraryView:
             return True
 
         if await self._desk.ask(work):
+            self._desk.picked = ()
+            await self.refresh()
             self._desk.say(f"{len(designs)} {'archived' if hide else 'restored'}; nothing is deleted.")
-            self._desk.param.update(picked=(), changed=self._desk.changed + 1)
 
     async def _retag(self) -> None:
         designs = {revision.design for revision in self._desk.picked}
@@ -232,7 +234,7 @@ class LibraryView:
             self._desk.say("Tick the designs to tag first.", wrong=True)
             return
         if await self._desk.ask(lambda place: [place.retag(design, line) for design in designs]):
-            self._desk.changed += 1
+            await self.refresh()
 
     # --- saving, in and out ----------------------------------------------------------------------------
 
@@ -257,14 +259,16 @@ class LibraryView:
                 await self._catch_up(base)
             return
         self._note.value = ""
-        self._desk.param.update(base=saved, changed=self._desk.changed + 1)
+        self._desk.base = saved
+        await self.refresh()
         self._desk.say(f"Saved: revision {saved.number} of {saved.name}. {saved.verdict}")
 
     async def _catch_up(self, base: Revision) -> None:
         """After somebody else's save: the next press is on top of theirs, as the button then says."""
         history = await self._desk.ask(lambda place: place.revisions(base.design))
         if history and history[0].number != base.number:
-            self._desk.param.update(base=history[0], changed=self._desk.changed + 1)
+            self._desk.base = history[0]
+            await self.refresh()
 
     async def _zip(self) -> io.BytesIO:
         picked = [revision.design for revision in self._desk.picked]
@@ -280,25 +284,28 @@ class LibraryView:
         author = self._desk.who or "not stated"
         done = await self._desk.ask(lambda place: import_archive(place, event.new, author))
         if done is not None:
+            await self.refresh()
             self._desk.say(
                 f"Imported {done.designs} designs, {done.revisions} revisions; {done.known} were here already."
             )
-            self._desk.changed += 1
 
 
 @dataclass(frozen=True)
 class _Listing:
-    """What a look into the library brings: designs, all tags, and the histories that are unfolded."""
+    """What a look into the library brings: designs, all tags, the histories that are unfolded, and whether only some
+    designs were looked for."""
 
     found: tuple[Saved, ...]
     tags: tuple[str, ...]
     histories: Mapping[str, tuple[Revision, ...]]
+    narrowed: bool
 
 
 def _listing(place: Library, search: str, tag: str, archived: bool, unfolded: frozenset[str]) -> _Listing:
     found = place.designs(search, tag, archived=archived)
     shown = [saved.id for saved in found[:_SHOWN] if saved.id in unfolded]
-    return _Listing(found, place.tags(), {design: place.revisions(design) for design in shown})
+    histories = {design: place.revisions(design) for design in shown}
+    return _Listing(found, place.tags(), histories, bool(search or tag or archived))
 
 
 _RULE = {"border-bottom": "1px solid color-mix(in srgb, currentColor 12%, transparent)"}

@@ -1,0 +1,68 @@
+"""Bokeh's layout runs once a frame and leaves alone what is hidden."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from playwright.sync_api import Page, expect
+
+Visit = Callable[..., Page]
+
+# Counts how often the figures that can be seen now are measured from here on.
+_COUNT_FIGURES = """() => {
+  window.measured = 0
+  const count = (view) => {
+    if (view.model.type === "Figure" && view.el.offsetParent) {
+      const measure = view.update_bbox.bind(view)
+      view.update_bbox = () => { window.measured++; return measure() }
+    }
+    for (const child of view.child_views ?? []) count(child)
+  }
+  for (const root of Bokeh.index.roots) count(root)
+}"""
+_COUNT_PASSES = """() => new Promise((done) => {
+  const [root] = Bokeh.index.roots, measure = root.measure_layout.bind(root)
+  let passes = 0
+  root.measure_layout = () => { passes++; measure() }
+  for (let i = 0; i < 50; i++) root.compute_layout()
+  requestAnimationFrame(() => requestAnimationFrame(() => { delete root.measure_layout; done(passes) }))
+})"""
+
+
+def test_fifty_wishes_in_one_frame_are_one_pass(visit: Visit, settled: Callable[[Page], None]) -> None:
+    page = visit()
+    settled(page)
+    assert 1 <= page.evaluate(_COUNT_PASSES) <= 2
+
+
+def test_a_hidden_page_is_not_measured_and_stands_right_when_shown_again(visit: Visit) -> None:
+    page = visit()
+    regime = page.locator(".bk-Figure").last
+    expect(regime).to_be_visible()
+    page.evaluate(_COUNT_FIGURES)
+    for name in ("Sensors", "Review"):
+        page.get_by_role("tab", name=name, exact=True).click()
+        expect(regime).to_be_hidden()
+        if name == "Sensors":
+            expect(page.get_by_role("region", name="Inertial units")).to_be_visible()
+            page.evaluate("() => { window.measured = 0 }")
+    expect(page.get_by_role("button", name="Save as new design")).to_be_visible()
+    page.set_viewport_size({"width": 1100, "height": 800})  # hidden while the window becomes narrower
+    page.wait_for_timeout(300)
+    assert page.evaluate("() => window.measured") == 0
+    page.get_by_role("tab", name="Budget", exact=True).click()
+    expect(regime).to_be_visible()
+    page.wait_for_function("() => window.measured > 0")
+    page.wait_for_timeout(300)
+    wide = page.evaluate(
+        """() => Bokeh.index.roots.map(root => {
+          const figures = (view) => [...(view.model.type === "Figure" && view.el.offsetParent ? [view] : []),
+            ...(view.child_views ?? []).flatMap(figures)]
+          return figures(root).map(v => [v.el.clientWidth, v.bbox.width, v.canvas_view.el.clientWidth])
+        }).flat()"""
+    )
+    assert len(wide) == 6
+    for element, measured, canvas in wide:
+        assert 200 < element < 1100 - 340
+        assert abs(measured - element) <= 1
+        assert abs(canvas - element) <= 1
