@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +15,6 @@ from numpy.typing import ArrayLike
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth
-from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
 from nav_model.analytic.steady_state import Array, Horizontal
 from nav_model.design import Design
 from nav_model.figures import (
@@ -32,15 +30,11 @@ from nav_model.figures import (
 from nav_model.inputs import DesignError
 from nav_model.sar import geometry, phase
 from nav_model.sar.impulse_response import ImpulseResponse, quadratic_response
+from nav_model.shares import Shares, coast_shares, steady_shares, velocity_shares
 from nav_model.verdict import Verdict, judge
-
-GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
-ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
 
 COAST_POINTS = 300
 _NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
-
-Shares = Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -244,40 +238,8 @@ def _steady_state(inputs: Inputs, closed: Sawtooth, moments: Cycle, white: Cycle
         gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
-        shares=_steady_shares(x, closed, moments.prior, white.prior),
+        shares=steady_shares(x, closed, moments.prior, white.prior),
     )
-
-
-def _steady_shares(x: Inputs, closed: Sawtooth, prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
-    by_kind: dict[str, dict[str, float]] = {}
-    kinds = ("horizontal_position", "horizontal_velocity", "tilt")
-    for kind, shares in zip(kinds, horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g), strict=True):
-        by_kind[kind] = {
-            ACCELEROMETER_NOISE: float(shares.accelerometer),
-            GYRO_NOISE: float(shares.gyro),
-            GNSS_NOISE: float(shares.gnss),
-        }
-    accelerometer, _ = vertical_parts(x.sigma_a, x.s_vertical)
-    v = closed.vertical
-    for kind, part, whole in (
-        ("vertical_position", accelerometer.v11, v.v11),
-        ("vertical_velocity", accelerometer.v22, v.v22),
-    ):
-        share = float(part / whole)
-        by_kind[kind] = {ACCELEROMETER_NOISE: share, GNSS_NOISE: 1 - share}
-    if prior is not white:
-        pairs = {
-            "horizontal_position": (prior.horizontal.p11, white.horizontal.p11),
-            "horizontal_velocity": (prior.horizontal.p22, white.horizontal.p22),
-            "tilt": (prior.horizontal.p33, white.horizontal.p33),
-            "vertical_position": (prior.vertical.v11, white.vertical.v11),
-            "vertical_velocity": (prior.vertical.v22, white.vertical.v22),
-        }
-        for kind, (with_slow, without) in pairs.items():
-            kept = min(float(without / with_slow), 1.0)
-            by_kind[kind] = {source: share * kept for source, share in by_kind[kind].items()}
-            by_kind[kind][SLOW_GNSS] = 1 - kept
-    return MappingProxyType({kind: MappingProxyType(shares) for kind, shares in by_kind.items()})
 
 
 def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, time: Array) -> Coast:
@@ -290,7 +252,7 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, ti
     bias_a, bias_w = growth.bias_position(x.bias_a, x.bias_w, g, time)
     drift_a, drift_w = growth.bias_velocity(x.bias_a, x.bias_w, g, time)
     perfect = growth.perfect_start(a, w, g, time)
-    shares = _coast_shares(x, posterior, white, duration)
+    shares = coast_shares(x, posterior, white, duration)
     curves = {
         "time": time,
         "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
@@ -315,46 +277,6 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, ti
         shares_vertical=shares[1],
         **curves,
     )
-
-
-def _coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -> tuple[Shares, Shares]:
-    """Shares in the position variances `time` after the last fix, from the polynomials by linearity.
-
-    A slow GNSS error has what the augmented start adds to the `white` one.
-    """
-    a, w, g = x.sigma_a, x.sigma_w, x.g
-    bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_position(x.bias_a, x.bias_w, g, time))
-    level: dict[str, Array | float] = {source: grown.position for source, grown in _grown_parts(x, time).items()}
-    level |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
-    accelerometer, gnss = vertical_parts(a, x.s_vertical)
-    upright: dict[str, Array | float] = {
-        ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
-        GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
-        ACCELEROMETER_BIAS: bias_a,
-    }
-    if posterior is not white:
-        slow, fast = (growth.horizontal_growth(m.horizontal, a, w, g, time) for m in (posterior, white))
-        slow_v, fast_v = (growth.vertical_growth(m.vertical, a, time) for m in (posterior, white))
-        level[SLOW_GNSS] = np.maximum(slow.position - fast.position, 0.0)
-        upright[SLOW_GNSS] = np.maximum(slow_v.position - fast_v.position, 0.0)
-    return _normalised(level), _normalised(upright)
-
-
-def _grown_parts(x: Inputs, time: ArrayLike) -> dict[str, growth.HorizontalGrowth]:
-    """What each white noise has grown to `time` after the last fix, in a horizontal channel. [T-9], [T-18]"""
-    a, w, g = x.sigma_a, x.sigma_w, x.g
-    parts = horizontal_parts(a, w, x.s, g)
-    return {
-        ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time),
-        GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time),
-        GNSS_NOISE: growth.horizontal_growth(parts.gnss, 0.0, 0.0, g, time),
-    }
-
-
-def _normalised(variances: Mapping[str, Array | float]) -> Shares:
-    values = {source: float(variance) for source, variance in variances.items()}
-    whole = math.fsum(values.values())
-    return MappingProxyType({source: value / whole for source, value in values.items()})
 
 
 def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
@@ -392,7 +314,7 @@ def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_share
         along_track_quadratic=float(along_track_phase(x, start)),
         lines=lines,
         tilt_shares=tilt_shares,
-        velocity_shares=_velocity_shares(x, p, start),
+        velocity_shares=velocity_shares(x, p, start),
         impulse_response=response,
         after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, radar.window),
     )
@@ -400,15 +322,3 @@ def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_share
 
 def _response(quadratic: float, window: str) -> ImpulseResponse | None:
     return quadratic_response(quadratic, window) if quadratic <= _NO_IMAGE else None  # type: ignore[arg-type]
-
-
-def _velocity_shares(x: Inputs, p: Horizontal, start: Horizontal) -> Shares:
-    """Whose the variance of along-track velocity is, after the coast before the aperture."""
-    coast = x.before_aperture
-    bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_velocity(x.bias_a, x.bias_w, x.g, coast))
-    parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown_parts(x, coast).items()}
-    parts |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
-    if start is not p:
-        grown, white = (growth.horizontal_growth(m, x.sigma_a, x.sigma_w, x.g, coast).velocity for m in (start, p))
-        parts[SLOW_GNSS] = np.maximum(grown - white, 0.0)
-    return _normalised(parts)

@@ -13,9 +13,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from app.charts.description import STYLES, BarChart, Chart, DotChart, Drawing, MapChart, Points
+from app.charts.description import BarChart, Chart, DotChart, Drawing, MapChart, Points
 from app.charts.in_print_grid import ROW_HEIGHT, draw_dots, draw_map, draw_pictures, pictures_height
 from app.charts.in_print_look import DASHES, LINE_SCALE, MARKERS, label_points, log_axis, plain
+from app.charts.styles import STYLES
 
 WIDTH = 166.0  # mm: the text width of an A4 page
 PLOT_HEIGHT = 46.0  # mm, axes and their labels; the legend comes below

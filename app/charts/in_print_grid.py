@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from app.charts.description import STYLES, DotChart, MapChart, PictureChart
+from app.charts.description import DotChart, MapChart, PictureChart
 from app.charts.in_print_look import DASHES, LINE_SCALE, MARKERS, log_axis, plain
 from app.charts.region import middle_of
+from app.charts.styles import STYLES
 
 ROW_HEIGHT = 6.2  # mm a row of dots
 _HATCHES = ("", "////", "....", "\\\\\\\\", "xxxx", "----")  # a region each, so that grey tells them apart

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from html import escape
 
-from app.charts.description import BAR_STYLES, DASHES, STYLES, AnyChart, BarChart, Chart, DotChart, MapChart, Style
+from app.charts.description import AnyChart, BarChart, Chart, DotChart, MapChart
+from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
 
 
 def legend_html(chart: AnyChart) -> str:

@@ -31,9 +31,10 @@ from bokeh.models.glyphs import Glyph
 from bokeh.plotting import figure
 from bokeh.transform import dodge
 
-from app.charts.description import BAR_STYLES, DASHES, STYLES, AnyChart, BarChart, Chart, Line
+from app.charts.description import AnyChart, BarChart, Chart, Line
 from app.charts.log_axis import mark_in_powers
 from app.charts.on_screen_grid import columns_of, draw
+from app.charts.styles import BAR_STYLES, DASHES, STYLES
 
 # The page's theme sets chart text in em; this is what an em is.
 TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}

@@ -17,10 +17,10 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from app.charts.description import STYLES
 from app.charts.explore import LEVELS, RankChart, TradeMapChart
 from app.charts.log_axis import mark_in_powers
 from app.charts.on_screen import TEXT_SIZE
+from app.charts.styles import STYLES
 from nav_model.explore.trade_map import MapPoint
 
 # Light meets the limit, dark does not; the steps are told apart in grey too.

@@ -9,8 +9,9 @@ import numpy as np
 from bokeh.models import ColumnDataSource, FactorRange, HoverTool, LinearColorMapper
 from bokeh.plotting import figure
 
-from app.charts.description import DASHES, STYLES, DotChart, MapChart
+from app.charts.description import DotChart, MapChart
 from app.charts.region import middle_of
+from app.charts.styles import DASHES, STYLES
 
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 

@@ -16,7 +16,7 @@ import panel as pn
 import panel_material_ui as pmui
 from bokeh.models import CustomJSTickFormatter
 
-from app.controls import LogSlider
+from app.controls.quantity import LogSlider
 from nav_model.inputs import DesignError
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.setting import Setting, Value

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from app.controls import ChoiceControl, PresetControl, QuantityControl, section_controls
+from app.controls import section_controls
+from app.controls.choice import ChoiceControl
+from app.controls.preset import PresetControl
+from app.controls.quantity import QuantityControl
 from app.state import Session
 from nav_model.design import Design
 from nav_model.inputs import BaseQuantity

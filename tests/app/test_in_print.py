@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from app.charts.budget import BUDGET_CHARTS
-from app.charts.description import STYLES, Band, Bar, BarChart, Chart, Limit, Line, Points, Span
+from app.charts.description import Band, Bar, BarChart, Chart, Limit, Line, Points, Span
 from app.charts.in_print import FONT, to_svg
 from app.charts.in_print_look import power_of_ten
+from app.charts.styles import STYLES
 from nav_model.budget import Budget, analyse
 from nav_model.design_file import read_design
 

@@ -9,8 +9,9 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from app.charts.description import STYLES, Dot, DotChart, Line, MapChart, PictureChart, Points
+from app.charts.description import Dot, DotChart, Line, MapChart, PictureChart, Points
 from app.charts.in_print import FONT, WIDTH, to_svg
+from app.charts.styles import STYLES
 
 SVG = "{http://www.w3.org/2000/svg}"
 

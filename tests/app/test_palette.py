@@ -7,7 +7,8 @@ import pytest
 
 from app.charts import budget as budget_charts
 from app.charts.comparison import phase_comparison, position_comparison
-from app.charts.description import DASHES, STYLES, Chart
+from app.charts.description import Chart
+from app.charts.styles import DASHES, STYLES
 from app.gallery import EXAMPLES, example
 from app.theme import DARK, LIGHT
 from nav_model.budget import analyse

@@ -13,10 +13,11 @@ import pytest
 
 from app import simulation_run
 from app.charts import simulate as charts
-from app.charts.description import STYLES, to_csv
+from app.charts.description import to_csv
 from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
+from app.charts.styles import STYLES
 from app.pages.simulate import SimulatePage
 from app.simulation_run import Compiling, News, Progress, Result, SimulationRun, outages_of, same_subject
 from app.simulation_words import answer, under_way

@@ -1,28 +1,21 @@
-"""The inputs on the left: one control per declaration of a design, derived from it.
-
-A quantity has a box that takes a data-sheet string, a chooser that converts its unit without changing the
-value, and, where a range is explored by hand, a slider on a log scale. Text that is refused shows its message
-at the box and leaves the last good value in force.
-"""
+"""One number of a design: a box that takes a data-sheet string, a chooser of its unit, and where a range is explored
+by hand a slider on a log scale."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from html import escape
 from typing import Any, ClassVar
 
 import panel as pn
 import panel_material_ui as pmui
 from bokeh.models import CustomJSTickFormatter
 
-from app.chart_view import html_pane
 from app.state import Session
-from nav_model.catalogue import Entry, catalogue, find
+from nav_model.catalogue import find
 from nav_model.design import Design, Value
-from nav_model.design_file import deviations, preset_fill, preset_of
-from nav_model.inputs import BaseQuantity, Choice, DesignError
-from nav_model.parts import INPUTS, PARTS, declaration_of
+from nav_model.design_file import preset_of
+from nav_model.inputs import BaseQuantity, DesignError
+from nav_model.parts import declaration_of
 from nav_model.units import DIMENSIONS, format_quantity, from_si, to_si
 
 _SLIDERS = {
@@ -43,15 +36,6 @@ _STEP = 0.02  # decades: 4.7 % a key press
 _EMPTY: dict[str, str] = {
     "gnss.vertical_position_noise": "as horizontal",
     "radar.aperture_time": "from the resolution",
-}
-_CHOICES: dict[str, dict[Any, str]] = {
-    "radar.window": {"uniform": "uniform", "hamming": "Hamming", "taylor": "Taylor −35 dB, n̄ 5"},
-    "radar.autofocus_order": {1: "nothing (line only)", 2: "quadratic", 3: "quadratic and cubic"},
-    "requirements.steady_state": {
-        "prior": "just before a fix (prior)",
-        "closed": "cycle rms (closed form)",
-        "posterior": "just after a fix (posterior)",
-    },
 }
 
 
@@ -244,151 +228,6 @@ class QuantityControl:
         self._put(value, unit)
 
 
-class ChoiceControl:
-    """A select, or a switch, for one choice."""
-
-    def __init__(self, session: Session, key: str) -> None:
-        declaration = declaration_of(key)
-        assert isinstance(declaration, Choice)
-        self.key = key
-        self._session = session
-        self._declaration = declaration
-        label = str(declaration.label)
-        if isinstance(declaration.default, bool):
-            self.widget = pmui.Switch(label=label, description="", margin=(10, 10, 0, 10))
-        else:
-            names = _CHOICES[key]
-            self.widget = pmui.Select(
-                label=label,
-                description="",
-                options={names[option]: option for option in declaration.objects},
-                size="small",
-                margin=(10, 10, 0, 10),
-                sizing_mode="stretch_width",
-            )
-        self._view = pn.Column(self.widget, margin=0, sizing_mode="stretch_width")
-        self.widget.param.watch(self._chosen, "value")
-        self.show(session.design)
-
-    @property
-    def view(self) -> pn.viewable.Viewable:
-        """The control as it stands in the column."""
-        return self._view
-
-    def differs(self, old: Design, new: Design) -> bool:
-        """Whether the choice is another."""
-        return bool(old[self.key] != new[self.key])
-
-    def show(self, design: Design) -> None:
-        """Follow the design in force."""
-        if self.widget.value != design[self.key]:
-            self.widget.value = design[self.key]
-
-    def explain(self, explained: bool) -> None:
-        """Show the help line, or not."""
-        if isinstance(self.widget, pmui.Select):
-            self.widget.helper_text = str(self._declaration.doc) if explained else ""
-        elif explained != (len(self._view) > 1):  # a switch has no helper text of its own
-            note = html_pane(f'<p class="note">{escape(str(self._declaration.doc))}</p>', margin=(0, 14))
-            self._view.objects = [self.widget, note] if explained else [self.widget]
-
-    def _chosen(self, event: Any) -> None:
-        if event.new != self._session.design[self.key]:
-            self._session.change({self.key: event.new})
-
-
-class PresetControl:
-    """The catalogue, first in its section, with a button that takes back what deviates from it."""
-
-    def __init__(self, session: Session, section: str) -> None:
-        self._session = session
-        self.section = section
-        self.key = f"{section}.preset"
-        self._writing = False
-        self._explained = False
-        entries = catalogue("imu" if section == "imu" else "radar")
-        options: dict[str, str] = {"none": ""}
-        options |= {_preset_label(entry): entry.name for entry in entries.values()}
-        self.select = pmui.Select(
-            label="From the catalogue",
-            description="",
-            options=options,
-            size="small",
-            margin=(10, 10, 0, 10),
-            sizing_mode="stretch_width",
-        )
-        self.restore = pmui.Button(
-            label="Take the catalogue's values", size="small", variant="text", margin=(2, 10, 0, 10), visible=False
-        )
-        self.select.param.watch(self._chosen, "value")
-        self.restore.on_click(lambda _: self._fill(preset_of(self._session.design, self.section) or ""))
-        self.show(session.design)
-
-    @property
-    def view(self) -> pn.viewable.Viewable:
-        """The control as it stands in the column."""
-        return pn.Column(self.select, self.restore, margin=0, sizing_mode="stretch_width")
-
-    def differs(self, old: Design, new: Design) -> bool:
-        """Whether the entry or what deviates from it is another."""
-        return preset_of(old, self.section) != preset_of(new, self.section) or (
-            deviations(old, self.section) != deviations(new, self.section)
-        )
-
-    def show(self, design: Design) -> None:
-        """Follow the design in force."""
-        self._writing = True
-        name = preset_of(design, self.section) or ""
-        if self.select.value != name:
-            self.select.value = name
-        changed = len(deviations(design, self.section))
-        if self.restore.visible != bool(changed):
-            self.restore.visible = bool(changed)
-        entry = find("imu" if self.section == "imu" else "radar", name) if name else None
-        text = _entry_help(entry, changed, self._explained) if entry else ""
-        if self.select.helper_text != text:
-            self.select.helper_text = text
-        self._writing = False
-
-    def explain(self, explained: bool) -> None:
-        """Show the catalogue's note, or not."""
-        self._explained = explained
-        self.show(self._session.design)
-
-    def _chosen(self, event: Any) -> None:
-        if not self._writing:
-            self._fill(event.new)
-
-    def _fill(self, name: str) -> None:
-        if not name:
-            self._session.change({self.key: None})
-            return
-        values, units = preset_fill(self.section, name)
-        if self.section == "radar":
-            extra = find("radar", name).extra
-            values |= {f"flight.{key}": item.value for key, item in extra.items()}
-            units |= {f"flight.{key}": item.unit for key, item in extra.items()}
-        self._session.change(values, units)
-
-
-Control = QuantityControl | ChoiceControl | PresetControl
-
-
-def section_controls(session: Session, section: str) -> list[Control]:
-    """The controls of one section, in the order of the design file."""
-    controls: list[Control] = []
-    if section in {"imu", "radar"}:
-        controls.append(PresetControl(session, section))
-    for name, declaration in INPUTS[section].items():
-        make: Callable[[Session, str], Control]
-        make = QuantityControl if isinstance(declaration, BaseQuantity) else ChoiceControl
-        controls.append(make(session, f"{section}.{name}"))
-    return controls
-
-
-SECTION_TITLES = {part.section: part.title for part in PARTS}
-
-
 def _with_unit(text: str, unit: str) -> str:
     """A bare number takes the unit beside the box."""
     try:
@@ -420,13 +259,3 @@ def _origin(design: Design, key: str, whole: bool) -> str:
         return f"≠ {entry.name}: {item.text}"
     source = f": {item.source}." if whole else ""
     return source.lstrip(": ") if item.confirmed else f"⚠ {item.status} source{source}"
-
-
-def _preset_label(entry: Entry) -> str:
-    doubtful = "" if all(item.confirmed for item in entry.values.values()) else " ⚠"
-    return f"{entry.name}{', ' + entry.grade if entry.grade else ''}{doubtful}"
-
-
-def _entry_help(entry: Entry, changed: int, whole: bool) -> str:
-    said = [f"{changed} value{'s' if changed > 1 else ''} changed." if changed else "", entry.note if whole else ""]
-    return " ".join(part for part in said if part)
