@@ -28,14 +28,15 @@ DASHES: dict[str, str] = {
 """Dash and gap in pixels, the last a dash and two dots: with one dot it would be the one before, shifted."""
 
 # After Okabe and Ito's palette, made darker and lighter so that each has a contrast of three and more on a white
-# page and on the dark one: that leaves lightness from 44 to 61, blue and red at its lower end, the rest above.
+# page and on the dark one, and of 2.7 for eyes that lack a colour: that leaves lightness from 44 to 61, blue and red
+# at its lower end, the rest above.
 BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
     "#1f72b0",
     "#e4741a",
     "#009e73",
     "#b86a97",
     "#3c9bd4",
-    "#c62f2f",
+    "#d64545",
     "#7b8794",
 )
 
@@ -54,9 +55,9 @@ STYLES: dict[str, Style] = {
     "reference": Style(GREY, "dotted", 1.8),
     "quadratic": Style(BLUE, "solid", 2.5),
     "with cubic": Style(ORANGE, "dashed", 2.0),
-    "accelerometer bias": Style(BLUE, "solid", 2.0),
+    "accelerometer bias": Style(BLUE, "solid", 2.2),
     "accelerometer instability": Style(SKY, "dashed", 2.0),
-    "gyro bias": Style(ORANGE, "solid", 2.0),
+    "gyro bias": Style(ORANGE, "solid", 1.4),
     "gyro instability": Style(ORANGE, "dotted", 2.0),
     "initial position and velocity": Style(GREEN, "dashdot", 2.0),
     "initial attitude": Style(PURPLE, "dotdash", 2.0),
@@ -68,7 +69,7 @@ STYLES: dict[str, Style] = {
     "closed form, holds": Style(SKY, "dashdot", 2.0),
     "closed form, fails": Style(PURPLE, "dotted", 1.2),
     "INS alone, ensemble": Style(RED, "dotted", 2.5),
-    "INS with tracker, ensemble": Style(GREEN, "dotted", 2.5),
+    "INS with tracker, ensemble": Style(GREEN, "dotted", 1.6),
     "axis x": Style(BLUE, "solid", 2.0),
     "axis y": Style(ORANGE, "dashed", 2.0),
     "axis z": Style(GREEN, "dotdash", 2.0),
@@ -86,7 +87,7 @@ STYLES: dict[str, Style] = {
     "closed form": Style(GREEN, "dotted", 2.5),
     "refined": Style(PURPLE, "dotdash", 2.0),
     "worst run": Style(BLUE, "dotted", 1.2),
-    "worst run, second axis": Style(ORANGE, "dotted", 1.2),
+    "worst run, second axis": Style(ORANGE, "dotdash", 1.2),
     "third axis": Style(GREEN, "dashed", 1.6),
     "design 1": Style(BLUE, "solid", 2.5),
     "design 2": Style(ORANGE, "dashed", 2.0),
