@@ -1,4 +1,4 @@
-"""Lines of one chart are told apart in grey and by colour-blind eyes, and each stands out from a light or dark page."""
+"""Lines of one chart are told apart in grey and by colour-blind eyes; each stands out from the page, light or dark."""
 
 import itertools
 
