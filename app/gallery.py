@@ -11,6 +11,7 @@ import panel_material_ui as pmui
 
 from app.chart_view import html_pane
 from app.figures import show, signed_percent
+from app.grid import cell, grid
 from app.theme import FRAME
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
@@ -28,10 +29,7 @@ def example(name: str) -> Design:
 def gallery(adopt: Callable[[Design], None]) -> pn.viewable.Viewable:
     """The examples side by side; ``adopt`` puts one in force."""
     budgets = [analyse(example(name)) for name in EXAMPLES]
-    cards = pmui.Grid(
-        *(pmui.Grid(_card(budget, adopt), size={"xs": 12, "md": 4}) for budget in budgets),
-        container=True, spacing=1.5, sizing_mode="stretch_width", margin=(4, 10),
-    )  # fmt: skip
+    cards = grid(*(cell(4, _card(budget, adopt)) for budget in budgets), beside=900)
     head = html_pane(
         "<h3>Start from an example</h3><p class='quiet'>It takes the place of the design on the left; Undo brings "
         "that back. Then change one input and watch the verdict.</p>",

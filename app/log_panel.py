@@ -15,6 +15,7 @@ import panel_material_ui as pmui
 
 from app.chart_view import ChartView, html_pane
 from app.charts.sensors import axis_chart, triad_chart
+from app.grid import cell, grid
 from app.log_study import READING, LogRequest, Study, read_options, study_log
 from app.log_tables import (
     coefficient_tables,
@@ -271,11 +272,8 @@ class StaticResult:
         for quantity in ("gyro", "accelerometer"):
             triads.append(ChartView(lambda _, q=quantity: triad_chart(self._known, q), self._session, 400))
         self._charts = [*triads, single]
-        cells = [pmui.Grid(chart.view, size={"xs": 12, "lg": 6}) for chart in triads]
-        cells.append(pmui.Grid(pmui.Column(self.axis, single.view, margin=0), size={"xs": 12, "lg": 12}))
-        self._place.append(
-            pmui.Grid(*cells, container=True, spacing=1.5, sizing_mode="stretch_width", margin=(4, 10))
-        )
+        cells = [cell(6, chart.view) for chart in triads]
+        self._place.append(grid(*cells, cell(12, self.axis, single.view)))
 
     def _feed(self) -> None:
         for chart in self._charts:

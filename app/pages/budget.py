@@ -18,6 +18,7 @@ from app.charts.budget import (
 )
 from app.charts.description import BarChart, Chart
 from app.figures import percent, show, signed_percent
+from app.grid import cell, grid
 from app.state import Session
 from nav_model.budget import Budget
 from nav_model.provenance import cautions
@@ -36,11 +37,6 @@ _LAYOUT: tuple[tuple[Callable[[Budget], Chart | BarChart], int, int], ...] = (
 
 _TIMELINES = 3  # the first charts share their time axis
 _AROUND = 100  # pixels of title, legend and line of knowledge around a figure, at least
-_GRID = """
-:host { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); grid-auto-rows: max-content; gap: 12px;
-  min-height: max-content; }
-@media (max-width: 1199px) { :host { grid-template-columns: minmax(0, 1fr); } }
-"""
 
 
 class BudgetPage:
@@ -55,10 +51,11 @@ class BudgetPage:
         self._session = session
         self._answer = html_pane(answer(session.budget))
         self._charts: list[ChartView] = []
-        self._cells = [_cell(height, columns) for _, height, columns in _LAYOUT]
+        # About the height of what will stand in each, so that nothing jumps.
+        self._cells = [cell(columns, min_height=height + _AROUND) for _, height, columns in _LAYOUT]
         self.view = pn.Column(
             self._answer,
-            pn.Column(*self._cells, stylesheets=[_GRID], margin=(4, 10), sizing_mode="stretch_width"),
+            grid(*self._cells),
             sizing_mode="stretch_width",
         )
         self._add_chart()
@@ -78,12 +75,6 @@ class BudgetPage:
         self._answer.object = answer(budget)
         for chart in self._charts:
             chart.show(budget)
-
-
-def _cell(height: int, columns: int) -> pn.Column:
-    """A chart's place; it has about the height of what will stand in it, so that nothing jumps."""
-    wide = {"grid-column": "1 / -1"} if columns == 12 else {}
-    return pn.Column(sizing_mode="stretch_width", min_height=height + _AROUND, margin=0, styles=wide)
 
 
 def answer(budget: Budget) -> str:

@@ -13,6 +13,7 @@ from app.charts.description import to_csv
 from app.charts.explore import RankChart, rank_chart
 from app.charts.on_screen_explore import RankFigure
 from app.explore_words import answer, solved_table, unsolved
+from app.grid import cell, grid
 from app.pages.explore_map import MapPanel, download
 from app.pages.explore_search import SearchPanel
 from app.pages.explore_uncertainty import UncertaintyPanel
@@ -40,16 +41,7 @@ class ExplorePage:
         self.view = pn.Column(
             self._answer,
             self._solved,
-            pmui.Grid(
-                pmui.Grid(trade.view, size={"xs": 12, "lg": 7}),
-                pmui.Grid(rank.view, size={"xs": 12, "lg": 5}),
-                pmui.Grid(search.view, size={"xs": 12}),
-                pmui.Grid(uncertainty.view, size={"xs": 12}),
-                container=True,
-                spacing=1.5,
-                sizing_mode="stretch_width",
-                margin=(4, 10),
-            ),
+            grid(cell(7, trade.view), cell(5, rank.view), cell(12, search.view), cell(12, uncertainty.view)),
             sizing_mode="stretch_width",
         )
         self._answer_for(session.budget)

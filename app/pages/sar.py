@@ -29,6 +29,7 @@ from app.charts.sar import (
     scene_picture,
 )
 from app.fields import whole_number
+from app.grid import cell, grid
 from app.pages.sar_upload import UploadedPicture
 from app.picture_downloads import PictureDownloads
 from app.pictures import picture_gallery
@@ -72,13 +73,7 @@ class SarPage:
             self._controls(),
             self._tables,
             self._whole,
-            pmui.Grid(
-                *(pmui.Grid(chart.view, size={"xs": 12, "lg": wide}) for chart, wide in self._charts),
-                container=True,
-                spacing=1.5,
-                sizing_mode="stretch_width",
-                margin=(4, 10),
-            ),
+            grid(*(cell(wide, chart.view) for chart, wide in self._charts)),
             *(
                 part
                 for parts in zip(self._headings, self._pictures, (d.view for d in self._downloads), strict=True)

@@ -17,6 +17,7 @@ import panel_material_ui as pmui
 
 from app.chart_view import ChartView, html_pane
 from app.charts.description import Chart
+from app.grid import cell, grid
 from app.simulation_controls import StudyControls
 from app.simulation_run import Compiling, News, Progress, Result, SimulationRun, outages_of, prepare, same_subject
 from app.state import Session
@@ -174,9 +175,8 @@ class SimulatePage:
             view = chart.view
             if describe == self._ensemble:
                 view = pn.Column(chart.view, self._axis, sizing_mode="stretch_width", margin=0)
-            cells.append(pmui.Grid(view, size={"xs": 12, "lg": columns}))
-        grid = pmui.Grid(*cells, container=True, spacing=1.5, sizing_mode="stretch_width", margin=(4, 10))
-        self._place.append(grid)
+            cells.append(cell(columns, view))
+        self._place.append(grid(*cells))
 
     @property
     def _study(self) -> DesignStudy:

@@ -14,6 +14,7 @@ import panel_material_ui as pmui
 
 from app.chart_view import html_pane, prose
 from app.charts.suborbital import Shown
+from app.grid import cell, grid
 from app.long_run import RunLost, run_alone
 from app.state import Session
 from app.suborbital.answer import answer, waiting
@@ -51,14 +52,7 @@ class SuborbitalPage:
             self._answer,
             self._run_bar(),
             self.inputs.notice,
-            pmui.Grid(
-                pmui.Grid(self.inputs.view, size={"xs": 12, "lg": 3}),
-                pmui.Grid(self.tabs.view, size={"xs": 12, "lg": 9}),
-                container=True,
-                spacing=1,
-                sizing_mode="stretch_width",
-                margin=(4, 6),
-            ),
+            grid(cell(3, self.inputs.view), cell(9, self.tabs.view), margin=(4, 6)),
             sizing_mode="stretch_width",
         )
         if pn.state.curdoc:

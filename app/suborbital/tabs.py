@@ -14,6 +14,7 @@ from app.chart_view import ChartPane
 from app.charts import suborbital as charts
 from app.charts.description import Chart
 from app.charts.suborbital import CHANNELS, Shown
+from app.grid import cell, grid
 from app.sortable_table import SortableTable
 from app.suborbital.tables import (
     Table,
@@ -40,7 +41,7 @@ class Tab:
     name: str
     charts: tuple[tuple[Describe, int, int], ...] = ()
     tables: tuple[Callable[[Shown], Table], ...] = ()
-    beside: str = "xl"  # width of the screen from which charts stand beside each other
+    beside: int = 1536  # width of the window from which charts stand beside each other, pixels
     chooses: tuple[str, ...] = ()
 
 
@@ -51,7 +52,7 @@ TABS: tuple[Tab, ...] = (
         chooses=("case", "aided_sources", "along_track")),
     Tab("Unstable height", ((charts.growth_chart, 440, 12),), chooses=("case", "channel")),
     Tab("Tables", tables=(*(lambda shown, i=i: paper_tables(shown)[i] for i in range(4)), source_table, gap_table)),
-    Tab("Sensor errors", tuple((charts.sensor_chart(s, a), 240, 6) for a in _AXES for s in (0, 1)), beside="md"),
+    Tab("Sensor errors", tuple((charts.sensor_chart(s, a), 240, 6) for a in _AXES for s in (0, 1)), beside=900),
     Tab("White noise", tuple((charts.noise_chart(c), 300, 6) for c in (2, 1, 0)), (noise_table,), chooses=("noise",)),
     Tab("Attitude", ((charts.inertial_attitude_chart, 340, 6), (charts.navigation_attitude_chart, 340, 6)),
         (method_table,), "md", ("case",)),
@@ -166,14 +167,9 @@ class StudyTabs:
             for build in tab.tables
         ]
         self._panes[index], self._tables[index] = panes, tables
-        cells = [
-            pmui.Grid(pane.view, size={"xs": 12, tab.beside: columns})
-            for pane, (_, _, columns) in zip(panes, tab.charts, strict=True)
-        ]
-        cells += [pmui.Grid(self._table_view(place, build, shown), size={"xs": 12}) for place, build in tables]
-        self._contents[index] = pmui.Grid(
-            *cells, container=True, spacing=1, sizing_mode="stretch_width", margin=(4, 0)
-        )
+        cells = [cell(columns, pane.view) for pane, (_, _, columns) in zip(panes, tab.charts, strict=True)]
+        cells += [cell(12, self._table_view(place, build, shown)) for place, build in tables]
+        self._contents[index] = grid(*cells, beside=tab.beside, margin=(4, 0))
 
     def _table_view(self, place: SortableTable, build: Callable[[Shown], Table], shown: Shown) -> pn.Column:
         table = build(shown)

@@ -1,4 +1,4 @@
-"""Lines of one chart are told apart in grey and by colour-blind eyes; each stands out from the page, light or dark."""
+"""Lines of a chart are told apart in grey and by colour-blind eyes; each stands out from a light and a dark page."""
 
 import itertools
 

@@ -1,0 +1,122 @@
+"""Nothing is drawn over anything else; Bokeh's layout runs once a frame and leaves alone what is hidden."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import Page, expect
+
+Visit = Callable[..., Page]
+
+# Counts how often the figures that can be seen now are measured from here on.
+_COUNT_FIGURES = """() => {
+  window.measured = 0
+  const count = (view) => {
+    if (view.model.type === "Figure" && view.el.offsetParent) {
+      const measure = view.update_bbox.bind(view)
+      view.update_bbox = () => { window.measured++; return measure() }
+    }
+    for (const child of view.child_views ?? []) count(child)
+  }
+  for (const root of Bokeh.index.roots) count(root)
+}"""
+_COUNT_PASSES = """() => new Promise((done) => {
+  const [root] = Bokeh.index.roots, measure = root.measure_layout.bind(root)
+  let passes = 0
+  root.measure_layout = () => { passes++; measure() }
+  for (let i = 0; i < 50; i++) root.compute_layout()
+  requestAnimationFrame(() => requestAnimationFrame(() => { delete root.measure_layout; done(passes) }))
+})"""
+
+# Parts of one column, row or grid that cover each other by more than a line's breadth; what hangs out of its own box
+# counts as part of it.
+_OVERLAPS = """() => {
+  const found = []
+  const walk = (view) => {
+    const shown = (view.child_views ?? []).filter((child) => {
+      const style = getComputedStyle(child.el)
+      return child.el.offsetParent && child.el.offsetHeight > 4 && !["absolute", "fixed"].includes(style.position)
+    })
+    if (/Column|Row|FlexBox/.test(view.model.type)) {
+      const boxes = shown.map(({ el }) => {
+        const { left, right, top, bottom } = el.getBoundingClientRect()
+        const hangs = getComputedStyle(el).overflowY === "visible" ? el.scrollHeight - el.clientHeight : 0
+        return { left, right, top, bottom: bottom + (hangs > 8 ? hangs : 0) }
+      })
+      boxes.forEach((a, i) => boxes.slice(i + 1).forEach((b, j) => {
+        const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left)
+        const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top)
+        const name = (child) => `${child.model.type} ${child.el.innerText.slice(0, 40)}`
+        if (wide > 4 && high > 4) found.push(`${name(shown[i])} | ${name(shown[i + j + 1])}: ${high}`)
+      }))
+    }
+    shown.forEach(walk)
+  }
+  for (const root of Bokeh.index.roots) walk(root)
+  return found
+}"""
+
+
+@pytest.mark.parametrize(
+    ("width", "height"),
+    [(1440, 900), pytest.param(1000, 700, marks=pytest.mark.slow), pytest.param(390, 844, marks=pytest.mark.slow)],
+)
+def test_no_part_of_a_page_is_drawn_over_another(visit: Visit, width: int, height: int) -> None:
+    page = visit("/#sar", width=width, height=height)
+    page.keyboard.press("Escape")  # where the window is narrow the design is a drawer
+    expect(page.get_by_role("button", name="Eight point targets: SVG")).to_be_visible(timeout=60_000)
+    covered = {"SAR": page.evaluate(_OVERLAPS)}
+    for name in ("Explore", "Simulate", "Suborbital", "Budget"):
+        page.get_by_role("tab", name=name, exact=True).click()
+        if name == "Simulate":
+            page.get_by_role("button", name="Start", exact=True).click()
+            expect(page.get_by_role("button", name="Everything (JSON)")).to_be_visible(timeout=60_000)
+        if name == "Suborbital":
+            expect(page.get_by_role("heading", name="What the star tracker")).to_be_visible(timeout=60_000)
+        if name == "Budget":
+            page.get_by_role("button", name="Examples").click()
+        page.wait_for_function("(name) => location.hash === '#' + name.toLowerCase()", arg=name)
+        expect(page.locator(".bk-Figure:visible").last).to_be_visible()
+        page.wait_for_timeout(500)
+        covered[name] = page.evaluate(_OVERLAPS)
+    assert not any(covered.values()), covered
+
+
+def test_fifty_wishes_in_one_frame_are_one_pass(visit: Visit, settled: Callable[[Page], None]) -> None:
+    page = visit()
+    settled(page)
+    assert 1 <= page.evaluate(_COUNT_PASSES) <= 2
+
+
+def test_a_hidden_page_is_not_measured_and_stands_right_when_shown_again(visit: Visit) -> None:
+    page = visit()
+    regime = page.locator(".bk-Figure").last
+    expect(regime).to_be_visible()
+    page.evaluate(_COUNT_FIGURES)
+    for name in ("Sensors", "Review"):
+        page.get_by_role("tab", name=name, exact=True).click()
+        expect(regime).to_be_hidden()
+        if name == "Sensors":
+            expect(page.get_by_role("region", name="Inertial units")).to_be_visible()
+            page.evaluate("() => { window.measured = 0 }")
+    expect(page.get_by_role("button", name="Save as new design")).to_be_visible()
+    page.set_viewport_size({"width": 1100, "height": 800})  # hidden while the window becomes narrower
+    page.wait_for_timeout(300)
+    assert page.evaluate("() => window.measured") == 0
+    page.get_by_role("tab", name="Budget", exact=True).click()
+    expect(regime).to_be_visible()
+    page.wait_for_function("() => window.measured > 0")
+    page.wait_for_timeout(300)
+    wide = page.evaluate(
+        """() => Bokeh.index.roots.map(root => {
+          const figures = (view) => [...(view.model.type === "Figure" && view.el.offsetParent ? [view] : []),
+            ...(view.child_views ?? []).flatMap(figures)]
+          return figures(root).map(v => [v.el.clientWidth, v.bbox.width, v.canvas_view.el.clientWidth])
+        }).flat()"""
+    )
+    assert len(wide) == 6
+    for element, measured, canvas in wide:
+        assert 200 < element < 1100 - 340
+        assert abs(measured - element) <= 1
+        assert abs(canvas - element) <= 1
