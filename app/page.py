@@ -171,8 +171,8 @@ class Frame:
                     SelectKeys(margin=0, width=0, height=0),
                     LayoutPasses(margin=0, width=0, height=0),
                     sizing_mode="stretch_width",
-                    # Bokeh lets nothing grow over 100 % of what it stands in. Here that is the window, and it would be
-                    # for each table and column below: what is taller would hang over the next.
+                    # Bokeh lets nothing grow over 100 % of what it stands in: here the window, for each table and
+                    # column below. What is taller would hang over the next.
                     styles={"max-height": "none"},
                 )
             ],

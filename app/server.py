@@ -22,6 +22,7 @@ from app.serving.faults import caught
 from app.serving.handlers import Metrics, around, being_sent, close_door
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.rules import Rules
+from app.serving.writes import repair
 from app.state import Session
 from nav_model.design import Design
 from nav_model.design_file import parse_design
@@ -72,6 +73,7 @@ def serve(rules: Rules) -> None:
     """
     rules.check()
     pn.extension(exception_handler=caught)
+    repair()
     set_up(rules.log)
     workers.use(rules.workers)
     began, running, metrics, collector = time.monotonic(), dict[str, Any](), Metrics(), Collector()

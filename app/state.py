@@ -20,13 +20,22 @@ _MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to und
 _HISTORY = 200
 
 
+class Lineage:
+    """What a design and all its changes have in common: ``base`` is the saved revision they came from, if any."""
+
+    def __init__(self) -> None:
+        self.base: Any = None
+
+
 class Session(param.Parameterized):
     """The design in force and its history.
 
-    ``budget`` changes with every accepted change; ``design`` is always ``budget.design``. ``running`` is for
+    ``budget`` changes with every accepted change; ``design`` is always ``budget.design``. ``lineage`` changes when a
+    whole design takes the place of another. ``running`` is for
     long work of this person alone, ``presenting`` while a review is shown to a room.
     """
 
+    lineage: Lineage = param.ClassSelector(class_=Lineage, allow_None=False, instantiate=False)
     budget: Budget = param.ClassSelector(class_=Budget, allow_None=False, instantiate=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
     presenting = param.Boolean(default=False, doc="Whether a decision is shown to a room: tools stand back.")
@@ -35,11 +44,11 @@ class Session(param.Parameterized):
     can_redo = param.Boolean(default=False)
 
     def __init__(self, design: Design) -> None:
-        super().__init__(budget=analyse(design))
+        super().__init__(budget=analyse(design), lineage=Lineage())
         self.start = design
         self.study_link = ""  # what the link says of a suborbital study; its page reads it when it is opened
-        self._past: list[Design] = []
-        self._future: list[Design] = []
+        self._past: list[tuple[Design, Lineage]] = []
+        self._future: list[tuple[Design, Lineage]] = []
         self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)
 
     def keep(self, kind: str, finding: Any) -> None:
@@ -53,13 +62,13 @@ class Session(param.Parameterized):
 
     def change(self, changes: Mapping[str, Value], written: Mapping[str, str] | None = None) -> DesignError | None:
         """Put changes (dotted keys, SI) in force; returns what is wrong with them, if anything."""
-        return self._adopt(lambda: self.design.replace(changes, written), frozenset(changes))
+        return self._adopt(lambda: self.design.replace(changes, written), frozenset(changes), self.lineage)
 
     def adopt(self, design: Design) -> DesignError | None:
-        """Put a whole design in force: an opened file, a preset, a link."""
-        return self._adopt(lambda: design, frozenset())
+        """Put a whole design in force, which begins a lineage: an opened file, an example, a link."""
+        return self._adopt(lambda: design, frozenset(), Lineage())
 
-    def _adopt(self, make: Callable[[], Design], keys: frozenset[str]) -> DesignError | None:
+    def _adopt(self, make: Callable[[], Design], keys: frozenset[str], lineage: Lineage) -> DesignError | None:
         before = self.design
         try:
             design = make()
@@ -73,31 +82,31 @@ class Session(param.Parameterized):
         last_keys, when = self._last
         now = time.monotonic()
         if not (keys and keys == last_keys and now - when < _MERGE_SECONDS and self._past):
-            self._past = [*self._past[1 - _HISTORY :], before]
+            self._past = [*self._past[1 - _HISTORY :], (before, self.lineage)]
         self._last = (keys, now)
         self._future = []
-        self._show(budget)
+        self._show(budget, lineage)
         return None
 
     def undo(self) -> None:
         """Back to the design before the last change."""
         if self._past:
-            self._future.append(self.design)
-            self._step(self._past.pop())
+            self._future.append((self.design, self.lineage))
+            self._step(*self._past.pop())
 
     def redo(self) -> None:
         """Forward again to the design undone."""
         if self._future:
-            self._past.append(self.design)
-            self._step(self._future.pop())
+            self._past.append((self.design, self.lineage))
+            self._step(*self._future.pop())
 
     def reset(self) -> DesignError | None:
         """Back to the design the session started with; can be undone."""
         return self.adopt(self.start)
 
-    def _step(self, design: Design) -> None:
+    def _step(self, design: Design, lineage: Lineage) -> None:
         self._last = (frozenset(), 0.0)
-        self._show(analyse(design))
+        self._show(analyse(design), lineage)
 
-    def _show(self, budget: Budget) -> None:
-        self.param.update(budget=budget, can_undo=bool(self._past), can_redo=bool(self._future))
+    def _show(self, budget: Budget, lineage: Lineage) -> None:
+        self.param.update(budget=budget, lineage=lineage, can_undo=bool(self._past), can_redo=bool(self._future))

@@ -19,7 +19,7 @@ from typing import Any
 from sqlalchemy import Connection, text
 
 from app.library.store import Conflict, Library, Revision, as_revision, find, new_id, now
-from app.library.texts import clean
+from app.library.texts import clean, moment
 from nav_model.inputs import DesignError
 from nav_model.parts import all_keys
 from nav_model.verdict import CHECKS
@@ -191,12 +191,16 @@ def add_comment(library: Library, review: str, place: int, subject: str, author:
 
 def decide(
     library: Library, review: str, place: int, requirement: str, accepted: bool, author: str, reason: str = "",
-    *, figure: str = "",
+    *, figure: str = "", seen: int | None = None,
 ) -> Review:  # fmt: skip
     """Accept or reject a requirement of an item; a rejection says why. The latest decision counts.
 
+    `seen` is the number of the decision in force that the decider has before them, 0 for none; None takes any.
+
     Raises
     ------
+    Conflict
+        If another decision is in force than the one seen; nothing is decided.
     DesignError
         If the review is signed or unknown, the design has no such requirement, or a text is missing or too long.
     """
@@ -205,7 +209,7 @@ def decide(
         "author": clean("author", author, required=True), "decided": now(),
         "reason": clean("reason", reason, required=not accepted),
     }  # fmt: skip
-    return _add(library, review, "review_decisions", row)
+    return _add(library, review, "review_decisions", row, seen)
 
 
 def sign(library: Library, review: str, author: str, seen: int) -> Review:
@@ -242,7 +246,7 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
         return _load(connection, review)
 
 
-def _add(library: Library, review: str, table: str, row: dict[str, Any]) -> Review:
+def _add(library: Library, review: str, table: str, row: dict[str, Any], seen: int | None = None) -> Review:
     with library.write() as connection:
         _touch(connection, review)
         before = _load(connection, review)
@@ -252,6 +256,10 @@ def _add(library: Library, review: str, table: str, row: dict[str, Any]) -> Revi
             revision = before.revisions[row["place"] - 1]
             if row["requirement"] not in {check.name for check in revision.budget().verdict.checks}:
                 raise DesignError("requirement", f"{row['requirement'][:60]!r} is none that {revision.name!r} states")
+            standing = before.standing(row["place"], row["requirement"])
+            if standing is not None and seen is not None and standing.number != seen:
+                word = "accepted" if standing.accepted else f"rejected ({standing.reason})"
+                raise Conflict("review", f"{standing.author} {word} this after you opened it; look again and decide")
         entries = before.comments if table == "review_comments" else before.decisions
         _insert(connection, table, {**row, "review": review, "number": len(entries) + 1})
         return _load(connection, review)
@@ -267,7 +275,8 @@ def _touch(connection: Connection, review: str) -> None:
     if taken is None or taken.rowcount != 1:
         standing = _load(connection, review)
         raise DesignError(
-            "review", f"{standing.title!r} was signed by {standing.signed_by} at {standing.signed}; it never changes"
+            "review",
+            f"{standing.title!r} was signed by {standing.signed_by}, {moment(standing.signed)}; it never changes",
         )
 
 

@@ -184,7 +184,8 @@ class Library:
     # --- looking ---------------------------------------------------------------------------------------
 
     def designs(self, search: str = "", tag: str = "", *, archived: bool = False) -> tuple[Saved, ...]:
-        """The designs, latest first, whose name, note, author or tag holds every word of `search`."""
+        """The designs, latest first, that hold every word of `search` in their tags or in the name, note or author of
+        any revision."""
         with self.read() as connection:
             tags: dict[str, list[str]] = {}
             for design, own in connection.execute(text("SELECT design, tag FROM tags ORDER BY tag")):
@@ -197,11 +198,14 @@ class Library:
                 {"archived": int(archived)},
             ).mappings()
             words = search.lower().split()
+            said: dict[str, list[str]] = {design: list(own) for design, own in tags.items()}
+            if words:
+                for design, *texts in connection.execute(text("SELECT design, name, note, author FROM revisions")):
+                    said.setdefault(design, []).extend(texts)
             return tuple(
-                _saved(row, own)
+                _saved(row, tags.get(row["id"], []))
                 for row in rows
-                if (not tag or tag in tags.get(row["id"], ()))
-                and _holds(words, (row["name"], row["note"], row["author"], *(own := tags.get(row["id"], []))))
+                if (not tag or tag in tags.get(row["id"], ())) and _holds(words, said.get(row["id"], []))
             )
 
     def tags(self) -> tuple[str, ...]:

@@ -64,3 +64,13 @@ def clean_tags(text: str) -> tuple[str, ...]:
     if len(tags) > TAGS:
         raise DesignError("tag", f"{len(tags)} tags; at most {TAGS} are kept")
     return tags
+
+
+def moment(stamp: str | None) -> str:
+    """A moment of the library as people read it."""
+    return f"{stamp[:10]} {stamp[11:16]} UTC" if stamp else ""
+
+
+def counted(number: int, thing: str) -> str:
+    """So many of a thing whose plural takes an s."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"

@@ -7,6 +7,7 @@ from functools import partial
 from urllib.parse import parse_qs
 
 import panel as pn
+import panel_material_ui as pmui
 import param
 
 from app.library.reviews import MAX_ITEMS
@@ -30,17 +31,18 @@ class ReviewPage:
         self._compared = CompareView(self._desk)
         self._room = ReviewRoom(self._desk)
         self._library = LibraryView(self._desk, self._compare)
-        self._tabs = pn.Tabs(
-            ("Library", self._library.view),
-            ("Compare", self._compared.view),
-            ("Reviews", self._room.view),
-            dynamic=True,
-            sizing_mode="stretch_width",
-            stylesheets=[":host(.presenting) .bk-header { display: none; }"],
-        )
+        self._views = (self._library.view, self._compared.view, self._room.view)
+        # Only the bar is Material, for keyboard and screen reader: figures must not stand inside it.
+        self._tabs = pmui.Tabs(
+            *((name, pn.Spacer(height=0)) for name in ("Library", "Compare", "Reviews")),
+            sizing_mode="stretch_width", margin=(0, 4),
+        )  # fmt: skip
+        self._place = pn.Column(self._views[_LIBRARY], sizing_mode="stretch_width", margin=0)
         session.param.watch(self._present, "presenting")
         self._tabs.param.watch(self._turned, "active")
-        self.view = pn.Column(self._desk.author, self._desk.notice, self._tabs, sizing_mode="stretch_width")
+        self.view = pn.Column(
+            self._desk.author, self._desk.notice, self._tabs, self._place, sizing_mode="stretch_width"
+        )
         pn.state.execute(self._library.refresh)
         self._follow_link()
 
@@ -56,10 +58,11 @@ class ReviewPage:
             document.add_next_tick_callback(self._room.stand_back)
 
     def _present(self, event: param.parameterized.Event) -> None:
-        self._tabs.css_classes = ["presenting"] if event.new else []
+        self._tabs.visible = not event.new
 
     async def _turned(self, event: object) -> None:
         """A turn brings what others have written meanwhile; what was said about another part goes."""
+        self._place.objects = [self._views[self._tabs.active]]
         if self._tabs.active != _COMPARE:
             self._desk.say("")
         if self._tabs.active == _LIBRARY:

@@ -48,6 +48,9 @@ class Desk(param.Parameterized):
             **{**LOOK, "margin": (14, 10, 4, 10)},
         )
         self._said = html_pane("", margin=(2, 10))
+        # A revision is the base of its own changes only: another design put in force, by undo as well, has another.
+        session.param.watch(lambda event: setattr(self, "base", event.new.base), "lineage")
+        self.param.watch(lambda event: setattr(session.lineage, "base", event.new), "base")
         self.notice = self._said
 
     @property

@@ -17,8 +17,8 @@ from app.chart_view import html_pane
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.place import library
 from app.library.store import Library, Revision, Saved
+from app.library.texts import counted, moment
 from app.pages.review_desk import BUTTON, LOOK, Desk, button
-from app.report.audit import moment
 from app.report.wording import shortened
 from app.upload import LimitedFileInput
 from nav_model.design_file import parse_design
@@ -39,7 +39,7 @@ class LibraryView:
     def __init__(self, desk: Desk, compare: Callable[[], Any]) -> None:
         self._desk = desk
         self._open_designs: set[str] = set()
-        self._ticks: dict[str, pmui.Checkbox] = {}
+        self._ticks: list[tuple[str, pmui.Checkbox]] = []  # a design's latest revision may have two
         self._note = pmui.TextInput(label="Note", max_length=4000, width=260, **LOOK)
         self._new = button("Save as new design", partial(self._save, True), variant="contained")
         self._next = button("Save as next revision", partial(self._save, False), visible=False)
@@ -61,6 +61,7 @@ class LibraryView:
             button("Open on the left", self._open),
             button("Archive or restore", self._archive),
             button("Clear", self._clear),
+            button("Set tags", self._retag),
         ]
         self._export = pmui.FileDownload(
             callback=self._zip, filename="navbudget-library.zip", label="Export (zip)",
@@ -80,9 +81,7 @@ class LibraryView:
             ),
             self._rows,
             self._chosen,
-            pn.FlexBox(
-                *self._actions, self._tags, button("Set tags", self._retag), align_items="center", margin=(0, 4)
-            ),
+            pn.FlexBox(*self._actions[:-1], self._tags, self._actions[-1], align_items="center", margin=(0, 4)),
             sizing_mode="stretch_width",
         )
         self._say_picked()
@@ -121,7 +120,7 @@ class LibraryView:
         if isinstance(listing, DesignError):
             self._rows.objects = [html_pane(f"<p>The library is not at hand. {escape(str(listing))}</p>")]
             return
-        self._ticks = {}
+        self._ticks = []
         rows = [row for saved in listing.found[:_SHOWN] for row in self._design_rows(saved, listing.histories)]
         if not listing.found:
             rows = [html_pane("<p>No design matches.</p>" if listing.narrowed else _EMPTY)]
@@ -164,7 +163,7 @@ class LibraryView:
                     self._desk.pick(revision, event.new)
 
         tick.param.watch(ticked, "value")
-        self._ticks[key] = tick
+        self._ticks.append((key, tick))
         parts = [tick, html_pane(f'<div class="line">{cells}</div>', margin=(2, 6)), *([extra] if extra else [])]
         parts[1].param.update(sizing_mode=None, styles={"flex": "1 1 280px"})
         return pn.FlexBox(*parts, align_items="center", sizing_mode="stretch_width", margin=0, styles=_RULE)
@@ -178,7 +177,7 @@ class LibraryView:
     def _picks(self, _: Any) -> None:
         keys = {own.key for own in self._desk.picked}
         with pn.io.hold():
-            for key, tick in self._ticks.items():
+            for key, tick in self._ticks:
                 tick.value = key in keys
             self._say_picked()
 
@@ -225,15 +224,14 @@ class LibraryView:
         if await self._desk.ask(work):
             self._desk.picked = ()
             await self.refresh()
-            self._desk.say(f"{len(designs)} {'archived' if hide else 'restored'}; nothing is deleted.")
+            said = f"{counted(len(designs), 'design')} {'archived' if hide else 'restored'}; nothing is deleted."
+            self._desk.say(said)
 
     async def _retag(self) -> None:
         designs = {revision.design for revision in self._desk.picked}
         line = self._tags.value or ""
-        if not designs:
-            self._desk.say("Tick the designs to tag first.", wrong=True)
-            return
         if await self._desk.ask(lambda place: [place.retag(design, line) for design in designs]):
+            self._tags.value = ""
             await self.refresh()
 
     # --- saving, in and out ----------------------------------------------------------------------------
@@ -274,7 +272,8 @@ class LibraryView:
         picked = [revision.design for revision in self._desk.picked]
 
         def work(place: Library) -> bytes:
-            return export_archive(place, picked or [saved.id for saved in place.designs()])
+            everything = (*place.designs(), *place.designs(archived=True))
+            return export_archive(place, picked or [saved.id for saved in everything])
 
         return io.BytesIO(await self._desk.ask(work) or b"")
 
@@ -286,7 +285,8 @@ class LibraryView:
         if done is not None:
             await self.refresh()
             self._desk.say(
-                f"Imported {done.designs} designs, {done.revisions} revisions; {done.known} were here already."
+                f"Imported {counted(done.designs, 'design')}, {counted(done.revisions, 'revision')}; "
+                f"{done.known} here already."
             )
 
 

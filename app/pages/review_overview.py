@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 
 from app.library.reviews import Review
-from app.report.audit import moment
+from app.library.texts import moment
 
 _HEADS = ("Review", "State", "Designs", "To decide", "Rejected", "Comments", "Opened", "Last change")
 _COUNTS = range(2, 6)

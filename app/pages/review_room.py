@@ -24,6 +24,7 @@ from app.library.reviews import (
     sign,
 )
 from app.library.store import Library
+from app.library.texts import counted
 from app.pages.review_desk import BUTTON, LOOK, Desk, button
 from app.pages.review_overview import overview
 from app.report import report_of_texts
@@ -153,11 +154,13 @@ class ReviewRoom:
             await self.open(self._choice.value)
 
     async def _leave(self) -> None:
+        self._desk.say("")
         self._review = None
         await self.refresh()
 
     async def _pressed(self, event: param.parameterized.Event) -> None:
         if event.new:
+            self._desk.say("")
             self._all.chosen = ""
             await self.open(event.new)
 
@@ -219,7 +222,8 @@ class ReviewRoom:
         changed = await self._desk.ask(lambda place: work(place, review.id, author))
         if changed is not None:
             self._desk.say("")
-            self._show(changed)
+            self._review = changed
+        await self.refresh()  # after a refusal as well: it may be of what somebody else did meanwhile
         return changed is not None
 
     async def _judge(self, accepted: bool) -> None:
@@ -228,9 +232,11 @@ class ReviewRoom:
             self._desk.say("The designs under review state no requirement to decide on.", wrong=True)
             return
         place, check, figure = point
+        standing = self._review.standing(place, check.name)
+        seen = standing.number if standing else 0
         done = await self._change(
             lambda library, review, author: decide(
-                library, review, place, check.name, accepted, author, reason, figure=figure
+                library, review, place, check.name, accepted, author, reason, figure=figure, seen=seen
             )
         )
         if done:
@@ -323,6 +329,7 @@ def _headline(review: Review) -> str:
         css, mark, word = "open", "–", f"Open, {left} to decide" if left else "Open, all decided: can be signed"
     return (
         f'<div class="strip {css}"><h2>{escape(review.title)}</h2><p><span aria-hidden="true">{mark}</span> '
-        f"<b>{escape(word)}</b></p><p>{len(review.items)} designs, {len(review.rejected())} requirements rejected, "
-        f"{len(review.comments)} comments</p></div>"
+        f"<b>{escape(word)}</b></p><p>{counted(len(review.items), 'design')}, "
+        f"{counted(len(review.rejected()), 'requirement')} rejected, "
+        f"{counted(len(review.comments), 'comment')}</p></div>"
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.metadata import version
 
 from app.library.reviews import Comment, Decision, Review
+from app.library.texts import moment
 from app.report.document import Cell, Column, Section, Table
 from app.report.wording import requirement_quantity
 from nav_model.budget import Budget
@@ -140,8 +141,3 @@ def subject_label(subject: str) -> str:
     if name in INPUTS.get(section, {}):
         return f"input {str(INPUTS[section][name].label).lower()}"
     return subject.replace("_", " ") or "the design as a whole"
-
-
-def moment(stamp: str | None) -> str:
-    """A moment of the library as people read it."""
-    return f"{stamp[:10]} {stamp[11:16]} UTC" if stamp else ""

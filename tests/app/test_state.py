@@ -94,3 +94,22 @@ def test_reset_returns_to_the_start_and_can_be_undone(session: Session) -> None:
     assert session.design == start
     session.undo()
     assert session.design.flight.speed == 55.0
+
+
+def test_a_lineage_holds_for_a_designs_changes_and_comes_back_with_undo(session: Session) -> None:
+    ours = session.lineage
+    session.change({"gnss.position_noise": 0.02})
+    assert session.lineage is ours
+    other = Design().replace({"flight.speed": 200.0, "name": "another"})
+    assert session.adopt(other) is None
+    theirs = session.lineage
+    assert theirs is not ours
+    session.change({"gnss.position_noise": 0.5})
+    assert session.lineage is theirs
+    session.undo()
+    session.undo()
+    assert session.lineage is ours
+    session.redo()
+    assert session.lineage is theirs
+    assert session.change({"imu.nothing": 1.0}) is not None
+    assert session.lineage is theirs

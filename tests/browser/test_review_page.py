@@ -12,7 +12,7 @@ from typing import Any
 import pypdf
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Download, Locator, Page, expect
+from playwright.sync_api import Browser, Download, Locator, Page, expect
 
 Visit = Callable[..., Page]
 HOSTILE = "<img src=x onerror=\"document.title='owned'\"><script>document.title='owned'</script>{{7*7}}"
@@ -25,9 +25,8 @@ def content(download: Download) -> bytes:
 
 
 def tab(page: Page, name: str) -> None:
-    """A page of the frame by its role; a part of the Review page by its heading."""
-    frame = page.get_by_role("tab", name=name, exact=True)
-    (frame if frame.count() else page.locator(".bk-tab").get_by_text(name, exact=True)).click()
+    """A page of the frame, or a part of the Review page."""
+    page.get_by_role("tab", name=name, exact=True).click()
 
 
 def press(page: Page, name: str | re.Pattern[str]) -> None:
@@ -153,19 +152,91 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     expect(heading).to_contain_text("Signed off by Ann")
 
 
+def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
+    visit: Visit, server: str, browser: Browser
+) -> None:
+    page = visit()
+    tab(page, "Review")
+    save(page, "Seen by two")
+    page.get_by_role("checkbox", name="Seen by two").check()
+    expect(page.get_by_label("Picked revisions")).to_contain_text("Seen by two")
+    tab(page, "Reviews")
+    field(page, "Title of a new review").fill("Both")
+    press(page, "Open a review of the picked")
+    heading = page.locator(".strip").filter(has=page.get_by_role("heading", name="Both"))
+    expect(heading).to_contain_text("5 to decide")
+    second = browser.new_context().new_page()
+    second.goto(server + "/#review")
+    tab(second, "Reviews")
+    second.get_by_role("region", name="All reviews").get_by_role("button", name="Both").click()
+    field(second, "Your name").fill("Bob")
+    field(second, "Reason (needed to reject)").fill("no margin left")
+    press(second, "Reject")
+    expect(second.locator(".strip").filter(has_text="1 requirement rejected")).to_be_visible()
+    press(page, "Accept")  # of what still says "open" here
+    said(page, re.compile("Bob rejected .no margin left. this after you opened it"))
+    expect(heading).to_contain_text("1 requirement rejected")
+    field(second, "Comment").fill("and one more thing")
+    press(second, "Add comment")
+    expect(second.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
+    second.context.close()
+    press(page, "Accept")  # now knowingly
+    for left in (4, 3, 2, 1):
+        expect(heading).to_contain_text(f"{left} to decide")
+        press(page, "Accept")
+    expect(heading).to_contain_text("can be signed")
+    expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
+    press(page, "Sign off")
+    expect(heading).to_contain_text("Signed off by Ann")
+
+
+def test_a_revision_is_the_base_of_its_own_changes_only(visit: Visit) -> None:
+    page = visit()
+    tab(page, "Review")
+    save(page, "Ours")
+    following = page.get_by_role("button", name="Save as revision 2 of Ours")
+    expect(following).to_be_visible()
+    page.get_by_role("button", name="Examples").click()
+    page.get_by_role("button", name="Open L band from a jet").click()
+    expect(following).to_be_hidden()
+    page.get_by_role("button", name="Undo").click()
+    expect(following).to_be_visible()
+    following.click()
+    said(page, "revision 2 of Ours")
+    page.get_by_role("button", name="Show 2 revisions").first.click()
+    both = page.get_by_role("checkbox", name=re.compile("^Ours|Revision 2: Ours"))
+    expect(both).to_have_count(2)
+    both.first.check()
+    expect(both.last).to_be_checked()
+    press(page, "Clear")
+    for tick in both.all():
+        expect(tick).not_to_be_checked()
+    page.get_by_role("tab", name="Library").focus()  # by the keyboard
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("tab", name="Compare")).to_have_attribute("aria-selected", "true")
+    expect(page.get_by_text("Nothing to compare yet")).to_be_visible()
+
+
 @pytest.mark.slow
 def test_a_library_goes_out_and_comes_in_as_a_zip(visit: Visit, tmp_path: Path) -> None:
     page = visit()
     tab(page, "Review")
     save(page, "Traveller")
+    save(page, "Put away")
+    page.get_by_role("checkbox", name="Put away").check()
+    press(page, "Archive or restore")
+    said(page, "1 design archived")
     with page.expect_download() as download:
         press(page, re.compile("Export"))
     data = content(download.value)
-    assert [name for name in zipfile.ZipFile(io.BytesIO(data)).namelist() if name.startswith("traveller-")]
+    names = " ".join(zipfile.ZipFile(io.BytesIO(data)).namelist())
+    assert "traveller-" in names
+    assert "put-away-" in names  # all means the archived as well
     page.locator("input[type=file][accept='.zip']").set_input_files(
         {"name": "../../l.zip", "mimeType": "application/zip", "buffer": data}
     )
-    said(page, re.compile("Imported 0 designs.*were here already"))
+    said(page, re.compile("Imported 0 designs.*here already"))
     evil = io.BytesIO()
     with zipfile.ZipFile(evil, "w") as archive:
         archive.writestr("../evil.toml", "x")
@@ -198,7 +269,7 @@ def test_the_presenter_view_leaves_the_room_one_decision(visit: Visit) -> None:
     slide = page.locator(".slide")
     expect(slide).to_contain_text("decision 1 of 5")
     for tool in (page.get_by_role("button", name="PDF report", exact=True), field(page, "Your name"),
-                 page.get_by_role("tab", name="Budget"), page.locator(".bk-tab").first):  # fmt: skip
+                 page.get_by_role("tab", name="Budget"), page.get_by_role("tab", name="Library")):  # fmt: skip
         expect(tool).to_be_hidden()
     assert slide.locator("h2").evaluate("e => parseFloat(getComputedStyle(e).fontSize)") >= 60
     press(page, "Accept")

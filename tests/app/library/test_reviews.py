@@ -66,6 +66,17 @@ def test_comments_and_decisions_add_up_and_the_latest_decision_counts(library: L
     assert len(review.decisions) == 2
 
 
+def test_a_decision_nobody_has_seen_is_not_overruled(library: Library, review: Review) -> None:
+    name = review.open_points()[0][1]
+    review = decide(library, review.id, 1, name, False, "Bob", "no margin", seen=0)
+    with pytest.raises(Conflict, match=r"Bob rejected \(no margin\) this after you opened it"):
+        decide(library, review.id, 1, name, True, "Ann", seen=0)
+    assert load_review(library, review.id) == review
+    standing = review.standing(1, name)
+    assert standing is not None
+    assert decide(library, review.id, 1, name, True, "Ann", seen=standing.number).rejected() == []
+
+
 def test_what_makes_no_sense_is_refused(library: Library, review: Review) -> None:
     name = review.open_points()[0][1]
     with pytest.raises(DesignError, match="reason: is empty"):
@@ -107,7 +118,7 @@ def test_a_signed_review_never_changes(library: Library, review: Review) -> None
         lambda: decide(library, review.id, 1, name, False, "Eve", "too late"),
         lambda: sign(library, review.id, "Eve", signed.version),
     ):
-        with pytest.raises(DesignError, match=r"signed by Chief .* never changes"):
+        with pytest.raises(DesignError, match=r"signed by Chief, .* never changes"):
             attempt()
     assert load_review(library, review.id) == signed
 

@@ -60,6 +60,8 @@ def test_search_tags_and_archive(library: Library, mems: Budget, tactical: Budge
     assert [s.id for s in library.designs("GUARD ann")] == [one.design]
     assert [s.id for s in library.designs("mari")] == [one.design]
     assert library.designs("guard bob") == ()
+    later = library.save(one.budget(), "Zoe", "second thoughts", design=one.design, base=1)
+    assert library.designs("guard zoe")[0].number == later.number  # found by what an older revision says
     assert [s.id for s in library.designs(tag="x-band")] == [one.design]
     assert library.tags() == ("maritime", "x-band")
     library.archive(one.design)
