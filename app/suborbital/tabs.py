@@ -55,7 +55,7 @@ TABS: tuple[Tab, ...] = (
     Tab("Sensor errors", tuple((charts.sensor_chart(s, a), 240, 6) for a in _AXES for s in (0, 1)), beside=900),
     Tab("White noise", tuple((charts.noise_chart(c), 300, 6) for c in (2, 1, 0)), (noise_table,), chooses=("noise",)),
     Tab("Attitude", ((charts.inertial_attitude_chart, 340, 6), (charts.navigation_attitude_chart, 340, 6)),
-        (method_table,), "md", ("case",)),
+        (method_table,), 900, ("case",)),
     Tab("Stars", ((charts.star_chart, 460, 6), (charts.star_count_chart, 340, 6)), (star_table,),
         chooses=("moment",)),
     Tab("Flight", ((charts.map_chart, 320, 6), (charts.height_chart, 320, 6), (charts.force_chart, 280, 6),
