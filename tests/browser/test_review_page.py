@@ -152,6 +152,7 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     expect(heading).to_contain_text("Signed off by Ann")
 
 
+@pytest.mark.slow
 def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     visit: Visit, server: str, browser: Browser
 ) -> None:
