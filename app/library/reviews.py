@@ -234,10 +234,9 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
         if left:
             first = left[0][1].replace("_", " ")
             raise DesignError("review", f"{len(left)} requirements are not decided, the first: {first}")
-        moment = now()
         connection.execute(
-            text("UPDATE reviews SET signed_by = :signer, signed = :moment WHERE id = :review"),
-            {"signer": signer, "moment": moment, "review": review},
+            text("UPDATE reviews SET signed_by = :signer, signed = :signed WHERE id = :review"),
+            {"signer": signer, "signed": now(), "review": review},
         )
         connection.execute(
             text("UPDATE reviews SET seal = :seal WHERE id = :review"),
@@ -254,7 +253,7 @@ def _add(library: Library, review: str, table: str, row: dict[str, Any], seen: i
             raise DesignError("review", f"has no design number {row['place']!r}")
         if table == "review_decisions":
             revision = before.revisions[row["place"] - 1]
-            if row["requirement"] not in {check.name for check in revision.budget().verdict.checks}:
+            if row["requirement"] not in revision.checks():
                 raise DesignError("requirement", f"{row['requirement'][:60]!r} is none that {revision.name!r} states")
             standing = before.standing(row["place"], row["requirement"])
             if standing is not None and seen is not None and standing.number != seen:

@@ -61,6 +61,7 @@ class ReviewRoom:
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
         self._review: Review | None = None
+        self._asked: object = None
         self._title = pmui.TextInput(label="Title of a new review", max_length=200, width=240, **LOOK)
         self._choice = pmui.Select(label="Review", options={_NONE: ""}, value="", width=340, **LOOK)
         self._present = pmui.Switch(label="Presenter view", description="", margin=(12, 8))
@@ -126,9 +127,13 @@ class ReviewRoom:
     # --- which review ----------------------------------------------------------------------------------
 
     async def refresh(self) -> None:
-        """Show what others have added meanwhile."""
+        """Show what others have added meanwhile; where several ask at once, the last one's answer is shown."""
+        self._asked = asked = object()
         reviews = await self._desk.ask(list_reviews)
         if reviews is None:
+            return
+        table = await asyncio.to_thread(overview, reviews)
+        if self._asked is not asked:
             return
         options = {_NONE: ""}
         for review in reviews:
@@ -136,7 +141,7 @@ class ReviewRoom:
             options[f"{shortened(review.title, 60)} ({state}, {review.opened[:10]}, {review.id[:4]})"] = review.id
         if self._choice.options != options:
             self._choice.options = options
-        self._all.html = await asyncio.to_thread(overview, reviews)
+        self._all.html = table
         at_hand = next((own for own in reviews if self._review is not None and own.id == self._review.id), None)
         self._show(at_hand)
 

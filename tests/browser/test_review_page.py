@@ -51,6 +51,16 @@ def save(page: Page, name: str, author: str = "Ann") -> None:
     expect(page.get_by_role("checkbox", name=name[:40])).to_be_visible()
 
 
+def begin_review(page: Page, design: str, title: str) -> None:
+    """Save the design in force, tick it, and open a review of it."""
+    save(page, design)
+    page.get_by_role("checkbox", name=design).check()
+    expect(page.get_by_label("Picked revisions")).to_contain_text(design)
+    tab(page, "Reviews")
+    field(page, "Title of a new review").fill(title)
+    press(page, "Open a review of the picked")
+
+
 def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: Visit) -> None:
     page = visit()
     actions = 0
@@ -158,12 +168,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
 ) -> None:
     page = visit()
     tab(page, "Review")
-    save(page, "Seen by two")
-    page.get_by_role("checkbox", name="Seen by two").check()
-    expect(page.get_by_label("Picked revisions")).to_contain_text("Seen by two")
-    tab(page, "Reviews")
-    field(page, "Title of a new review").fill("Both")
-    press(page, "Open a review of the picked")
+    begin_review(page, "Seen by two", "Both")
     heading = page.locator(".strip").filter(has=page.get_by_role("heading", name="Both"))
     expect(heading).to_contain_text("5 to decide")
     second = browser.new_context().new_page()
@@ -259,12 +264,7 @@ def test_forged_links_are_said_so(visit: Visit) -> None:
 def test_the_presenter_view_leaves_the_room_one_decision(visit: Visit) -> None:
     page = visit(width=1920, height=1080)
     tab(page, "Review")
-    save(page, "Shown to a room")
-    page.get_by_role("checkbox", name="Shown to a room").check()
-    expect(page.get_by_label("Picked revisions")).to_contain_text("Shown to a room")
-    tab(page, "Reviews")
-    field(page, "Title of a new review").fill("In the room")
-    press(page, "Open a review of the picked")
+    begin_review(page, "Shown to a room", "In the room")
     said(page, "In the room is open")
     page.get_by_label("Presenter view").check()
     slide = page.locator(".slide")
