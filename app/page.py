@@ -158,7 +158,7 @@ class Frame:
     def _shell(self) -> pmui.Page:
         mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
         self._tools = self._toolbar()
-        page = pmui.Page(
+        page = _Shell(
             title="NavBudget",
             sidebar=self._sidebar(),
             main=[
@@ -324,6 +324,19 @@ class Frame:
 
     def _say(self, text: str, severity: str = "error") -> None:
         self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
+
+
+class _Shell(pmui.Page):
+    """The page as shipped, but its busy line may come and go without a walk through the whole document.
+
+    That walk marks everything below as belonging to this page, each time anything of the page changes; but each
+    component has marked itself when it was made.
+    """
+
+    @classmethod
+    def _patch_datamodel_ref(cls, props: Any, ref: str) -> None:
+        if (mark := f"__ref:{ref}") not in props.tags:
+            props.tags.append(mark)
 
 
 def is_review_link(query: str) -> bool:

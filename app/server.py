@@ -13,6 +13,7 @@ from importlib.resources import files
 from typing import Any
 
 import panel as pn
+from bokeh.settings import settings
 
 from app import workers
 from app.page import Frame, is_review_link
@@ -73,6 +74,7 @@ def serve(rules: Rules) -> None:
     """
     rules.check()
     pn.extension(exception_handler=caught)
+    settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
     repair()
     set_up(rules.log)
     workers.use(rules.workers)

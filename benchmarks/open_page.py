@@ -43,6 +43,8 @@ class Tab:
         connection = await websocket_connect(
             request, subprotocols=["bokeh", found[1]], max_message_size=100_000_000, ping_interval=0
         )
+        assert connection.protocol is not None
+        connection.protocol.set_nodelay(True)  # as browsers do
         tab = cls(server, connection)
         tab._reading = asyncio.create_task(tab._read())
         await asyncio.wait_for(tab._greeted.wait(), 120)  # what is sent before the greeting is lost

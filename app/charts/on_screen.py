@@ -7,6 +7,7 @@ message with the arrays that moved.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -50,15 +51,35 @@ class Figure:
     _sources: dict[str, ColumnDataSource]
     _sent: dict[str, Any] = field(default_factory=dict)
     _spans: dict[str, tuple[BoxAnnotation, Label]] = field(default_factory=dict)
+    _lines: Sequence[GlyphRenderer] = ()
 
     def feed(self, chart: AnyChart) -> None:
         """Show another chart of the same structure."""
+        renamed = isinstance(chart, Chart) and self._rename(chart)
         for name, columns in _columns(chart).items():
-            if not _same(self._sent.get(name), columns):
-                self._sent[name] = columns
-                self._sources[name].data = dict(columns)
+            sent, source = self._sent[name], self._sources[name]
+            if renamed:
+                source.data = dict(columns)
+            elif changed := {key: new for key, new in columns.items() if not _same(sent[key], new)}:
+                source.data.update(changed)
+            self._sent[name] = columns
         if isinstance(chart, Chart):
             self._feed_ranges(chart)
+
+    def _rename(self, chart: Chart) -> bool:
+        """Follow what the hover says of a line, which run it is for one; whether anything was renamed.
+
+        Its old column stays until the line has left it: a line without its column is an error in the browser.
+        """
+        renamed = False
+        for renderer, line in zip(self._lines, chart.lines, strict=True):
+            name = _column(line)
+            if renderer.name != name:
+                renamed, data = True, renderer.data_source.data
+                data[name] = data[renderer.name]
+                renderer.glyph.y = field_of(name)
+                renderer.name = name
+        return renamed
 
     def _feed_ranges(self, chart: Chart) -> None:
         for span in chart.spans:
@@ -123,16 +144,13 @@ def _line_source(chart: Chart, x: Any) -> str:
     return f"lines {next(i for i, line in enumerate(chart.lines) if line.x is x)}"
 
 
-def _same(old: dict[str, Any] | None, new: dict[str, Any]) -> bool:
-    return old is not None and all(
-        old[key] is value
-        or (
-            np.array_equal(old[key], value, equal_nan=True)
-            if isinstance(value, np.ndarray)
-            else repr(old[key]) == repr(value)
-        )
-        for key, value in new.items()
-    )
+def _same(old: Any, new: Any) -> bool:
+    """Whether a column need not be sent again."""
+    if old is new:
+        return True
+    if isinstance(new, np.ndarray):
+        return np.array_equal(old, new, equal_nan=True)
+    return repr(old) == repr(new)
 
 
 def _curves(chart: Chart, height: int) -> Figure:
@@ -189,7 +207,7 @@ def _curves(chart: Chart, height: int) -> Figure:
     for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
         if is_log:
             mark_in_powers(axis[0])
-    return Figure(plot, sources, dict(columns), spans)
+    return Figure(plot, sources, dict(columns), spans, lines)
 
 
 def _draw(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:

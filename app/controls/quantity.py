@@ -44,7 +44,12 @@ class LogSlider(pmui.FloatSlider):
     server's busy flag on and off, which nothing here shows."""
 
     _priority_changes: ClassVar[list[str]] = ["value"]
-    _busy__ignore: ClassVar[list[str]] = ["value", "value_throttled"]
+    _busy__ignore: ClassVar[list[str]] = ["value"]
+
+    @property
+    def _linked_properties(self) -> tuple[str, ...]:
+        """What is heard of the browser: "value_throttled", which comes with every step, would be worked off too."""
+        return ("value",)
 
 
 class QuantityControl:

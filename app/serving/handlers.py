@@ -144,9 +144,15 @@ class LimitedWSHandler(WSHandler):
             self.finish()
 
     def open(self, *arguments: Any, **options: Any) -> None:
-        """As Bokeh; and remember the connection for as long as it lives."""
+        """As Bokeh; and remember the connection for as long as it lives.
+
+        A message is a dozen small frames and more: without `set_nodelay` the second waits until the browser has
+        confirmed the first, up to 40 ms.
+        """
         _connections.add(self)
         super().open(*arguments, **options)
+        if self.ws_connection is not None:  # None: refused
+            self.set_nodelay(True)
 
     async def _handle(self, message: Any) -> Any:
         """As Bokeh, but a page may change what it shows, not put another document in its place."""

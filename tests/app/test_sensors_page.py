@@ -93,7 +93,7 @@ def test_another_log_feeds_the_same_figures(sensors: SensorsPage):
     panel.boxes["rate"].value = "100"
     asyncio.run(panel.take(log(), "one.csv"))
     charts = [view.figure for view in panel.static._charts]
-    old = {name: source.data for name, source in charts[0]._sources.items()}
+    old = {name: dict(source.data) for name, source in charts[0]._sources.items()}
     asyncio.run(panel.take(log(9000, 2.0), "two.csv"))
     assert [view.figure for view in panel.static._charts] == charts
     for name, source in charts[0]._sources.items():

@@ -162,6 +162,8 @@ def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: DesignStu
         assert (to_csv(fed).count("\n") == 1) == nothing
         assert legend_html(fed)
         assert "<svg" in to_svg(fed)
+        for drawn, line in zip(figure._lines, fed.lines, strict=True):
+            assert np.array_equal(drawn.data_source.data[drawn.glyph.y.field], line.y, equal_nan=True)
         shown = [box.visible for box, _ in figure._spans.values()]
         assert sum(shown) == (len(other.result.spec.outages) if chart.spans else 0)
 
