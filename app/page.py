@@ -158,7 +158,7 @@ class Frame:
     def _shell(self) -> pmui.Page:
         mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
         self._tools = self._toolbar()
-        page = _Shell(
+        page = Shell(
             title="NavBudget",
             sidebar=self._sidebar(),
             main=[
@@ -326,7 +326,7 @@ class Frame:
         self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
 
 
-class _Shell(pmui.Page):
+class Shell(pmui.Page):
     """The page as shipped, but its busy line may come and go without a walk through the whole document.
 
     That walk marks everything below as belonging to this page, each time anything of the page changes; but each

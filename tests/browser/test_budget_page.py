@@ -23,7 +23,7 @@ _CURVE = """(name) => {
   const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
   const data = sources.find(m => m.name === name).data
   const columns = data instanceof Map ? data : new Map(Object.entries(data))
-  return [...columns.get([...columns.keys()].find(key => key !== "x"))]
+  return [...columns.get([...columns.keys()].find(key => key.startsWith("horizontal: ")))]
 }"""
 
 

@@ -12,12 +12,21 @@ from playwright.sync_api import Locator, Page, expect
 
 Visit = Callable[..., Page]
 
+# The names of the ensemble's lines, and whether each stands on a column of its source with some values above zero.
+_ENSEMBLE = """() => {
+  const figure = [...Bokeh.documents[0]._all_models.values()].find(m => m.name === "sim-ensemble")
+  return figure.renderers.filter(r => r.glyph.type === "Line" && r.name).map(r => {
+    const data = r.data_source.data
+    const column = data instanceof Map ? data.get(r.glyph.y.field) : data[r.glyph.y.field]
+    return [r.name, [...(column ?? [])].filter(y => y > 0).length > 20]
+  })
+}"""
 _COMPILING = 180_000  # ms: the first use of a clone compiles the simulator
 _CURVE = """(name) => {
   const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
   const data = sources.find(m => m.name === name).data
   const columns = data instanceof Map ? data : new Map(Object.entries(data))
-  return [...columns.get([...columns.keys()].find(key => key !== "x"))]
+  return [...columns.get([...columns.keys()].find(key => key.startsWith("north, simulated")))]
 }"""
 
 
@@ -55,6 +64,7 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(visit: Vi
     assert page.evaluate(_CURVE, "sim-position-horizontal lines 0") == document["position"]["north"]["rms_m"]
 
     expect(page.get_by_text("stale")).to_have_count(0)
+    before = page.evaluate(_ENSEMBLE)
     page.get_by_role("slider", name="Angle random walk").press("ArrowRight")
     expect(page.get_by_text("stale")).to_be_visible()
 
@@ -63,6 +73,15 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(visit: Vi
     expect(page.get_by_text(re.compile(r"[1-9]\d* of 2000 runs, \d+ s left"))).to_be_visible(timeout=_COMPILING)
     cancel.click()
     expect(page.get_by_text(re.compile(r"Cancelled after \d+ of 2000 runs"))).to_be_visible(timeout=10_000)
+    expect(start).to_be_enabled()
+
+    enter(page, "Runs", "20")
+    enter(page, "Seed", "2")
+    start.click()  # another run is the worst one, and its line is still there
+    page.wait_for_function(f"(before) => ({_ENSEMBLE})()[2][0] !== before", arg=before[2][0])
+    after = page.evaluate(_ENSEMBLE)
+    assert len(after) == 4
+    assert all(drawn for _, drawn in after), after
     expect(start).to_be_enabled()
 
     found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]}).response["violations"]
