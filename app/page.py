@@ -17,6 +17,7 @@ from panel.util import edit_readonly
 
 from app.controls import SECTION_TITLES, Control, section_controls
 from app.layout_passes import LayoutPasses
+from app.lifeline import Lifeline
 from app.paper import fit_to_paper
 from app.report import report_of_text
 from app.report.studies import study_sections
@@ -24,7 +25,7 @@ from app.report.wording import chapter_key
 from app.report_choice import ReportChoice
 from app.select_keys import SelectKeys
 from app.serving.faults import tell_here
-from app.state import Session
+from app.state import Lineage, Session
 from app.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.tour import Tour
 from app.upload import LimitedFileInput
@@ -33,7 +34,7 @@ from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design_file import MAX_BYTES, format_design, parse_design
 from nav_model.inputs import DesignError
-from nav_model.link import to_query
+from nav_model.link import from_query, split_link, to_query
 from nav_model.parts import INPUTS
 
 
@@ -86,9 +87,11 @@ class Frame:
             margin=(0, 6),
         )
         self._bar = pn.Column(self._tabs, sizing_mode="stretch_width", margin=0, stylesheets=[PRINT_NOTHING])
+        self._lifeline = Lifeline(self._come_back, link=session.link, margin=0, width=0, height=0)
         self._open_page(self._tabs.active)
         self.view = self._shell()
         session.param.watch(self._show, "budget")
+        session.param.watch(self._keep, ["lineage", "study_link"])
         session.param.watch(self._present, "presenting")
         self._tabs.param.watch(self._turned, "active")
         if pn.state.curdoc:
@@ -109,6 +112,38 @@ class Frame:
             if page := self._pages.get(self._tabs.active):  # None where it could not be made
                 page.show(budget)
             self._follow_name(budget)
+            self._keep()
+
+    def _keep(self, *_: Any) -> None:
+        """Have the browser's tab keep what is in force, should the page be loaded again."""
+        base = self.session.lineage.base
+        self._lifeline.param.update(link=self.session.link, base=base.key if base else "")
+
+    def _come_back(self, link: str, base: str) -> None:
+        """Take up again what the browser's tab kept of this page before it was loaded again."""
+        of_design, of_study = split_link(link)
+        try:
+            problem = self.session.adopt(from_query(of_design))
+        except DesignError as error:
+            problem = error
+        if problem:
+            self._say(f"The design you had here could not be taken up again. {problem}")
+            return
+        self.session.study_link = of_study
+        if base:
+            pn.state.execute(functools.partial(self._come_from, base, self.session.lineage))
+        self._say("The design you had on this page is back. Undo leads to the one the page opens with.", "info")
+
+    async def _come_from(self, key: str, lineage: Lineage) -> None:
+        from app.library.place import library
+
+        try:
+            revision = await asyncio.to_thread(lambda: library().revision(key))
+        except DesignError as error:
+            self._say(f"The design you had on this page is back, but not the revision it was saved as. {error}")
+            return
+        if self.session.lineage is lineage:
+            self.session.came_from(revision)
 
     def _present(self, event: Any) -> None:
         """Leave the screen to the decision at hand, and come back."""
@@ -170,6 +205,7 @@ class Frame:
                     *self._places,
                     SelectKeys(margin=0, width=0, height=0),
                     LayoutPasses(margin=0, width=0, height=0),
+                    self._lifeline,
                     sizing_mode="stretch_width",
                     # Bokeh lets nothing grow over 100 % of what it stands in: here the window, for each table and
                     # column below. What is taller would hang over the next.

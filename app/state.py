@@ -15,6 +15,7 @@ import param
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
 from nav_model.inputs import DesignError
+from nav_model.link import to_query
 
 _MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
 _HISTORY = 200
@@ -31,14 +32,17 @@ class Session(param.Parameterized):
     """The design in force and its history.
 
     ``budget`` changes with every accepted change; ``design`` is always ``budget.design``. ``lineage`` changes when a
-    whole design takes the place of another. ``running`` is for
-    long work of this person alone, ``presenting`` while a review is shown to a room.
+    whole design takes the place of another, and is triggered when its base is another. ``running`` is for long work
+    of this person alone, ``presenting`` while a review is shown to a room.
     """
 
     lineage: Lineage = param.ClassSelector(class_=Lineage, allow_None=False, instantiate=False)
     budget: Budget = param.ClassSelector(class_=Budget, allow_None=False, instantiate=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
     presenting = param.Boolean(default=False, doc="Whether a decision is shown to a room: tools stand back.")
+    study_link: str = param.String(
+        doc="The suborbital study as a link says it; empty until one is linked or changed."
+    )
     findings: dict[str, Any] = param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
     can_undo = param.Boolean(default=False)
     can_redo = param.Boolean(default=False)
@@ -46,7 +50,6 @@ class Session(param.Parameterized):
     def __init__(self, design: Design) -> None:
         super().__init__(budget=analyse(design), lineage=Lineage())
         self.start = design
-        self.study_link = ""  # what the link says of a suborbital study; its page reads it when it is opened
         self._past: list[tuple[Design, Lineage]] = []
         self._future: list[tuple[Design, Lineage]] = []
         self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)
@@ -59,6 +62,17 @@ class Session(param.Parameterized):
     def design(self) -> Design:
         """The design in force."""
         return self.budget.design
+
+    @property
+    def link(self) -> str:
+        """The design in force and the study beside it, as a link's query."""
+        return "&".join(part for part in (to_query(self.design), self.study_link) if part)
+
+    def came_from(self, revision: Any) -> None:
+        """The design in force is a saved revision: the base of what becomes of it."""
+        if self.lineage.base != revision:
+            self.lineage.base = revision
+            self.param.trigger("lineage")
 
     def change(self, changes: Mapping[str, Value], written: Mapping[str, str] | None = None) -> DesignError | None:
         """Put changes (dotted keys, SI) in force; returns what is wrong with them, if anything."""

@@ -34,7 +34,7 @@ class Desk(param.Parameterized):
     base: Revision | None = param.ClassSelector(class_=Revision, default=None)
 
     def __init__(self, session: Session) -> None:
-        super().__init__()
+        super().__init__(base=session.lineage.base)
         self.session = session
         user = pn.state.user
         known = user if user and user != "guest" else ""
@@ -50,7 +50,7 @@ class Desk(param.Parameterized):
         self._said = html_pane("", margin=(2, 10))
         # A revision is the base of its own changes only: another design put in force, by undo as well, has another.
         session.param.watch(lambda event: setattr(self, "base", event.new.base), "lineage")
-        self.param.watch(lambda event: setattr(session.lineage, "base", event.new), "base")
+        self.param.watch(lambda event: session.came_from(event.new), "base")
         self.notice = self._said
 
     @property

@@ -90,6 +90,7 @@ class LibraryView:
         self._bring.param.watch(self._brought, "value")
         desk.param.watch(self._picks, "picked")
         desk.param.watch(self._based, "base")
+        self._based()
 
     @staticmethod
     def _wrapped(action: Callable[[], Any]) -> Any:
@@ -236,7 +237,7 @@ class LibraryView:
 
     # --- saving, in and out ----------------------------------------------------------------------------
 
-    def _based(self, _: Any) -> None:
+    def _based(self, *_: Any) -> None:
         base = self._desk.base
         self._next.visible = base is not None
         if base is not None:

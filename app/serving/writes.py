@@ -1,32 +1,59 @@
-"""Two repairs of how Panel (1.9.4) writes changes to the browser.
+"""Changes are written to the browser in the order they are made, and none waits for a clock.
 
-Changes that are made while earlier ones are being written reach the browser too. Panel queues them and starts a task
-for them; but that task returns without a look at the queue when the task before it has just taken the mark off that
-something is being written. What was queued, the last news of a run for one, then waited for the next thing that
-person did.
+A message names models that messages before it have brought; a page that gets them in another order fails. As
+shipped, two hands write: Bokeh (3.9) puts a change into words at once but writes it when the event that made it has
+been dealt with; Panel (1.9.4) writes at once where the connection is free, and otherwise puts the change into a queue
+and looks again every 10 ms. So each could overtake the other, a slider's step waited for the clock, and a queue was
+forgotten when its last change came just as the one before had been written: the last news of a run waited for the
+next thing that person did.
 
-And they go out as soon as the connection is free. Where another message is just being written, the answer to a
-slider's step for one, Panel looks again 10 ms later.
+Here every change takes its place in the connection's own line when it is put into words.
 """
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Sequence
+from typing import Any
+
 import panel.io.document as panel_document
 from bokeh.document import Document
+from bokeh.document.events import DocumentPatchedEvent
+from bokeh.server.connection import ServerConnection
+from tornado.websocket import WebSocketClosedError
 
-_as_shipped = panel_document._dispatch_msgs
+_under_way: set[asyncio.Task[None]] = set()  # the loop itself keeps no task alive
 
 
-async def _dispatch_msgs(doc: Document) -> None:
-    for connection in list(panel_document._WRITE_MSGS.get(doc, ())):
-        if (lock := getattr(connection._socket, "write_lock", None)) is not None:
-            async with lock:
-                pass
-    if panel_document._WRITE_MSGS.get(doc):
-        panel_document._WRITE_BLOCK[doc] = True
-    await _as_shipped(doc)
+def _in_line(connection: Any, events: list[DocumentPatchedEvent]) -> asyncio.Task[None]:
+    message = connection.protocol.create("PATCH-DOC", events)
+    turn = connection._socket.write_lock.acquire()
+    task = asyncio.ensure_future(_write(connection, message, turn))
+    _under_way.add(task)
+    task.add_done_callback(_under_way.discard)
+    return task
+
+
+async def _write(connection: Any, message: Any, turn: Any) -> None:
+    with await turn:
+        written = panel_document.dispatch_tornado(connection, msg=message)
+        for outcome in await asyncio.gather(*written, return_exceptions=True):
+            if isinstance(outcome, BaseException) and not isinstance(
+                outcome, WebSocketClosedError
+            ):  # closed: no loss
+                raise outcome
+
+
+def _panels(_: Document, connections: Sequence[Any], events: list[DocumentPatchedEvent]) -> None:
+    for connection in connections:
+        _in_line(connection, events)
+
+
+def _bokehs(connection: ServerConnection, event: DocumentPatchedEvent) -> asyncio.Task[None]:
+    return _in_line(connection, [event])
 
 
 def repair() -> None:
-    """Put them in place; the server calls it once, before it serves."""
-    panel_document._dispatch_msgs = _dispatch_msgs
+    """Put it in place; the server calls it once, before it serves."""
+    panel_document.schedule_write_events = _panels
+    ServerConnection.send_patch_document = _bokehs  # type: ignore[method-assign]

@@ -16,7 +16,7 @@ from app.suborbital.controls import SettingControl, setting_controls
 from app.theme import FRAME
 from app.upload import LimitedFileInput
 from nav_model.inputs import DesignError
-from nav_model.link import MAX_QUERY, to_query
+from nav_model.link import MAX_QUERY
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.setting import Value
 from nav_model.suborbital.settings import DEFAULTS, Settings, from_design
@@ -46,14 +46,17 @@ class InputPanel:
         self.controls: list[SettingControl] = []
         self.notice = pmui.Alert(object="", severity="error", closeable=True, visible=False, margin=(4, 14))
         if session.study_link:
-            self._follow_link(session.study_link)
+            try:
+                self.settings = from_link(session.study_link)
+            except DesignError as error:
+                self.say(f"The link's study was not used. {error}")
+        session.param.watch(self._follow_link, "study_link")
         self.view = self._layout()
 
-    def _follow_link(self, query: str) -> None:
-        try:
-            self.settings = from_link(query)
-        except DesignError as error:
-            self.say(f"The link's study was not used. {error}")
+    def _follow_link(self, event: Any) -> None:
+        link = event.new
+        if link and link != to_link(self.settings) and (problem := self.adopt(lambda: from_link(link))):
+            self.say(f"The link's study was not used. {problem}")
 
     def say(self, text: str, severity: str = "error") -> None:
         """A message above the page, until the next one; empty: none."""
@@ -146,6 +149,7 @@ class InputPanel:
 
     def _show(self, settings: Settings) -> None:
         self.settings = settings
+        self._session.study_link = to_link(settings)
         for control in self.controls:
             control.show(settings)
 
@@ -172,7 +176,8 @@ class InputPanel:
                 self._changed()
 
     def _put_link(self, _: Any) -> None:
-        query = f"{to_query(self._session.design)}&{to_link(self.settings)}".lstrip("&")
+        self._session.study_link = to_link(self.settings)
+        query = self._session.link
         if len(query) > MAX_QUERY:
             self.say("The study does not fit into an address; save it as a file instead.")
             return

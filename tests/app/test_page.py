@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -39,3 +40,29 @@ def test_a_run_begins_without_a_walk_through_the_document(monkeypatch: pytest.Mo
     session.running = True
     assert root.data.busy
     assert walked == []
+
+
+def test_what_comes_back_from_a_page_loaded_again_is_taken_whole_or_not_at_all():
+    session = Session(first_design())
+    frame = Frame(session)
+    before = session.budget
+    good = "arw=0.1deg/sqrt(h)"
+    for message in (None, good, {"link": 3, "base": ""}, {"link": good}, {"link": good, "base": []}):
+        frame._lifeline._handle_msg(message)
+        assert session.budget is before
+        assert frame._notice.object == ""
+    for link, said in (
+        ("arw=5kg", "imu.angle_random_walk"),
+        ("nonsense", "link"),
+        ("name=" + "x" * 20_000, "longer than"),
+        ("arw=0.1deg/sqrt(h)&imu=no-such", "no-such"),
+    ):
+        frame._lifeline._handle_msg({"link": link, "base": ""})
+        assert session.budget is before
+        assert said in frame._notice.object
+    frame._lifeline._handle_msg({"link": f"{good}&study.gyros.bias=7,8,9deg/h", "base": ""})
+    assert session.design["imu.angle_random_walk"] == pytest.approx(math.radians(0.1) / 60, rel=1e-12)
+    assert session.study_link == "study.gyros.bias=7,8,9deg/h"
+    assert frame._lifeline.link == session.link
+    session.undo()
+    assert session.design == before.design

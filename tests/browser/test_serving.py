@@ -148,6 +148,28 @@ def test_a_report_under_way_arrives_although_the_server_is_told_to_stop(page: Pa
         assert process.wait(timeout=60) == 0
 
 
+def test_a_page_that_lost_its_server_says_so_and_goes_on_with_its_design(page: Page, tmp_path: Path) -> None:
+    library = tmp_path / "library.db"
+    slider = page.get_by_role("slider", name="Angle random walk")
+    box = page.get_by_role("textbox", name="Angle random walk", exact=True)
+    with _serving(library) as (server, _):
+        page.goto(server)
+        page.wait_for_function(_IDLE, timeout=60_000)
+        slider.press("ArrowRight")
+        expect(box).to_have_value("0.157 °/√h")
+    lost = page.get_by_role("alert").filter(has_text="Connection to the server lost")
+    expect(lost).to_contain_text("nothing is computed now")
+    for part in (".sidebar", ".tools"):  # nothing seems to answer that does not
+        expect(page.locator(part)).to_have_js_property("inert", True)
+    with _serving(library, "--port", server.rpartition(":")[2]):
+        expect(lost).to_contain_text("The server answers again")
+        lost.get_by_role("button", name="Reload").click()
+        expect(page.get_by_role("alert").filter(has_text="is back")).to_be_visible(timeout=60_000)
+        expect(box).to_have_value("0.157 °/√h")
+        slider.press("ArrowRight")
+        expect(box).to_have_value("0.164 °/√h")
+
+
 _FAULTY = """
 import sys
 import app.page, app.pages.theory

@@ -1,96 +1,144 @@
-"""Changes made while something is being written: none stays in the server's queue, none waits for a clock."""
+"""Changes reach the browser in the order they are made: none stays behind, none waits for a clock."""
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from typing import Any
 
 import panel.io.document as panel_document
 import pytest
 from bokeh.document import Document
+from bokeh.server.connection import ServerConnection
 from tornado.locks import Lock
+from tornado.websocket import WebSocketClosedError
 
 from app.serving import writes
 
 
-class _Socket:
-    """What `_dispatch_msgs` asks of a connection that is not Tornado's."""
+@dataclass
+class _Hands:
+    """The two that write: Panel's function and Bokeh's."""
 
-    def __init__(self) -> None:
+    panel: Callable[..., None]
+    bokeh: Callable[..., Awaitable[None]]
+
+
+_OURS = _Hands(writes._panels, writes._bokehs)
+_AS_SHIPPED = _Hands(panel_document.schedule_write_events, ServerConnection.send_patch_document)
+
+
+class _Socket:
+    """What is asked of a connection's socket."""
+
+    def __init__(self, sent: list[str]) -> None:
         self.write_lock = Lock()
+        self._sent = sent
+
+    async def send_message(self, text: str) -> None:
+        """As Bokeh's."""
+        with await self.write_lock.acquire():
+            await asyncio.sleep(0)
+            self._sent.append(text)
 
 
 class _Connection:
-    def __init__(self) -> None:
-        self._socket = _Socket()
-        self.protocol = self
+    """Messages are their own text; what was sent is remembered in its order."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, written: Callable[[], Awaitable[None]] | None = None) -> None:
         self.sent: list[str] = []
+        self._socket = _Socket(self.sent)
+        self.protocol = self
+
+        def dispatch(conn: _Connection, msg: str) -> list[Any]:
+            async def write() -> None:
+                if written:
+                    await written()
+                conn.sent.append(msg)
+
+            return [write()]
+
+        monkeypatch.setattr(panel_document, "dispatch_tornado", dispatch)
+        monkeypatch.setattr(panel_document, "extra_socket_handlers", {_Socket: dispatch})
 
     def create(self, _: str, events: list[str]) -> str:
         return events[0]
 
 
-async def _two_changes(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+async def _turns() -> None:
+    for _ in range(20):  # of the event loop, in which no time passes
+        await asyncio.sleep(0)
+
+
+async def _two_changes(hands: _Hands, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The second is made just when the first has been written; what has been sent when all tasks are done."""
-    doc, connection = Document(), _Connection()
     begun, end = asyncio.Event(), asyncio.Event()
 
-    def dispatch(conn: _Connection, msg: str) -> list[Any]:
-        async def write() -> None:
-            begun.set()
-            await end.wait()
-            conn.sent.append(msg)
+    async def written() -> None:
+        begun.set()
+        await end.wait()
 
-        return [write()]
-
-    monkeypatch.setattr(panel_document, "extra_socket_handlers", {_Socket: dispatch})
-    panel_document.schedule_write_events(doc, [connection], ["first"])
+    doc, connection = Document(), _Connection(monkeypatch, written)
+    hands.panel(doc, [connection], ["first"])
     await begun.wait()
     end.set()  # the first's task goes on before the second's begins
-    panel_document.schedule_write_events(doc, [connection], ["second"])
+    hands.panel(doc, [connection], ["second"])
     await asyncio.sleep(0.1)
     return connection.sent
 
 
-def test_a_change_made_while_another_is_written_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(panel_document, "_dispatch_msgs", writes._dispatch_msgs)
-    assert asyncio.run(_two_changes(monkeypatch)) == ["first", "second"]
-
-
-def test_panel_itself_still_needs_the_repair(monkeypatch: pytest.MonkeyPatch) -> None:
-    """When this fails, `app.serving.writes` has done its work and can go."""
-    monkeypatch.setattr(panel_document, "_dispatch_msgs", writes._as_shipped)
-    assert asyncio.run(_two_changes(monkeypatch)) == ["first"]
-
-
-async def _while_writing(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Something else is being written when a change is made; what has been sent a few turns after that has ended."""
-    doc, connection = Document(), _Connection()
-
-    def dispatch(conn: _Connection, msg: str) -> list[Any]:
-        conn.sent.append(msg)
-        return []
-
-    monkeypatch.setattr(panel_document, "extra_socket_handlers", {_Socket: dispatch})
+async def _while_writing(hands: _Hands, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Something else is being written when a change is made, and Bokeh has more to write after it."""
+    doc, connection = Document(), _Connection(monkeypatch)
     async with connection._socket.write_lock:
-        panel_document.schedule_write_events(doc, [connection], ["news"])
+        hands.panel(doc, [connection], ["Panel's"])
+        await _turns()
+        bokehs = asyncio.ensure_future(hands.bokeh(connection, "Bokeh's"))
         await _turns()
         assert not connection.sent, "written into the midst of another message"
+    await _turns()
+    await bokehs
+    return list(connection.sent)
+
+
+async def _words_first(hands: _Hands, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Bokeh has put a change into words and will write it when the event has been dealt with."""
+    doc, connection = Document(), _Connection(monkeypatch)
+    bokehs = hands.bokeh(connection, "Bokeh's")
+    hands.panel(doc, [connection], ["Panel's"])
+    await _turns()
+    await bokehs
     await _turns()
     return list(connection.sent)
 
 
-async def _turns() -> None:
-    for _ in range(10):  # of the event loop, in which no time passes
-        await asyncio.sleep(0)
+@pytest.mark.parametrize(
+    ("happens", "made", "shipped"),
+    [
+        (_two_changes, ["first", "second"], ["first"]),
+        (_while_writing, ["Panel's", "Bokeh's"], ["Bokeh's"]),
+        (_words_first, ["Bokeh's", "Panel's"], ["Panel's", "Bokeh's"]),
+    ],
+)
+def test_all_is_sent_at_once_and_in_the_order_it_was_made(
+    happens: Any, made: list[str], shipped: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert asyncio.run(happens(_OURS, monkeypatch)) == made
+    assert asyncio.run(happens(_AS_SHIPPED, monkeypatch)) == shipped, "the repair can go when none of these holds"
 
 
-def test_a_change_is_sent_as_soon_as_the_connection_is_free(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(panel_document, "_dispatch_msgs", writes._dispatch_msgs)
-    assert asyncio.run(_while_writing(monkeypatch)) == ["news"]
+def test_a_page_closed_meanwhile_is_no_fault_and_anything_else_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def ends(fault: BaseException) -> None:
+        async def written() -> None:
+            raise fault
 
+        connection = _Connection(monkeypatch, written)
+        try:
+            await writes._bokehs(connection, "x")  # type: ignore[arg-type]
+        finally:
+            assert connection._socket.write_lock._block._value == 1, "the line goes on"
 
-def test_panel_itself_still_waits_for_a_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    """When this fails, the wait in `app.serving.writes` can go."""
-    monkeypatch.setattr(panel_document, "_dispatch_msgs", writes._as_shipped)
-    assert asyncio.run(_while_writing(monkeypatch)) == []
+    asyncio.run(ends(WebSocketClosedError()))
+    with pytest.raises(ValueError, match="a fault"):
+        asyncio.run(ends(ValueError("a fault")))

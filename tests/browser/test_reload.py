@@ -1,0 +1,58 @@
+"""A page loaded again: the design, the study and the revision they came from are still there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from playwright.sync_api import Page, expect
+
+Visit = Callable[..., Page]
+
+_BACK = "The design you had on this page is back"
+
+
+def test_the_design_the_study_and_their_revision_outlive_a_reload(visit: Visit) -> None:
+    page = visit("/?arw=0.2deg/sqrt(h)#review")
+    box = page.get_by_role("textbox", name="Angle random walk", exact=True)
+    page.get_by_role("textbox", name="Design", exact=True).fill("Reloaded <b>")
+    page.keyboard.press("Enter")
+    page.get_by_role("textbox", name="Your name").fill("Ann")
+    page.get_by_role("button", name="Save as new design").click()
+    following = page.get_by_role("button", name="Save as revision 2 of Reloaded <b>")
+    expect(following).to_be_visible()
+    box.fill("0.1")
+    box.press("Enter")
+    expect(box).to_have_value("0.1 °/√h")
+    page.get_by_role("tab", name="Suborbital", exact=True).click()
+    bias = page.get_by_role("textbox", name="Gyro bias, constant", exact=True)
+    bias.fill("7, 8, 9")
+    bias.press("Enter")
+    expect(bias).to_have_value("7, 8, 9 °/h")
+
+    page.reload()
+    expect(page.get_by_role("alert").filter(has_text=_BACK)).to_be_visible(timeout=60_000)
+    expect(box).to_have_value("0.1 °/√h")
+    expect(page.get_by_role("textbox", name="Design", exact=True)).to_have_value("Reloaded <b>")
+    expect(bias).to_have_value("7, 8, 9 °/h", timeout=60_000)
+    page.get_by_role("tab", name="Review", exact=True).click()
+    expect(following).to_be_visible()
+    page.get_by_role("button", name="Undo").click()
+    expect(box).to_have_value("0.2 °/√h")
+    expect(following).to_be_hidden()
+
+
+def test_a_page_opened_anew_takes_nothing_back_and_nothing_wrong_is_taken(visit: Visit) -> None:
+    page = visit()
+    box = page.get_by_role("textbox", name="Angle random walk", exact=True)
+    page.get_by_role("slider", name="Angle random walk").press("ArrowRight")
+    expect(box).to_have_value("0.157 °/√h")
+    page = visit()
+    page.wait_for_timeout(500)
+    expect(box).to_have_value("0.15 °/√h")
+    expect(page.get_by_text(_BACK)).to_have_count(0)
+    page.evaluate("""() => sessionStorage.setItem("navbudget-design",
+        JSON.stringify({at: "/", link: "arw=<img src=x onerror=alert(1)>", base: "../../x.1"}))""")
+    page.reload()
+    said = page.get_by_role("alert").filter(has_text="could not be taken up again")
+    expect(said).to_contain_text("<img src=x onerror=alert(1)>", timeout=60_000)
+    expect(box).to_have_value("0.15 °/√h")
