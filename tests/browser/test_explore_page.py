@@ -98,6 +98,7 @@ def test_a_pair_is_found_chosen_and_adopted_by_keyboard(visit: Visit) -> None:
     expect(pairs.get_by_role("columnheader", name="Margin [%]")).to_have_attribute("aria-sort", "ascending")
 
 
+@pytest.mark.slow
 def test_uncertain_inputs_then_own_units_found_and_nothing_axe_minds(visit: Visit, tmp_path: Path) -> None:
     page = _open(visit)
     page.get_by_label("Angle random walk: range").fill("0.02 °/√h .. 0.06 °/√h")

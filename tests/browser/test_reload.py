@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pytest
 from playwright.sync_api import Page, expect
 
 Visit = Callable[..., Page]
@@ -41,6 +42,7 @@ def test_the_design_the_study_and_their_revision_outlive_a_reload(visit: Visit) 
     expect(following).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_a_page_opened_anew_takes_nothing_back_and_nothing_wrong_is_taken(visit: Visit) -> None:
     page = visit()
     box = page.get_by_role("textbox", name="Angle random walk", exact=True)
