@@ -15,6 +15,7 @@ from typing import Any
 
 from app import workers
 from nav_model.inputs import DesignError
+from nav_model.processes import end_with_parent
 
 WAITING = "waiting for another run to finish"
 
@@ -69,6 +70,7 @@ def _places() -> asyncio.Semaphore:
 
 
 def _work(sender: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    end_with_parent()
     workers.step_back()
     try:
         result = function(*arguments, progress=lambda share, what: sender.send(("progress", share, what)))

@@ -12,6 +12,8 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import ParamSpec, TypeVar
 
+from nav_model.processes import worker_pool
+
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
@@ -35,9 +37,7 @@ def size() -> int:
 @functools.cache
 def pool() -> ProcessPoolExecutor:
     """The pool; its processes start with the first task."""
-    return ProcessPoolExecutor(
-        max_workers=size(), mp_context=multiprocessing.get_context("spawn"), initializer=step_back
-    )
+    return worker_pool(size(), step_back)
 
 
 def step_back() -> None:

@@ -14,9 +14,8 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import ExitStack, contextmanager
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +28,7 @@ from nav_model.explore.sweep_flight import fly
 from nav_model.explore.sweep_plan import Plan
 from nav_model.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.inputs import DesignError
+from nav_model.processes import worker_pool
 
 SUFFIXES = (".csv", ".parquet")
 _UNITS = {"position": "m", "velocity": "m_s", "tilt": "rad", "phase": "rad"}
@@ -131,7 +131,7 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Executor | 
                 raise DesignError("--scheduler", str(error)) from error
             yield pool, 4 * threads
     elif workers > 1:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
+        with worker_pool(workers) as executor:
             yield executor, 4 * workers
     else:
         yield None, 1

@@ -8,14 +8,12 @@ alone and they are merged in order, so the result is the same to the last bit wh
 
 from __future__ import annotations
 
-import multiprocessing
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
     Executor,
     Future,
-    ProcessPoolExecutor,
     ThreadPoolExecutor,
     wait,
 )
@@ -25,6 +23,7 @@ from typing import Final, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.processes import worker_pool
 from nav_model.simulation.result import ClosedForm, SimulationResult, summarise
 from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
 from nav_model.simulation.specification import SimulationSpec
@@ -68,7 +67,7 @@ def local_pool(workers: int, kind: Literal["process", "thread"] = "process") -> 
         raise ValueError(f"workers = {workers!r}: must be 1 or more")
     if kind == "thread":
         return ThreadPoolExecutor(workers, thread_name_prefix="simulation")
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    return worker_pool(workers)
 
 
 def _here(spec: SimulationSpec, scale: FloatArray, cancel: Flag | None) -> Iterator[Statistics]:

@@ -1,0 +1,37 @@
+"""Nobody's worker outlives whoever started it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import psutil
+import pytest
+
+_POOL = """
+import os, sys, time
+from {module} import {name}
+
+if __name__ == "__main__":
+    pool = {name}({arguments})
+    print(pool.submit(os.getpid).result(), pool.submit(os.getpid).result(), flush=True)
+    time.sleep(600)
+"""
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "arguments"),
+    [("nav_model.processes", "worker_pool", "2"), ("nav_model.simulation.monte_carlo", "local_pool", "2"),
+     ("app.workers", "pool", "")],
+)  # fmt: skip
+def test_workers_end_when_their_parent_is_killed(tmp_path, module: str, name: str, arguments: str) -> None:
+    script = tmp_path / "script.py"  # a file: what is spawned imports it again
+    script.write_text(_POOL.format(module=module, name=name, arguments=arguments), encoding="utf-8")
+    with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        told = {int(word) for word in process.stdout.readline().split()}
+        workers = psutil.Process(process.pid).children(recursive=True)
+        assert told <= {worker.pid for worker in workers}
+        process.kill()
+    _, alive = psutil.wait_procs(workers, timeout=30)
+    assert not alive
