@@ -235,7 +235,10 @@ def test_chart_data_to_take_away(visit: Visit) -> None:
     assert refined == pytest.approx(list(budget.coast.refined_horizontal), rel=1e-15)
 
 
-@pytest.mark.parametrize(("button", "magic"), [("HTML report", b"<!doctype html>"), ("PDF report", b"%PDF-")])
+@pytest.mark.parametrize(
+    ("button", "magic"),
+    [("PDF report", b"%PDF-"), pytest.param("HTML report", b"<!doctype html>", marks=pytest.mark.slow)],
+)
 def test_report_from_the_page(visit: Visit, button: str, magic: bytes) -> None:
     page = visit()
     with page.expect_download(timeout=60_000) as waiting:

@@ -121,6 +121,7 @@ def test_uncertain_inputs_then_own_units_found_and_nothing_axe_minds(visit: Visi
     assert [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}] == []
 
 
+@pytest.mark.slow
 def test_nothing_overflows_a_phone(visit: Visit) -> None:
     page = _open(visit, width=390, height=844)
     strip = page.get_by_role("status").first.bounding_box()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pytest
 from playwright.sync_api import Page, expect
 
 Visit = Callable[..., Page]
@@ -43,6 +44,7 @@ def test_an_example_is_opened_and_undone(visit: Visit) -> None:
     expect(page.get_by_role("textbox", name="Design", exact=True)).to_have_value("MEMS IMU at X band")
 
 
+@pytest.mark.slow
 def test_every_open_input_is_explained(visit: Visit) -> None:
     page = visit()
     page.get_by_role("switch", name="Explain every input").check()

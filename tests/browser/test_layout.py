@@ -100,6 +100,7 @@ def test_fifty_wishes_in_one_frame_are_one_pass(visit: Visit, settled: Callable[
     assert 1 <= page.evaluate(_COUNT_PASSES) <= 2
 
 
+@pytest.mark.slow
 def test_a_hidden_page_is_not_measured_and_stands_right_when_shown_again(visit: Visit) -> None:
     page = visit()
     regime = page.locator(".bk-Figure").last

@@ -117,6 +117,7 @@ def test_hostile_names_notes_and_comments_are_shown_and_do_nothing(visit: Visit)
     assert page.locator("img[src=x]").count() == 0
 
 
+@pytest.mark.slow
 def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visit) -> None:
     page = visit()
     tab(page, "Review")
@@ -196,6 +197,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(heading).to_contain_text("Signed off by Ann")
 
 
+@pytest.mark.slow
 def test_a_revision_is_the_base_of_its_own_changes_only(visit: Visit) -> None:
     page = visit()
     tab(page, "Review")

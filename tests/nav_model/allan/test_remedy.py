@@ -27,6 +27,7 @@ def bounds(term: str, samples: int, rate_hz: float, seed: int) -> float:
     return float(np.median(found))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("term", "factor"), [("bias_instability", 4.0), ("rate_random_walk", 2.0), ("ramp", 2.0 ** (2.0 / 3.0))]
 )

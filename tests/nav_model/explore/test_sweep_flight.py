@@ -74,6 +74,7 @@ def test_rows_are_studies_and_agree_with_the_closed_forms(plan_file, tmp_path, o
     assert study["verdict"].startswith(rows[2]["filter_verdict"])
 
 
+@pytest.mark.slow
 def test_killed_and_finished_by_a_cluster_it_is_the_file_of_one_process(plan_file, tmp_path):
     distributed = pytest.importorskip("distributed")
     text = FLOWN.replace("runs = 60", "runs = 20").replace(

@@ -16,6 +16,7 @@ from nav_model.simulation.specification import SimulationSpec
 distributed = pytest.importorskip("distributed", reason="needs the cluster extra")
 
 
+@pytest.mark.slow
 def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):
     spec = SimulationSpec(paper_imu, runs=240, duration=100.0, every=10.0, keep_runs=True)
     killed = []
