@@ -14,6 +14,11 @@ def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Proces
     """A pool of this machine's processes, spawned, so safe beside threads. Shut it down after use.
 
     ``begin``, an importable function, is called once in each.
+
+    Raises
+    ------
+    ValueError
+        If ``workers`` is less than 1.
     """
     return ProcessPoolExecutor(
         workers, mp_context=multiprocessing.get_context("spawn"), initializer=_begin, initargs=(begin,)
