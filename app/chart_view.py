@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from html import escape
 from typing import Any, Generic, TypeVar
 
@@ -16,9 +17,11 @@ from app.charts.in_print import to_svg
 from app.charts.legend import legend_html
 from app.charts.on_screen import to_bokeh
 from app.charts.spoken import in_words
+from app.grid import cell
 from app.prose import prose
 from app.state import Session
 from app.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE, SHEET
+from app.turns import in_turns
 from app.workers import elsewhere
 from nav_model.budget import Budget
 
@@ -91,6 +94,27 @@ class ChartView(ChartPane[Budget]):
 
     def __init__(self, describe: Callable[[Budget], AnyChart], session: Session, height: int) -> None:
         super().__init__(describe, lambda: session.budget, height)
+
+
+def chart_cells(
+    layout: Sequence[tuple[Callable[[Any], AnyChart], int, int]],
+    make: Callable[[Callable[[Any], AnyChart], int], ChartPane[Any]],
+    made: list[Any],
+) -> list[pn.Column]:
+    """Cells for a `grid` that fill up with charts, each in a turn of its own.
+
+    The layout says of each what describes it, its height in pixels and its columns of twelve; ``made`` grows by what
+    ``make`` makes of the first two. What else stands in a cell stands under the chart.
+    """
+    cells = [cell(columns) for *_, columns in layout]
+
+    def add(index: int) -> None:
+        describe, height, _ = layout[index]
+        made.append(make(describe, height))
+        cells[index].insert(0, made[-1].view)
+
+    in_turns([partial(add, index) for index in range(len(layout))])
+    return cells
 
 
 def _heading(chart: AnyChart) -> str:

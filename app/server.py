@@ -3,25 +3,37 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
+import os
 import secrets
 import signal
 import socket
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from importlib.resources import files
+from types import SimpleNamespace
 from typing import Any
 
+import bokeh.resources
+import bokeh.server.server
 import panel as pn
+from bokeh.document import Document
+from bokeh.server.views.static_handler import StaticHandler
 from bokeh.settings import settings
+from panel.io.resources import Resources
+from panel.io.server import server_html_page_for_session
+from panel.io.state import set_curdoc
 
 from app import workers
 from app.page import Frame, is_review_link
 from app.serving.access import provider_of
+from app.serving.address import announce, listen, origins
+from app.serving.board import Board, Row
 from app.serving.collector import Collector, settle
+from app.serving.defaults import remember_defaults
 from app.serving.faults import caught
-from app.serving.handlers import Metrics, around, being_sent, close_door
+from app.serving.handlers import Surroundings, around, being_sent, close_door
 from app.serving.logs import event, request_done, set_up, short
+from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
 from app.serving.writes import repair
 from app.state import Session
@@ -30,8 +42,10 @@ from nav_model.design_file import parse_design
 from nav_model.inputs import DesignError
 from nav_model.link import from_query, split_link
 
+_TITLE = "NavBudget"
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
 _MAX_HEADER = 65_536  # a design as a link is far shorter
+_TELL = 0.5  # seconds
 _LAST_LOOKS = 20  # for results to reach the pages once all work has ended, 50 ms and more between two
 
 
@@ -65,7 +79,7 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
 
 
 def serve(rules: Rules) -> None:
-    """Serve until stopped by SIGTERM or SIGINT; prints the address.
+    """Serve from this process until stopped by SIGTERM or SIGINT; prints the address.
 
     Raises
     ------
@@ -73,48 +87,83 @@ def serve(rules: Rules) -> None:
         If the rules contradict each other, or the address cannot be listened on.
     """
     rules.check()
-    pn.extension(exception_handler=caught)
-    settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
-    repair()
+    listening, port = listen(rules)
     set_up(rules.log)
-    workers.use(rules.workers)
-    began, running, metrics, collector = time.monotonic(), dict[str, Any](), Metrics(), Collector()
-    try:
-        port = rules.port or _free_port(rules.address)
-        server = pn.serve(
-            {"/": lambda: _counted(metrics, collector)},
-            address=rules.address,
-            port=port,
-            title="NavBudget",
-            show=False,
-            start=False,
-            verbose=False,
-            websocket_origin=_origins(rules.address, port, rules.allow_origin),
-            websocket_max_message_size=rules.max_message,
-            http_server_kwargs={"max_body_size": _MAX_BODY, "max_header_size": _MAX_HEADER},
-            use_xheaders=rules.behind_proxy,
-            sign_sessions=True,  # a session nobody was given cannot be opened
-            secret_key=secrets.token_bytes(32),
-            unused_session_lifetime_milliseconds=round(1000 * rules.session_lifetime),
-            check_unused_sessions_milliseconds=min(10_000, round(500 * rules.session_lifetime)),
-            log_function=request_done,
-            **provider_of(rules),
-            **around(rules, metrics, running, collector.heard),
-        )
-    except OSError as error:
-        raise DesignError("--address", f"cannot listen on {rules.address}:{rules.port}: {error.strerror}") from error
-    running |= {"server": server, "uptime": lambda: time.monotonic() - began}
-    Frame(Session(first_design()))  # the first visitor should not wait for what Python loads late
-    settle()
-    print(f"NavBudget on http://{_host(rules.address)}:{port}", flush=True)
-    event("started", address=rules.address, port=port, protected=rules.protected)
-    _run(server, rules.grace, collector)
+
+    def ready() -> None:
+        announce(rules, port)
+
+    serve_on(listening, port, rules, Row(Board()), secrets.token_bytes(32), ready)
     event("stopped")
 
 
-def _counted(metrics: Metrics, collector: Collector) -> Any:
+def serve_on(
+    listening: socket.socket, port: int, rules: Rules, row: Row, secret: bytes, ready: Callable[[], None]
+) -> None:
+    """Serve from this process on a socket that listens already, until stopped; ``ready`` is called once visitors can
+    come. The secret signs sessions: processes that share the socket share it too."""
+    pn.extension(exception_handler=caught)
+    settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
+    repair()
+    remember_defaults()
+    workers.use(rules.workers, row.board.processes)
+    began, collector = time.monotonic(), Collector()
+    bokeh.server.server.bind_sockets = lambda *_: ([listening], port)
+    here = Surroundings(
+        row, rules.max_sessions, page=opening_page(), heard=collector.heard,
+        admits=rules.oauth.admits if rules.oauth else lambda _: True,
+    )  # fmt: skip
+    metrics = ServerMetrics(row.board, rules.max_sessions, lambda: time.monotonic() - began)
+    server = pn.serve(
+        {"/": lambda: _counted(row, collector)},
+        address=rules.address,
+        port=port,
+        title=_TITLE,
+        show=False,
+        start=False,
+        verbose=False,
+        websocket_origin=origins(rules.address, port, rules.allow_origin),
+        websocket_max_message_size=rules.max_message,
+        http_server_kwargs={"max_body_size": _MAX_BODY, "max_header_size": _MAX_HEADER},
+        use_xheaders=rules.behind_proxy,
+        sign_sessions=True,  # a session nobody was given cannot be opened
+        secret_key=secret,
+        unused_session_lifetime_milliseconds=round(1000 * rules.session_lifetime),
+        check_unused_sessions_milliseconds=min(10_000, round(500 * rules.session_lifetime)),
+        log_function=request_done,
+        **provider_of(rules),
+        **around(rules, here, metrics),
+    )
+    settle()
+    row.put("pid", os.getpid())
+    ready()
+    _run(server, rules.grace, collector, row)
+
+
+def opening_page() -> Callable[[str], str]:
+    """What a browser loads before it connects, for the token of its session.
+
+    Made once, from a session's document like any: all pages load the same, and have the same roots.
+    """
+    document = Document()
+    with set_curdoc(document):
+        build().server_doc(document, _TITLE)
+    token = secrets.token_hex(32)
+    resources = bokeh.resources.Resources(mode="server", root_url="/", path_versioner=StaticHandler.append_version)
+    text = server_html_page_for_session(
+        SimpleNamespace(document=document, token=token),
+        Resources.from_bokeh(resources),
+        _TITLE,
+        template=document.template,
+        template_variables=document.template_variables,
+    )
+    return lambda given: text.replace(token, given)
+
+
+def _counted(row: Row, collector: Collector) -> Any:
     """`build`, seen by the operator: sessions come and go, budgets are computed."""
-    metrics.opened.inc()
+    row.add("opened")
+    row.add("sessions")
     collector.heard()
     name = short(pn.state.curdoc.session_context.id)
     event("session opened", session=name)
@@ -124,10 +173,10 @@ def _counted(metrics: Metrics, collector: Collector) -> Any:
         collector.page_closed()
 
     pn.state.on_session_destroyed(closed)
-    return build(lambda _: metrics.events.inc())
+    return build(lambda _: row.add("events"))
 
 
-def _run(server: Any, grace: float, collector: Collector) -> None:
+def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
     """Run until told to stop: nobody new is let in, heavy work may end and reach who asked for it, then everything
     is closed.
 
@@ -155,37 +204,21 @@ def _run(server: Any, grace: float, collector: Collector) -> None:
             stopping.append(loop.create_task(wind_down()))
 
     server.start()
-    collecting = loop.create_task(collector.run())
+    aside = [loop.create_task(collector.run()), loop.create_task(_tell(server, row))]
     for signal_number in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(signal_number, told)
     try:
         server.io_loop.start()
     finally:
-        collecting.cancel()
+        for task in aside:
+            task.cancel()
         server.stop(wait=False)
         workers.stop()
 
 
-def _free_port(address: str) -> int:
-    """A port nobody listens on: the allowed origins must name it before the server starts."""
-    family = socket.AF_INET6 if ":" in address else socket.AF_INET
-    with socket.socket(family) as probe:
-        probe.bind((address, 0))
-        return int(probe.getsockname()[1])
-
-
-def _host(address: str) -> str:
-    """An address as it stands in a URL."""
-    return f"[{address}]" if ":" in address else address
-
-
-def _origins(address: str, port: int, allowed: Sequence[str]) -> list[str]:
-    """Loopback names always; an address that is a name of this machine as well."""
-    hosts = {"127.0.0.1", "localhost"}
-    try:
-        everywhere = ipaddress.ip_address(address).is_unspecified
-    except ValueError:
-        everywhere = False
-    if not everywhere:
-        hosts.add(_host(address))
-    return [*(f"{host}:{port}" for host in sorted(hosts)), *allowed]
+async def _tell(server: Any, row: Row) -> None:
+    """Keep what the other processes and the operator know of this one up to date, until cancelled."""
+    while True:
+        row.put("sessions", len(server.get_sessions()))
+        row.put("heavy", workers.under_way())
+        await asyncio.sleep(_TELL)

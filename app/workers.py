@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import functools
+import math
 import multiprocessing
 import os
 from collections.abc import Callable, Iterator
@@ -19,19 +20,25 @@ _T = TypeVar("_T")
 
 _NICENESS = 5  # of heavy work: a third of the share of a slider step, where both want the same core
 
-_asked_for: int | None = None
+_size = 0  # 0: nothing was asked for
 _under_way = 0
 
 
-def use(count: int | None) -> None:
-    """How many processes the pool shall have, before it starts; None for a core less than there are."""
-    global _asked_for
-    _asked_for = count
+def use(count: int | None, servers: int = 1) -> None:
+    """How many processes the pools of all ``servers`` shall have together, before they start; None for a core less
+    than there are. Each has one at least."""
+    global _size
+    _size = math.ceil((count or _spare_cores()) / servers)
 
 
 def size() -> int:
-    """Processes of the pool; unless asked otherwise, one core is left to the server itself."""
-    return _asked_for or max(1, (os.cpu_count() or 2) - 1)
+    """Processes of this pool."""
+    return _size or _spare_cores()
+
+
+def _spare_cores() -> int:
+    """One core is left to the pages."""
+    return max(1, (os.cpu_count() or 2) - 1)
 
 
 @functools.cache

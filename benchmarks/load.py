@@ -2,6 +2,7 @@
 
     python benchmarks/load.py                       # 50 sessions, 60 s, then 60 s more with a Monte Carlo in one more
     python benchmarks/load.py --sessions 10 --seconds 15
+    python benchmarks/load.py --processes 1         # pages served by one; without it by as many as a team gets
 
 It starts `navbudget serve` and speaks to it as a browser does: the page, its websocket with Bokeh's protocol, the
 whole document, "document ready"; then every session moves the slider of the angle random walk once a second, evenly
@@ -32,6 +33,8 @@ from pathlib import Path
 
 import psutil
 from open_page import Tab
+
+from app.serving.rules import Rules
 
 GOAL_P95_MS = 250.0
 GOAL_SHIFT_MS = 50.0
@@ -78,20 +81,21 @@ def percentile(values: list[float], share: float) -> float:
     return ordered[max(0, -(-round(share * 1000) * len(ordered) // 1000) - 1)] if ordered else float("nan")
 
 
-async def measure(address: str, server: psutil.Process, sessions: int, seconds: float, monte_carlo: bool) -> Report:
+async def measure(address: str, server: Server, sessions: int, seconds: float, monte_carlo: bool) -> Report:
     """Open the pages, move everybody's slider, and once more while a Monte Carlo runs in one session more."""
-    first = await _visit(address)  # what is loaded with the first page is not a session's
-    await first.close()
-    report = Report(sessions, base=_resident(server))
-    before = _cpu(server)
+    for _ in range(1 if server.processes == 1 else 3 * server.processes):
+        first = await _visit(address)  # what is loaded with the first page is not a session's
+        await first.close()
+    report = Report(sessions, base=server.resident())
+    before = server.cpu()
     tabs = [await _visit(address) for _ in range(sessions)]
-    report.open_cpu, report.opened = (_cpu(server) - before) / sessions, _resident(server)
+    report.open_cpu, report.opened = (server.cpu() - before) / sessions, server.resident()
     report.phases.append(await _phase("quiet", tabs, server, seconds))
     if monte_carlo:
         flier, over = await Tab.open(address), asyncio.Event()
         flying = asyncio.create_task(_fly(flier, over))
         given_up = time.monotonic() + 120
-        while _workers_cpu(server) < 4 and time.monotonic() < given_up:  # the worker is up, its kernels loaded
+        while server.workers_cpu() < 4 and time.monotonic() < given_up:  # the worker is up, its kernels loaded
             await asyncio.sleep(1)
         report.phases.append(await _phase("during a Monte Carlo", tabs, server, seconds))
         over.set()
@@ -111,13 +115,13 @@ async def _visit(address: str) -> Tab:
     return tab
 
 
-async def _phase(name: str, tabs: list[Tab], server: psutil.Process, seconds: float) -> Phase:
+async def _phase(name: str, tabs: list[Tab], server: Server, seconds: float) -> Phase:
     phase = Phase(name)
-    own, cpu, others, begin = time.process_time(), _cpu(server), _workers_cpu(server), time.monotonic() + 0.5
+    own, cpu, others, begin = time.process_time(), server.cpu(), server.workers_cpu(), time.monotonic() + 0.5
     shift = _PERIOD / len(tabs)
     await asyncio.gather(*(_move(tab, begin + i * shift, begin + seconds, phase) for i, tab in enumerate(tabs)))
-    phase.client_cpu, phase.server_cpu = time.process_time() - own, _cpu(server) - cpu
-    phase.workers_cpu, phase.resident = _workers_cpu(server) - others, _resident(server)
+    phase.client_cpu, phase.server_cpu = time.process_time() - own, server.cpu() - cpu
+    phase.workers_cpu, phase.resident = server.workers_cpu() - others, server.resident()
     for tab in tabs:
         phase.errors += tab.errors
         tab.errors.clear()
@@ -158,11 +162,35 @@ async def _fly(tab: Tab, over: asyncio.Event) -> None:
     await tab.click(tab.find(label="Cancel", icon="stop")["id"])
 
 
+@dataclass(frozen=True)
+class Server:
+    """`navbudget serve`: the process that was started, and how many it was to serve pages from."""
+
+    process: psutil.Process
+    processes: int
+
+    def pages(self) -> list[psutil.Process]:
+        """The processes that serve pages: itself, or those it started."""
+        return [self.process] if self.processes == 1 else self.process.children()
+
+    def cpu(self) -> float:
+        """CPU time of the processes that serve pages."""
+        return sum(_cpu(process) for process in self.pages())
+
+    def workers_cpu(self) -> float:
+        """CPU time of the processes for heavy work, which those started."""
+        return sum(_cpu(child) for process in self.pages() for child in process.children())
+
+    def resident(self) -> float:
+        """Memory of the processes that serve pages."""
+        return sum(process.memory_info().rss / 1e6 for process in self.pages())
+
+
 @contextmanager
-def served(folder: Path) -> Iterator[tuple[str, psutil.Process]]:
-    """`navbudget serve` with its library and its log in a folder: the address and the process."""
+def served(folder: Path, processes: int = 1) -> Iterator[tuple[str, Server]]:
+    """`navbudget serve` with its library and its log in a folder: the address and the server."""
     command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--library", str(folder / "library.db"),
-               "--max-sessions", "1000"]  # fmt: skip
+               "--max-sessions", "1000", "--processes", str(processes)]  # fmt: skip
     with (
         (folder / "log").open("w") as log,
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, text=True) as process,
@@ -171,23 +199,15 @@ def served(folder: Path) -> Iterator[tuple[str, psutil.Process]]:
         line = process.stdout.readline()
         assert line.startswith("NavBudget on http://"), line
         try:
-            yield line.split()[-1], psutil.Process(process.pid)
+            yield line.split()[-1], Server(psutil.Process(process.pid), processes)
         finally:
             process.terminate()
             process.wait(timeout=30)
 
 
 def _cpu(process: psutil.Process) -> float:
-    times = process.cpu_times()  # of the process itself, not of its workers
+    times = process.cpu_times()
     return float(times.user + times.system)
-
-
-def _workers_cpu(server: psutil.Process) -> float:
-    return sum(_cpu(child) for child in server.children(recursive=True))
-
-
-def _resident(process: psutil.Process) -> float:
-    return process.memory_info().rss / 1e6
 
 
 def judge(report: Report, log: list[str]) -> list[str]:
@@ -235,13 +255,19 @@ def main() -> int:
     options = argparse.ArgumentParser(description="Load test of navbudget serve")
     options.add_argument("--sessions", type=int, default=50)
     options.add_argument("--seconds", type=float, default=60.0)
+    of_a_team = Rules(open=True).page_processes
+    options.add_argument("--processes", type=int, default=of_a_team, help=f"that serve pages ({of_a_team})")
     options.add_argument("--no-monte-carlo", action="store_true")
     given = options.parse_args()
     busy = ", ".join(f"{x:.2f}" for x in os.getloadavg())
-    print(f"{os.cpu_count()} cores, load before: {busy}; {given.sessions} sessions, {given.seconds:g} s", flush=True)
+    print(
+        f"{os.cpu_count()} cores, load before: {busy}; pages served by {given.processes}; {given.sessions} sessions, "
+        f"{given.seconds:g} s",
+        flush=True,
+    )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        with served(folder) as (address, server):
+        with served(folder, given.processes) as (address, server):
             work = measure(address, server, given.sessions, given.seconds, not given.no_monte_carlo)
             report = asyncio.run(work)
         log = [line for line in (folder / "log").read_text().splitlines() if line.strip()]

@@ -59,8 +59,10 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
         help="a page that lost its connection is kept so long (default 60)")  # fmt: skip
     add("--max-message", type=float, default=20.0, metavar="MB",
         help="largest message a browser may send, uploads included (default 20)")  # fmt: skip
-    add("--workers", type=int, metavar="N", help="processes for heavy work such as reports and Monte Carlo runs "
-        "(default: one less than cores); pages themselves are served by one process")  # fmt: skip
+    add("--processes", type=int, metavar="N", help="processes that serve pages (default: 1 for one person; with "
+        "logins or --open one per core, 4 at most)")  # fmt: skip
+    add("--workers", type=int, metavar="N", help="processes for heavy work such as reports and Monte Carlo runs, "
+        "shared out among those that serve pages (default: one less than cores)")  # fmt: skip
     add("--grace", type=float, default=10.0, metavar="S", help="on SIGTERM heavy work may end so long (default 10)")
     add("--log", choices=("text", "json"), default="text", help="text: warnings; json: every event, a line each")
     serve.set_defaults(run=_serve)
@@ -84,11 +86,16 @@ def _serve(options: argparse.Namespace) -> int:
         session_lifetime=options.session_lifetime,
         login_hours=options.login_hours,
         max_message=round(1e6 * options.max_message) if math.isfinite(options.max_message) else 0,
+        processes=options.processes,
         workers=options.workers,
         grace=options.grace,
         log=options.log,
     )
     rules.check()  # before the screen is loaded: a wrong command is refused at once
+    if rules.page_processes > 1:
+        from app.serving.supervisor import supervise
+
+        return supervise(rules, options.library)
     from app.library.place import use_library
     from app.server import serve
 

@@ -20,6 +20,7 @@ from app.charts.description import BarChart, Chart
 from app.figures import percent, show, signed_percent
 from app.grid import cell, grid
 from app.state import Session
+from app.turns import in_turns
 from nav_model.budget import Budget
 from nav_model.provenance import cautions
 from nav_model.sar.geometry import phase_to_metres
@@ -43,8 +44,7 @@ class BudgetPage:
     """Everything below the tab.
 
     The first screen is made at once: the answer and the first chart. The other charts follow when it stands, so
-    that nobody waits for what is below the fold; all in one turn, so that nothing a person does can come between
-    and name what the browser has not got yet.
+    that nobody waits for what is below the fold.
     """
 
     def __init__(self, session: Session) -> None:
@@ -59,8 +59,7 @@ class BudgetPage:
             sizing_mode="stretch_width",
         )
         self._add_chart()
-        for _ in _LAYOUT[1:]:
-            pn.state.onload(self._add_chart)  # in a script or a test: at once
+        pn.state.onload(lambda: in_turns([self._add_chart] * (len(_LAYOUT) - 1)))  # in a script or a test: at once
 
     def _add_chart(self) -> None:
         describe, height, _ = _LAYOUT[len(self._charts)]

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
+from functools import partial
 from html import escape
+from typing import Any, Protocol
 
 import panel as pn
 import panel_material_ui as pmui
@@ -19,10 +22,17 @@ from app.pages.explore_search import SearchPanel
 from app.pages.explore_uncertainty import UncertaintyPanel
 from app.state import Session
 from app.theme import FRAME
+from app.turns import in_turns
 from nav_model.budget import Budget
 from nav_model.explore.margins import label_of
 from nav_model.explore.solve import Solution, solve
 from nav_model.figures import FIGURES
+
+
+class _Part(Protocol):
+    view: Any
+
+    def show(self, budget: Budget) -> None: ...
 
 
 class ExplorePage:
@@ -31,20 +41,16 @@ class ExplorePage:
     def __init__(self, session: Session) -> None:
         self._answer = html_pane("")
         self._solved = html_pane("")
-        self._parts = (
-            _RankPanel(session),
-            MapPanel(session),
-            SearchPanel(session),
-            UncertaintyPanel(session),
-        )
-        rank, trade, search, uncertainty = self._parts
-        self.view = pn.Column(
-            self._answer,
-            self._solved,
-            grid(cell(7, trade.view), cell(5, rank.view), cell(12, search.view), cell(12, uncertainty.view)),
-            sizing_mode="stretch_width",
-        )
+        self._parts: list[_Part] = []
+        cells = [cell(columns) for _, columns in _LAYOUT]
+        self.view = pn.Column(self._answer, self._solved, grid(*cells), sizing_mode="stretch_width")
         self._answer_for(session.budget)
+
+        def add(index: int) -> None:
+            self._parts.append(_LAYOUT[index][0](session))
+            cells[index].append(self._parts[-1].view)
+
+        in_turns([partial(add, index) for index in range(len(_LAYOUT))])
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
@@ -112,3 +118,12 @@ def _know(chart: RankChart) -> str:
         f"{described(chart)}<p>{escape(lead)} Hatched bars are inputs to double, plain ones to halve.</p>"
         f'<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
     )
+
+
+# What makes each part, columns of twelve on a wide screen.
+_LAYOUT: tuple[tuple[Callable[[Session], _Part], int], ...] = (
+    (MapPanel, 7),
+    (_RankPanel, 5),
+    (SearchPanel, 12),
+    (UncertaintyPanel, 12),
+)

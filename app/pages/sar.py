@@ -12,7 +12,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from app.chart_view import ChartView, html_pane
+from app.chart_view import ChartView, chart_cells, html_pane
 from app.charts.description import AnyChart
 from app.charts.sar import (
     FILTERED,
@@ -29,7 +29,7 @@ from app.charts.sar import (
     scene_picture,
 )
 from app.fields import whole_number
-from app.grid import cell, grid
+from app.grid import grid
 from app.pages.sar_upload import UploadedPicture
 from app.picture_downloads import PictureDownloads
 from app.pictures import picture_gallery
@@ -66,14 +66,14 @@ class SarPage:
             callback=self._json, filename="sar-study.json", label="All of the study (JSON)", icon="download",
             variant="text", size="small", description="", margin=(0, 8), visible=False,
         )  # fmt: skip
-        self._charts = [(ChartView(describe, session, height), wide) for describe, height, wide in self._layout()]
+        self._charts: list[ChartView] = []
         self._upload = UploadedPicture(session, lambda: self._result)
         self.view = pn.Column(
             self._answer,
             self._controls(),
             self._tables,
             self._whole,
-            grid(*(cell(wide, chart.view) for chart, wide in self._charts)),
+            grid(*chart_cells(self._layout(), lambda what, high: ChartView(what, session, high), self._charts)),
             *(
                 part
                 for parts in zip(self._headings, self._pictures, (d.view for d in self._downloads), strict=True)
@@ -92,7 +92,7 @@ class SarPage:
         self._budget = budget
         self._closed = closed_forms(budget)
         self._write()
-        for chart, _ in self._charts:
+        for chart in self._charts:
             chart.show(budget)
 
     # --- the parts ------------------------------------------------------------------------------------
@@ -192,7 +192,7 @@ class SarPage:
             self._whole.visible = True
             stale = news.stale(self._budget)
             self._state.object = _standing(news.study, stale)
-            for chart, _ in self._charts:
+            for chart in self._charts:
                 chart.show(self._budget)
             self._upload.refresh()
 

@@ -15,9 +15,9 @@ import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 
-from app.chart_view import ChartView, html_pane
+from app.chart_view import ChartView, chart_cells, html_pane
 from app.charts.description import Chart
-from app.grid import cell, grid
+from app.grid import grid
 from app.simulation_controls import StudyControls
 from app.simulation_run import Compiling, News, Progress, Result, SimulationRun, outages_of, prepare, same_subject
 from app.state import Session
@@ -168,14 +168,11 @@ class SimulatePage:
             label="Axis of the ensemble", options=["north", "east", "down"], value="north", **_LOOK
         )
         self._axis.param.watch(lambda _: self._feed(), "value")
-        cells = []
-        for describe, height, columns in self._layout():
-            chart = ChartView(lambda _, describe=describe: describe(self._study), self._session, height)
-            self._charts.append(chart)
-            view = chart.view
-            if describe == self._ensemble:
-                view = pn.Column(chart.view, self._axis, sizing_mode="stretch_width", margin=0)
-            cells.append(cell(columns, view))
+        layout = self._layout()
+        cells = chart_cells(
+            layout, lambda what, high: ChartView(lambda _: what(self._study), self._session, high), self._charts
+        )
+        cells[[describe for describe, *_ in layout].index(self._ensemble)].append(self._axis)
         self._place.append(grid(*cells))
 
     @property
@@ -242,7 +239,7 @@ class SimulatePage:
                 self._result = news
                 if not news.partial:
                     self._session.keep("simulation", news.study)
-                if not self._charts:
+                if not self._place.objects:
                     self._draw()
                 self._write(news)
                 self._feed()

@@ -41,7 +41,7 @@ def plain_page(title: str, text: str, **more: Any) -> str:
 
 
 class Tries:
-    """Failed logins by peer, so that nobody can guess without end."""
+    """Failed logins by peer at this process, so that nobody can guess without end."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
@@ -174,7 +174,6 @@ def provider_of(rules: Rules) -> dict[str, Any]:
 
         config.oauth_encryption_key = oauth.encryption_key
         state.encryption = Fernet(oauth.encryption_key)
-    config.authorize_callback = lambda _: oauth.admits(str(state.user))
     return {"auth_provider": _OAuth(), "cookie_secret": rules.cookie_secret}
 
 

@@ -1,31 +1,23 @@
-"""What stands around the dashboard on the wire: the limit on sessions, health, metrics, headers."""
+"""The dashboard on the wire: the page and its connection, the limit on sessions, health, headers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 from weakref import WeakSet
 
 from bokeh.protocol.exceptions import ProtocolError
 from bokeh.server.urls import per_app_patterns
-from bokeh.util.token import get_session_id
+from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id
 from panel.io.server import DocHandler, WSHandler
-from prometheus_client import (
-    CollectorRegistry,
-    Counter,
-    Gauge,
-    ProcessCollector,
-    disable_created_metrics,
-    generate_latest,
-)
-from tornado.web import OutputTransform, RequestHandler
+from tornado.web import OutputTransform, RequestHandler, authenticated
 
-from app import workers
 from app.serving.access import plain_page
+from app.serving.board import Row
 from app.serving.logs import event
-from app.serving.rules import Rules, is_loopback
-
-_FORWARDED = ("Forwarded", "X-Forwarded-For", "X-Real-Ip")
+from app.serving.metrics import MetricsHandler, ServerMetrics
+from app.serving.rules import Rules
 
 # Bokeh compiles its callbacks and carries its model in the page, so scripts cannot be held to files; what holds is
 # that nothing comes from, goes to, or frames us from elsewhere.
@@ -54,30 +46,29 @@ HEADERS = {
 }
 
 
-class Metrics:
-    """Counters of one server, in Prometheus' terms."""
+@dataclass
+class Surroundings:
+    """What the handlers share with the server around them."""
 
-    def __init__(self) -> None:
-        disable_created_metrics()  # the process says when it began
-        self.registry = CollectorRegistry()
-        ProcessCollector(registry=self.registry)
-        self.sessions = Gauge("navbudget_sessions", "Sessions open now.", registry=self.registry)
-        self.limit = Gauge("navbudget_sessions_limit", "Sessions allowed at once.", registry=self.registry)
-        self.opened = Counter("navbudget_sessions_opened", "Sessions opened.", registry=self.registry)
-        self.refused = Counter("navbudget_sessions_refused", "Visitors told it is full.", registry=self.registry)
-        self.events = Counter("navbudget_events", "Budgets computed for a change.", registry=self.registry)
-        self.heavy = Gauge("navbudget_heavy_tasks", "Heavy tasks waiting or running.", registry=self.registry)
-        self.uptime = Gauge("navbudget_uptime_seconds", "Seconds since the server began.", registry=self.registry)
-        self.heavy.set_function(workers.under_way)
-
-
-class _Limit:
-    """How many sessions there may be, whether new ones are let in, and what the handlers tell of them."""
-
-    most = 1
-    stopping = False
-    metrics: Metrics
+    row: Row
+    """Where this process says how many sessions it has."""
+    most: int
+    """Sessions allowed at once, over all processes."""
+    page: Callable[[str], str]
+    """What a browser is sent for the token of a session."""
     heard: Callable[[], None]
+    """Called with every message of a page."""
+    admits: Callable[[str], bool]
+    """Whether somebody who is logged in may enter."""
+    stopping: bool = False
+
+    def full(self, own_sessions: int) -> bool:
+        """Whether there is no place for one more; tells the other processes what there is here."""
+        self.row.put("sessions", own_sessions)
+        return self.row.board.total("sessions") >= self.most
+
+
+_here: Surroundings
 
 
 _connections: WeakSet[LimitedWSHandler] = WeakSet()
@@ -91,35 +82,52 @@ def being_sent() -> bool:
 
 def close_door() -> None:
     """Let no new session in, over connections that are open already either."""
-    _Limit.stopping = True
+    _here.stopping = True
 
 
-class LimitedDocHandler(DocHandler):
-    """The page, unless the server is full."""
+class PageHandler(DocHandler):
+    """The page before its session: what the browser needs to load and connect, with a token of its own.
 
-    async def get(self, *arguments: Any, **options: Any) -> None:
-        """The page of a new session, or 503 with a page that says so."""
-        if _Limit.stopping:
-            self._turn_away("Restarting", "This server is being stopped or restarted.", after=10)
-            return
-        if self.current_user is not None and len(list(self.application_context.sessions)) >= _Limit.most:
-            _Limit.metrics.refused.inc()
-            event("full", sessions=_Limit.most)
+    The session is made when the browser connects, by whichever process it reaches; who only looks makes none.
+    """
+
+    @authenticated
+    async def get(self, *_: Any, **__: Any) -> None:
+        """The page for a new session; 503 with a page that says why if there is no place."""
+        self.set_header("Cache-Control", "no-store")  # the token is one visitor's and lives for minutes
+        if _here.stopping:
+            self._turn_away(503, "Restarting", "This server is being stopped or restarted.", after=10)
+        elif not _here.admits(str(self.current_user)):
+            self._turn_away(403, "Not admitted", f"{self.current_user} may not enter this server.")
+        elif _here.full(len(list(self.application_context.sessions))):
+            _here.row.add("refused")
+            event("full", sessions=_here.most)
             self._turn_away(
+                503,
                 "All places are taken",
-                f"This server keeps {_Limit.most} sessions at a time, and all are in use. A place becomes free "
+                f"This server keeps {_here.most} sessions at a time, and all are in use. A place becomes free "
                 "shortly after somebody closes the page.",
                 after=60,
             )
-            return
-        page = super().get(*arguments, **options)
-        if page is not None:  # None: sent to log in
-            await page
+        else:
+            self.finish(_here.page(self._token()))
 
-    def _turn_away(self, title: str, text: str, after: int) -> None:
-        self.set_status(503)
-        self.set_header("Retry-After", str(after))
-        self.finish(plain_page(title, text, again=self.request.uri, link_text="Try again"))
+    def _token(self) -> str:
+        server = self.application
+        return generate_jwt_token(
+            generate_session_id(server.secret_key, server.sign_sessions),
+            server.secret_key,
+            server.sign_sessions,
+            extra_payload=self._generate_token_payload(),
+            expiration=server.session_token_expiration,
+        )
+
+    def _turn_away(self, status: int, title: str, text: str, after: int = 0) -> None:
+        self.set_status(status)
+        again = {"again": self.request.uri, "link_text": "Try again"} if after else {}
+        if after:
+            self.set_header("Retry-After", str(after))
+        self.finish(plain_page(title, text, **again))
 
 
 class LimitedWSHandler(WSHandler):
@@ -138,8 +146,8 @@ class LimitedWSHandler(WSHandler):
             self.finish()
             return
         known = {session.id for session in self.application_context.sessions}
-        if wanted not in known and (_Limit.stopping or len(known) >= _Limit.most):
-            _Limit.metrics.refused.inc()
+        if wanted not in known and (_here.stopping or _here.full(len(known))):
+            _here.row.add("refused")
             self.set_status(503)
             self.finish()
 
@@ -156,7 +164,7 @@ class LimitedWSHandler(WSHandler):
 
     async def _handle(self, message: Any) -> Any:
         """As Bokeh, but a page may change what it shows, not put another document in its place."""
-        _Limit.heard()
+        _here.heard()
         if message.msgtype == "PUSH-DOC":
             raise ProtocolError("PUSH-DOC is not taken")
         return await super()._handle(message)
@@ -177,34 +185,6 @@ class Alive(RequestHandler):
         self.write({"alive": True})
 
 
-class MetricsHandler(RequestHandler):
-    """Metrics for this machine, and for whoever is logged in."""
-
-    def initialize(self, metrics: Metrics, server: dict[str, Any], rules: Rules) -> None:
-        self._metrics, self._server, self._rules = metrics, server, rules
-
-    def get(self) -> None:
-        """Prometheus text."""
-        if not self._may_see():
-            self.set_status(403)
-            self.finish("metrics are for this machine, or for who is logged in\n")
-            return
-        self._metrics.sessions.set(len(self._server["server"].get_sessions()))
-        self._metrics.uptime.set(self._server["uptime"]())
-        self.set_header("Content-Type", "text/plain; version=0.0.4; charset=utf-8")
-        self.set_header("Cache-Control", "no-store")
-        self.finish(generate_latest(self._metrics.registry))
-
-    def _may_see(self) -> bool:
-        # Behind a proxy on this machine everybody seems to be here: a forwarded request is not from here.
-        forwarded = any(name in self.request.headers for name in _FORWARDED) and not self._rules.behind_proxy
-        if is_loopback(self.request.remote_ip or "") and not forwarded:
-            return True
-        if self._rules.password_file is None:
-            return False
-        return self.application.auth_provider.get_user(self) is not None
-
-
 class _Headers(OutputTransform):
     """Every answer carries the headers that keep other sites out."""
 
@@ -217,17 +197,16 @@ class _Headers(OutputTransform):
         return status_code, headers, chunk
 
 
-def around(rules: Rules, metrics: Metrics, server: dict[str, Any], heard: Callable[[], None]) -> dict[str, Any]:
-    """What the server must be told, beside the dashboard itself; ``heard`` is called with every message of a page."""
-    _Limit.heard = heard
-    _Limit.most, _Limit.metrics, _Limit.stopping = rules.max_sessions, metrics, False
-    metrics.limit.set(rules.max_sessions)
+def around(rules: Rules, here: Surroundings, metrics: ServerMetrics) -> dict[str, Any]:
+    """What the server must be told, beside the dashboard itself."""
+    global _here
+    _here = here
     # The page and its connection; the ways to embed the page elsewhere are not offered.
-    per_app_patterns[:] = [(r"/ws", LimitedWSHandler), (r"/?", LimitedDocHandler)]
+    per_app_patterns[:] = [(r"/ws", LimitedWSHandler), (r"/?", PageHandler)]
     return {
         "extra_patterns": [
             (r"/liveness", Alive),
-            (r"/metrics", MetricsHandler, {"metrics": metrics, "server": server, "rules": rules}),
+            (r"/metrics", MetricsHandler, {"metrics": metrics, "rules": rules}),
         ],
         "transforms": [_Headers],
     }

@@ -28,6 +28,7 @@ class JsonFormatter(logging.Formatter):
             "time": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
             "level": record.levelname.lower(),
             "logger": record.name,
+            "process": record.process,
         }
         if record.name == LOGGER.name:
             said |= {"event": record.msg, **getattr(record, "fields", {})}

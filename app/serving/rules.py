@@ -12,6 +12,7 @@ from pathlib import Path
 from nav_model.inputs import DesignError
 
 _SHORTEST_SECRET = 32
+_ENOUGH = 4  # processes of pages unless more are asked for
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ class Rules:
     session_lifetime: float = 60.0
     login_hours: float = 12.0
     max_message: int = 20_000_000
+    processes: int | None = None
     workers: int | None = None
     grace: float = 10.0
     log: str = "text"
@@ -56,6 +58,12 @@ class Rules:
     def protected(self) -> bool:
         """Whether a visitor must say who they are."""
         return self.password_file is not None or self.oauth is not None
+
+    @property
+    def page_processes(self) -> int:
+        """How many processes serve pages: as asked for; else one for a person alone, for a team one per core."""
+        team = self.protected or self.open
+        return self.processes if self.processes is not None else min(_ENOUGH, os.cpu_count() or 1) if team else 1
 
     def check(self) -> None:
         """Refuse what cannot be served.
@@ -71,6 +79,7 @@ class Rules:
         _within("--login-hours", self.login_hours, 0.01, 24 * 365)
         _within("--max-message", self.max_message / 1e6, 1, 1000)
         _within("--grace", self.grace, 0, 600)
+        _within("--processes", self.page_processes, 1, 64)
         if self.workers is not None:
             _within("--workers", self.workers, 1, 256)
         for origin in self.allow_origin:

@@ -10,7 +10,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from app.chart_view import ChartPane
+from app.chart_view import ChartPane, chart_cells
 from app.charts import suborbital as charts
 from app.charts.description import Chart
 from app.charts.suborbital import CHANNELS, Shown
@@ -161,13 +161,13 @@ class StudyTabs:
 
     def _build(self, index: int, shown: Shown) -> None:
         tab = TABS[index]
-        panes = [ChartPane(describe, self.current, height) for describe, height, _ in tab.charts]
+        panes: list[ChartPane[Shown]] = []
         tables = [
             (SortableTable(html=build(shown).html, sizing_mode="stretch_width", margin=(8, 12)), build)
             for build in tab.tables
         ]
         self._panes[index], self._tables[index] = panes, tables
-        cells = [cell(columns, pane.view) for pane, (_, _, columns) in zip(panes, tab.charts, strict=True)]
+        cells = chart_cells(tab.charts, lambda what, high: ChartPane(what, self.current, high), panes)
         cells += [cell(12, self._table_view(place, build, shown)) for place, build in tables]
         self._contents[index] = grid(*cells, beside=tab.beside, margin=(4, 0))
 

@@ -57,18 +57,19 @@ class Served:
         assert found
         return self.ask(path, {"_xsrf": found[1], "username": name, "password": password})
 
-    def token(self) -> str:
+    def token(self, path: str = "/") -> str:
         """Of a newly opened page."""
-        status, text, _ = self.ask("/")
+        status, text, _ = self.ask(path)
         assert status == 200
         found = _TOKEN.search(text)
         assert found
         return found[1]
 
-    async def connect(self, token: str, origin: str | None = None) -> WebSocketClientConnection:
+    async def connect(self, token: str, origin: str | None = None, search: str = "") -> WebSocketClientConnection:
+        """As a page does, whose address goes on like this behind its path."""
         return await websocket_connect(
             HTTPRequest(
-                f"ws://127.0.0.1:{self.port}/ws",
+                f"ws://127.0.0.1:{self.port}/ws{search}",
                 headers={
                     "Origin": origin or f"http://127.0.0.1:{self.port}",
                     "Cookie": "; ".join(f"{k}={v}" for k, v in self.cookies.items()),
@@ -86,11 +87,11 @@ class Served:
                 while await connection.read_message() is not None:
                     pass
 
-    def hello(self, token: str, origin: str | None = None) -> str | None:
+    def hello(self, token: str, origin: str | None = None, search: str = "") -> str | None:
         """The first thing the server says to a connection; None if it hangs up instead."""
 
         async def first() -> str | None:
-            connection = await self.connect(token, origin)
+            connection = await self.connect(token, origin, search)
             said = await asyncio.wait_for(connection.read_message(), 20)
             if said is not None:
                 await self.hang_up(connection)

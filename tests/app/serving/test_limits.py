@@ -47,12 +47,14 @@ def test_metrics_and_liveness(visitor: Any) -> None:
     assert visitor.ask("/liveness")[0] == 200
     before = visitor.metrics()
     visitor.log_in("ada", PASSWORD)
-    visitor.token()
+    token = visitor.token()
+    assert visitor.metrics()["navbudget_sessions_opened_total"] == before["navbudget_sessions_opened_total"]
+    visitor.hello(token)  # whoever only looks at the page makes no session
     after = visitor.metrics()
     assert after["navbudget_sessions_opened_total"] == before["navbudget_sessions_opened_total"] + 1
     assert after["navbudget_sessions"] >= 1
     assert after["navbudget_uptime_seconds"] > before["navbudget_uptime_seconds"] > 0
-    assert 5e7 < after["process_resident_memory_bytes"] < 2e9
+    assert 5e7 < after['process_resident_memory_bytes{process="0"}'] < 2e9
 
 
 def test_metrics_are_not_for_a_forwarded_stranger(visitor: Any) -> None:
@@ -107,8 +109,8 @@ def test_oversized_requests_do_not_stop_the_server(visitor: Any) -> None:
 def test_json_log_never_says_what_a_design_says(serving: Any, tmp_path: Path) -> None:
     log = tmp_path / "log"
     with serving("--log", "json", log=log) as served:
-        served.ask("/?n=SECRETNAME&arw=0.777deg/sqrt(h)")
-        served.ask("/?n=SECRETNAME&arw=SECRETVALUE")
+        served.hello(served.token("/?n=SECRETNAME&arw=0.777deg/sqrt(h)"), search="?n=SECRETNAME&arw=0.777deg/sqrt(h)")
+        served.hello(served.token("/?n=SECRETNAME&arw=SECRETVALUE"), search="?n=SECRETNAME&arw=SECRETVALUE")
         served.ask("/SECRETPATH?x=SECRETVALUE")
         token = served.token()
 

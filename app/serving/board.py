@@ -1,0 +1,60 @@
+"""What the processes of one server know of each other: a row of numbers each, which it alone writes and all read."""
+
+from __future__ import annotations
+
+import multiprocessing
+from dataclasses import dataclass
+
+_COLUMNS = ("pid", "ready", "sessions", "opened", "refused", "events", "heavy")
+_LASTING = ("opened", "refused", "events")  # what a process counted outlives it
+
+
+class Board:
+    """A row per process. It reaches another process as an argument of that process only."""
+
+    def __init__(self, processes: int = 1) -> None:
+        self.processes = processes
+        self._cells = multiprocessing.get_context("spawn").RawArray("d", processes * len(_COLUMNS))
+
+    def get(self, process: int, column: str) -> int:
+        """One number."""
+        return int(self._cells[self._place(process, column)])
+
+    def put(self, process: int, column: str, value: int) -> None:
+        """Write one number; for the process whose row it is, and for whoever started it while it does not run."""
+        self._cells[self._place(process, column)] = value
+
+    def total(self, column: str) -> int:
+        """The sum over all processes."""
+        return sum(self.get(process, column) for process in range(self.processes))
+
+    def fewest(self, column: str) -> int:
+        """The least of the processes that take visitors."""
+        ready = [process for process in range(self.processes) if self.get(process, "ready")]
+        return min((self.get(process, column) for process in ready), default=0)
+
+    def clear(self, process: int) -> None:
+        """The process has ended; what it counted stays."""
+        for column in _COLUMNS:
+            if column not in _LASTING:
+                self.put(process, column, 0)
+
+    @staticmethod
+    def _place(process: int, column: str) -> int:
+        return process * len(_COLUMNS) + _COLUMNS.index(column)
+
+
+@dataclass(frozen=True)
+class Row:
+    """The row of one process, to write on."""
+
+    board: Board
+    process: int = 0
+
+    def put(self, column: str, value: int) -> None:
+        """Write a number."""
+        self.board.put(self.process, column, value)
+
+    def add(self, column: str) -> None:
+        """Count one more."""
+        self.put(column, self.board.get(self.process, column) + 1)

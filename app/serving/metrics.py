@@ -1,0 +1,89 @@
+"""What the operator sees of a server, in Prometheus' terms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from prometheus_client import CollectorRegistry, ProcessCollector, generate_latest
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
+from prometheus_client.registry import Collector
+from tornado.web import RequestHandler
+
+from app.serving.board import Board
+from app.serving.rules import Rules, is_loopback
+
+_FORWARDED = ("Forwarded", "X-Forwarded-For", "X-Real-Ip")
+_TOTALS: tuple[tuple[type[Metric], str, str, str], ...] = (
+    (GaugeMetricFamily, "navbudget_sessions", "Sessions open now.", "sessions"),
+    (CounterMetricFamily, "navbudget_sessions_opened", "Sessions opened.", "opened"),
+    (CounterMetricFamily, "navbudget_sessions_refused", "Visitors told it is full.", "refused"),
+    (CounterMetricFamily, "navbudget_events", "Budgets computed for a change.", "events"),
+    (GaugeMetricFamily, "navbudget_heavy_tasks", "Heavy tasks waiting or running.", "heavy"),
+)
+
+
+class ServerMetrics(Collector):
+    """Everything about a server: sums over its processes, and what each of them takes from the machine."""
+
+    def __init__(self, board: Board, most_sessions: int, uptime: Callable[[], float]) -> None:
+        self._board, self._most, self._uptime = board, most_sessions, uptime
+
+    def text(self) -> bytes:
+        """As Prometheus reads it."""
+        registry = CollectorRegistry(auto_describe=False)
+        registry.register(self)
+        return generate_latest(registry)
+
+    def collect(self) -> Iterator[Metric]:
+        """All families."""
+        for kind, name, text, column in _TOTALS:
+            yield kind(name, text, value=self._board.total(column))  # type: ignore[call-arg]
+        yield GaugeMetricFamily("navbudget_sessions_limit", "Sessions allowed at once.", value=self._most)
+        yield GaugeMetricFamily("navbudget_uptime_seconds", "Seconds since the server began.", value=self._uptime())
+        yield self._of_each()
+        yield from self._of_the_machine()
+
+    def _of_each(self) -> Metric:
+        family = GaugeMetricFamily("navbudget_process_sessions", "Sessions open now.", labels=["process"])
+        for process in range(self._board.processes):
+            family.add_metric([str(process)], self._board.get(process, "sessions"))
+        return family
+
+    def _of_the_machine(self) -> Iterator[Metric]:
+        """Memory, processor time and open files of each process that serves pages."""
+        families: dict[str, Metric] = {}
+        for process in range(self._board.processes):
+            pid = self._board.get(process, "pid")
+            for found in ProcessCollector(pid=lambda pid=pid: pid, registry=None).collect() if pid else ():
+                family = families.setdefault(found.name, Metric(found.name, found.documentation, found.type))
+                for sample in found.samples:
+                    family.add_sample(sample.name, {**sample.labels, "process": str(process)}, sample.value)
+        yield from families.values()
+
+
+class MetricsHandler(RequestHandler):
+    """Metrics for this machine, and for whoever is logged in."""
+
+    def initialize(self, metrics: ServerMetrics, rules: Rules) -> None:
+        self._metrics, self._rules = metrics, rules
+
+    def get(self) -> None:
+        """Prometheus text."""
+        if not self._may_see():
+            self.set_status(403)
+            self.finish("metrics are for this machine, or for who is logged in\n")
+            return
+        self.set_header("Content-Type", "text/plain; version=0.0.4; charset=utf-8")
+        self.set_header("Cache-Control", "no-store")
+        self.finish(self._metrics.text())
+
+    def _may_see(self) -> bool:
+        # Behind a proxy on this machine everybody seems to be here: a forwarded request is not from here.
+        forwarded = any(name in self.request.headers for name in _FORWARDED) and not self._rules.behind_proxy
+        if is_loopback(self.request.remote_ip or "") and not forwarded:
+            return True
+        if self._rules.password_file is None:
+            return False
+        provider: Any = self.application.auth_provider
+        return provider.get_user(self) is not None

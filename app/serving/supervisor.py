@@ -1,0 +1,133 @@
+"""Several processes that serve pages from the same socket.
+
+Whichever is free takes the next visitor, and a page stays with the process that its connection reached. The process
+here only starts them, starts again what ends unasked, and hands on the signal to stop; it loads nothing of the
+dashboard.
+"""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import os
+import secrets
+import signal
+import socket
+import time
+from dataclasses import dataclass, field
+from multiprocessing.connection import wait
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+from app.serving.address import SharedSocket, announce, listen
+from app.serving.board import Board, Row
+from app.serving.logs import event, set_up
+from app.serving.passwords import read_passwords
+from app.serving.rules import Rules
+from nav_model.processes import end_with_parent
+
+_LOOK = 0.05  # seconds between two looks at what starts
+_PAUSE = 1.0  # seconds before a process that ended is started again
+
+
+def supervise(rules: Rules, library: str) -> int:
+    """Serve from several processes until stopped by SIGTERM or SIGINT; prints the address once all are up.
+
+    Comes back with the exit status: 1 if one of them could not start.
+
+    Raises
+    ------
+    DesignError
+        If the address cannot be listened on, or the password file is wrong.
+    """
+    if rules.password_file is not None:
+        read_passwords(rules.password_file)  # said once, here
+    listening, port = listen(rules)
+    set_up(rules.log)
+    family = _Family(listening, port, rules, library)
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, family.told)
+    for process in range(rules.page_processes):
+        family.start(process)
+    if family.all_ready():
+        announce(rules, port)
+        family.keep()
+    status = family.end()
+    event("stopped")
+    return status
+
+
+@dataclass
+class _Family:
+    """The processes, by their place on the board."""
+
+    listening: socket.socket
+    port: int
+    rules: Rules
+    library: str
+    secret: bytes = field(default_factory=lambda: secrets.token_bytes(32), repr=False)
+    stopping: bool = False
+    failed: bool = False
+
+    def __post_init__(self) -> None:
+        self.board = Board(self.rules.page_processes)
+        self.members: dict[int, BaseProcess] = {}
+
+    def start(self, process: int) -> None:
+        """Start one, unless all are being stopped."""
+        if self.stopping:
+            return
+        arguments = (self.listening, self.port, self.rules, self.library, Row(self.board, process), self.secret)
+        member = multiprocessing.get_context("spawn").Process(target=_serve_pages, args=arguments)
+        member.start()
+        self.members[process] = member
+        if self.stopping:  # told in between
+            member.terminate()
+
+    def told(self, *_: Any) -> None:
+        """Hand on a signal: the first lets heavy work end, the second does not wait."""
+        self.stopping = True
+        self.listening.close()  # or visitors would wait for an answer that nobody gives
+        for member in list(self.members.values()):
+            if member.pid is not None and member.exitcode is None:
+                os.kill(member.pid, signal.SIGTERM)
+
+    def all_ready(self) -> bool:
+        """Wait until every process can take visitors; whether it came to that."""
+        while self.board.total("ready") < self.rules.page_processes and not self.stopping:
+            if any(not member.is_alive() for member in self.members.values()):
+                self.failed = not self.stopping
+                return False
+            time.sleep(_LOOK)
+        return not self.stopping
+
+    def keep(self) -> None:
+        """Start again whatever ends, until told to stop."""
+        while not self.stopping:
+            wait([member.sentinel for member in self.members.values()])
+            for process, member in list(self.members.items()):
+                if member.exitcode is not None and not self.stopping:
+                    event("page process ended", logging.ERROR, process=process, exit=member.exitcode)
+                    self.board.clear(process)
+                    time.sleep(_PAUSE)
+                    self.start(process)
+
+    def end(self) -> int:
+        """Wait until all have ended."""
+        if self.failed:
+            self.told()
+        for member in self.members.values():
+            member.join()
+        return int(self.failed)
+
+
+def _serve_pages(listening: socket.socket, port: int, rules: Rules, library: str, row: Row, secret: bytes) -> None:
+    """What each process does."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal's Ctrl-C the parent tells, as SIGTERM
+    end_with_parent()
+    set_up(rules.log)
+    from app.library.place import use_library
+    from app.server import serve_on
+
+    use_library(library)
+    serve_on(SharedSocket(listening, row), port, rules, row, secret, lambda: row.put("ready", 1))

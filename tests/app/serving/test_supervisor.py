@@ -1,0 +1,186 @@
+"""Pages served from several processes: one server to whoever visits or stops it."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from open_page import Tab
+
+from app.cli import main
+from app.serving.address import SharedSocket
+from app.serving.board import Board, Row
+from app.serving.rules import Rules
+
+
+def _until(holds: Callable[[], object], seconds: float = 30.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+
+
+def _page_processes(parent: int) -> set[int]:
+    children = psutil.Process(parent).children()
+    return {child.pid for child in children if "spawn_main" in " ".join(child.cmdline())}
+
+
+def _rooms(served: Any) -> tuple[float, ...]:
+    """Sessions of each process."""
+    metrics = served.metrics()
+    return tuple(metrics[f'navbudget_process_sessions{{process="{index}"}}'] for index in range(2))
+
+
+@pytest.fixture(scope="module")
+def pair(serving: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    library = tmp_path_factory.mktemp("pair") / "library.db"
+    with serving("--processes", "2", "--max-sessions", "5", "--session-lifetime", "1",
+                 "--library", str(library)) as served:  # fmt: skip
+        yield served
+
+
+def test_pages_are_shared_out_and_the_limit_is_of_all_together(pair: Any) -> None:
+    async def crowd() -> None:
+        connections = []
+        for count in range(1, 6):
+            connections.append(await pair.connect(await asyncio.to_thread(pair.token)))
+            assert "ACK" in str(await connections[-1].read_message())
+            rooms = await asyncio.to_thread(_rooms, pair)
+            assert sum(rooms) == count
+            assert abs(rooms[0] - rooms[1]) <= 1
+        early = pair.ask("/")
+        assert early[0] == 503
+        assert "All places are taken" in early[1]
+        for connection in connections:
+            await pair.hang_up(connection)
+
+    before = pair.metrics()
+    asyncio.run(crowd())
+    after = pair.metrics()
+    assert after["navbudget_sessions_opened_total"] == before["navbudget_sessions_opened_total"] + 5
+    assert after["navbudget_sessions_refused_total"] == before["navbudget_sessions_refused_total"] + 1
+    _until(lambda: sum(_rooms(pair)) == 0)
+
+
+def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_place(pair: Any) -> None:
+    address = f"http://127.0.0.1:{pair.port}"
+
+    async def go_on() -> None:
+        tabs = [await Tab.open(address) for _ in range(2)]
+        assert await asyncio.to_thread(_rooms, pair) == (1, 1)
+        family = _page_processes(pair.process.pid)
+        assert len(family) == 2
+        os.kill(min(family), signal.SIGKILL)
+        await asyncio.sleep(0.5)
+        (left,) = [tab for tab in tabs if not tab.errors]
+        slider = left.find(label="Angle random walk", show_value=False)
+        answered = left.expect({(await left.until(name="phase bars"))["id"]})
+        await left.set(slider["id"], value=slider["attributes"]["value"] - 0.02)
+        await asyncio.wait_for(answered, 20)
+        _until(lambda: len(_page_processes(pair.process.pid) - {min(family)}) == 2)
+        assert pair.ask("/liveness")[0] == 200
+        for tab in tabs:
+            with suppress(OSError):
+                await tab.close()
+
+    asyncio.run(go_on())
+    _until(lambda: sum(_rooms(pair)) == 0)
+    asyncio.run(_visit(address, 2))
+
+
+async def _visit(address: str, pages: int) -> None:
+    for tab in [await Tab.open(address) for _ in range(pages)]:
+        assert not tab.errors
+        await tab.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
+def test_when_it_ends_nothing_of_it_stays(number: signal.Signals) -> None:
+    command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--processes", "2", "--grace", "0"]
+    with ExitStack() as left:
+        process = left.enter_context(
+            subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        )
+        left.callback(process.kill)
+        assert process.stdout is not None
+        port = int(process.stdout.readline().rpartition(":")[2])
+        family = _page_processes(process.pid)
+        assert len(family) == 2
+        process.send_signal(number)
+        assert process.wait(timeout=20) == (-signal.SIGKILL if number == signal.SIGKILL else 0)
+        _until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in family), 10)
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(("127.0.0.1", port), timeout=5)
+        assert process.stderr is not None
+        assert "Traceback" not in process.stderr.read()
+
+
+def test_a_taken_port_is_told_before_anything_starts(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        assert main(["serve", "--processes", "2", "--port", str(taken.getsockname()[1])]) == 2
+    assert "cannot listen on 127.0.0.1:" in capsys.readouterr().err
+
+
+def test_a_person_alone_has_one_process_and_a_team_one_per_core(monkeypatch: pytest.MonkeyPatch) -> None:
+    for cores, team in ((1, 1), (2, 2), (4, 4), (32, 4)):
+        monkeypatch.setattr(os, "cpu_count", lambda cores=cores: cores)
+        assert Rules().page_processes == 1
+        assert Rules(open=True).page_processes == team
+        assert Rules(password_file=Path("people")).page_processes == team
+    assert Rules(open=True, processes=1).page_processes == 1
+    assert Rules(processes=7).page_processes == 7
+
+
+@pytest.mark.parametrize("other_is_busy", [False, True])
+def test_the_fuller_process_lets_the_other_go_first_but_nobody_waits_long(other_is_busy: bool) -> None:
+    board = Board(2)
+    for process, sessions in ((0, 3), (1, 2)):
+        board.put(process, "ready", 1)
+        board.put(process, "sessions", sessions)
+    listening = socket.create_server(("127.0.0.1", 0))
+    with (
+        SharedSocket(listening.dup(), Row(board, 1)) as emptier,
+        SharedSocket(listening, Row(board, 0)) as fuller,
+        socket.create_connection(fuller.getsockname()),
+    ):
+        with pytest.raises(BlockingIOError):
+            fuller.accept()
+        if not other_is_busy:
+            emptier.accept()[0].close()
+            return
+        began = time.monotonic()
+        _until(lambda: _taken(fuller), 5)
+        assert time.monotonic() - began < 1
+
+
+def _taken(listening: socket.socket) -> bool:
+    try:
+        listening.accept()[0].close()
+    except BlockingIOError:
+        return False
+    return True
+
+
+def test_what_a_process_counted_outlives_it() -> None:
+    board = Board(2)
+    row = Row(board, 1)
+    row.add("opened")
+    row.add("opened")
+    row.put("sessions", 2)
+    Row(board, 0).add("opened")
+    board.clear(1)
+    assert board.total("opened") == 3
+    assert board.total("sessions") == 0
