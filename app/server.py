@@ -19,7 +19,7 @@ import panel as pn
 from bokeh.document import Document
 from bokeh.server.views.static_handler import StaticHandler
 from bokeh.settings import settings
-from panel.io.resources import Resources
+from panel.io.resources import LOCAL_DIST, Resources
 from panel.io.server import server_html_page_for_session
 from panel.io.state import set_curdoc
 
@@ -35,7 +35,7 @@ from app.serving.handlers import Surroundings, around, being_sent, close_door
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
-from app.serving.writes import repair
+from app.serving.writes import closed_is_no_fault, repair
 from app.state import Session
 from nav_model.design import Design
 from nav_model.design_file import parse_design
@@ -164,6 +164,8 @@ def _counted(row: Row, collector: Collector) -> Any:
     """`build`, seen by the operator: sessions come and go, budgets are computed."""
     row.add("opened")
     row.add("sessions")
+    # Sheets come from this server: Panel says so only where a page is sent with its session, else from elsewhere.
+    pn.state.curdoc.template_variables["dist_url"] = LOCAL_DIST
     collector.heard()
     name = short(pn.state.curdoc.session_context.id)
     event("session opened", session=name)
@@ -203,6 +205,7 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
         else:
             stopping.append(loop.create_task(wind_down()))
 
+    loop.set_exception_handler(closed_is_no_fault)
     server.start()
     aside = [loop.create_task(collector.run()), loop.create_task(_tell(server, row))]
     for signal_number in (signal.SIGTERM, signal.SIGINT):

@@ -53,6 +53,13 @@ def _bokehs(connection: ServerConnection, event: DocumentPatchedEvent) -> asynci
     return _in_line(connection, [event])
 
 
+def closed_is_no_fault(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """The server's handler for what no task took: a page that was closed between two frames of a message leaves the
+    first of them behind, and the log need not tell."""
+    if not isinstance(context.get("exception"), WebSocketClosedError):
+        loop.default_exception_handler(context)
+
+
 def repair() -> None:
     """Put it in place; the server calls it once, before it serves."""
     panel_document.schedule_write_events = _panels

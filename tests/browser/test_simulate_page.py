@@ -15,7 +15,7 @@ Visit = Callable[..., Page]
 # The names of the ensemble's lines, and whether each stands on a column of its source with some values above zero.
 _ENSEMBLE = """() => {
   const figure = [...Bokeh.documents[0]._all_models.values()].find(m => m.name === "sim-ensemble")
-  return figure.renderers.filter(r => r.glyph.type === "Line" && r.name).map(r => {
+  return (figure?.renderers ?? []).filter(r => r.glyph.type === "Line" && r.name).map(r => {
     const data = r.data_source.data
     const column = data instanceof Map ? data.get(r.glyph.y.field) : data[r.glyph.y.field]
     return [r.name, [...(column ?? [])].filter(y => y > 0).length > 20]
@@ -24,7 +24,8 @@ _ENSEMBLE = """() => {
 _COMPILING = 180_000  # ms: the first use of a clone compiles the simulator
 _CURVE = """(name) => {
   const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
-  const data = sources.find(m => m.name === name).data
+  const data = sources.find(m => m.name === name)?.data
+  if (!data) return []
   const columns = data instanceof Map ? data : new Map(Object.entries(data))
   return [...columns.get([...columns.keys()].find(key => key.startsWith("north, simulated")))]
 }"""
@@ -64,6 +65,7 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(visit: Vi
     assert page.evaluate(_CURVE, "sim-position-horizontal lines 0") == document["position"]["north"]["rms_m"]
 
     expect(page.get_by_text("stale")).to_have_count(0)
+    page.wait_for_function(f"() => ({_ENSEMBLE})().length === 4")
     before = page.evaluate(_ENSEMBLE)
     page.get_by_role("slider", name="Angle random walk").press("ArrowRight")
     expect(page.get_by_text("stale")).to_be_visible()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Any
@@ -142,3 +143,20 @@ def test_a_page_closed_meanwhile_is_no_fault_and_anything_else_is(monkeypatch: p
     asyncio.run(ends(WebSocketClosedError()))
     with pytest.raises(ValueError, match="a fault"):
         asyncio.run(ends(ValueError("a fault")))
+
+
+def test_only_a_closed_page_is_left_out_of_the_log(caplog: pytest.LogCaptureFixture) -> None:
+    async def leave_behind(fault: Exception) -> None:
+        async def fail() -> None:
+            raise fault
+
+        asyncio.get_running_loop().set_exception_handler(writes.closed_is_no_fault)
+        left = asyncio.ensure_future(fail())
+        await _turns()
+        del left
+        gc.collect()
+
+    asyncio.run(leave_behind(WebSocketClosedError()))
+    assert not caplog.records
+    asyncio.run(leave_behind(ValueError("a fault")))
+    assert "a fault" in caplog.text
