@@ -9,6 +9,8 @@ from typing import Any, ClassVar
 import param
 from panel.custom import JSComponent
 
+THEME_COOKIE = "navbudget-theme"
+
 
 class Lifeline(JSComponent):
     """Keeps the design in the browser's tab, gives it back to a page loaded again there, and says so when the server
@@ -20,6 +22,7 @@ class Lifeline(JSComponent):
 
     link = param.String(doc="The design in force and the study beside it, as a link's query.")
     base = param.String(doc="Key of the saved revision the design came from; empty: none.")
+    dark = param.Boolean(doc="Whether the page is dark: kept in a cookie, for every page of this server.")
 
     _stylesheets: ClassVar[list[str]] = [
         """
@@ -71,6 +74,11 @@ export function render({ model, view }) {
   model.on("link", store)
   model.on("base", store)
 
+  model.on("dark", () => {
+    const secure = location.protocol === "https:" ? "; secure" : ""
+    document.cookie = `COOKIE=${model.dark ? "dark" : "light"}; path=/; max-age=31536000; samesite=lax${secure}`
+  })
+
   const say = (what) => { text.textContent = what }
   const lost = () => {
     if (!section.hidden) return
@@ -96,7 +104,7 @@ export function render({ model, view }) {
   page.on_event("connection_lost", lost)
   return place
 }
-"""
+""".replace("COOKIE", THEME_COOKIE)
 
     def __init__(self, come_back: Callable[[str, str], None], **params: Any) -> None:
         super().__init__(**params)

@@ -17,7 +17,7 @@ from panel.util import edit_readonly
 
 from app.controls import SECTION_TITLES, Control, section_controls
 from app.layout_passes import LayoutPasses
-from app.lifeline import Lifeline
+from app.lifeline import THEME_COOKIE, Lifeline
 from app.paper import fit_to_paper
 from app.report import report_of_text
 from app.report.studies import study_sections
@@ -191,6 +191,7 @@ class Frame:
     # --- the frame's parts -----------------------------------------------------------------------------
 
     def _shell(self) -> pmui.Page:
+        dark = pn.state.cookies.get(THEME_COOKIE) == "dark"
         mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
         self._tools = self._toolbar()
         page = Shell(
@@ -212,6 +213,7 @@ class Frame:
                     styles={"max-height": "none"},
                 )
             ],
+            dark_theme=dark,
             sidebar_open=not mobile,
             sidebar_width=340,
             sidebar_resizable=False,
@@ -222,6 +224,8 @@ class Frame:
         # every page. It follows this session's own long runs instead.
         with edit_readonly(page):
             page.busy = self.session.param.running
+        self._lifeline.dark = dark
+        page.param.watch(lambda event: setattr(self._lifeline, "dark", event.new), "dark_theme")
         return page
 
     def _sidebar(self) -> list[Any]:

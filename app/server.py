@@ -140,8 +140,8 @@ def serve_on(
     _run(server, rules.grace, collector, row)
 
 
-def opening_page() -> Callable[[str], str]:
-    """What a browser loads before it connects, for the token of its session.
+def opening_page() -> Callable[[str, bool], str]:
+    """What a browser loads before it connects, for the token of its session and for a page in dark.
 
     Made once, from a session's document like any: all pages load the same, and have the same roots.
     """
@@ -157,7 +157,8 @@ def opening_page() -> Callable[[str], str]:
         template=document.template,
         template_variables=document.template_variables,
     )
-    return lambda given: text.replace(token, given)
+    dark_text = text.replace("<head>", '<head><meta name="color-scheme" content="dark">', 1)  # dark while it loads
+    return lambda given, dark: (dark_text if dark else text).replace(token, given)
 
 
 def _counted(row: Row, collector: Collector) -> Any:

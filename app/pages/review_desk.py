@@ -76,14 +76,20 @@ class Desk(param.Parameterized):
             self.say(f"{before}{error}", wrong=True)
             return None
 
-    def pick(self, revision: Revision, wanted: bool) -> None:
-        """Pick a revision, or put it back."""
-        left = tuple(own for own in self.picked if own.key != revision.key)
-        if wanted and len(left) >= MAX_ITEMS:
+    def pick(self, revision: Revision) -> None:
+        """Pick a revision, unless as many are as go side by side."""
+        left = self._without(revision.key)
+        if len(left) >= MAX_ITEMS:
             self.say(f"At most {MAX_ITEMS} revisions go side by side; put one back first.", wrong=True)
-            self.param.trigger("picked")
             return
-        self.picked = (*left, revision) if wanted else left
+        self.picked = (*left, revision)
+
+    def put_back(self, key: str) -> None:
+        """Put a picked revision back."""
+        self.picked = self._without(key)
+
+    def _without(self, key: str) -> tuple[Revision, ...]:
+        return tuple(own for own in self.picked if own.key != key)
 
 
 def button(label: str, action: Callable[[], Awaitable[None]], **params: Any) -> pmui.Button:

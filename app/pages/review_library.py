@@ -40,6 +40,8 @@ class LibraryView:
         self._desk = desk
         self._open_designs: set[str] = set()
         self._ticks: list[tuple[str, pmui.Checkbox]] = []  # a design's latest revision may have two
+        self._putting = False  # ticks are being set to what is picked
+        self._fetched: set[str] = set()  # ticked, and on its way from the library
         self._note = pmui.TextInput(label="Note", max_length=4000, width=260, **LOOK)
         self._new = button("Save as new design", partial(self._save, True), variant="contained")
         self._next = button("Save as next revision", partial(self._save, False), visible=False)
@@ -153,15 +155,19 @@ class LibraryView:
 
     def _row(self, key: str, label: str, cells: str, extra: Any, indent: int = 0) -> pn.FlexBox:
         tick = pmui.Checkbox(
-            label=label, value=key in {own.key for own in self._desk.picked}, description="", size="small",
-            width=330 - indent, margin=(0, 4, 0, 6 + indent),
+            label=label, value=self._is_ticked(key), description="", size="small", width=330 - indent,
+            margin=(0, 4, 0, 6 + indent),
         )  # fmt: skip
 
-        async def ticked(event: Any) -> None:
-            if event.new != (key in {own.key for own in self._desk.picked}):
-                revision = await self._desk.ask(lambda place: place.revision(key))
-                if revision is not None:
-                    self._desk.pick(revision, event.new)
+        def ticked(event: Any) -> None:
+            if self._putting:
+                return
+            if event.new:
+                self._fetched.add(key)
+                pn.state.execute(partial(self._fetch, key))
+            else:
+                self._fetched.discard(key)
+                self._desk.put_back(key)
 
         tick.param.watch(ticked, "value")
         self._ticks.append((key, tick))
@@ -175,11 +181,26 @@ class LibraryView:
 
     # --- the picked ones -------------------------------------------------------------------------------
 
-    def _picks(self, _: Any) -> None:
-        keys = {own.key for own in self._desk.picked}
+    def _is_ticked(self, key: str) -> bool:
+        return key in self._fetched or key in {own.key for own in self._desk.picked}
+
+    async def _fetch(self, key: str) -> None:
+        """Pick a revision that was ticked, unless its tick was taken back meanwhile."""
+        revision = await self._desk.ask(lambda place: place.revision(key))
+        if key in self._fetched:
+            self._fetched.remove(key)
+            if revision is not None:
+                self._desk.pick(revision)
+            self._picks()
+
+    def _picks(self, *_: Any) -> None:
         with pn.io.hold():
-            for key, tick in self._ticks:
-                tick.value = key in keys
+            self._putting = True
+            try:
+                for key, tick in self._ticks:
+                    tick.value = self._is_ticked(key)
+            finally:
+                self._putting = False
             self._say_picked()
 
     def _say_picked(self) -> None:

@@ -13,6 +13,7 @@ from bokeh.util.token import generate_jwt_token, generate_session_id, get_sessio
 from panel.io.server import DocHandler, WSHandler
 from tornado.web import OutputTransform, RequestHandler, authenticated
 
+from app.lifeline import THEME_COOKIE
 from app.serving.access import plain_page
 from app.serving.board import Row
 from app.serving.logs import event
@@ -54,8 +55,8 @@ class Surroundings:
     """Where this process says how many sessions it has."""
     most: int
     """Sessions allowed at once, over all processes."""
-    page: Callable[[str], str]
-    """What a browser is sent for the token of a session."""
+    page: Callable[[str, bool], str]
+    """What a browser is sent for the token of a session, and for a page in dark."""
     heard: Callable[[], None]
     """Called with every message of a page."""
     admits: Callable[[str], bool]
@@ -110,7 +111,7 @@ class PageHandler(DocHandler):
                 after=60,
             )
         else:
-            self.finish(_here.page(self._token()))
+            self.finish(_here.page(self._token(), self.get_cookie(THEME_COOKIE) == "dark"))
 
     def _token(self) -> str:
         server = self.application

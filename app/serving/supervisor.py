@@ -95,9 +95,11 @@ class _Family:
     def all_ready(self) -> bool:
         """Wait until every process can take visitors; whether it came to that."""
         while self.board.total("ready") < self.rules.page_processes and not self.stopping:
-            if any(not member.is_alive() for member in self.members.values()):
-                self.failed = not self.stopping
-                return False
+            for process, member in self.members.items():
+                if member.exitcode is not None and not self.stopping:
+                    event("page process could not start", logging.ERROR, process=process, exit=member.exitcode)
+                    self.failed = True
+                    return False
             time.sleep(_LOOK)
         return not self.stopping
 

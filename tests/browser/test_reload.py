@@ -58,3 +58,26 @@ def test_a_page_opened_anew_takes_nothing_back_and_nothing_wrong_is_taken(visit:
     said = page.get_by_role("alert").filter(has_text="could not be taken up again")
     expect(said).to_contain_text("<img src=x onerror=alert(1)>", timeout=60_000)
     expect(box).to_have_value("0.15 °/√h")
+
+
+_GROUND = "() => getComputedStyle(document.body).backgroundColor"
+_CANVAS = """() => [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "Figure")
+  .map(figure => figure.border_fill_color)"""
+
+
+def test_a_page_in_dark_stays_dark(visit: Visit) -> None:
+    page = visit()
+    light, on_light = page.evaluate(_GROUND), page.evaluate(_CANVAS)
+    page.get_by_role("button", name="Toggle theme").click()
+    page.wait_for_function(f"(before) => ({_GROUND})() !== before", arg=light)
+    page.wait_for_function("() => document.cookie.includes('navbudget-theme=dark')")
+    page.wait_for_timeout(500)
+    dark, on_dark = page.evaluate(_GROUND), page.evaluate(_CANVAS)
+    page = visit()
+    assert page.evaluate(_GROUND) == dark
+    assert set(page.evaluate(_CANVAS)) == set(on_dark)
+    page.get_by_role("button", name="Toggle theme").click()
+    page.wait_for_function("() => document.cookie.includes('navbudget-theme=light')")
+    page = visit()
+    assert page.evaluate(_GROUND) == light
+    assert set(page.evaluate(_CANVAS)) == set(on_light)
