@@ -44,7 +44,7 @@ lint: .venv/.test
 	$(BIN)/hadolint Dockerfile
 
 test: .venv/.test browser postgresql nginx lint
-	$(BIN)/python -m pytest -n 2 --dist loadfile -p no:benchmark --ignore tests/browser
+	$(BIN)/python -m pytest -n 3 --dist loadfile -p no:benchmark --ignore tests/browser
 	$(BIN)/python -m pytest -n 2 --dist load -p no:benchmark tests/browser
 
 test-slow: .venv/.test browser postgresql nginx

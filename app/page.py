@@ -74,6 +74,7 @@ class Frame:
         self._controls: list[Control] = []
         self._pages: dict[int, Page] = {}
         self._loaded = False
+        self._addressed = False  # the page is being turned because the address says so
         self._places = [pn.Column(sizing_mode="stretch_width", margin=0, visible=not i) for i in range(len(PAGES))]
         self._examples = pn.Column(sizing_mode="stretch_width", margin=0, visible=False, stylesheets=[PRINT_NOTHING])
         self._notice = pmui.Alert(
@@ -161,7 +162,8 @@ class Frame:
             for index, place in enumerate(self._places):
                 place.visible = index == event.new
         name, location = PAGES[event.new][0].lower(), pn.state.location
-        if location and location.hash.lstrip("#").lower().partition("-")[0] != name:
+        # An address that led here stays as it is: a new one would cut off what Forward leads to.
+        if location and not self._addressed and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
 
     def _first_page(self, location: Any) -> str:
@@ -173,10 +175,14 @@ class Frame:
     def _go_to(self, address: str) -> None:
         """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
         self._loaded = True
-        wanted, _, place = address.lstrip("#").partition("-")
+        wanted, _, place = (address.lstrip("#") or PAGES[0][0]).partition("-")
         for index, (name, _) in enumerate(PAGES):
             if name.lower() == wanted.lower():
-                self._tabs.active = index
+                self._addressed = True
+                try:
+                    self._tabs.active = index
+                finally:
+                    self._addressed = False
                 go_to = getattr(self._pages.get(index), "go_to", None)
                 if place and go_to:
                     go_to(place)
@@ -360,10 +366,14 @@ class Frame:
             location.search = f"?{query}"
             address = f"{location.protocol}//{location.hostname}"
             address += f":{location.port}" if location.port else ""
-            self._say(f"The link to this design is in the address bar: {address}{location.pathname}?{query}", "info")
+            link = html.escape(f"{address}{location.pathname}?{query}")
+            self._show_notice(f'The link to this design is in the address bar: <a href="{link}">{link}</a>', "info")
 
     def _say(self, text: str, severity: str = "error") -> None:
-        self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
+        self._show_notice(html.escape(text), severity)
+
+    def _show_notice(self, markup: str, severity: str) -> None:
+        self._notice.param.update(object=markup, severity=severity, visible=bool(markup), closed=False)
 
 
 class Shell(pmui.Page):

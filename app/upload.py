@@ -15,7 +15,8 @@ class LimitedFileInput(pmui.FileInput):
     """
 
     def __init__(self, refused: Callable[[str], None], **params: Any) -> None:
-        super().__init__(**params)
+        # What became of the file is said beside it: as shipped the button says "Uploaded" of a refused one too.
+        super().__init__(uploaded_label=f"{params['label']}: {{filename}}", **params)
         self._refused = refused
         self._received = 0
 

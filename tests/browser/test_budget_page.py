@@ -140,10 +140,12 @@ def test_undo_redo_reset_by_keyboard(visit: Visit) -> None:
     enter(box(page, "Position noise"), "2 cm")
     expect(card(page, "Position, horizontal")).not_to_have_text("40.4 cm")
     changed = card(page, "Position, horizontal").inner_text()
+    expect(page.get_by_role("button", name="Undo")).to_be_enabled()
     page.get_by_role("button", name="Undo").focus()
     page.keyboard.press("Enter")
     expect(card(page, "Position, horizontal")).to_have_text("40.4 cm")
     expect(box(page, "Position noise")).to_have_value("1 m")
+    expect(page.get_by_role("button", name="Redo")).to_be_enabled()
     page.get_by_role("button", name="Redo").focus()
     page.keyboard.press("Enter")
     expect(card(page, "Position, horizontal")).to_have_text(changed)
@@ -172,6 +174,10 @@ def test_link_reproduces_the_design(visit: Visit, server: str) -> None:
     shown = card(page, "Position, horizontal").inner_text()
     page.get_by_role("button", name="Link").click()
     page.wait_for_function("() => location.search.length > 1")
+    assert page.evaluate("() => location.pathname") == "/"
+    link = page.get_by_role("alert").filter(has_text="in the address bar").get_by_role("link")
+    expect(link).to_have_text(page.url)
+    expect(link).to_have_attribute("href", page.url)
     query = page.evaluate("() => location.search")
     assert from_query(query).gnss.position_noise == 0.07
     again = visit(f"/{query}")

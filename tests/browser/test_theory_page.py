@@ -33,6 +33,11 @@ def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
     expect(equation).to_be_focused()
     assert equation.evaluate(_IN_VIEW)
     assert page.evaluate("() => location.hash") == "#theory-T-17"
+    budget = page.get_by_role("tab", name="Budget", exact=True)
+    page.go_back()
+    expect(budget).to_have_attribute("aria-selected", "true")
+    page.go_forward()
+    expect(equation).to_be_focused()
     equation.get_by_role("link", name="[T-8]").first.click()
     expect(page.locator("#T-8")).to_be_focused()
     page.get_by_role("navigation", name="On this page").get_by_role("link", name="Symbols").click()
@@ -41,6 +46,9 @@ def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
     page.wait_for_function("() => location.hash === '#budget'")
     page.locator("dl.cards").get_by_role("link", name="[T-17]").press("Enter")
     expect(equation).to_be_focused()
+    page.go_back()
+    expect(budget).to_have_attribute("aria-selected", "true")
+    assert page.evaluate("() => location.hash") == "#budget"
 
 
 @pytest.mark.slow
