@@ -25,6 +25,7 @@ from app.report.wording import chapter_key
 from app.report_choice import ReportChoice
 from app.select_keys import SelectKeys
 from app.serving.faults import tell_here
+from app.shell import Shell
 from app.state import Lineage, Session
 from app.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.tour import Tour
@@ -374,19 +375,6 @@ class Frame:
 
     def _show_notice(self, markup: str, severity: str) -> None:
         self._notice.param.update(object=markup, severity=severity, visible=bool(markup), closed=False)
-
-
-class Shell(pmui.Page):
-    """The page as shipped, but its busy line may come and go without a walk through the whole document.
-
-    That walk marks everything below as belonging to this page, each time anything of the page changes; but each
-    component has marked itself when it was made.
-    """
-
-    @classmethod
-    def _patch_datamodel_ref(cls, props: Any, ref: str) -> None:
-        if (mark := f"__ref:{ref}") not in props.tags:
-            props.tags.append(mark)
 
 
 def is_review_link(query: str) -> bool:

@@ -16,7 +16,7 @@ class LimitedFileInput(pmui.FileInput):
 
     def __init__(self, refused: Callable[[str], None], **params: Any) -> None:
         # What became of the file is said beside it: as shipped the button says "Uploaded" of a refused one too.
-        super().__init__(uploaded_label=f"{params['label']}: {{filename}}", **params)
+        super().__init__(**{"uploaded_label": f"{params.get('label', 'File')}: {{filename}}"} | params)
         self._refused = refused
         self._received = 0
 
