@@ -18,7 +18,7 @@ from nav_model.processes import worker_pool
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
-_NICENESS = 5  # of heavy work: a third of the share of a slider step, where both want the same core
+_NICENESS = 10  # of heavy work: a tenth of the share of a slider step, where both want the same core
 
 _size = 0  # 0: nothing was asked for
 _under_way = 0
