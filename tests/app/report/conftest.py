@@ -1,0 +1,49 @@
+"""Designs to report on, and what a report's tables hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from app.report.document import Cell, Report, Table
+from nav_model.budget import Budget, analyse
+from nav_model.design_file import read_design
+
+_EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+@pytest.fixture(scope="session")
+def budget_of() -> Callable[[str], Budget]:
+    """The budget of the example of this name."""
+    return lambda name: analyse(read_design(_EXAMPLES / f"{name}.toml"))
+
+
+@pytest.fixture(scope="session")
+def changed() -> Callable[..., Budget]:
+    """The MEMS example with other values; ``imu__rate`` is imu.rate."""
+
+    def made(**changes: object) -> Budget:
+        design = read_design(_EXAMPLES / "mems_x_band.toml")
+        return analyse(design.replace({key.replace("__", "."): value for key, value in changes.items()}))
+
+    return made
+
+
+@pytest.fixture(scope="module")
+def mems(budget_of) -> Budget:
+    return budget_of("mems_x_band")
+
+
+@pytest.fixture(scope="module")
+def three(budget_of) -> list[Budget]:
+    return [budget_of(path.stem) for path in sorted(_EXAMPLES.glob("*.toml"))]
+
+
+@pytest.fixture(scope="session")
+def cells() -> Callable[[Report], list[Cell]]:
+    """Every cell of every table."""
+    return lambda report: [
+        cell for block in report.blocks() if isinstance(block, Table) for row in block.rows for cell in row
+    ]

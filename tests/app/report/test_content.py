@@ -1,0 +1,146 @@
+"""The design report: what it says."""
+
+from __future__ import annotations
+
+import math
+import re
+from datetime import UTC, datetime
+
+import pytest
+
+from app.report.content import report_of
+from app.report.document import Bullets, Report, Table, Text
+from app.report.equations import EQUATIONS
+from nav_model.budget import analyse
+from nav_model.design import Design
+from nav_model.parts import INPUTS
+from nav_model.units import format_quantity
+
+NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
+
+
+def sayings(report: Report) -> list[str]:
+    """Every text of a report that may name an equation."""
+    said: list[str] = []
+    for block in report.blocks():
+        if isinstance(block, Table):
+            said += [cell.text for row in block.rows for cell in row]
+            said += [block.caption, block.note, *(column.title for column in block.columns)]
+        elif isinstance(block, Text):
+            said.append(block.text)
+        elif isinstance(block, Bullets):
+            said += block.items
+    return said + [chart.chart.knowledge for chart in report.charts()]
+
+
+def table(report: Report, key: str) -> Table:
+    return next(block for block in report.blocks() if isinstance(block, Table) and block.key == key)
+
+
+def test_every_requirement_and_every_input_is_there(mems):
+    report = report_of([mems], NOW)
+    rows = table(report, "d-verdict").rows
+    assert [row[0].text for row in rows] == [check.label for check in mems.verdict.checks]
+    assert [row[4].text for row in rows] == ["✓ met" if check.met else "✗ not met" for check in mems.verdict.checks]
+    named = [row[0].text for row in table(report, "d-inputs-table").rows if len(row) > 1]
+    for names in INPUTS.values():
+        for declaration in names.values():
+            assert declaration.label in named
+
+
+def test_the_verdict_sentence_stands_first_and_names_margin_and_sensor(mems, three):
+    report = report_of([mems], NOW)
+    verdict, tightest = report.chapters[0].verdict, mems.verdict.tightest
+    assert verdict.word == "✗ Does not close"
+    assert "2 of 5 requirements are not met" in verdict.sentence
+    assert tightest.sensor in verdict.sentence
+    assert f"{100 * tightest.margin:.1f} %".replace("-", "−") in verdict.sentence
+    assert [report_of([b], NOW).chapters[0].verdict.tone for b in three] == ["good", "bad", "good"]
+
+
+def test_a_design_without_requirements_is_said_to_be_unchecked():
+    report = report_of([analyse(Design())], NOW)
+    assert report.chapters[0].verdict.word == "Not checked"
+    assert any("nothing was checked" in text for text in sayings(report))
+
+
+def test_every_mark_that_is_cited_has_its_equation(three):
+    cited = set(re.findall(r"\[([TS]-\d+)\]", " ".join(sayings(report_of(three, NOW)))))
+    assert cited <= {equation.mark for equation in EQUATIONS}
+    assert len(cited) > 15
+
+
+def test_unconfirmed_and_assumed_values_carry_their_mark(budget_of):
+    report = report_of([budget_of("l_band_jet")], NOW)
+    marked = {
+        row[0].text: row[1].mark for row in table(report, "d-inputs-table").rows if len(row) > 1 and row[1].mark
+    }
+    assert marked["Frequency"] == "unconfirmed"
+    assert marked["Slant range"] == "assumed"
+    assert "Angle random walk" not in marked
+    first = next(block.items[0] for block in report.chapters[0].sections[-1].blocks)
+    assert "frequency (unconfirmed)" in first
+
+
+def test_a_value_that_is_not_the_presets_is_marked_and_loses_the_presets_standing(budget_of):
+    report = report_of([budget_of("tactical_x_band")], NOW)
+    rows = {row[0].text: row for row in table(report, "d-inputs-table").rows if len(row) > 1}
+    assert (rows["Azimuth resolution"][1].text, rows["Azimuth resolution"][1].mark) == ("0.3 m", "changed")
+    assert "0.2 m (confirmed)" in rows["Azimuth resolution"][2].text
+
+
+def test_a_slow_gnss_error_brings_its_caution(changed):
+    report = report_of([changed(gnss__correlated=True)], NOW)
+    assert any("slow GNSS error is switched on" in text for text in sayings(report))
+    assert not any("slow GNSS error is switched on" in text for text in sayings(report_of([changed()], NOW)))
+
+
+def test_steady_state_and_outage_stand_in_the_right_columns(mems):
+    report = report_of([mems], NOW)
+    steady = mems.steady_state
+    for row, field in zip(
+        table(report, "d-steady-table").rows, ("position_horizontal", "position_vertical"), strict=False
+    ):
+        moments = (steady.closed, steady.prior, steady.posterior)
+        assert [cell.text for cell in row[1:4]] == [
+            format_quantity(getattr(moment, field), "m", "length", 4) for moment in moments
+        ]
+    last = [float(cell.text) for cell in table(report, "d-coast").rows[-1]]
+    coast = mems.coast
+    curves = (coast.time, coast.position_horizontal, coast.refined_horizontal, coast.position_vertical,
+              coast.refined_vertical, coast.velocity_horizontal, coast.velocity_vertical)  # fmt: skip
+    angles = (coast.tilt, coast.yaw_growth)
+    expected = [float(curve[-1]) for curve in curves] + [math.degrees(float(curve[-1])) for curve in angles]
+    assert last == pytest.approx(expected, rel=1e-3)
+
+
+def test_phase_shares_add_up_and_the_table_is_the_budgets(mems):
+    rows = table(report_of([mems], NOW), "d-phase-table").rows
+    assert [row[0].text for row in rows[:-2]] == [line.source for line in mems.sar.lines]
+    shown = [float(row[1].text) for row in rows[:-2]]
+    assert sum(x**2 for x in shown) == pytest.approx(float(rows[-2][1].text) ** 2, rel=2e-3)
+
+
+def test_a_comparison_marks_the_smallest_figure_and_lists_what_differs(three):
+    report = report_of(three, NOW)
+    assert [chapter.key for chapter in report.chapters] == ["c", "d1", "d2", "d3"]
+    quadratic = next(row for row in table(report, "c-figures-0").rows if row[0].text.startswith("Quadratic"))
+    best = min(range(3), key=lambda i: three[i].sar.quadratic)
+    assert [cell.mark for cell in quadratic[1:]] == ["best" if i == best else "" for i in range(3)]
+    listed = {row[0].text for row in table(report, "c-inputs-0").rows}
+    assert "Speed" in listed
+    assert "Gravity" not in listed
+
+
+def test_a_comparison_of_the_same_design_has_no_best_and_no_difference(mems, cells):
+    report = report_of([mems, mems], NOW)
+    assert not any(cell.mark == "best" for cell in cells(report))
+    assert "same inputs" in table(report, "c-inputs-0").note
+
+
+def test_many_designs_are_split_over_tables_and_charts(mems):
+    report = report_of([mems] * 9, NOW)
+    widths = [len(block.columns) for block in report.blocks() if isinstance(block, Table) and "c-fig" in block.key]
+    assert widths == [6, 5]
+    lines = [len(block.chart.lines) for block in report.charts() if block.key.startswith("c-chart-position")]
+    assert lines == [7, 2]

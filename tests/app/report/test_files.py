@@ -1,0 +1,255 @@
+"""The report as PDF and as HTML: complete, inert, and readable whatever stands in it."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+from datetime import UTC, datetime
+from html.parser import HTMLParser
+
+import pypdf
+import pytest
+
+from app.report import report_bytes, write_report
+from app.report.content import report_of
+from app.report.equations import EQUATIONS, SYMBOLS
+from nav_model.budget import analyse
+from nav_model.design import Design
+from nav_model.design_file import parse_design
+from nav_model.units import format_quantity
+
+NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
+HOSTILE = '<script>alert(1)</script> #strong[x] $x$ @ref \\ *b* _i_ [T-99] {{7*7}} // `c` ~ "q" <T-3>'
+
+# For each chart: is there a canvas with more than eight colours on it? Bokeh keeps them in nested shadow roots.
+DRAWN = """() => {
+  const canvases = root => [...root.querySelectorAll("*")].flatMap(
+    e => [...(e.tagName === "CANVAS" ? [e] : []), ...(e.shadowRoot ? canvases(e.shadowRoot) : [])])
+  const colours = canvas => {
+    if (!canvas.width || !canvas.height) return 0
+    const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height)
+    const seen = new Set()
+    for (let i = 0; i < data.length; i += 4) seen.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2])
+    return seen.size
+  }
+  return [...document.querySelectorAll(".chart")].map(chart => canvases(chart).some(c => colours(c) > 8))
+}"""
+
+
+@pytest.fixture(scope="module")
+def mems_pdf(mems) -> bytes:
+    return report_bytes([mems], ".pdf", NOW)
+
+
+@pytest.fixture(scope="module")
+def mems_html(mems) -> str:
+    return report_bytes([mems], ".html", NOW).decode()
+
+
+def pdf_text(data: bytes) -> str:
+    """Words of a PDF, spaces and line breaks as one space."""
+    return " ".join(" ".join(page.extract_text() for page in pypdf.PdfReader(io.BytesIO(data)).pages).split())
+
+
+def squeezed(text: str) -> str:
+    return re.sub(r"\s", "", text)
+
+
+class Page(HTMLParser):
+    """What an HTML file loads, links to and says."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.said: list[str] = []
+        self._skip = 0
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        self._skip += tag in {"script", "style"}
+
+    def handle_endtag(self, tag):
+        self._skip -= tag in {"script", "style"}
+
+    def handle_data(self, data):
+        if not self._skip:
+            self.said.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join("".join(self.said).split())
+
+
+def test_the_numbers_of_the_pdf_are_the_budgets(mems, mems_pdf):
+    text = squeezed(pdf_text(mems_pdf))
+    degrees = [format_quantity(x, "°", "angle", 4) for x in (mems.sar.quadratic, mems.sar.detrended)]
+    lengths = [
+        format_quantity(x, "m", "length", 4)
+        for moment in (mems.steady_state.closed, mems.steady_state.prior, mems.steady_state.posterior)
+        for x in (moment.position_horizontal, moment.position_vertical)
+    ]
+    for quantity in (*degrees, *lengths, format_quantity(mems.coast.end_refined_horizontal, "m", "length", 4)):
+        assert squeezed(quantity) in text, quantity
+    for check in mems.verdict.checks:
+        assert f"{100 * check.margin:+.1f}%".replace("-", "−") in text
+    assert mems.design.content_hash in text
+    assert "21November2026,09:30UTC" in text
+
+
+def test_the_pdf_is_a_titled_tagged_a4_document_with_running_heads(mems, mems_pdf):
+    reader = pypdf.PdfReader(io.BytesIO(mems_pdf))
+    assert reader.metadata.title == "Navigation error budget: MEMS IMU at X band"
+    assert reader.metadata.author.startswith("NavBudget ")
+    assert reader.trailer["/Root"]["/MarkInfo"]["/Marked"]
+    assert b"pdfuaid:part>1<" in reader.trailer["/Root"]["/Metadata"].get_data()
+    count = len(reader.pages)
+    for number, page in enumerate(reader.pages, start=1):
+        assert [round(float(x) * 25.4 / 72) for x in page.mediabox[2:]] == [210, 297]
+        text = page.extract_text()
+        assert f"Page {number} of {count}" in text
+        assert mems.design.content_hash[:12] in text
+    fonts = {
+        str(font.get_object()["/BaseFont"]).partition("+")[2]
+        for page in reader.pages
+        for font in page["/Resources"]["/Font"].values()
+    }
+    assert all(name.startswith(("LibertinusSerif", "NewCM", "DejaVuSansMono")) for name in fonts), fonts
+
+
+def test_the_pdf_carries_the_design_file(mems, mems_pdf):
+    reader = pypdf.PdfReader(io.BytesIO(mems_pdf))
+    (attached,) = reader.attachments["d.toml"]
+    assert parse_design(attached) == mems.design
+
+
+def test_what_people_write_is_literal_in_the_pdf(changed):
+    budget = changed(name=HOSTILE, description=HOSTILE)
+    text = squeezed(pdf_text(report_bytes([budget], ".pdf", NOW)))
+    assert text.count(squeezed(HOSTILE)) >= 2
+    compared = squeezed(pdf_text(report_bytes([budget, budget], ".pdf", NOW)))
+    assert squeezed(f"D2: {HOSTILE}") in compared
+
+
+def test_the_pdf_says_the_same_twice(mems, mems_pdf):
+    assert pdf_text(report_bytes([mems], ".pdf", NOW)) == pdf_text(mems_pdf)
+
+
+def test_the_html_loads_nothing(three):
+    html = report_bytes(three, ".html", NOW).decode()
+    page = Page(html)
+    for tag, attributes in page.tags:
+        for name in ("src", "srcset", "href", "action", "poster", "data", "xlink:href"):
+            value = attributes.get(name) or ""
+            assert not value or value.startswith(("#", "data:")), (tag, name, value[:80])
+    styles = " ".join(re.findall(r"<style.*?</style>", html, re.DOTALL))
+    assert not re.findall(r"@import|url\(\s*['\"]?(?!data:)", styles)
+
+
+def test_the_html_is_well_headed_and_its_links_arrive(mems, mems_html):
+    page = Page(mems_html)
+    tags = [tag for tag, _ in page.tags]
+    assert tags.count("h1") == 1
+    assert dict(page.tags)["html"]["lang"] == "en"
+    ids = [attributes["id"] for _, attributes in page.tags if attributes.get("id")]
+    assert len(ids) == len(set(ids))
+    links = {attributes["href"][1:] for tag, attributes in page.tags
+             if tag == "a" and attributes["href"].startswith("#")}  # fmt: skip
+    assert links
+    assert links <= set(ids)
+    assert all(attributes.get("scope") for tag, attributes in page.tags if tag == "th")
+    assert tags.count("math") == len(EQUATIONS) + len(SYMBOLS)
+
+
+def test_what_people_write_is_inert_in_the_html(changed):
+    budget = changed(name=HOSTILE, description=HOSTILE)
+    html = report_bytes([budget, budget], ".html", NOW).decode()
+    page = Page(html)
+    assert "<script>alert" not in html
+    assert page.text.count(" ".join(HOSTILE.split())) >= 5
+
+
+def test_the_html_says_what_the_pdf_says(mems, mems_html, cells):
+    page = Page(mems_html).text
+    for cell in cells(report_of([mems], NOW)):
+        assert squeezed(cell.text) in squeezed(page), cell
+
+
+def test_the_html_says_the_same_twice(mems, mems_html):
+    assert Page(report_bytes([mems], ".html", NOW).decode()).text == Page(mems_html).text
+
+
+def test_the_html_opens_from_disk_with_every_chart_drawn(three, tmp_path, changed):
+    sync_api = pytest.importorskip("playwright.sync_api")
+    target = tmp_path / "r.html"
+    write_report([*three[:2], changed(name=HOSTILE)], target, NOW)
+    asked, wrong, dialogs = [], [], []
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=os.environ.get("CHROMIUM", "/usr/bin/chromium"),
+            args=["--no-sandbox", "--disable-gpu", "--disable-quic", "--disable-background-networking"],
+        )
+        page = browser.new_page(viewport={"width": 390, "height": 844})
+        page.on("request", lambda request: asked.append(request.url))
+        page.on("pageerror", lambda error: wrong.append(str(error)))
+        page.on(
+            "console", lambda message: wrong.append(message.text) if message.type in ("error", "warning") else None
+        )
+        page.on("dialog", lambda dialog: (dialogs.append(dialog.message), dialog.dismiss()))
+        page.goto(target.as_uri())
+        page.wait_for_function(
+            "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
+        )
+        drawn = page.evaluate(DRAWN)
+        width = page.evaluate("document.documentElement.scrollWidth")
+        browser.close()
+    assert [url for url in asked if not url.startswith("data:")] == [target.as_uri()]
+    assert not wrong
+    assert not dialogs
+    assert drawn == [True] * (2 + 3 * 6)
+    assert width == 390
+
+
+def test_no_image_at_all_is_said_and_breaks_nothing(changed, cells):
+    budget = changed(imu__angle_random_walk=0.05, radar__aperture_time=200.0)
+    assert budget.sar.impulse_response is None
+    report = report_of([budget], NOW)
+    assert any("no image" in cell.text for cell in cells(report))
+    assert pdf_text(report_bytes([budget], ".pdf", NOW))
+    assert "no image" in Page(report_bytes([budget], ".html", NOW).decode()).text
+
+
+@pytest.mark.parametrize("name", ["机载合成孔径雷达", "🚀", "رادار", "Ωмега", "bell\x07\x1b[31m\u200b\ufeff\nline"])
+def test_a_name_in_any_script_is_written(name, changed):
+    budget = changed(name=name, description=name)
+    assert budget.design.content_hash in squeezed(pdf_text(report_bytes([budget], ".pdf", NOW)))
+    visible = "".join(sign if sign.isprintable() else " " for sign in name).split()
+    for word in visible:
+        assert word in Page(report_bytes([budget], ".html", NOW).decode()).text
+
+
+def test_long_words_stay_on_the_page(changed):
+    budget = changed(name="n" * 300, description="m" * 900)
+    reader = pypdf.PdfReader(io.BytesIO(report_bytes([budget, budget], ".pdf", NOW)))
+    right = 0.0
+    for page in reader.pages:
+        edges: list[float] = []
+        page.extract_text(
+            visitor_text=lambda text, _cm, tm, _font, size, edges=edges: edges.append(tm[4]) if text.strip() else None
+        )
+        right = max(right, *edges)
+    assert 0 < right < 210 / 25.4 * 72
+    text = squeezed("".join(page.extract_text() for page in reader.pages)).replace("\u200b", "")
+    assert text.count("n" * 300) >= 3
+    assert text.count("m" * 900) == 2
+
+
+@pytest.mark.parametrize("suffix", [".html", ".pdf"])
+def test_extreme_and_empty_designs_are_written(suffix, changed):
+    budgets = [
+        analyse(Design()),
+        changed(name="", requirements__quadratic_phase=1e-7, coast__duration=7200.0),
+        changed(gnss__position_noise=1e-6, imu__angle_random_walk=1e-12, radar__autofocus_order=3),
+    ]
+    assert report_bytes(budgets, suffix, NOW)
