@@ -101,7 +101,7 @@ def chart_cells(
     make: Callable[[Callable[[Any], AnyChart], int], ChartPane[Any]],
     made: list[Any],
 ) -> list[pn.Column]:
-    """Cells for a `grid` that fill up with charts, each in a turn of its own.
+    """Cells for a `grid` that fill up with charts, a few in each turn of the server (`in_turns`).
 
     The layout says of each what describes it, its height in pixels and its columns of twelve; ``made`` grows by what
     ``make`` makes of the first two. What else stands in a cell stands under the chart.

@@ -1,5 +1,5 @@
-"""What holds when the page loses its server or is loaded again: nothing on it pretends to be computed, and the
-design comes back."""
+"""What holds when the page loses its server or is loaded again: nothing on it pretends to be computed, the design
+comes back, and dark stays dark."""
 
 from __future__ import annotations
 
@@ -41,12 +41,6 @@ button:focus-visible { outline: 2px solid; outline-offset: 2px; }
     _esm = """
 const KEY = "navbudget-design", AGAIN = "navbudget-again"
 const here = () => location.pathname + location.search
-
-// Panel writes an address into the history once more when it came from there: Back would lead to the same place.
-const push = history.pushState.bind(history)
-history.pushState = (state, title, url) => {
-  if (!url || new URL(url, location.href).href !== location.href) push(state, title, url)
-}
 const take = (key) => {
   try {
     const text = sessionStorage.getItem(key)

@@ -15,6 +15,7 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.util import edit_readonly
 
+from app.back_button import BackButton
 from app.controls import SECTION_TITLES, Control, section_controls
 from app.layout_passes import LayoutPasses
 from app.lifeline import THEME_COOKIE, Lifeline
@@ -212,6 +213,7 @@ class Frame:
                     self._bar,
                     *self._places,
                     SelectKeys(margin=0, width=0, height=0),
+                    BackButton(margin=0, width=0, height=0),
                     LayoutPasses(margin=0, width=0, height=0),
                     self._lifeline,
                     sizing_mode="stretch_width",

@@ -101,7 +101,13 @@ def serve_on(
     listening: socket.socket, port: int, rules: Rules, row: Row, secret: bytes, ready: Callable[[], None]
 ) -> None:
     """Serve from this process on a socket that listens already, until stopped; ``ready`` is called once visitors can
-    come. The secret signs sessions: processes that share the socket share it too."""
+    come. The secret signs sessions: processes that share the socket share it too.
+
+    Raises
+    ------
+    DesignError
+        If the password file cannot be read or is wrong.
+    """
     pn.extension(exception_handler=caught)
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
     repair()

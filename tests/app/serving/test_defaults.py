@@ -40,10 +40,9 @@ def test_every_model_shows_the_same_defaults(monkeypatch: pytest.MonkeyPatch) ->
 
     compared = 0
     for kind in list(Model.model_class_reverse_map.values()):
-        try:
-            models = [kind(), kind()]
-        except (TypeError, ValueError, NotImplementedError, RuntimeError):  # cannot stand by itself
+        if kind.__name__ == "IPyWidget":  # the only one that cannot stand by itself: it wants a bundle
             continue
+        models = [kind(), kind()]
         names = models[0].properties() - set(models[0]._property_values)
         with monkeypatch.context() as patch:
             patch.setattr(PropertyDescriptor, "_get_default", _AS_SHIPPED)
