@@ -41,7 +41,9 @@ export function render({ model }) {
   }
   place.addEventListener("click", (event) => {
     const address = event.target.closest("a")?.getAttribute("href") ?? ""
-    if (address.startsWith("#theory-")) go(address.slice(8))
+    // A new address is answered by the server. Were it followed here as well, the answer would pull back whoever has
+    // moved on meanwhile; one that stands already is told to nobody.
+    if (address.startsWith("#theory-") && address === location.hash) go(address.slice(8))
   })
   const draw = () => { place.innerHTML = model.html }
   const answer = () => { if (model.asked) go(model.asked.split(" ")[0]) }

@@ -12,6 +12,12 @@ from app.report.equations import ALL_EQUATIONS
 Visit = Callable[..., Page]
 _IN_VIEW = "e => { const b = e.getBoundingClientRect(); return b.top >= 0 && b.top < innerHeight / 2 }"
 
+_COUNT = """() => {
+  const [proto, shipped] = [Element.prototype, Element.prototype.scrollIntoView]
+  window.gone = 0
+  proto.scrollIntoView = function (...how) { window.gone++; return shipped.apply(this, how) }
+}"""
+
 
 def test_every_equation_is_set_offline(visit: Visit) -> None:
     page = visit()
@@ -49,6 +55,20 @@ def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
     page.go_back()
     expect(budget).to_have_attribute("aria-selected", "true")
     assert page.evaluate("() => location.hash") == "#budget"
+
+
+def test_a_place_is_gone_to_once(visit: Visit) -> None:
+    """Were it gone to again when the server answers, whoever has moved on in between would be pulled back."""
+    page = visit("/#theory-T-1")
+    expect(page.locator("#T-1")).to_be_focused()
+    page.evaluate(_COUNT)
+    symbols = page.get_by_role("navigation", name="On this page").get_by_role("link", name="Symbols")
+    for times in (1, 2):  # the second time the address stands already
+        symbols.evaluate("link => link.click()")
+        page.wait_for_function("times => window.gone >= times", arg=times)
+        page.wait_for_timeout(1500)
+        assert page.evaluate("() => window.gone") == times
+        expect(page.locator("#symbols")).to_be_focused()
 
 
 @pytest.mark.slow
