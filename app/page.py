@@ -15,16 +15,14 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.util import edit_readonly
 
-from app.back_button import BackButton
 from app.controls import SECTION_TITLES, Control, section_controls
-from app.layout_passes import LayoutPasses
 from app.lifeline import THEME_COOKIE, Lifeline
+from app.mends import mends
 from app.paper import fit_to_paper
 from app.report import report_of_text
 from app.report.studies import study_sections
 from app.report.wording import chapter_key
 from app.report_choice import ReportChoice
-from app.select_keys import SelectKeys
 from app.serving.faults import tell_here
 from app.shell import Shell
 from app.state import Lineage, Session
@@ -212,9 +210,7 @@ class Frame:
                     self._examples,
                     self._bar,
                     *self._places,
-                    SelectKeys(margin=0, width=0, height=0),
-                    BackButton(margin=0, width=0, height=0),
-                    LayoutPasses(margin=0, width=0, height=0),
+                    *mends(),
                     self._lifeline,
                     sizing_mode="stretch_width",
                     # Bokeh lets nothing grow over 100 % of what it stands in: here the window, for each table and

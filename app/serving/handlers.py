@@ -163,6 +163,11 @@ class LimitedWSHandler(WSHandler):
         if self.ws_connection is not None:  # None: refused
             self.set_nodelay(True)
 
+    def on_close(self) -> None:
+        """As Bokeh, unless a ping has found the connection lost before: then it has no session to tell any more."""
+        if self.connection is None or self.connection._session is not None:
+            super().on_close()
+
     async def _handle(self, message: Any) -> Any:
         """As Bokeh, but a page may change what it shows, not put another document in its place."""
         _here.heard()

@@ -36,11 +36,12 @@ def _in_line(connection: Any, events: list[DocumentPatchedEvent]) -> asyncio.Tas
 
 async def _write(connection: Any, message: Any, turn: Any) -> None:
     with await turn:
-        written = panel_document.dispatch_tornado(connection, msg=message)
+        try:
+            written = panel_document.dispatch_tornado(connection, msg=message)
+        except WebSocketClosedError:  # between two frames: no loss
+            return
         for outcome in await asyncio.gather(*written, return_exceptions=True):
-            if isinstance(outcome, BaseException) and not isinstance(
-                outcome, WebSocketClosedError
-            ):  # closed: no loss
+            if isinstance(outcome, BaseException) and not isinstance(outcome, WebSocketClosedError):
                 raise outcome
 
 

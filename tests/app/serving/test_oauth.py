@@ -8,7 +8,7 @@ import json
 import threading
 import urllib.parse
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import pytest
@@ -64,7 +64,7 @@ class _Person(RequestHandler):
         self.write(json.dumps(provider.account))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def provider() -> Iterator[Provider]:
     found, ready = Provider({"email": "ada@example.org"}), threading.Event()
     stop: list[Any] = []
@@ -114,12 +114,22 @@ def _fetch(address: str) -> str:
     return str(answer.headers["Location"])
 
 
-def _generic(serving: Any, provider: Provider, monkeypatch: pytest.MonkeyPatch, *allow: str) -> Any:
-    monkeypatch.setenv("PANEL_OAUTH_SECRET", _SECRET)
-    for name, path in (("AUTHORIZE", "authorize"), ("TOKEN", "token"), ("USER", "person")):
-        monkeypatch.setenv(f"PANEL_OAUTH_{name}_URL", f"http://127.0.0.1:{provider.port}/{path}")
-    allowed = [part for who in allow for part in ("--oauth-allow", who)]
-    return serving("--oauth-provider", "generic", "--oauth-key", "the-id", *allowed)
+@pytest.fixture(scope="module")
+def generic(serving: Any, provider: Provider) -> Iterator[Any]:
+    """A server that lets example.org and ada in, by whatever the provider says."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PANEL_OAUTH_SECRET", _SECRET)
+        for name, path in (("AUTHORIZE", "authorize"), ("TOKEN", "token"), ("USER", "person")):
+            patch.setenv(f"PANEL_OAUTH_{name}_URL", f"http://127.0.0.1:{provider.port}/{path}")
+        allowed = ("--oauth-allow", "@example.org", "--oauth-allow", "ada")
+        with serving("--oauth-provider", "generic", "--oauth-key", "the-id", *allowed) as served:
+            yield served
+
+
+@pytest.fixture
+def stranger(generic: Any) -> Any:
+    """A visitor the server knows nothing of."""
+    return replace(generic, cookies={})
 
 
 def _sign_in(served: Any) -> tuple[int, str]:
@@ -135,38 +145,33 @@ def _sign_in(served: Any) -> tuple[int, str]:
     return status, text
 
 
-def test_the_whole_way_through_a_provider(serving: Any, provider: Provider, monkeypatch: pytest.MonkeyPatch) -> None:
-    with _generic(serving, provider, monkeypatch, "@example.org") as served:
-        status, _ = _sign_in(served)
-        assert status == 200
-        assert "ACK" in str(served.hello(served.token()))
-        asked = dict(provider.asked)
-        assert asked["authorize"]["client_id"] == "the-id"
-        assert _SECRET not in str(asked["authorize"])
-        assert asked["token"]["client_secret"] == _SECRET
-        assert "the-token" in asked["person"]["header"]
-        assert served.ask("/logout")[0] == 200
-        served.cookies = {name: value for name, value in served.cookies.items() if value != '""'}
-        assert served.ask("/")[0] == 302
+def test_the_whole_way_through_a_provider(stranger: Any, provider: Provider) -> None:
+    status, _ = _sign_in(stranger)
+    assert status == 200
+    assert "ACK" in str(stranger.hello(stranger.token()))
+    asked = dict(provider.asked)
+    assert asked["authorize"]["client_id"] == "the-id"
+    assert _SECRET not in str(asked["authorize"])
+    assert asked["token"]["client_secret"] == _SECRET
+    assert "the-token" in asked["person"]["header"]
+    assert stranger.ask("/logout")[0] == 200
+    stranger.cookies = {name: value for name, value in stranger.cookies.items() if value != '""'}
+    assert stranger.ask("/")[0] == 302
 
 
 def test_an_account_that_is_not_allowed_gets_no_page(
-    serving: Any, provider: Provider, monkeypatch: pytest.MonkeyPatch
+    stranger: Any, provider: Provider, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    provider.account = {"email": "eve@example.org.evil"}
-    with _generic(serving, provider, monkeypatch, "@example.org", "ada") as served:
-        status, text = _sign_in(served)
-        assert status in {302, 403}
-        assert "token" not in text
-        assert served.hello(generate_jwt_token(generate_session_id())) is None  # a session nobody was given
+    monkeypatch.setattr(provider, "account", {"email": "eve@example.org.evil"})
+    status, text = _sign_in(stranger)
+    assert status in {302, 403}
+    assert "token" not in text
+    assert stranger.hello(generate_jwt_token(generate_session_id())) is None  # a session nobody was given
 
 
 @pytest.mark.parametrize("forged", ["code=the-code", "code=the-code&state=forged", "code=wrong", "error=denied"])
-def test_an_answer_nobody_asked_for_signs_nobody_in(
-    serving: Any, provider: Provider, monkeypatch: pytest.MonkeyPatch, forged: str
-) -> None:
-    with _generic(serving, provider, monkeypatch, "*") as served:
-        served.ask("/login")
-        served.ask(f"/login?{forged}")
-        assert "user" not in served.cookies
-        assert served.ask("/")[0] == 302
+def test_an_answer_nobody_asked_for_signs_nobody_in(stranger: Any, forged: str) -> None:
+    stranger.ask("/login")
+    stranger.ask(f"/login?{forged}")
+    assert "user" not in stranger.cookies
+    assert stranger.ask("/")[0] == 302
