@@ -1,4 +1,4 @@
-"""What the shipped libraries do badly in the browser, mended there: each part is invisible and stands on every page."""
+"""What the shipped libraries do badly in the browser, mended there: invisible parts that stand on every page."""
 
 from __future__ import annotations
 

@@ -8,9 +8,9 @@ from panel.custom import JSComponent
 class StyleWrites(JSComponent):
     """Invisible; has Bokeh write a style sheet only when it changes, and look for no colours in it.
 
-    As shipped (3.9), every paint of a figure writes the sheets that place its parts, with the same text, and each line
-    and word asks in between whether a sheet gives its colour: the styles of the page are worked out some forty times
-    for one step of a slider, half of the time a step takes. Here colours come from the figure alone.
+    As shipped (3.9), every paint of a figure writes the sheets that place its parts, with the same text, and each
+    line and word asks in between whether a sheet gives its colour: the styles of the page are worked out some forty
+    times for one step of a slider, half of the time a step takes. Here colours come from the figure alone.
     """
 
     _esm = """

@@ -1,4 +1,4 @@
-"""Nothing is drawn over anything else; layout runs once a frame, and neither it nor a paint does more than is needed."""
+"""Nothing is drawn over anything else; layout runs once a frame, and no paint does more than it needs to."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _COUNT_PASSES = """() => new Promise((done) => {
   requestAnimationFrame(() => requestAnimationFrame(() => { delete root.measure_layout; done(passes) }))
 })"""
 
-# How often a repaint of all figures writes a sheet or asks for computed styles, and whether a changed sheet is written.
+# How often a paint of all figures writes a sheet or asks for computed styles; whether a changed sheet is written.
 _REPAINT = """() => {
   const { InlineStyleSheet } = Bokeh.require("core/dom"), sheet = new InlineStyleSheet(":host { color: red; }")
   sheet.replace(":host { color: blue; }")
