@@ -220,13 +220,13 @@ def test_no_image_at_all_is_said_and_breaks_nothing(changed, cells):
     assert "no image" in Page(report_bytes([budget], ".html", NOW).decode()).text
 
 
-@pytest.mark.parametrize("name", ["机载合成孔径雷达", "🚀", "رادار", "Ωмега", "bell\x07\x1b[31m\u200b\ufeff\nline"])
-def test_a_name_in_any_script_is_written(name, changed):
+def test_a_name_in_any_script_is_written(changed):
+    name = "机载合成孔径雷达 🚀 رادار Ωмега bell\x07\x1b[31m\u200b\ufeff\nline"
     budget = changed(name=name, description=name)
     assert budget.design.content_hash in squeezed(pdf_text(report_bytes([budget], ".pdf", NOW)))
-    visible = "".join(sign if sign.isprintable() else " " for sign in name).split()
-    for word in visible:
-        assert word in Page(report_bytes([budget], ".html", NOW).decode()).text
+    text = Page(report_bytes([budget], ".html", NOW).decode()).text
+    for word in "".join(sign if sign.isprintable() else " " for sign in name).split():
+        assert word in text
 
 
 def test_long_words_stay_on_the_page(changed):

@@ -25,7 +25,7 @@ def children_of(pid: int) -> set[int]:
     return direct.union(*(children_of(child) for child in direct)) if direct else direct
 
 
-@pytest.mark.parametrize("signal_number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("signal_number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_a_signal_leaves_no_process(signal_number: signal.Signals) -> None:
     code = (
         "import asyncio, time, threading, app.server as s, app.workers as w\n"

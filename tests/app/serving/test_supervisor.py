@@ -105,7 +105,9 @@ async def _visit(address: str, pages: int) -> None:
         await tab.close()
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize(
+    "number", [signal.SIGTERM, signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
+)
 def test_when_it_ends_nothing_of_it_stays(number: signal.Signals) -> None:
     command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--processes", "2", "--grace", "0"]
     with ExitStack() as left:
