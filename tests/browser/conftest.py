@@ -7,10 +7,11 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Browser, Page, expect
 
 _FLAGS = [
     "--disable-gpu",
@@ -29,6 +30,17 @@ _STILL = """() => {
     for (const element of root.querySelectorAll("*")) if (element.shadowRoot) roots.push(element.shadowRoot)
   return Bokeh.documents.every(d => d.is_idle)
     && roots.every(root => root.getAnimations().every(animation => animation.playState !== "running"))
+}"""
+
+# What the cards say; boxes and curves change in the same turn.
+_SAYS = """() => {
+  const said = [], roots = [document]
+  for (const root of roots)
+    for (const element of root.querySelectorAll("*")) {
+      if (element.shadowRoot) roots.push(element.shadowRoot)
+      if (element.matches(".card .big")) said.push(element.innerText)
+    }
+  return said.join(" | ")
 }"""
 
 
@@ -57,8 +69,8 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         assert process.wait(timeout=20) is not None
 
 
-@pytest.fixture
-def visit(page: Page, server: str) -> Iterator[Callable[..., Page]]:
+@contextmanager
+def _watched(page: Page, server: str) -> Iterator[Callable[..., Page]]:
     """Open the product at a path and wait until it stands still.
 
     Afterwards nothing must have been asked of any other host, and no script may have failed.
@@ -85,6 +97,31 @@ def visit(page: Page, server: str) -> Iterator[Callable[..., Page]]:
     yield open_
     assert not elsewhere, elsewhere
     assert not errors, errors
+
+
+@pytest.fixture
+def visit(page: Page, server: str) -> Iterator[Callable[..., Page]]:
+    """Opens the product, as `_watched` says."""
+    with _watched(page, server) as open_:
+        yield open_
+
+
+@pytest.fixture(scope="session")
+def plain(browser: Browser, server: str) -> Iterator[Page]:
+    """The first design's page, for tests that change nothing on it: opening one takes seconds."""
+    page = browser.new_page()
+    with _watched(page, server) as open_:
+        yield open_()
+    page.close()
+
+
+@pytest.fixture
+def desk(plain: Page) -> Iterator[Page]:
+    """The same, for tests that change the design and nothing else; it is reset after them."""
+    said = plain.evaluate(_SAYS)
+    yield plain
+    plain.get_by_role("button", name="Reset").click()
+    plain.wait_for_function(f"said => ({_SAYS})() === said", arg=said)
 
 
 @pytest.fixture

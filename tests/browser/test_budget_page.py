@@ -51,77 +51,73 @@ def content(download: Download) -> bytes:
     return Path(path).read_bytes()
 
 
-def test_first_screen_gives_the_answer(visit: Visit) -> None:
-    page = visit()
+def test_first_screen_gives_the_answer(plain: Page) -> None:
     budget = analyse(read_design(EXAMPLES / "mems_x_band.toml"))
-    status = page.get_by_role("status").first
+    status = plain.get_by_role("status").first
     expect(status).to_contain_text("Does not close")
     expect(status).to_contain_text("gyro noise")
     assert not budget.verdict.closes
-    expect(card(page, "Position, horizontal")).to_have_text(
+    expect(card(plain, "Position, horizontal")).to_have_text(
         f"{100 * budget.steady_state.prior.position_horizontal:.3g} cm"
     )
-    expect(page.get_by_text("How do we know:").first).to_be_visible()
+    expect(plain.get_by_text("How do we know:").first).to_be_visible()
 
 
 _TAKES_CSV = ("Position", "Velocity", "Attitude", "Phase budget", "Azimuth impulse", "Regime")
 
 
-def test_what_is_below_the_first_screen_follows_and_covers_nothing(visit: Visit) -> None:
+def test_what_is_below_the_first_screen_follows_and_covers_nothing(desk: Page) -> None:
     """The charts made after the first view: all there, one below or beside the other, fed like the first."""
-    page = visit()
-    expect(page.locator(".bk-Figure:visible")).to_have_count(6)
-    expect(page.get_by_role("textbox", name="Position noise", exact=True)).to_be_visible()
+    expect(desk.locator(".bk-Figure:visible")).to_have_count(6)
+    expect(desk.get_by_role("textbox", name="Position noise", exact=True)).to_be_visible()
     for name in _TAKES_CSV:  # a trial click fails where something lies over the button
-        page.get_by_role("button", name=re.compile(f"^{name}.*CSV")).click(trial=True)
-    before = page.evaluate(_CURVE, "velocity lines 0")
-    enter(box(page, "Angle random walk"), "0.5")
-    page.wait_for_function(f"(old) => ({_CURVE})('velocity lines 0')[0] !== old", arg=before[0])
+        desk.get_by_role("button", name=re.compile(f"^{name}.*CSV")).click(trial=True)
+    before = desk.evaluate(_CURVE, "velocity lines 0")
+    enter(box(desk, "Angle random walk"), "0.5")
+    desk.wait_for_function(f"(old) => ({_CURVE})('velocity lines 0')[0] !== old", arg=before[0])
 
 
-def test_slider_moves_box_curve_and_verdict_together(visit: Visit) -> None:
-    page = visit()
-    curve = page.evaluate(_CURVE, "position lines 0")
-    phase = card(page, "Quadratic phase").inner_text()
-    slider = page.get_by_role("slider", name="Angle random walk")
+def test_slider_moves_box_curve_and_verdict_together(desk: Page) -> None:
+    curve = desk.evaluate(_CURVE, "position lines 0")
+    phase = card(desk, "Quadratic phase").inner_text()
+    slider = desk.get_by_role("slider", name="Angle random walk")
     slider.focus()
     for _ in range(4):
-        page.keyboard.press("ArrowLeft")
-    expect(box(page, "Angle random walk")).not_to_have_value("0.15 °/√h")
-    expect(card(page, "Quadratic phase")).not_to_have_text(phase)
+        desk.keyboard.press("ArrowLeft")
+    expect(box(desk, "Angle random walk")).not_to_have_value("0.15 °/√h")
+    expect(card(desk, "Quadratic phase")).not_to_have_text(phase)
     for _ in range(100):  # until the last key press has gone all the way round
-        text = box(page, "Angle random walk").input_value()
+        text = box(desk, "Angle random walk").input_value()
         changes = [f"imu.angle_random_walk={text}"]
         expected = analyse(parse_design((EXAMPLES / "mems_x_band.toml").read_bytes(), changes=changes))
-        shown = page.evaluate(_CURVE, "position lines 0")
+        shown = desk.evaluate(_CURVE, "position lines 0")
         if shown[2:] == pytest.approx(list(expected.coast.position_horizontal), rel=1e-12):
             break
-        page.wait_for_timeout(100)
+        desk.wait_for_timeout(100)
     else:
         pytest.fail(f"the curve does not show {text}")
     assert shown[50] != curve[50]
 
 
-def test_typed_value_unit_and_refusal(visit: Visit) -> None:
-    page = visit()
-    arw = box(page, "Angle random walk")
+def test_typed_value_unit_and_refusal(desk: Page) -> None:
+    arw = box(desk, "Angle random walk")
     enter(arw, "9 deg/h/sqrt(Hz)")  # = 0.15 °/√h
     expect(arw).to_have_value("9 °/h/√Hz")
-    expect(card(page, "Quadratic phase")).to_have_text("163°")
+    expect(card(desk, "Quadratic phase")).to_have_text("163°")
     enter(arw, "0.3")  # a bare number takes the unit beside the box: 0.3 °/h/√Hz
     expect(arw).to_have_value("0.3 °/h/√Hz")
-    expect(card(page, "Quadratic phase")).not_to_have_text("163°")
-    kept = card(page, "Quadratic phase").inner_text()
+    expect(card(desk, "Quadratic phase")).not_to_have_text("163°")
+    kept = card(desk, "Quadratic phase").inner_text()
     for wrong, said in (
         ("5 kg", "not a unit of angle random walk"),
         ("-1 °/√h", "must be at least"),
         ("nan °/√h", "write for example"),
     ):
         enter(arw, wrong)
-        expect(page.get_by_text(said).first).to_be_visible()
-        expect(card(page, "Quadratic phase")).to_have_text(kept)
+        expect(desk.get_by_text(said).first).to_be_visible()
+        expect(card(desk, "Quadratic phase")).to_have_text(kept)
     enter(arw, "0.15 °/√h")
-    expect(card(page, "Quadratic phase")).to_have_text("163°")
+    expect(card(desk, "Quadratic phase")).to_have_text("163°")
 
 
 @pytest.mark.slow
@@ -135,22 +131,21 @@ def test_unit_chooser_converts_without_changing_the_value(visit: Visit) -> None:
     expect(page.get_by_role("button", name="Undo")).to_be_disabled()
 
 
-def test_undo_redo_reset_by_keyboard(visit: Visit) -> None:
-    page = visit()
-    enter(box(page, "Position noise"), "2 cm")
-    expect(card(page, "Position, horizontal")).not_to_have_text("40.4 cm")
-    changed = card(page, "Position, horizontal").inner_text()
-    expect(page.get_by_role("button", name="Undo")).to_be_enabled()
-    page.get_by_role("button", name="Undo").focus()
-    page.keyboard.press("Enter")
-    expect(card(page, "Position, horizontal")).to_have_text("40.4 cm")
-    expect(box(page, "Position noise")).to_have_value("1 m")
-    expect(page.get_by_role("button", name="Redo")).to_be_enabled()
-    page.get_by_role("button", name="Redo").focus()
-    page.keyboard.press("Enter")
-    expect(card(page, "Position, horizontal")).to_have_text(changed)
-    page.get_by_role("button", name="Reset").press("Enter")
-    expect(card(page, "Position, horizontal")).to_have_text("40.4 cm")
+def test_undo_redo_reset_by_keyboard(desk: Page) -> None:
+    enter(box(desk, "Position noise"), "2 cm")
+    expect(card(desk, "Position, horizontal")).not_to_have_text("40.4 cm")
+    changed = card(desk, "Position, horizontal").inner_text()
+    expect(desk.get_by_role("button", name="Undo")).to_be_enabled()
+    desk.get_by_role("button", name="Undo").focus()
+    desk.keyboard.press("Enter")
+    expect(card(desk, "Position, horizontal")).to_have_text("40.4 cm")
+    expect(box(desk, "Position noise")).to_have_value("1 m")
+    expect(desk.get_by_role("button", name="Redo")).to_be_enabled()
+    desk.get_by_role("button", name="Redo").focus()
+    desk.keyboard.press("Enter")
+    expect(card(desk, "Position, horizontal")).to_have_text(changed)
+    desk.get_by_role("button", name="Reset").press("Enter")
+    expect(card(desk, "Position, horizontal")).to_have_text("40.4 cm")
 
 
 @pytest.mark.slow
@@ -187,11 +182,10 @@ def test_link_reproduces_the_design(visit: Visit, server: str) -> None:
 @pytest.mark.parametrize(
     "query",
     [
-        "?arw=5kg",
         "?imu=<script>alert(1)</script>",
         *(
             pytest.param(q, marks=pytest.mark.slow)
-            for q in ("?nonsense=1", "?f=1e999GHz", "?%ff", "?ta=3600s&arw=&&")
+            for q in ("?arw=5kg", "?nonsense=1", "?f=1e999GHz", "?%ff", "?ta=3600s&arw=&&")
         ),
     ],
 )
@@ -231,10 +225,9 @@ def test_every_tab_has_an_address(visit: Visit) -> None:
     page.wait_for_function("() => location.hash === '#budget'")
 
 
-def test_chart_data_to_take_away(visit: Visit) -> None:
-    page = visit()
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="Position sigma: CSV").click()
+def test_chart_data_to_take_away(plain: Page) -> None:
+    with plain.expect_download() as waiting:
+        plain.get_by_role("button", name="Position sigma: CSV").click()
     rows = list(csv.reader(io.StringIO(content(waiting.value).decode())))
     budget = analyse(read_design(EXAMPLES / "mems_x_band.toml"))
     refined = [float(row[2]) for row in rows if row[0] == "horizontal, refined"]
@@ -245,22 +238,20 @@ def test_chart_data_to_take_away(visit: Visit) -> None:
     ("button", "magic"),
     [("PDF report", b"%PDF-"), pytest.param("HTML report", b"<!doctype html>", marks=pytest.mark.slow)],
 )
-def test_report_from_the_page(visit: Visit, button: str, magic: bytes) -> None:
-    page = visit()
-    with page.expect_download(timeout=60_000) as waiting:
-        page.get_by_role("button", name=button).click()
+def test_report_from_the_page(plain: Page, button: str, magic: bytes) -> None:
+    with plain.expect_download(timeout=60_000) as waiting:
+        plain.get_by_role("button", name=button).click()
     assert content(waiting.value).lower().startswith(magic.lower())
 
 
-def test_an_impossible_aperture_is_refused_at_its_field(visit: Visit) -> None:
-    page = visit()
-    section(page, "Radar")
-    kept = card(page, "Quadratic phase").inner_text()
-    enter(box(page, "Slant range"), "2000 km")
-    enter(box(page, "Azimuth resolution"), "1 mm")
-    expect(page.get_by_text(re.compile("needs an aperture of")).first).to_be_visible()
-    enter(box(page, "Slant range"), "7 km")
-    expect(card(page, "Quadratic phase")).to_have_text(kept)
+def test_an_impossible_aperture_is_refused_at_its_field(desk: Page) -> None:
+    section(desk, "Radar")
+    kept = card(desk, "Quadratic phase").inner_text()
+    enter(box(desk, "Slant range"), "2000 km")
+    enter(box(desk, "Azimuth resolution"), "1 mm")
+    expect(desk.get_by_text(re.compile("needs an aperture of")).first).to_be_visible()
+    enter(box(desk, "Slant range"), "7 km")
+    expect(card(desk, "Quadratic phase")).to_have_text(kept)
 
 
 def test_phone_fits_and_the_design_is_a_drawer(visit: Visit) -> None:

@@ -113,16 +113,14 @@ def test_no_part_of_a_page_is_drawn_over_another(
     assert not any(covered.values()), covered
 
 
-def test_fifty_wishes_in_one_frame_are_one_pass(visit: Visit, settled: Callable[[Page], None]) -> None:
-    page = visit()
-    settled(page)
-    assert 1 <= page.evaluate(_COUNT_PASSES) <= 2
+def test_fifty_wishes_in_one_frame_are_one_pass(plain: Page, settled: Callable[[Page], None]) -> None:
+    settled(plain)
+    assert 1 <= plain.evaluate(_COUNT_PASSES) <= 2
 
 
-def test_a_repaint_works_out_no_styles(visit: Visit, settled: Callable[[Page], None]) -> None:
-    page = visit()
-    settled(page)
-    found = page.evaluate(_REPAINT)
+def test_a_repaint_works_out_no_styles(plain: Page, settled: Callable[[Page], None]) -> None:
+    settled(plain)
+    found = plain.evaluate(_REPAINT)
     assert found["figures"] >= 2
     assert found["written"] == 0
     assert found["asked"] < 60  # for a figure; 258 as shipped, and 26 sheets written
