@@ -65,7 +65,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...]) -> str:
         f'<div class="strip {css}" role="status"><h2>Largest {NAMES[lever.key]} that closes: '
         f'<span class="num">{limit}</span></h2><p>You have <b class="num">{now}</b>: {gap}.{other}</p>'
         f"<p>Limited by <b>{escape(label_of(lever.together.binding).lower())}</b>. "
-        f'Put back through the whole analysis it misses the limit by <span class="num">{margin:.0e}</span> of it.'
+        f'Put back through the whole analysis it stands at the limit, to <span class="num">{margin:.0e}</span> of it.'
         "</p></div>"
     )
 
@@ -107,7 +107,7 @@ def solved_table(budget: Budget, solutions: tuple[Solution, ...]) -> str:
     helpless = [solution for solution in solutions if solution.together.outcome == "no value"]
     left = [abs(found.together.margin) for found in solutions if found.together.margin is not None]
     checked = (
-        " Put back through the whole analysis, each value under “All together” missed its limit by at most "
+        " Put back through the whole analysis, each value under “All together” stands at its limit, to "
         f"{max(left):.0e} of it."
         if left
         else ""

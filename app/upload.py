@@ -16,7 +16,10 @@ class LimitedFileInput(pmui.FileInput):
 
     def __init__(self, refused: Callable[[str], None], **params: Any) -> None:
         # What became of the file is said beside it: as shipped the button says "Uploaded" of a refused one too.
-        super().__init__(**{"uploaded_label": f"{params.get('label', 'File')}: {{filename}}"} | params)
+        shipped = {"uploaded_label": f"{params.get('label', 'File')}: {{filename}}"}
+        if params.get("size") == "small":  # as shipped its words stay as large as those of a large one
+            shipped["sx"] = {"fontSize": "0.8125rem"}
+        super().__init__(**shipped | params)
         self._refused = refused
         self._received = 0
 

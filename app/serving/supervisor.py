@@ -67,6 +67,7 @@ class _Family:
     library: str
     secret: bytes = field(default_factory=lambda: secrets.token_bytes(32), repr=False)
     stopping: bool = False
+    starting: bool = False
     failed: bool = False
 
     def __post_init__(self) -> None:
@@ -79,14 +80,22 @@ class _Family:
             return
         arguments = (self.listening, self.port, self.rules, self.library, Row(self.board, process), self.secret)
         member = multiprocessing.get_context("spawn").Process(target=_serve_pages, args=arguments)
-        member.start()
+        self.starting = True
+        try:
+            member.start()
+        finally:
+            self.starting = False
         self.members[process] = member
         if self.stopping:  # told in between
-            member.terminate()
+            self._stop()
 
     def told(self, *_: Any) -> None:
         """Hand on a signal: the first lets heavy work end, the second does not wait."""
         self.stopping = True
+        if not self.starting:  # the socket is being handed to the new process, and must not be closed under it
+            self._stop()
+
+    def _stop(self) -> None:
         self.listening.close()  # or visitors would wait for an answer that nobody gives
         for member in list(self.members.values()):
             if member.pid is not None and member.exitcode is None:

@@ -104,7 +104,7 @@ def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
 
 
 def test_an_answer_that_fails_its_check_is_not_shown(explore: ExplorePage, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "missed its limit by at most" in explore._solved.object
+    assert "stands at its limit, to" in explore._solved.object
     monkeypatch.setattr(solving, "_CLOSE", 0.1)  # roots stop far from the limit
     explore.show(explore._parts[2]._session.budget)
     assert "Not solved" in explore._answer.object

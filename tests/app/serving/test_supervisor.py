@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import multiprocessing
 import os
 import signal
 import socket
@@ -19,6 +20,7 @@ import pytest
 from open_page import Tab
 
 from app.cli import main
+from app.serving import supervisor
 from app.serving.address import SharedSocket
 from app.serving.board import Board, Row
 from app.serving.rules import Rules
@@ -126,6 +128,30 @@ def test_when_it_ends_nothing_of_it_stays(number: signal.Signals) -> None:
             socket.create_connection(("127.0.0.1", port), timeout=5)
         assert process.stderr is not None
         assert "Traceback" not in process.stderr.read()
+
+
+def test_a_signal_while_a_process_is_started_stops_that_one_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    family = supervisor._Family(socket.create_server(("127.0.0.1", 0)), 0, Rules(processes=1), "")
+    started: list[subprocess.Popen[bytes]] = []
+
+    class Starting:
+        """Told to stop in the midst of its start."""
+
+        exitcode = None
+
+        def __init__(self, **_: Any) -> None:
+            self.pid: int | None = None
+
+        def start(self) -> None:
+            family.told()
+            assert family.listening.fileno() >= 0
+            started.append(subprocess.Popen(["sleep", "60"]))
+            self.pid = started[0].pid
+
+    monkeypatch.setattr(multiprocessing.get_context("spawn"), "Process", Starting)
+    family.start(0)
+    assert started[0].wait(10) == -signal.SIGTERM
+    assert family.listening.fileno() < 0
 
 
 def test_a_taken_port_is_told_before_anything_starts(capsys: pytest.CaptureFixture[str]) -> None:
