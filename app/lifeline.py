@@ -16,12 +16,14 @@ class Lifeline(JSComponent):
     """Keeps the design in the browser's tab, gives it back to a page loaded again there, and says so when the server
     is gone.
 
-    The tab forgets it when it is closed. A page that is opened, not loaded again, takes nothing back: it shows what
-    its address says. ``come_back`` is called with what was kept: the texts `link` and `base`.
+    The tab forgets it when it is closed, or when somebody else logs in on it. A page that is opened, not loaded
+    again, takes nothing back: it shows what its address says. ``come_back`` is called with what was kept: the texts
+    `link` and `base`.
     """
 
     link = param.String(doc="The design in force and the study beside it, as a link's query.")
     base = param.String(doc="Key of the saved revision the design came from; empty: none.")
+    who = param.String(doc="Who is logged in; empty: nobody has to.")
     dark = param.Boolean(doc="Whether the page is dark: kept in a cookie, for every page of this server.")
 
     _stylesheets: ClassVar[list[str]] = [
@@ -64,9 +66,10 @@ export function render({ model, view }) {
   const kept = take(KEY), again = take(AGAIN)
   const opened = performance.getEntriesByType("navigation")[0]?.type === "navigate" && !again
   keep(AGAIN, false)
-  const store = () => keep(KEY, { at: here(), link: model.link, base: model.base })
+  const store = () => keep(KEY, { at: here(), who: model.who, link: model.link, base: model.base })
   const page = view.model.document
-  if (kept && kept.at === here() && kept.link !== model.link && !opened) {
+  const ours = kept && kept.at === here() && kept.who === model.who
+  if (ours && kept.link !== model.link && !opened) {
     // Kept on until the server has taken it back; not before all stands, or half of the page would miss the change.
     const ask = () => requestAnimationFrame(() => model.send_msg({ link: kept.link, base: kept.base }))
     page.is_idle ? ask() : page.idle.connect(ask)

@@ -88,7 +88,9 @@ class Frame:
             margin=(0, 6),
         )
         self._bar = pn.Column(self._tabs, sizing_mode="stretch_width", margin=0, stylesheets=[PRINT_NOTHING])
-        self._lifeline = Lifeline(self._come_back, link=session.link, margin=0, width=0, height=0)
+        self._lifeline = Lifeline(
+            self._come_back, link=session.link, who=str(pn.state.user or ""), margin=0, width=0, height=0
+        )
         self._open_page(self._tabs.active)
         self.view = self._shell()
         session.param.watch(self._show, "budget")

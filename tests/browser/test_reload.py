@@ -53,11 +53,18 @@ def test_a_page_opened_anew_takes_nothing_back_and_nothing_wrong_is_taken(visit:
     expect(box).to_have_value("0.15 °/√h")
     expect(page.get_by_text(_BACK)).to_have_count(0)
     page.evaluate("""() => sessionStorage.setItem("navbudget-design",
-        JSON.stringify({at: "/", link: "arw=<img src=x onerror=alert(1)>", base: "../../x.1"}))""")
+        JSON.stringify({at: "/", who: "", link: "arw=<img src=x onerror=alert(1)>", base: "../../x.1"}))""")
     page.reload()
     said = page.get_by_role("alert").filter(has_text="could not be taken up again")
     expect(said).to_contain_text("<img src=x onerror=alert(1)>", timeout=60_000)
     expect(box).to_have_value("0.15 °/√h")
+    page.evaluate("""() => sessionStorage.setItem("navbudget-design",
+        JSON.stringify({at: "/", who: "somebody else", link: "arw=0.2deg/sqrt(h)", base: ""}))""")
+    page.reload()
+    page.wait_for_function("() => JSON.parse(sessionStorage.getItem('navbudget-design')).who === ''", timeout=60_000)
+    page.wait_for_timeout(1500)
+    expect(box).to_have_value("0.15 °/√h")
+    expect(page.get_by_text(_BACK)).to_have_count(0)
 
 
 _GROUND = "() => getComputedStyle(document.body).backgroundColor"
