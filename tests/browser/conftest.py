@@ -91,7 +91,7 @@ def _watched(page: Page, server: str) -> Iterator[Callable[..., Page]]:
         page.set_viewport_size({"width": size.get("width", 1440), "height": size.get("height", 900)})
         page.goto(server + path)
         page.wait_for_function(_IDLE, timeout=60_000)
-        page.get_by_role("status").first.wait_for()
+        page.get_by_role("status").first.wait_for(timeout=60_000)
         return page
 
     yield open_

@@ -188,6 +188,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(second.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
     second.context.close()
     press(page, "Accept")  # now knowingly
+    expect(heading).to_contain_text("0 requirements rejected")
     for left in (4, 3, 2, 1):
         expect(heading).to_contain_text(f"{left} to decide")
         press(page, "Accept")
