@@ -16,11 +16,10 @@ class StyleWrites(JSComponent):
     _esm = """
     const { InlineStyleSheet } = Bokeh.require("core/dom")
     const { VisualProperties } = Bokeh.require("core/visuals/visual")
-    const write = InlineStyleSheet.prototype._update
     InlineStyleSheet.prototype._update = function (css) {
       if (this.written === css) return
       this.written = css
-      write.call(this, css)
+      this.el.textContent = css
     }
     VisualProperties.prototype._get_css_value = () => ""
 

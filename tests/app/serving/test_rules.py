@@ -135,6 +135,9 @@ def test_oauth_needs_its_parts_and_says_who_may_enter() -> None:
     assert not any(
         oauth.admits(x) for x in ("bob", "ada@evil.org", "x@example.org.evil", "@example.org@evil", "None")
     )
+    anybody = oauth_from("github", "id", None, ("*",), environment)
+    assert isinstance(anybody, OAuth)
+    assert anybody.admits("eve@evil.org")
 
 
 def test_cookie_secret_outlives_a_restart(tmp_path: Path) -> None:

@@ -76,9 +76,9 @@ def measure_coverage(simulate: Simulator, case: str, samples: int, logs: tuple[i
         assert shown[term] <= axes - fewest, (term, shown)
 
 
-@pytest.mark.parametrize("case", ["random walk, rate random walk"])
-def test_known_coefficients_lie_in_their_intervals(simulate: Simulator, case: str):
-    measure_coverage(simulate, case, 8192, FEW)
+@pytest.mark.parametrize("logs", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
+def test_known_coefficients_lie_in_their_intervals(simulate: Simulator, logs: tuple[int, int]):
+    measure_coverage(simulate, "random walk, rate random walk", 8192, logs)
 
 
 @pytest.mark.slow
