@@ -13,9 +13,16 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from app.commands import allan, budget, explore, report, sar, serve, simulate, suborbital
-from app.commands.shared import BAD_INPUT, refuse
-from nav_model.inputs import DesignError
+from app.console.arguments import BAD_INPUT, refuse
+from app.report import command as report
+from app.serving import command as serve
+from app.subjects.budget import command as budget
+from app.subjects.explore import command as explore
+from app.subjects.sar import command as sar
+from app.subjects.sensors import command as allan
+from app.subjects.simulation import command as simulate
+from app.subjects.suborbital import command as suborbital
+from nav_model.design.declaration import DesignError
 
 _COMMANDS = (serve, budget, report, simulate, sar, suborbital, allan, explore)
 

@@ -15,7 +15,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is first impo
 import numpy as np
 import pytest
 
-RECORD = Path(__file__).parents[1] / "app" / "validation.json"
+RECORD = Path(__file__).parents[1] / "app" / "subjects" / "theory" / "validation.json"
 OUTSIDE = ("SciPy", "NumPy", "mpmath", "Stable32", "published:", "real data:")
 """How the name of an oracle begins that is no part of this product: a solver written by others, a published
 figure, a measurement. Only such a comparison is called validated; any other is a cross-check."""
@@ -24,7 +24,9 @@ _differences = {}
 
 
 def pytest_addoption(parser):
-    parser.addoption("--write-validation", action="store_true", help="write app/validation.json from this run")
+    parser.addoption(
+        "--write-validation", action="store_true", help="write app/subjects/theory/validation.json from this run"
+    )
 
 
 def pytest_collection_modifyitems(config, items):
@@ -56,7 +58,7 @@ def validated(request):
             _rows[result, row["test"]] = {**row, "figure": float(f"{worst:.3g}")}
             return
         committed = [{k: v for k, v in r.items() if k != "figure"} for r in json.loads(RECORD.read_text())["rows"]]
-        assert row in committed, "app/validation.json does not have this row: run `make validation`"
+        assert row in committed, "app/subjects/theory/validation.json does not have this row: run `make validation`"
 
     return hold
 

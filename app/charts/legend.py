@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from html import escape
 
-from app.charts.description import AnyChart, BarChart, Chart, DotChart, MapChart
+from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart
 from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.charts.description import MapChart
+from app.charts.kinds import MapChart
 
 _SLIVER = 0.004  # of the map: too little to carry a name
 

@@ -12,7 +12,7 @@ from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 
 _WAIT = 15.0  # seconds a writer waits for another before it is told
 _POSTGRESQL = {

@@ -19,8 +19,8 @@ from sqlalchemy import text
 
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
-from nav_model.design_file import MAX_BYTES
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import MAX_BYTES
 
 MAX_ARCHIVE = 20_000_000
 """The largest archive taken, in bytes as it comes."""

@@ -20,9 +20,9 @@ from sqlalchemy import Connection, text
 
 from app.library.store import Conflict, Library, Revision, as_revision, find, new_id, now
 from app.library.texts import clean, moment
-from nav_model.inputs import DesignError
-from nav_model.parts import all_keys
-from nav_model.verdict import CHECKS
+from nav_model.budget.verdict import CHECKS
+from nav_model.design.declaration import DesignError
+from nav_model.design.parts import all_keys
 
 MAX_ITEMS = 6
 """The most revisions one review, or one comparison, takes: what fits side by side."""

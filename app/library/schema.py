@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from sqlalchemy import Connection, inspect, text
 
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 
 STEPS: tuple[tuple[str, ...], ...] = (
     (

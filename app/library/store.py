@@ -19,14 +19,14 @@ from typing import Any
 
 from sqlalchemy import Connection, text
 
+from app.document.wording import verdict_of
 from app.library.engine import engine_at, said
 from app.library.schema import migrate
 from app.library.texts import clean, clean_tags
-from app.report.wording import verdict_of
 from nav_model.budget import Budget, analyse
-from nav_model.design_file import format_design, parse_design
-from nav_model.inputs import DesignError
-from nav_model.verdict import checked
+from nav_model.budget.verdict import checked
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import format_design, parse_design
 
 
 class Conflict(DesignError):

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from app.files import whole_file
-from app.report.document import Section
+from app.console.files import whole_file
+from app.document.blocks import Section
 from nav_model.budget import Budget, analyse
-from nav_model.design_file import parse_design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import parse_design
 
 SUFFIXES = (".html", ".pdf")
 """The kinds of file a report comes in."""
@@ -68,10 +68,10 @@ def report_bytes(
 
     report = report_of(budgets, now, added, studies)
     if kind == ".pdf":
-        from app.report.pdf import to_pdf
+        from app.document.pdf import to_pdf
 
         return to_pdf(report)
-    from app.report.html import to_html
+    from app.document.html import to_html
 
     return to_html(report).encode()
 

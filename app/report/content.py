@@ -9,11 +9,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from app.charts.budget import BUDGET_CHARTS
-from app.report.chart_block import chart_block
-from app.report.citations import marks_in
-from app.report.comparison import comparison_chapter
-from app.report.document import (
+from app.document.blocks import (
     Approval,
     Bullets,
     Cell,
@@ -28,9 +24,9 @@ from app.report.document import (
     Text,
     Verdict,
 )
-from app.report.equations import REFERENCES, with_cited
-from app.report.inputs import MARKS_EXPLAINED, doubtful_inputs, input_rows
-from app.report.wording import (
+from app.document.chart_block import chart_block
+from app.document.citations import marks_in
+from app.document.wording import (
     best_of,
     chapter_key,
     degrees,
@@ -46,10 +42,14 @@ from app.report.wording import (
     title_of,
     verdict_of,
 )
+from app.report.inputs import MARKS_EXPLAINED, doubtful_inputs, input_rows
+from app.subjects.budget.charts import BUDGET_CHARTS
+from app.subjects.review.comparison import comparison_chapter
 from nav_model.budget import Budget, Sigmas, analyse
-from nav_model.budget_json import to_json
-from nav_model.design_file import format_design
-from nav_model.provenance import cautions, provenance
+from nav_model.budget.json import to_json
+from nav_model.budget.provenance import cautions, provenance
+from nav_model.design.file import format_design
+from nav_model.equations import REFERENCES, with_cited
 
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
 _REPORT = "Navigation error budget"

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from app.report.document import Cell
-from app.report.wording import number, printable
+from app.document.blocks import Cell
+from app.document.wording import number, printable
 from nav_model.allan.adoption import noted_origin
 from nav_model.catalogue import Entry, SourcedValue, find
 from nav_model.design import Design
-from nav_model.design_file import deviations, preset_of
-from nav_model.inputs import BaseQuantity
-from nav_model.parts import INPUTS, PARTS
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.file import deviations, preset_of
+from nav_model.design.parts import INPUTS, PARTS
 
 MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "

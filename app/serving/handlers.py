@@ -13,7 +13,7 @@ from bokeh.util.token import generate_jwt_token, generate_session_id, get_sessio
 from panel.io.server import DocHandler, WSHandler
 from tornado.web import OutputTransform, RequestHandler, authenticated
 
-from app.lifeline import THEME_COOKIE
+from app.dashboard.lifeline import THEME_COOKIE
 from app.serving.access import plain_page
 from app.serving.board import Row
 from app.serving.logs import event

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 
 _SHORTEST_SECRET = 32
 _ENOUGH = 4  # processes of pages unless more are asked for

@@ -12,8 +12,8 @@ from typing import Final
 from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis
 from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, Provenance, triad_random_walk
 from nav_model.design import Design, Value
-from nav_model.inputs import BaseQuantity, DesignError
-from nav_model.parts import declaration_of
+from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.parts import declaration_of
 from nav_model.units import format_quantity, from_si
 
 WALK_KEYS: Final = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}

@@ -9,8 +9,8 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Literal
 
-from nav_model.inputs import BaseQuantity, DesignError
-from nav_model.parts import INPUTS
+from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.parts import INPUTS
 from nav_model.units import QuantityError, parse_quantity
 
 Kind = Literal["imu", "radar", "gnss"]

@@ -8,10 +8,10 @@ from typing import cast
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
+from nav_model.budget.figures import FIGURES, Inputs, Value, figures, inputs_of
 from nav_model.design import Design
-from nav_model.figures import FIGURES, Inputs, Value, figures, inputs_of
-from nav_model.inputs import BaseQuantity, DesignError
-from nav_model.parts import declaration_of
+from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.parts import declaration_of
 
 ALL = "all requirements"
 """Name of the result that is the largest value over limit of every requirement given."""
@@ -27,7 +27,7 @@ def limits(design: Design) -> dict[str, float]:
 def ratios(design: Design, changes: Mapping[str, Value] | None = None) -> dict[str, Array]:
     """Value over limit of every requirement given; met at or below one. Margin is one minus it.
 
-    `changes` replaces inputs by numbers or arrays, as in `nav_model.figures.inputs_of`.
+    `changes` replaces inputs by numbers or arrays, as in `nav_model.budget.figures.inputs_of`.
     """
     return ratios_of(design, inputs_of(design, changes))
 

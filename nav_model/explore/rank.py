@@ -1,6 +1,6 @@
 """What to improve first: exact logarithmic sensitivities of a figure to every input.
 
-The derivative is a complex step through the same closed forms that give the figure (`nav_model.figures`): the
+The derivative is a complex step through the same closed forms that give the figure (`nav_model.budget.figures`): the
 input is multiplied by 1 + i·10⁻²⁰ and the imaginary part read off. Nothing is subtracted, so the derivative is
 exact to rounding. All inputs are stepped in one broadcast evaluation.
 
@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
+from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.design import Design
+from nav_model.design.declaration import DesignError
 from nav_model.explore.margins import quantity
-from nav_model.figures import FIGURES, VARIABLES, figures, inputs_of
-from nav_model.inputs import DesignError
 
 _STEP = 1e-20
 SENSORS: Mapping[str, str] = {
@@ -57,7 +57,7 @@ def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
     Raises
     ------
     DesignError
-        If `figure` is not one of `nav_model.figures.FIGURES`.
+        If `figure` is not one of `nav_model.budget.figures.FIGURES`.
     """
     if figure not in FIGURES:
         raise DesignError("result", f"{figure!r} is not one of {', '.join(FIGURES)}")

@@ -10,9 +10,9 @@ import numpy as np
 from nav_model.analytic.steady_state import Array
 from nav_model.catalogue import Entry
 from nav_model.design import Design, Value
+from nav_model.design.declaration import DesignError
 from nav_model.explore.margins import limits, ratios, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
-from nav_model.inputs import DesignError
 
 OWN_GNSS = "as in the design"
 """Name of the row of receivers that is the design's own."""

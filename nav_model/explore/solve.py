@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import Array
 from nav_model.budget import analyse
+from nav_model.budget.figures import inputs_of
 from nav_model.design import Design
+from nav_model.design.declaration import DesignError
 from nav_model.explore.margins import ALL, limits, quantity, ratios
-from nav_model.figures import inputs_of
-from nav_model.inputs import DesignError
 from nav_model.sar.geometry import WINDOW_WIDTH
 
 SOLVED = (

@@ -21,13 +21,13 @@ from typing import Any
 
 import numpy as np
 
+from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.design import Design, Value
-from nav_model.design_file import parse_design
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import parse_design
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
 from nav_model.explore.sweep_plan import Plan
-from nav_model.figures import FIGURES, VARIABLES, figures, inputs_of
-from nav_model.inputs import DesignError
 from nav_model.processes import worker_pool
 
 SUFFIXES = (".csv", ".parquet")

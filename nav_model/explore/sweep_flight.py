@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from nav_model.design import Design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, refusal, specification
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
 from nav_model.units import QuantityError, parse_quantity

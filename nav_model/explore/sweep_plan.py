@@ -29,13 +29,13 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from nav_model.budget.figures import FIGURES
 from nav_model.design import Design, Value
-from nav_model.design_file import format_design, parse_design, preset_fill, read_bytes
+from nav_model.design.declaration import BaseQuantity, Choice, DesignError
+from nav_model.design.file import format_design, parse_design, preset_fill, read_bytes
+from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import Flight, check_flight, read_flight
-from nav_model.figures import FIGURES
-from nav_model.inputs import BaseQuantity, Choice, DesignError
-from nav_model.parts import PRESET_KEYS, declaration_of
 
 MOST_ROWS = 50_000_000
 MOST_POINTS = 100_000  # of one range

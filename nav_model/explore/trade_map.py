@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
+from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.catalogue import Entry, catalogue
 from nav_model.design import Design, Value
+from nav_model.design.declaration import DesignError
 from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, worst
-from nav_model.figures import FIGURES, VARIABLES, figures, inputs_of
-from nav_model.inputs import DesignError
 
 SIZE = 200
 """Points along a side."""
@@ -86,7 +86,7 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     ----------
     design : Design
     x_key, y_key : str
-        Two different inputs of `nav_model.figures.VARIABLES`.
+        Two different inputs of `nav_model.budget.figures.VARIABLES`.
     result : str
         One of `RESULTS`.
     size : int, optional

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import Array
+from nav_model.budget.figures import VARIABLES
 from nav_model.design import Design
+from nav_model.design.declaration import DesignError
 from nav_model.explore.margins import limits, quantity, ratios, worst
-from nav_model.figures import VARIABLES
-from nav_model.inputs import DesignError
 
 SCRAMBLINGS = 10
 POINTS = 1024  # of each; a power of two keeps the points balanced

@@ -11,7 +11,7 @@ import numpy as np
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.budget import Budget
 from nav_model.design import Design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import Flight, flight_of
 from nav_model.sar.impulse_response import Window

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.design import Design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.fast_engine import weight_of
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from contextlib import contextmanager
 from typing import Any
 
-from nav_model.simulation.compiled import room_digest
+from nav_model.compiled import room_digest
 
 
 @contextmanager

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from nav_model.design import Design
+from nav_model.earth.wgs84 import normal_gravity
 from nav_model.simulation.departures import untold
-from nav_model.simulation.earth import normal_gravity
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
 

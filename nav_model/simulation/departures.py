@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic import coast as growth
-from nav_model.design_file import parse_design
-from nav_model.figures import inputs_of, sampled, settled
+from nav_model.budget.figures import inputs_of, sampled, settled
+from nav_model.design.file import parse_design
 from nav_model.simulation.result import STATES, SimulationResult, chi_square_band
 from nav_model.simulation.schedule import plan
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from nav_model.analytic.steady_state import yaw_variance
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design_file import format_design, parse_design
-from nav_model.inputs import BaseQuantity, DesignError
-from nav_model.parts import declaration_of
+from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.file import format_design, parse_design
+from nav_model.design.parts import declaration_of
 from nav_model.simulation.specification import (
     TRAJECTORY_KINDS,
     GnssModel,

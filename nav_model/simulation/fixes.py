@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.simulation.attitude import normalise, rotate
-from nav_model.simulation.compiled import kernel
-from nav_model.simulation.earth import ROTATION_RATE, curvature_radii_kernel
+from nav_model.compiled import kernel
+from nav_model.earth.rotation import normalise, rotate
+from nav_model.earth.wgs84 import ROTATION_RATE, curvature_radii_kernel
 from nav_model.simulation.kalman import update
 
 FloatArray = NDArray[np.float64]

@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.simulation.compiled import kernel
-from nav_model.simulation.earth import ROTATION_RATE, curvature_radii_kernel, normal_gravity_kernel
+from nav_model.compiled import kernel
+from nav_model.earth.wgs84 import ROTATION_RATE, curvature_radii_kernel, normal_gravity_kernel
 
 FloatArray = NDArray[np.float64]
 

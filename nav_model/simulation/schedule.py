@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.simulation.attitude import euler_error_map
+from nav_model.earth.rotation import euler_error_map
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import TruthStates, perfect_increments, true_states

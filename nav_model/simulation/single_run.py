@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.simulation.attitude import matrix_from_quaternion
-from nav_model.simulation.compiled import kernel
-from nav_model.simulation.earth import curvature_radii_kernel
+from nav_model.compiled import kernel
+from nav_model.earth.rotation import matrix_from_quaternion
+from nav_model.earth.wgs84 import curvature_radii_kernel
 from nav_model.simulation.fixes import Receiver, Truth, Tuning, correct, take_fix
 from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate
 from nav_model.simulation.schedule import FIX, OUTPUT, Schedule, plan

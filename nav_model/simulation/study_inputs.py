@@ -11,8 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
-from nav_model.inputs import BaseQuantity, DesignError, OptionalQuantity, Quantity
-from nav_model.parts import Part
+from nav_model.design.declaration import BaseQuantity, DesignError, OptionalQuantity, Quantity
+from nav_model.design.parts import Part
 from nav_model.simulation.specification import (
     FilterModel,
     GnssModel,

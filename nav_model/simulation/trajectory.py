@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.simulation.earth import curvature_radii
+from nav_model.earth.wgs84 import curvature_radii
 from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec
 
 FloatArray = NDArray[np.float64]

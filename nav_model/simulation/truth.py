@@ -12,14 +12,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.simulation.attitude import matrix_from_euler
-from nav_model.simulation.compiled import kernel
-from nav_model.simulation.earth import (
-    ECCENTRICITY_SQUARED,
-    ROTATION_RATE,
-    curvature_radii_kernel,
-    normal_gravity_kernel,
-)
+from nav_model.compiled import kernel
+from nav_model.earth.rotation import matrix_from_euler
+from nav_model.earth.wgs84 import ECCENTRICITY_SQUARED, ROTATION_RATE, curvature_radii_kernel, normal_gravity_kernel
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.trajectory import Trajectory, plan_trajectory
 

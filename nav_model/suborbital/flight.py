@@ -12,6 +12,7 @@ from functools import cached_property
 import numba
 import numpy as np
 
+from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.suborbital.frames import (
     EARTH_RADIUS,
     EARTH_RATE,
@@ -24,7 +25,6 @@ from nav_model.suborbital.frames import (
     rotation_from_euler,
     spherical_position,
 )
-from nav_model.suborbital.gravity import field_kernel, zonals
 from nav_model.units import to_si
 
 MAX_STEPS = 100_000

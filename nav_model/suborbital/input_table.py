@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 
+from nav_model.earth.gravity import ZONALS
 from nav_model.suborbital.aiding import Aiding
 from nav_model.suborbital.attitude import METHODS
 from nav_model.suborbital.errors import ErrorSet, SensorErrors, Triple, diagonal, off_diagonal
 from nav_model.suborbital.flight import FlightParameters
-from nav_model.suborbital.gravity import ZONALS
 from nav_model.suborbital.setting import Setting
 from nav_model.suborbital.star_camera import StarCamera
 from nav_model.suborbital.study import StudyInputs

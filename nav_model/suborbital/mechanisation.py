@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numba
 import numpy as np
 
+from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
 from nav_model.suborbital.flight import Flight
 from nav_model.suborbital.frames import (
@@ -28,7 +29,6 @@ from nav_model.suborbital.frames import (
     spherical_position,
     vector_from_rotation,
 )
-from nav_model.suborbital.gravity import field_kernel, zonals
 
 
 class Cancelled(Exception):

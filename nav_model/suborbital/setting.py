@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from nav_model.inputs import DesignError, shown
+from nav_model.design.declaration import DesignError, shown
 from nav_model.units import QuantityError, format_quantity, join_quantity, parse_quantity
 
 Value = float | str | tuple[float, ...] | tuple[tuple[float, float], ...] | None

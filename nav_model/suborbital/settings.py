@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 from nav_model.suborbital.aiding import Aiding
 from nav_model.suborbital.errors import ErrorSet, InitialErrors, SensorErrors, Triple, scale_matrix
 from nav_model.suborbital.flight import FlightParameters

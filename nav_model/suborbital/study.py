@@ -5,12 +5,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from nav_model.earth.gravity import ZONALS
 from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, frame_stride, perfect_frames
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
 from nav_model.suborbital.flight import Flight, FlightParameters, golden_flight
 from nav_model.suborbital.frames import Array, require
-from nav_model.suborbital.gravity import ZONALS
 from nav_model.suborbital.mechanisation import (
     AttitudeFrames,
     NavigationErrors,

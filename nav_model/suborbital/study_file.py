@@ -21,8 +21,8 @@ from urllib.parse import urlencode
 
 import tomli_w
 
-from nav_model.inputs import DesignError, shown
-from nav_model.link import STUDY_PREFIX, pairs_of
+from nav_model.design.declaration import DesignError, shown
+from nav_model.design.link import STUDY_PREFIX, pairs_of
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.setting import Value
 from nav_model.suborbital.settings import DEFAULTS, Settings

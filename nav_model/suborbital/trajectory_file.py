@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from nav_model.earth.gravity import gravitation
 from nav_model.suborbital.flight import MAX_STEPS, Flight, assemble, step_nodes
 from nav_model.suborbital.frames import (
     EARTH_RADIUS,
@@ -17,7 +18,6 @@ from nav_model.suborbital.frames import (
     rotation_from_euler,
     rotation_from_quaternion,
 )
-from nav_model.suborbital.gravity import gravitation
 
 FILE_COLUMNS = ["time_s", "latitude_deg", "longitude_deg", "height_m", "roll_deg", "pitch_deg", "yaw_deg"]
 """Header of a trajectory file (CSV): position on the sphere, attitude from the local north-east-down axes."""

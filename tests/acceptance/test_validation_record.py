@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_continuous_are, solve_discrete_are
 
-from app.report.equations import ALL_EQUATIONS
 from nav_model.budget import analyse
 from nav_model.design import Design
+from nav_model.equations import ALL_EQUATIONS
 
 ROOT = Path(__file__).parents[2]
 SIGMA_A, SIGMA_W, G = 0.05 / 60, math.radians(0.5) / 60, 9.80665

@@ -10,7 +10,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
-from app.page import PAGES
+from app.dashboard.frame import PAGES
 
 Visit = Callable[..., Page]
 _IDLE = "() => Bokeh.documents.every(d => d.is_idle)"

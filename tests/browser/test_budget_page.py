@@ -13,8 +13,8 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Download, Locator, Page, expect
 
 from nav_model.budget import analyse
-from nav_model.design_file import parse_design, read_design
-from nav_model.link import from_query
+from nav_model.design.file import parse_design, read_design
+from nav_model.design.link import from_query
 
 Visit = Callable[..., Page]
 

@@ -9,7 +9,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
-from app.pages.budget import _LAYOUT
+from app.subjects.budget.page import _LAYOUT
 
 Visit = Callable[..., Page]
 

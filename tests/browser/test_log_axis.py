@@ -8,7 +8,7 @@ import math
 from bokeh.plotting import figure
 from playwright.sync_api import Page
 
-from app.charts.log_axis import mark_in_powers
+from app.charts.screen.log_axis import mark_in_powers
 
 _RUN = "([code, start, end]) => new Function('cb_data', code)({start, end})"
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Page, expect
 
-from app.report.equations import ALL_EQUATIONS
+from nav_model.equations import ALL_EQUATIONS
 
 Visit = Callable[..., Page]
 _IN_VIEW = "e => { const b = e.getBoundingClientRect(); return b.top >= 0 && b.top < innerHeight / 2 }"

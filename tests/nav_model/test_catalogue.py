@@ -5,7 +5,7 @@ import math
 import pytest
 
 from nav_model.catalogue import STATUSES, catalogue, find, read_catalogue
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 
 # name: ARW °/√h, VRW m/s/√h, gyro bias °/h, accelerometer bias mg; None where the page gives none.
 IMUS = {

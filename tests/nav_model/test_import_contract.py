@@ -29,7 +29,7 @@ def test_no_module_of_the_model_imports_a_screen():
 def test_analyse_loads_neither_screens_nor_scipy():
     code = (
         "import sys\n"
-        "from nav_model.budget import analyse\nfrom nav_model.budget_json import to_json\n"
+        "from nav_model.budget import analyse\nfrom nav_model.budget.json import to_json\n"
         "from nav_model.design import Design\nto_json(analyse(Design()))\n"
         f"print(sorted({SCREENS | {'scipy', 'numba', 'IPython'}!r} & set(sys.modules)))"
     )

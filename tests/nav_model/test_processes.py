@@ -22,7 +22,7 @@ if __name__ == "__main__":
 @pytest.mark.parametrize(
     ("module", "name", "arguments"),
     [("nav_model.processes", "worker_pool", "2"), ("nav_model.simulation.monte_carlo", "local_pool", "2"),
-     ("app.workers", "pool", "")],
+     ("app.work.pool", "pool", "")],
 )  # fmt: skip
 def test_workers_end_when_their_parent_is_killed(tmp_path, module: str, name: str, arguments: str) -> None:
     script = tmp_path / "script.py"  # a file: what is spawned imports it again

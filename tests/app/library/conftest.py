@@ -14,7 +14,7 @@ import pytest
 
 from app.library.store import Library
 from nav_model.budget import Budget, analyse
-from nav_model.design_file import read_design
+from nav_model.design.file import read_design
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "examples"
@@ -22,7 +22,7 @@ _SAVER = textwrap.dedent("""
     import sys
     from app.library.store import Library
     from nav_model.budget import analyse
-    from nav_model.design_file import read_design
+    from nav_model.design.file import read_design
     budget = analyse(read_design(sys.argv[2]))
     library = Library(sys.argv[1])
     print("ready", flush=True)

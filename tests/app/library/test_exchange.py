@@ -12,8 +12,8 @@ import pytest
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.store import Library
 from nav_model.budget import Budget
-from nav_model.design_file import format_design, parse_design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import format_design, parse_design
 
 
 def _zip(files: dict[str, bytes | str]) -> bytes:

@@ -23,8 +23,8 @@ from app.library.reviews import add_comment, decide, load_review, open_review, s
 from app.library.schema import STEPS
 from app.library.store import Conflict, Library
 from nav_model.budget import Budget
-from nav_model.design_file import parse_design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import parse_design
 
 _TABLES = (
     "review_decisions", "review_comments", "review_items", "reviews",

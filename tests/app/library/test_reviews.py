@@ -21,9 +21,9 @@ from app.library.reviews import (
     sign,
 )
 from app.library.store import Conflict, Library
-from app.pages.review_overview import overview
+from app.subjects.review.overview import overview
 from nav_model.budget import Budget
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 
 
 @pytest.fixture

@@ -15,8 +15,8 @@ from app.library.store import Conflict, Library
 from app.library.texts import LIMITS
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
-from nav_model.design_file import format_design, parse_design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import format_design, parse_design
 
 HOSTILE = "<script>alert(1)</script> '; DROP TABLE designs; -- \" ${7*7} {{7*7}} =cmd|'/c calc'!A0 ../../etc/passwd"
 

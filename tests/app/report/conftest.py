@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from app.report.document import Cell, Report, Table
+from app.document.blocks import Cell, Report, Table
 from nav_model.budget import Budget, analyse
-from nav_model.design_file import read_design
+from nav_model.design.file import read_design
 
 _EXAMPLES = Path(__file__).parents[3] / "examples"
 

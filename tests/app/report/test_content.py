@@ -8,12 +8,12 @@ from datetime import UTC, datetime
 
 import pytest
 
+from app.document.blocks import Bullets, Report, Table, Text
 from app.report.content import report_of
-from app.report.document import Bullets, Report, Table, Text
-from app.report.equations import EQUATIONS
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.parts import INPUTS
+from nav_model.design.parts import INPUTS
+from nav_model.equations import EQUATIONS
 from nav_model.units import format_quantity
 
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)

@@ -13,10 +13,10 @@ import pytest
 
 from app.report import report_bytes, write_report
 from app.report.content import report_of
-from app.report.equations import EQUATIONS, SYMBOLS
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design_file import parse_design
+from nav_model.design.file import parse_design
+from nav_model.equations import EQUATIONS, SYMBOLS
 from nav_model.units import format_quantity
 
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)

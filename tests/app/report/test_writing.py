@@ -10,7 +10,7 @@ import pytest
 from app import cli
 from app.report import write_report
 from app.report.content import report_of
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 EXAMPLES = Path(__file__).parents[3] / "examples"

@@ -16,7 +16,8 @@ from pathlib import Path
 import pytest
 from open_page import Tab
 
-from app import long_run, workers
+from app.work import alone as long_run
+from app.work import pool as workers
 
 
 def children_of(pid: int) -> set[int]:
@@ -28,7 +29,7 @@ def children_of(pid: int) -> set[int]:
 @pytest.mark.parametrize("signal_number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_a_signal_leaves_no_process(signal_number: signal.Signals) -> None:
     code = (
-        "import asyncio, time, threading, app.server as s, app.workers as w\n"
+        "import asyncio, time, threading, app.serving.server as s, app.work.pool as w\n"
         "from app.serving.rules import Rules\n"
         "from tornado.ioloop import IOLoop\n"
         "if __name__ == '__main__':\n"
@@ -55,7 +56,7 @@ def test_a_signal_leaves_no_process(signal_number: signal.Signals) -> None:
 
 def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path: Path) -> None:
     code = (
-        "import asyncio, sys, time, app.workers as w\n"
+        "import asyncio, sys, time, app.work.pool as w\n"
         "from app.cli import main\n"
         "from tornado.ioloop import IOLoop\n"
         "if __name__ == '__main__':\n"

@@ -11,7 +11,7 @@ import pytest
 from app.cli import main
 from app.serving.passwords import Passwords, password_line, read_passwords
 from app.serving.rules import OAuth, Rules, cookie_secret, is_loopback, oauth_from
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 
 PASSWORD = "correct horse battery"
 

@@ -14,7 +14,7 @@ from nav_model.allan.motion import BenchNoise, analyse_motion
 from nav_model.allan.result import READING_INTERVAL, LogAnalysis, to_json, triad_random_walk
 from nav_model.allan.static_log import analyse_log
 from nav_model.design import Design
-from nav_model.design_file import format_design, parse_design
+from nav_model.design.file import format_design, parse_design
 
 ARW, VRW = "imu.angle_random_walk", "imu.velocity_random_walk"
 WALKS = {"gyro": 1e-4, "accelerometer": 1e-3}

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import strategies as st
 
 from nav_model.design import Design
-from nav_model.design_file import parse_design, read_design
+from nav_model.design.file import parse_design, read_design
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 

@@ -5,10 +5,10 @@ import pytest
 
 from nav_model.budget import analyse
 from nav_model.catalogue import catalogue, read_catalogue
+from nav_model.design.declaration import DesignError
 from nav_model.explore.margins import ALL
 from nav_model.explore.search import OWN_GNSS, left_out, search
 from nav_model.explore.trade_map import SIZE, changes_at, place, trade_map
-from nav_model.inputs import DesignError
 
 ARW, VRW, GNSS = "imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise"
 OWN = """

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from nav_model.analytic.sensitivity import horizontal_shares
 from nav_model.budget import analyse
+from nav_model.budget.figures import FIGURES, figures, inputs_of
+from nav_model.design.declaration import DesignError
 from nav_model.explore.rank import Sensitivity, log_derivatives, rank, sentence, silent, stated
-from nav_model.figures import FIGURES, figures, inputs_of
-from nav_model.inputs import DesignError
 
 
 def _sigma(design, key, value, figure):

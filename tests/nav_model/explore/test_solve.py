@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nav_model.budget import analyse
+from nav_model.design.declaration import DesignError
 from nav_model.explore.margins import ALL, quantity, ratios
 from nav_model.explore.solve import SOLVED, remedies, resolution_for, round_down, solve
-from nav_model.inputs import DesignError
 
 
 def _margin(design, key, value, requirement):

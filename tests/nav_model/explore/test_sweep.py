@@ -11,10 +11,10 @@ import pyarrow.parquet
 import pytest
 
 from nav_model.budget import analyse
-from nav_model.design_file import format_design, parse_design, preset_fill
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import format_design, parse_design, preset_fill
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
-from nav_model.inputs import DesignError
 
 VARY = """
 design = "design.toml"

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from nav_model.design_file import format_design
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import format_design
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
-from nav_model.inputs import DesignError
 from nav_model.simulation.design_study import specification, study_of, to_document
 from nav_model.simulation.monte_carlo import simulate
 

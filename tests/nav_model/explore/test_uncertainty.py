@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from nav_model.design.declaration import DesignError
 from nav_model.explore.margins import ratios, worst
 from nav_model.explore.solve import solve
 from nav_model.explore.uncertainty import Uncertain, read_uncertain, uncertain_verdict
-from nav_model.inputs import DesignError
 
 ARW = "imu.angle_random_walk"
 DEG = np.pi / 180 / 60

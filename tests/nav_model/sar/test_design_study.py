@@ -8,7 +8,7 @@ import pytest
 
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 from nav_model.sar.decomposition import decompose
 from nav_model.sar.design_case import conditions, design_case, study_cautions
 from nav_model.sar.design_map import arw_map, gnss_map

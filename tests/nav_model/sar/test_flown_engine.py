@@ -8,7 +8,7 @@ from scipy.linalg import expm, solve_discrete_are
 
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import decompose
 from nav_model.sar.design_case import design_case

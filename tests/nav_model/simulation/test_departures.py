@@ -10,7 +10,7 @@ import pytest
 from scipy.linalg import expm, solve_discrete_are
 
 from nav_model.design import Design
-from nav_model.design_file import format_design
+from nav_model.design.file import format_design
 from nav_model.simulation.departures import CAUSES, Departure, chain
 from nav_model.simulation.design_study import DesignStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate

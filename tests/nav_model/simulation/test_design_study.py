@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nav_model.design import Design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 from nav_model.simulation.conditions import conditions
 from nav_model.simulation.design_study import (
     LONGEST_OUTAGE,

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from nav_model.design import Design
-from nav_model.design_file import format_design
+from nav_model.design.file import format_design
 from nav_model.simulation.departures import chain, departures
 from nav_model.simulation.monte_carlo import SimulationCancelled, chunks, local_pool, run_chunk, simulate
 from nav_model.simulation.result import to_arrays, to_csv, to_json

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from nav_model.design_file import read_design
+from nav_model.design.file import read_design
 from nav_model.simulation.design_study import closed_form, specification
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nav_model.simulation.attitude import euler_from_matrix, matrix_from_euler, quaternion_from_matrix
+from nav_model.earth.rotation import euler_from_matrix, matrix_from_euler, quaternion_from_matrix
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.strapdown import initial_state, navigate
 from nav_model.simulation.trajectory import plan_trajectory

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from nav_model.design import Design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
 from nav_model.simulation.conditions import conditions
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.study_inputs import (

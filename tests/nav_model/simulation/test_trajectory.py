@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from nav_model.simulation.earth import ROTATION_RATE, normal_gravity
+from nav_model.earth.wgs84 import ROTATION_RATE, normal_gravity
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.trajectory_file import COLUMNS, parse_trajectory, read_trajectory

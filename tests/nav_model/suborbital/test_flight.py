@@ -4,8 +4,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nav_model.earth.gravity import ZONALS, compare_gravity, gravitation, normal_gravity
 from nav_model.suborbital.flight import FlightParameters, golden_flight
-from nav_model.suborbital.gravity import ZONALS, compare_gravity, gravitation, normal_gravity
 from nav_model.suborbital.trajectory_file import load_trajectory, save_trajectory
 
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nav_model.design_file import parse_design
-from nav_model.inputs import DesignError
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import parse_design
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.settings import DEFAULTS, from_design, output_every, read_changes
 from nav_model.suborbital.study import StudyInputs

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nav_model.design_file import format_design, parse_design
-from nav_model.inputs import DesignError
-from nav_model.link import split_link
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import format_design, parse_design
+from nav_model.design.link import split_link
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.settings import DEFAULTS, read_changes
 from nav_model.suborbital.study_file import (

@@ -1,0 +1,154 @@
+"""The charts that are not curves, on paper: dots in rows, maps of winners, pictures in decibels."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from app.charts.kinds import DotChart, MapChart, PictureChart
+from app.charts.print.look import DASHES, LINE_SCALE, MARKERS, log_axis, plain
+from app.charts.region import middle_of
+from app.charts.styles import STYLES
+
+ROW_HEIGHT = 6.2  # mm a row of dots
+_HATCHES = ("", "////", "....", "\\\\\\\\", "xxxx", "----")  # a region each, so that grey tells them apart
+_PICTURES_ACROSS = 3
+_PICTURE_WORDS = 10.5  # mm of name and caption over each picture
+_LEFT, _RIGHT, _FOOT = 13.0, 2.0, 24.0  # mm beside and under the pictures: ticks, label, scale
+_MOST_HIGH = 44.0  # mm of one picture
+
+
+def draw_dots(axes: Any, chart: DotChart) -> list[Any]:
+    """Rows of dots; the entries of the legend."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    plain(axes)
+    axes.grid(visible=True, axis="x")
+    axes.set(xlabel=chart.x_label, xscale="log")
+    rows = np.arange(len(chart.dots))
+    band, form = STYLES["horizontal"].colour, STYLES["vertical"].colour
+    low, high, runs, closed = (
+        np.array([getattr(dot, name) for dot in chart.dots], float) for name in ("low", "high", "ensemble", "closed")
+    )
+    handles: list[Any] = []
+    if not np.isnan(runs).all():
+        axes.barh(rows, high - low, left=low, height=0.42, color=band, alpha=0.35, linewidth=0)
+        dot: dict[str, Any] = {"color": band, "marker": "o", "linestyle": "none", "markersize": 4.5}
+        axes.plot(runs, rows, **dot)
+        handles += [
+            Patch(color=band, alpha=0.35, linewidth=0, label="runs, 5 to 95 %"),
+            Line2D([], [], label="runs, rms", **dot),
+        ]
+    diamond: dict[str, Any] = {
+        "color": form, "marker": "D", "linestyle": "none", "markersize": 6.5, "fillstyle": "none",
+        "markeredgewidth": 1.1,
+    }  # fmt: skip
+    axes.plot(closed, rows, **diamond)
+    handles.append(Line2D([], [], label="closed form, 1σ", **diamond))
+    if not math.isnan(chart.limit):
+        style = STYLES["limit"]
+        look = {"color": style.colour, "linestyle": DASHES[style.dash], "linewidth": style.width * LINE_SCALE}
+        axes.axvline(chart.limit, **look)
+        handles.append(Line2D([], [], label="limit, brought to 1σ", **look))
+    axes.set_yticks(rows, [dot.label for dot in chart.dots])
+    axes.set_ylim(len(chart.dots) - 0.5, -0.5)
+    axes.tick_params(axis="y", length=0)
+    log_axis(axes.xaxis)
+    return handles
+
+
+def draw_map(axes: Any, chart: MapChart) -> list[Any]:
+    """Regions by colour, hatch and name, points and the contour; the entries of the legend."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    plain(axes)
+    axes.set(xlabel=chart.x_label, ylabel=chart.y_label, xscale="log", yscale="log")
+    axes.set(xlim=(chart.x[0], chart.x[-1]), ylim=(chart.y[0], chart.y[-1]))
+    handles: list[Any] = []
+    for index, (name, style) in enumerate(zip(chart.names, chart.styles, strict=True)):
+        here = chart.winner == index
+        if not here.any():
+            continue
+        hatch, colour = _HATCHES[index % len(_HATCHES)], _pale(STYLES[style].colour)
+        drawn = axes.contourf(
+            chart.x, chart.y, here.astype(float), levels=[0.5, 1.5], colors=[colour], hatches=[hatch], zorder=1
+        )
+        drawn.set_edgecolor(STYLES[style].colour)
+        drawn.set_linewidth(0.3)
+        handles.append(
+            Patch(facecolor=colour, edgecolor=STYLES[style].colour, hatch=hatch or None, linewidth=0.4, label=name)
+        )
+        place = middle_of(chart, index)
+        if place is not None:
+            box = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.6}
+            axes.text(place[0], place[1], name, ha="center", va="center", bbox=box, zorder=4)
+    style_of_limit = STYLES[chart.contour.style]
+    line: dict[str, Any] = {
+        "color": style_of_limit.colour,
+        "linestyle": DASHES[style_of_limit.dash],
+        "linewidth": 1.3 * style_of_limit.width * LINE_SCALE,
+    }
+    if not np.isnan(chart.contour.y).all():
+        axes.plot(chart.contour.x, chart.contour.y, zorder=2, **line)
+        handles.append(Line2D([], [], label=chart.contour.label, **line))
+    for points in chart.points:
+        cross = points.marker == "cross"
+        look: dict[str, Any] = {
+            "color": STYLES[points.style].colour, "marker": MARKERS[points.marker], "linestyle": "none",
+            "markersize": 10 if cross else 4.5, "markeredgewidth": 2.2 if cross else 0.6,
+            "markeredgecolor": STYLES[points.style].colour if cross else "white",
+        }  # fmt: skip
+        axes.plot(points.x, points.y, zorder=3, **look)
+        handles.append(Line2D([], [], label=points.label, **look))
+    for axis in (axes.xaxis, axes.yaxis):
+        log_axis(axis)
+    return handles
+
+
+def _pale(colour: str) -> tuple[float, float, float]:
+    """A colour as thinned with white; transparent ones would show where two regions meet."""
+    from matplotlib.colors import to_rgb
+
+    r, g, b = (1 - 0.5 * (1 - part) for part in to_rgb(colour))
+    return r, g, b
+
+
+def draw_pictures(figure: Any, chart: PictureChart) -> list[Any]:
+    """The images in rows of three over one scale; there is no legend."""
+    across = min(_PICTURES_ACROSS, len(chart.names))
+    down = math.ceil(len(chart.names) / across)
+    extent = (chart.x[0], chart.x[-1], chart.y[0], chart.y[-1])
+    every = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
+    drawn: Any = None
+    for index, axes in enumerate(every.flat):
+        if index >= len(chart.names):
+            axes.set_visible(False)
+            continue
+        drawn = axes.imshow(
+            chart.power_db[index], cmap="viridis", vmin=chart.floor_db, vmax=0.0, origin="lower", extent=extent,
+            aspect="auto", interpolation="nearest",
+        )  # fmt: skip
+        axes.set_title(f"{chart.names[index]}\n{chart.captions[index]}", fontsize=8, loc="left")
+        axes.tick_params(width=0.6, length=2.5)
+        row, column = divmod(index, across)
+        if row == down - 1 or index + across >= len(chart.names):
+            axes.set_xlabel(chart.x_label)
+        if column == 0:
+            axes.set_ylabel(chart.y_label)
+    bar = figure.colorbar(drawn, ax=every, orientation="horizontal", aspect=50, fraction=0.05, pad=0.02)
+    bar.set_label(f"power [dB] {chart.reference.partition(';')[0]}")
+    bar.outline.set_linewidth(0.5)
+    return []
+
+
+def pictures_height(chart: PictureChart, width: float) -> float:
+    """Millimetres for pictures in their own proportions, kept low enough for a page."""
+    across = min(_PICTURES_ACROSS, len(chart.names))
+    down = math.ceil(len(chart.names) / across)
+    each = (width - _LEFT) / across - _RIGHT
+    high = min(each * float(np.ptp(chart.y) / np.ptp(chart.x)), _MOST_HIGH)
+    return down * (high + _PICTURE_WORDS) + _FOOT

@@ -1,0 +1,83 @@
+"""How charts look on paper, whatever their kind: dashes, markers, axes, names beside points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from app.charts.kinds import Points
+
+DASHES: dict[str, Any] = {
+    "solid": "-",
+    "dashed": (0, (6, 2.5)),
+    "dotted": (0, (1.2, 1.8)),
+    "dotdash": (0, (1.2, 2, 5, 2)),
+    "dashdot": (0, (7, 2, 1.2, 2, 1.2, 2)),
+}
+MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^", "x": "x", "cross": "+"}
+LINE_SCALE = 0.62  # a pixel on screen, in points on paper
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+# Where a name may stand beside its point: offset in points, alignment.
+_BESIDE = ((5, 0, "left", "center"), (-5, 0, "right", "center"), (0, 5, "center", "bottom"), (0, -5, "center", "top"))
+_NAME_SIZE = 6.5
+_BEHIND = {"facecolor": "white", "alpha": 0.65, "edgecolor": "none", "pad": 0.6}
+
+
+def plain(axes: Any) -> None:
+    """Axes without a box, with short ticks, grid below."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.tick_params(width=0.6, length=3)
+    axes.tick_params(which="minor", width=0.4, length=1.8)
+    axes.set_axisbelow(True)
+
+
+def power_of_ten(value: float, _position: int = 0) -> str:
+    """A tick of a log axis: 10ⁿ at whole powers, a plain number or m·10ⁿ between them."""
+    exponent = math.log10(value)
+    if abs(exponent - round(exponent)) < 1e-6:
+        return "10" + str(round(exponent)).translate(_SUPERSCRIPTS)
+    if 1e-3 <= value < 1e4:
+        return f"{float(f'{value:.2g}'):g}"
+    below = math.floor(exponent)
+    return f"{value / 10.0**below:.2g}·10" + str(below).translate(_SUPERSCRIPTS)
+
+
+def log_axis(axis: Any) -> None:
+    """Powers of ten at the ticks of a log axis, with 2 and 5 between them where it is short."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    decades = math.log10(high / low)
+    subs = (1.0,) if decades > 2.5 else (1.0, 2.0, 5.0)
+    axis.set_major_locator(LogLocator(subs=subs, numticks=12))
+    axis.set_major_formatter(FuncFormatter(power_of_ten))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def label_points(figure: Any, axes: Any, groups: Sequence[Points]) -> None:
+    """The name of each point beside it, where it covers neither another name nor another point.
+
+    The last groups come first: they are the ones that matter most (the design itself).
+    """
+    if not groups:
+        return
+    figure.draw_without_rendering()  # settles the layout, so that places in pixels are final
+    frame = axes.get_window_extent()
+    places = [tuple(axes.transData.transform((x, y))) for p in groups for x, y in zip(p.x, p.y, strict=True)]
+    taken = [text.get_window_extent().padded(1.0) for text in axes.texts]
+    for points in reversed(groups):
+        for x, y, name in zip(points.x, points.y, points.names, strict=True):
+            here = axes.transData.transform((x, y))
+            for dx, dy, horizontal, vertical in _BESIDE:
+                text = axes.annotate(
+                    name, (x, y), (dx, dy), textcoords="offset points", ha=horizontal, va=vertical,
+                    fontsize=_NAME_SIZE, bbox=_BEHIND, zorder=5,
+                )  # fmt: skip
+                box = text.get_window_extent().padded(1.0)
+                others = (p for p in places if abs(p[0] - here[0]) + abs(p[1] - here[1]) > 1.0)
+                inside = frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 and box.y1 < frame.y1
+                if inside and not any(box.contains(*p) for p in others) and not any(box.overlaps(t) for t in taken):
+                    taken.append(box)
+                    break
+                text.remove()

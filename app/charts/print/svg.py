@@ -1,0 +1,220 @@
+"""Charts as SVG for paper: Matplotlib's object interface, no pyplot, live text in the report's own face.
+
+Drawn at the size it is printed, so a point of text is a point on paper. The same chart gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import textwrap
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from app.charts.kinds import BarChart, Chart, DotChart, Drawing, MapChart, Points
+from app.charts.print.grid import ROW_HEIGHT, draw_dots, draw_map, draw_pictures, pictures_height
+from app.charts.print.look import DASHES, LINE_SCALE, MARKERS, label_points, log_axis, plain
+from app.charts.styles import STYLES
+
+WIDTH = 166.0  # mm: the text width of an A4 page
+PLOT_HEIGHT = 46.0  # mm, axes and their labels; the legend comes below
+_MAP_HEIGHT = 92.0
+_SQUARE_HEIGHT = 96.0
+_LEGEND_ROW = 4.4  # mm
+FONT = "Libertinus Serif"  # comes with Typst, which sets the text
+_MEASURED_IN = ("STIXGeneral", "DejaVu Serif")  # come with Matplotlib; widths close to those of `FONT`
+
+_Y_LABEL_LENGTH = 26  # characters that fit beside the axes
+_INK, _RULE = "#1c2329", "#c9d0d6"
+_SETTINGS = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "navbudget",
+    "font.family": list(_MEASURED_IN),
+    "font.size": 8.5,
+    "axes.titlesize": 8.5,
+    "axes.labelsize": 8.5,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": _INK,
+    "axes.labelcolor": _INK,
+    "text.color": _INK,
+    "xtick.color": _INK,
+    "ytick.color": _INK,
+    "grid.color": _RULE,
+    "grid.linewidth": 0.4,
+    "hatch.linewidth": 0.6,
+    "axes.unicode_minus": True,
+}
+_settings_lock = threading.Lock()
+
+
+def to_svg(chart: Drawing, width: float = WIDTH, plot_height: float | None = None) -> str:
+    """A chart as the text of an SVG file, `width` millimetres wide; the legend's rows add to `plot_height`."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    with _settings():
+        figure = Figure(layout="constrained")
+        canvas = FigureCanvasSVG(figure)
+        handles = _drawn(figure, chart)
+        columns = 3 if len(handles) != 4 else 2
+        height = (plot_height or _height(chart, width)) + _LEGEND_ROW * math.ceil(len(handles) / columns)
+        figure.set_size_inches(width / 25.4, height / 25.4)
+        if handles:
+            figure.legend(handles=handles, loc="outside lower left", ncols=columns, frameon=False, handlelength=3.4)
+        if isinstance(chart, Chart | MapChart):
+            label_points(figure, figure.axes[0], _named_once(chart.points))
+        text = io.StringIO()
+        canvas.print_svg(text, metadata={"Date": None, "Creator": None})
+    return text.getvalue().replace(", ".join(f"'{family}'" for family in _MEASURED_IN), f"'{FONT}'")
+
+
+def _drawn(figure: Any, chart: Drawing) -> list[Any]:
+    """Draw the chart; the entries of its legend."""
+    if isinstance(chart, Chart):
+        return _curves(figure.add_subplot(), chart)
+    if isinstance(chart, BarChart):
+        return _bars(figure.add_subplot(), chart)
+    if isinstance(chart, DotChart):
+        return draw_dots(figure.add_subplot(), chart)
+    if isinstance(chart, MapChart):
+        return draw_map(figure.add_subplot(), chart)
+    return draw_pictures(figure, chart)
+
+
+def _height(chart: Drawing, width: float) -> float:
+    if isinstance(chart, Chart):
+        return _SQUARE_HEIGHT if chart.square else PLOT_HEIGHT
+    if isinstance(chart, BarChart):
+        return PLOT_HEIGHT
+    if isinstance(chart, DotChart):
+        return 13.0 + ROW_HEIGHT * len(chart.dots)
+    return _MAP_HEIGHT if isinstance(chart, MapChart) else pictures_height(chart, width)
+
+
+def _named_once(points: Sequence[Points]) -> list[Points]:
+    """Paper has no hover, so points stand with their names; of groups with the same names only the first."""
+    return [group for i, group in enumerate(points) if group.names not in [other.names for other in points[:i]]]
+
+
+@contextmanager
+def _settings() -> Iterator[None]:
+    """Our settings over Matplotlib's own, whatever a matplotlibrc says. They are global: one at a time."""
+    import matplotlib
+
+    with _settings_lock, matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_SETTINGS)
+        yield
+
+
+def _in_lines(label: str) -> str:
+    """A long label of the y axis in two lines of about the same length."""
+    return (
+        label if len(label) <= _Y_LABEL_LENGTH else textwrap.fill(label, len(label) // 2 + 4, break_on_hyphens=False)
+    )
+
+
+def _curves(axes: Any, chart: Chart) -> list[Any]:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    plain(axes)
+    axes.grid(visible=True)
+    axes.set(xlabel=chart.x_label, ylabel=_in_lines(chart.y_label))
+    if chart.x_log:
+        axes.set_xscale("log")
+    if chart.y_log:
+        axes.set_yscale("log")
+    handles: list[Any] = []
+    for span in chart.spans:
+        if math.isnan(span.start):
+            continue
+        axes.axvspan(span.start, span.stop, color="#7b8794", alpha=0.18, linewidth=0)
+        if span.label not in [handle.get_label() for handle in handles]:
+            handles.append(Patch(color="#7b8794", alpha=0.18, linewidth=0, label=span.label))
+    for band in chart.bands:
+        colour = STYLES[band.style].colour
+        axes.fill_between(band.x, band.low, band.high, color=colour, alpha=0.25, linewidth=0)
+        handles.append(Patch(color=colour, alpha=0.25, linewidth=0, label=band.label))
+    for line in chart.lines:
+        style = STYLES[line.style]
+        look = {"color": style.colour, "linestyle": DASHES[style.dash], "linewidth": style.width * LINE_SCALE}
+        axes.plot(line.x, line.y, **look)
+        handles.append(Line2D([], [], label=line.label, **look))
+    for points in chart.points:
+        look = {
+            "color": STYLES[points.style].colour,
+            "marker": MARKERS[points.marker],
+            "linestyle": "none",
+            "markersize": 4.5,
+        }
+        if points.sizes is None:  # whole even on the edge of the frame, unless the frame was chosen
+            axes.plot(points.x, points.y, zorder=3, clip_on=bool(chart.x_range or chart.y_range), **look)
+        else:
+            marker = {"color": look["color"], "marker": look["marker"], "zorder": 3}
+            axes.scatter(points.x, points.y, s=(LINE_SCALE * points.sizes) ** 2, linewidths=0.9, **marker)
+        handles.append(Line2D([], [], label=points.label, **look))
+    drawn = [limit for limit in chart.limits if not math.isnan(limit.level)]
+    style = STYLES["limit"]
+    look = {"color": style.colour, "linestyle": DASHES[style.dash], "linewidth": style.width * LINE_SCALE}
+    for limit in drawn:
+        axes.plot([limit.start, limit.stop], [limit.level] * 2, **look)
+    if drawn:
+        handles.append(Line2D([], [], label="limit, brought to 1σ", **look))
+    if chart.x_range is not None:
+        axes.set_xlim(*chart.x_range)
+    if chart.square:
+        axes.set_box_aspect(1.0)
+    if chart.y_range is not None:
+        axes.set_ylim(*chart.y_range)
+    if not chart.x_log:
+        axes.margins(x=0)
+    for is_log, axis in ((chart.x_log, axes.xaxis), (chart.y_log, axes.yaxis)):
+        if is_log:
+            log_axis(axis)
+    return handles
+
+
+_BAR_KINDS = (("first", STYLES["quadratic"].colour, -0.19, "", "dashdot"),
+              ("second", STYLES["with cubic"].colour, 0.19, "/////", "dotted"))  # fmt: skip
+
+
+def _bars(axes: Any, chart: BarChart) -> list[Any]:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    plain(axes)
+    axes.grid(visible=True, axis="x")
+    axes.set_xlabel(chart.x_label)
+    rows = range(len(chart.bars))
+    handles: list[Any] = []
+    for kind, colour, offset, hatch, dash in _BAR_KINDS:
+        lengths = [getattr(bar, kind) for bar in chart.bars]
+        look = {
+            "facecolor": colour if not hatch else "white",
+            "edgecolor": colour,
+            "linewidth": 0.6,
+            "hatch": hatch or None,
+        }
+        axes.barh([row + offset for row in rows], lengths, height=0.34, **look)
+        label = getattr(chart, f"{kind}_label")
+        handles.append(Patch(label=label, **look))
+        limit = getattr(chart, f"{kind}_limit")
+        if not math.isnan(limit):
+            line = {
+                "color": STYLES["limit"].colour,
+                "linestyle": DASHES[dash],
+                "linewidth": STYLES["limit"].width * LINE_SCALE,
+            }
+            axes.axvline(limit, **line)
+            handles.append(Line2D([], [], label=f"limit on {label}, at 1σ", **line))
+    axes.set_yticks(list(rows), [bar.label for bar in chart.bars])
+    axes.set_ylim(len(chart.bars) - 0.5, -0.5)  # a last row without a second bar stays whole
+    axes.set_xlim(left=0)
+    axes.tick_params(axis="y", length=0)
+    return handles

@@ -1,0 +1,286 @@
+"""Charts as Bokeh figures: made once, then fed.
+
+A `Figure` keeps the sources of one figure. `feed` hands over only what changed, so a slider step costs one
+message with the arrays that moved.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from bokeh.core.properties import field as field_of
+from bokeh.core.properties import value
+from bokeh.models import (
+    BoxAnnotation,
+    ColumnDataSource,
+    FactorRange,
+    GlyphRenderer,
+    HoverTool,
+    Label,
+    LogAxis,
+    Range1d,
+    Scatter,
+    Segment,
+    VArea,
+)
+from bokeh.models import Line as LineGlyph
+from bokeh.models.glyphs import Glyph
+from bokeh.plotting import figure
+from bokeh.transform import dodge
+
+from app.charts.kinds import AnyChart, BarChart, Chart, Line
+from app.charts.screen.grid import columns_of, draw
+from app.charts.screen.log_axis import mark_in_powers
+from app.charts.styles import BAR_STYLES, DASHES, STYLES
+
+# The page's theme sets chart text in em; this is what an em is.
+TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
+_BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
+_TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
+
+
+@dataclass
+class Figure:
+    """A Bokeh figure and what feeds it. `plot` goes on a page or into a report."""
+
+    plot: figure
+    _sources: dict[str, ColumnDataSource]
+    _sent: dict[str, Any] = field(default_factory=dict)
+    _spans: dict[str, tuple[BoxAnnotation, Label]] = field(default_factory=dict)
+    _lines: Sequence[GlyphRenderer] = ()
+
+    def feed(self, chart: AnyChart) -> None:
+        """Show another chart of the same structure."""
+        renamed = isinstance(chart, Chart) and self._rename(chart)
+        for name, columns in _columns(chart).items():
+            sent, source = self._sent[name], self._sources[name]
+            if renamed:
+                source.data = dict(columns)
+            elif changed := {key: new for key, new in columns.items() if not _same(sent[key], new)}:
+                source.data.update(changed)
+            self._sent[name] = columns
+        if isinstance(chart, Chart):
+            self._feed_ranges(chart)
+
+    def _rename(self, chart: Chart) -> bool:
+        """Follow what the hover says of a line, which run it is for one; whether anything was renamed.
+
+        Its old column stays until the line has left it: a line without its column is an error in the browser.
+        """
+        renamed = False
+        for renderer, line in zip(self._lines, chart.lines, strict=True):
+            name = _column(line)
+            if renderer.name != name:
+                renamed, data = True, renderer.data_source.data
+                data[name] = data[renderer.name]
+                renderer.glyph.y = field_of(name)
+                renderer.name = name
+        return renamed
+
+    def _feed_ranges(self, chart: Chart) -> None:
+        for span in chart.spans:
+            box, label = self._spans[span.key]
+            shown = not math.isnan(span.start)
+            if box.visible != shown:
+                box.visible = label.visible = shown
+            if shown and (box.left, box.right) != (span.start, span.stop):
+                box.update(left=span.start, right=span.stop)
+                label.x = span.start
+        if chart.y_range is not None and (self.plot.y_range.start, self.plot.y_range.end) != chart.y_range:
+            start, end = chart.y_range
+            self.plot.y_range.update(start=start, end=end, reset_start=start, reset_end=end)
+
+
+def to_bokeh(chart: AnyChart, height: int = 320) -> Figure:
+    """A figure for a chart, as wide as its place."""
+    if isinstance(chart, Chart):
+        return _curves(chart, height)
+    if isinstance(chart, BarChart):
+        return _bars(chart, height)
+    columns = columns_of(chart)
+    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    plot = draw(chart, sources, height)
+    plot.styles = TEXT_SIZE
+    for axis in (plot.xaxis, plot.yaxis):
+        if isinstance(axis[0], LogAxis):
+            mark_in_powers(axis[0])
+    return Figure(plot, sources, dict(columns))
+
+
+def _columns(chart: AnyChart) -> dict[str, dict[str, Any]]:
+    """Source name -> columns. Lines that share an x array share a source."""
+    if not isinstance(chart, Chart | BarChart):
+        return columns_of(chart)
+    if isinstance(chart, BarChart):
+        return _bar_columns(chart)
+    columns: dict[str, dict[str, Any]] = {}
+    for line in chart.lines:
+        columns.setdefault(_line_source(chart, line.x), {"x": line.x})[_column(line)] = line.y
+    for band in chart.bands:
+        columns[f"band {band.key}"] = {"x": band.x, "low": band.low, "high": band.high}
+    for points in chart.points:
+        sizes = {} if points.sizes is None else {"size": points.sizes}
+        columns[f"points {points.key}"] = {"x": points.x, "y": points.y, "name": list(points.names), **sizes}
+    if chart.limits:
+        columns["limits"] = {
+            "x0": [limit.start for limit in chart.limits],
+            "x1": [limit.stop for limit in chart.limits],
+            "y": [limit.level for limit in chart.limits],
+            "name": [limit.label for limit in chart.limits],
+        }
+    return columns
+
+
+def _column(line: Line) -> str:
+    """A line's column is called what its hover says, so one tool serves all lines of a figure."""
+    return f"{line.label}: {line.source}"
+
+
+def _line_source(chart: Chart, x: Any) -> str:
+    return f"lines {next(i for i, line in enumerate(chart.lines) if line.x is x)}"
+
+
+def _same(old: Any, new: Any) -> bool:
+    """Whether a column need not be sent again."""
+    if old is new:
+        return True
+    if isinstance(new, np.ndarray):
+        return np.array_equal(old, new, equal_nan=True)
+    return repr(old) == repr(new)
+
+
+def _curves(chart: Chart, height: int) -> Figure:
+    plot = figure(
+        name=chart.key,
+        height=height,
+        sizing_mode="stretch_width",
+        x_axis_type="log" if chart.x_log else "linear",
+        y_axis_type="log" if chart.y_log else "linear",
+        x_axis_label=chart.x_label,
+        y_axis_label=chart.y_label,
+        tools=_TOOLS,
+        toolbar_location="right",
+        active_drag=None,
+        **({"y_range": Range1d(*chart.y_range)} if chart.y_range else {}),
+        **({"x_range": Range1d(*chart.x_range)} if chart.x_range else {}),
+    )
+    if chart.square:
+        wide = height + _BESIDE  # so that the frame itself is square
+        plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)
+    plot.toolbar.logo = None
+    columns = _columns(chart)
+    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
+    for band in chart.bands:
+        style = STYLES[band.style]
+        source = sources[f"band {band.key}"]
+        _draw(plot, source, VArea(x="x", y1="low", y2="high", fill_color=style.colour, fill_alpha=0.25))
+        for edge in ("low", "high"):  # a thin band would vanish without them
+            _draw(plot, source, LineGlyph(x="x", y=edge, line_color=style.colour, line_alpha=0.6))
+    lines = []
+    for line in chart.lines:
+        style = STYLES[line.style]
+        look = {"line_color": style.colour, "line_dash": DASHES[style.dash], "line_width": style.width}
+        glyph = LineGlyph(x="x", y=field_of(_column(line)), **look)
+        lines.append(_draw(plot, sources[_line_source(chart, line.x)], glyph, _column(line)))
+    x_unit, y_unit = _unit(chart.x_label), _unit(chart.y_label)
+    _hover(plot, lines, f"<b>$name</b><br>@$name{{0.000e+0}} {y_unit} at @x{{0.000}} {x_unit}")
+    for points in chart.points:
+        style = STYLES[points.style]
+        source = sources[f"points {points.key}"]
+        glyph = Scatter(
+            x="x", y="y", marker=value(points.marker), size=9 if points.sizes is None else "size",
+            fill_color=style.colour, line_color=style.colour, line_width=style.width if points.marker == "x" else 1.0,
+        )  # fmt: skip
+        renderer = _draw(plot, source, glyph)
+        _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
+    if chart.limits:
+        style = STYLES["limit"]
+        look = {"line_color": style.colour, "line_dash": DASHES[style.dash], "line_width": style.width}
+        renderer = _draw(plot, sources["limits"], Segment(x0="x0", y0="y", x1="x1", y1="y", **look))
+        _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
+    plot.styles = TEXT_SIZE
+    for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
+        if is_log:
+            mark_in_powers(axis[0])
+    return Figure(plot, sources, dict(columns), spans, lines)
+
+
+def _draw(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:
+    """Draw without the looks for selected and muted data that the plotting functions add: nothing is selected
+    here, and every model counts in the time to the first view."""
+    plain = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
+    return plot.add_glyph(source, glyph, name=name, **plain)
+
+
+def _unit(label: str) -> str:
+    return label.rpartition("[")[2].rstrip("]")
+
+
+def _hover(plot: figure, renderers: list[Any], tooltip: str) -> None:
+    plot.add_tools(HoverTool(renderers=renderers, tooltips=tooltip, visible=False))
+
+
+def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnotation, Label]:
+    box = BoxAnnotation(left=start, right=stop, fill_color="#7b8794", fill_alpha=0.18, line_alpha=0)
+    label = Label(x=start, y=6, x_offset=3, y_units="screen", text=text, text_font_size="11px", text_color="#7b8794")
+    if math.isnan(start):
+        box.update(left=0.0, right=0.0, visible=False)
+        label.update(x=0.0, visible=False)
+    plot.add_layout(box)
+    plot.add_layout(label)
+    return box, label
+
+
+def _bar_columns(chart: BarChart) -> dict[str, dict[str, Any]]:
+    rows = chart.bars[::-1]  # Bokeh counts rows from below
+    names = ("label", "first", "second", "first_mm", "second_mm", "source")
+    limits = {"first": chart.first_limit, "second": chart.second_limit}
+    return {
+        "bars": {name: [getattr(bar, name) for bar in rows] for name in names},
+        **{f"limit {kind}": {"x": [x], "low": [0.0], "high": [float(len(rows))]} for kind, x in limits.items()},
+    }
+
+
+def _bars(chart: BarChart, height: int) -> Figure:
+    columns = _bar_columns(chart)
+    plot = figure(
+        name=chart.key,
+        height=height,
+        sizing_mode="stretch_width",
+        y_range=FactorRange(*columns["bars"]["label"]),
+        x_axis_label=chart.x_label,
+        tools=_TOOLS,
+        toolbar_location="right",
+        active_drag=None,
+    )
+    plot.toolbar.logo = None
+    plot.x_range.start = 0
+    plot.ygrid.grid_line_color = None
+    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    for kind, offset, (style, hatched, dash) in zip(("first", "second"), (0.19, -0.19), BAR_STYLES, strict=True):
+        colour = STYLES[style].colour
+        bars = plot.hbar(
+            y=dodge("label", offset, range=plot.y_range),
+            left=0,
+            right=kind,
+            height=0.34,
+            source=sources["bars"],
+            fill_color=colour,
+            line_color=colour,
+            fill_alpha=0.25 if hatched else 0.85,
+            hatch_pattern="/" if hatched else None,
+            hatch_color=colour,
+        )
+        plot.segment(
+            "x", "low", "x", "high", source=sources[f"limit {kind}"],
+            line_color=STYLES["limit"].colour, line_dash=DASHES[dash], line_width=2,
+        )  # fmt: skip
+        tooltip = f"<b>@label</b><br>@{kind}{{0.000}}° = @{kind}_mm{{0.0000}} mm<br>@source"
+        _hover(plot, [bars], tooltip)
+    plot.styles = TEXT_SIZE
+    return Figure(plot, sources, dict(columns))

@@ -1,0 +1,135 @@
+"""Dot charts and maps as Bokeh figures; `on_screen` feeds them, `legend` explains them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, FactorRange, HoverTool, LinearColorMapper
+from bokeh.plotting import figure
+
+from app.charts.kinds import DotChart, MapChart
+from app.charts.region import middle_of
+from app.charts.styles import DASHES, STYLES
+
+_TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
+
+
+def columns_of(chart: DotChart | MapChart) -> dict[str, dict[str, Any]]:
+    """Source name -> columns."""
+    return _dot_columns(chart) if isinstance(chart, DotChart) else _map_columns(chart)
+
+
+def draw(chart: DotChart | MapChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:
+    """The figure."""
+    return _dots(chart, sources, height) if isinstance(chart, DotChart) else _map(chart, sources, height)
+
+
+def _dot_columns(chart: DotChart) -> dict[str, dict[str, Any]]:
+    rows = chart.dots[::-1]  # Bokeh counts rows from below
+    names = ("closed", "ensemble", "low", "high")
+    columns: dict[str, Any] = {name: np.array([getattr(dot, name) for dot in rows], float) for name in names}
+    columns |= {f"{name}_mm": chart.millimetres * columns[name] for name in names}
+    columns |= {"label": [dot.label for dot in rows], "source": [dot.source for dot in rows]}
+    return {
+        "dots": columns,
+        "limit": {"x": [chart.limit], "low": [0.0], "high": [float(len(rows))]},
+    }
+
+
+def _dots(chart: DotChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:
+    plot = figure(
+        name=chart.key,
+        height=height,
+        sizing_mode="stretch_width",
+        x_axis_type="log",
+        y_range=FactorRange(*(dot.label for dot in chart.dots[::-1])),
+        x_axis_label=chart.x_label,
+        tools=_TOOLS,
+        toolbar_location="right",
+        active_drag=None,
+    )
+    plot.toolbar.logo = None
+    dots, limit, blue, orange = sources["dots"], STYLES["limit"], STYLES["horizontal"], STYLES["vertical"]
+    plot.segment("low", "label", "high", "label", source=dots, line_color=blue.colour, line_width=7, line_alpha=0.35)
+    runs = plot.scatter("ensemble", "label", source=dots, marker="circle", size=9, color=blue.colour)
+    closed = plot.scatter(
+        "closed", "label", source=dots, marker="diamond", size=15,
+        fill_alpha=0, line_color=orange.colour, line_width=2,
+    )  # fmt: skip
+    plot.segment(
+        "x", "low", "x", "high", source=sources["limit"],
+        line_color=limit.colour, line_dash=DASHES[limit.dash], line_width=limit.width,
+    )  # fmt: skip
+    said = "<b>@label</b><br>closed form @closed{0.000}° = @closed_mm{0.000} mm<br>"
+    said += "ensemble rms @ensemble{0.000}° = @ensemble_mm{0.000} mm<br>"
+    said += "5 to 95 % @low{0.000}° to @high{0.000}°<br>@source"
+    plot.add_tools(HoverTool(renderers=[runs, closed], tooltips=said, visible=False))
+    return plot
+
+
+def _map_columns(chart: MapChart) -> dict[str, dict[str, Any]]:
+    left, right = _edges(chart.x)
+    bottom, top = _edges(chart.y)
+    places = [place for i in range(len(chart.names)) if (place := middle_of(chart, i)) is not None]
+    return {
+        "map": {
+            "image": [chart.winner.astype(np.uint8)],
+            "x": [left],
+            "y": [bottom],
+            "dw": [right - left],
+            "dh": [top - bottom],
+        },
+        "regions": {
+            "x": [x for x, _, _ in places],
+            "y": [y for _, y, _ in places],
+            "name": [name for *_, name in places],
+        },
+        "contour": {"x": chart.contour.x, "y": chart.contour.y},
+        **{f"points {p.key}": {"x": p.x, "y": p.y, "name": list(p.names)} for p in chart.points},
+    }
+
+
+def _edges(values: np.ndarray) -> tuple[float, float]:
+    half = np.sqrt(values[1] / values[0])
+    return float(values[0] / half), float(values[-1] * half)
+
+
+def _map(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:
+    plot = figure(
+        name=chart.key,
+        height=height,
+        sizing_mode="stretch_width",
+        x_axis_type="log",
+        y_axis_type="log",
+        x_axis_label=chart.x_label,
+        y_axis_label=chart.y_label,
+        tools=_TOOLS,
+        toolbar_location="right",
+        active_drag=None,
+    )
+    plot.toolbar.logo = None
+    plot.x_range.range_padding = plot.y_range.range_padding = 0
+    plot.grid.visible = False
+    colours = [STYLES[style].colour for style in chart.styles]
+    mapper = LinearColorMapper(palette=colours, low=-0.5, high=len(colours) - 0.5)
+    plot.image("image", x="x", y="y", dw="dw", dh="dh", source=sources["map"], color_mapper=mapper, global_alpha=0.55)
+    plot.text(
+        "x", "y", text="name", source=sources["regions"], text_align="center", text_baseline="middle",
+        text_font_size="12px", text_color="#1b2329", background_fill_color="#ffffff", background_fill_alpha=0.8,
+        padding=4, border_radius=4,
+    )  # fmt: skip
+    limit = STYLES[chart.contour.style]
+    plot.line("x", "y", source=sources["contour"], line_color=limit.colour, line_width=2.2,
+                        line_dash=DASHES[limit.dash])  # fmt: skip
+    for points in chart.points:
+        style = STYLES[points.style]
+        look = {"size": 7, "line_width": 0.8, "line_color": "#ffffff"}
+        if points.marker == "cross":
+            look = {"size": 16, "line_width": 3, "line_color": style.colour}
+        marks = plot.scatter(
+            "x", "y", source=sources[f"points {points.key}"], marker=points.marker, fill_color=style.colour, **look
+        )
+        plot.add_tools(HoverTool(renderers=[marks], tooltips=f"<b>@name</b>: {points.source}", visible=False))
+    return plot

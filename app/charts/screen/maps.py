@@ -1,0 +1,240 @@
+"""The Explore page's charts as Bokeh figures: made once, then fed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from bokeh.models import (
+    ColorBar,
+    ColumnDataSource,
+    CustomJSTickFormatter,
+    FactorRange,
+    FixedTicker,
+    HoverTool,
+    LogColorMapper,
+    Range1d,
+)
+from bokeh.plotting import figure
+
+from app.charts.screen.figures import TEXT_SIZE
+from app.charts.screen.log_axis import mark_in_powers
+from app.charts.styles import STYLES
+from app.subjects.explore.charts import LEVELS, RankChart, TradeMapChart
+from nav_model.explore.trade_map import MapPoint
+
+# Light meets the limit, dark does not; the steps are told apart in grey too.
+_PALETTE = ("#f4f8fb", "#dfebf4", "#c3d9ea", "#93b7d3", "#5d8fb5", "#2f6690")
+_RANGE = (1 / 8, 8.0)
+_CONTOUR = {0.5: ("dotted", 1.5, "half"), 1.0: ("solid", 3.0, "limit"), 2.0: ("dashed", 1.5, "twice")}
+_RED = STYLES["limit"].colour
+
+
+class RankFigure:
+    """A sorted bar chart; hatched bars are inputs to double, plain ones inputs to halve."""
+
+    def __init__(self, chart: RankChart) -> None:
+        self._source = ColumnDataSource(_bars(chart), name=f"{chart.key} bars")
+        self.plot = figure(
+            name=chart.key,
+            height=360,
+            sizing_mode="stretch_width",
+            y_range=FactorRange(*self._source.data["label"]),
+            x_range=Range1d(0, _most(chart)),
+            x_axis_label=chart.x_label,
+            tools="save",
+            toolbar_location="right",
+        )
+        self.plot.toolbar.logo = None
+        self.plot.ygrid.grid_line_color = None
+        self.plot.styles = TEXT_SIZE
+        colour = STYLES["quadratic"].colour
+        bars = self.plot.hbar(
+            y="label", left=0, right="percent", height=0.66, source=self._source, fill_color=colour,
+            line_color=colour, fill_alpha="alpha", hatch_pattern="hatch", hatch_color=colour,
+        )  # fmt: skip
+        self.plot.text(
+            "percent", "label", text="shown", source=self._source, x_offset=5, text_baseline="middle",
+            text_font_size="12px", text_color="#7b8794",
+        )  # fmt: skip
+        self.plot.add_tools(HoverTool(renderers=[bars], tooltips="@sentence", visible=False))
+
+    def feed(self, chart: RankChart) -> None:
+        """Show another ranking."""
+        data = _bars(chart)
+        if list(self.plot.y_range.factors) != data["label"]:
+            self.plot.y_range.factors = data["label"]
+        self.plot.x_range.end = _most(chart)
+        self._source.data = data
+
+
+def _most(chart: RankChart) -> float:
+    return 1.18 * max((bar.percent for bar in chart.bars), default=100.0)
+
+
+def _bars(chart: RankChart) -> dict[str, Any]:
+    rows = chart.bars[::-1]  # Bokeh counts rows from below
+    return {
+        "label": [bar.label for bar in rows],
+        "percent": [bar.percent for bar in rows],
+        "shown": [f"{bar.percent:.2g} %" for bar in rows],
+        "alpha": [0.25 if bar.doubled else 0.85 for bar in rows],
+        "hatch": ["right_diagonal_line" if bar.doubled else "blank" for bar in rows],
+        "sentence": [bar.sentence for bar in rows],
+    }
+
+
+class MapFigure:
+    """A map with its contours, the catalogue's units and the design's cross."""
+
+    def __init__(self, chart: TradeMapChart) -> None:
+        self._chart = chart
+        self.plot = figure(
+            name=chart.key,
+            height=460,
+            sizing_mode="stretch_width",
+            x_axis_type="log" if chart.x_log else "linear",
+            y_axis_type="log" if chart.y_log else "linear",
+            x_axis_label=chart.x_label,
+            y_axis_label=chart.y_label,
+            x_range=Range1d(chart.x[0], chart.x[-1]),
+            y_range=Range1d(chart.y[0], chart.y[-1]),
+            tools="save",
+            toolbar_location="right",
+        )
+        self.plot.toolbar.logo = None
+        self.plot.grid.visible = False
+        self.plot.styles = TEXT_SIZE
+        self._image = ColumnDataSource(_image(chart), name=f"{chart.key} image")
+        mapper = LogColorMapper(palette=list(_PALETTE), low=_RANGE[0], high=_RANGE[1], nan_color="#ffffff00")
+        image = self.plot.image("image", "x", "y", "dw", "dh", source=self._image, color_mapper=mapper)
+        self._lines = []
+        for level, (x, y) in zip(LEVELS, chart.contours, strict=True):
+            dash, width, word = _CONTOUR[level]
+            source = ColumnDataSource({"x": x, "y": y}, name=f"{chart.key} contour {word}")
+            self.plot.line("x", "y", source=source, line_color=_RED if level == 1 else "#3b4650",
+                           line_dash=dash, line_width=width)  # fmt: skip
+            self._lines.append(source)
+        self._points = ColumnDataSource(_points(chart), name=f"{chart.key} catalogue")
+        marks = self.plot.scatter(
+            "x", "y", marker="marker", size=8, source=self._points, fill_color="#ffffff", line_color="#10151a",
+            line_width=1.6,
+        )  # fmt: skip
+        self.plot.text(
+            "x", "y", text="name", x_offset="right", y_offset="down", text_align="align", source=self._points,
+            text_baseline="middle", text_font_size="11px", text_color="#10151a", background_fill_color="#ffffff",
+            background_fill_alpha=0.7,
+        )  # fmt: skip
+        self._here = ColumnDataSource(_here(chart), name=f"{chart.key} design")
+        self.plot.scatter("x", "y", marker="cross", size=26, line_width=3.5, source=self._here, line_color="#d55e00")
+        self.plot.add_layout(
+            ColorBar(
+                color_mapper=mapper, width=10, title="× " + chart.reference.replace("this design's value", "now"),
+                ticker=FixedTicker(ticks=[0.125, 0.25, 0.5, 1, 2, 4, 8]), title_text_font_size="11px",
+                formatter=CustomJSTickFormatter(code="return tick < 1 ? '1/' + Math.round(1 / tick) : String(tick)"),
+            ),
+            "right",
+        )  # fmt: skip
+        self.plot.add_tools(
+            HoverTool(renderers=[image], tooltips=f"@image{{0.000}} × {chart.reference}<br>at $x, $y", visible=False),
+            HoverTool(renderers=[marks], tooltips="<b>@unit</b><br>@said", visible=False),
+        )
+        for axis, is_log in ((self.plot.xaxis, chart.x_log), (self.plot.yaxis, chart.y_log)):
+            if is_log:
+                mark_in_powers(axis[0])
+
+    def feed(self, chart: TradeMapChart) -> None:
+        """Show another map of the same structure; the cross alone where nothing else moved."""
+        old, self._chart = self._chart, chart
+        if chart.here != old.here:
+            self._here.data = _here(chart)
+        if not np.array_equal(chart.points_x, old.points_x) or chart.points != old.points:
+            self._points.data = _points(chart)
+        same = np.array_equal(chart.ratio, old.ratio, equal_nan=True)
+        if same and np.array_equal(chart.x, old.x) and np.array_equal(chart.y, old.y):
+            return
+        self._image.data = _image(chart)
+        for source, (x, y) in zip(self._lines, chart.contours, strict=True):
+            source.data = {"x": x, "y": y}
+        for span, values in ((self.plot.x_range, chart.x), (self.plot.y_range, chart.y)):
+            if (span.start, span.end) != (values[0], values[-1]):
+                span.update(start=float(values[0]), end=float(values[-1]))
+
+
+def _image(chart: TradeMapChart) -> dict[str, Any]:
+    # The grid is even where the axis is straight, so the picture's corners place every cell.
+    return {
+        "image": [chart.ratio],
+        "x": [chart.x[0]],
+        "y": [chart.y[0]],
+        "dw": [chart.x[-1] - chart.x[0]],
+        "dh": [chart.y[-1] - chart.y[0]],
+    }
+
+
+def _points(chart: TradeMapChart) -> dict[str, Any]:
+    return {
+        "x": chart.points_x,
+        "y": chart.points_y,
+        "unit": [point.name for point in chart.points],
+        "marker": ["x" if point.met is False else "circle" for point in chart.points],
+        **_labels(chart),
+        "said": [_said(chart, point) for point in chart.points],
+    }
+
+
+def _said(chart: TradeMapChart, point: MapPoint) -> str:
+    """Whether a unit passes, and with what margin."""
+    if point.met is None:
+        return "no limit is given"
+    margin = f"{100 * (1 - point.value / chart.level):+.0f} %".replace("-", "−")
+    return f"{'meets' if point.met else 'does not meet'} the limit, margin {margin}"
+
+
+def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
+    """Where each name stands beside its mark: the first place that covers no other name or mark, as drawn about
+    430 pixels wide; a name that finds none is left to the hover."""
+    x, y = (
+        (np.log(values) - np.log(ends[0])) / (np.log(ends[-1]) - np.log(ends[0]))
+        if is_log
+        else (values - ends[0]) / (ends[-1] - ends[0])
+        for values, ends, is_log in (
+            (chart.points_x, chart.x, chart.x_log),
+            (chart.points_y, chart.y, chart.y_log),
+        )
+    )
+    across, down = 430 * x, -400 * y
+    taken = [(px - 6, py - 6, px + 6, py + 6) for px, py in zip(across, down, strict=True)]
+    placed: dict[str, list[Any]] = {"right": [], "down": [], "align": [], "name": []}
+    for point, px, py in zip(chart.points, across, down, strict=True):
+        width = 6.2 * len(point.name)
+        for right, lower, align in _PLACES:
+            left = px + right - {"left": 0, "right": width, "center": width / 2}[align]
+            box = (left, py + lower - 7, left + width, py + lower + 7)
+            if box[0] > 0 and box[2] < 490 and not any(_overlap(box, other) for other in taken):
+                taken.append(box)
+                break
+        else:
+            right, lower, align = 0, 0, "left"
+            box = None
+        placed["right"].append(right)
+        placed["down"].append(lower)
+        placed["align"].append(align)
+        placed["name"].append(point.name if box else "")
+    return placed
+
+
+_PLACES = tuple(
+    (right, lower, align)
+    for lower in (0, -14, 14, -28, 28, -42, 42)
+    for right, align in ((9, "left"), (-9, "right"), (0, "center"))
+    if lower or align != "center"
+)
+
+
+def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+def _here(chart: TradeMapChart) -> dict[str, Any]:
+    return {"x": [chart.here[0]], "y": [chart.here[1]]}

@@ -1,0 +1,73 @@
+"""What commands have in common: designs named on the line, JSON put away, refusals in one line."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from app.console.files import put_file
+from nav_model.design import Design
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import MAX_BYTES, parse_design, read_bytes
+
+BAD_INPUT = 2
+
+
+def design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
+    parser.add_argument("designs", nargs="*", metavar="DESIGN" if one else "DESIGN...", help="a file, or - for stdin")
+    parser.add_argument(
+        "--set",
+        dest="changes",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="KEY=VALUE",
+        help='override the file, e.g. imu.angle_random_walk="0.3 °/√h"',
+    )
+    parser.set_defaults(one=one, parser=parser)
+
+
+def paths_of(options: argparse.Namespace) -> list[str]:
+    """The designs named; a path that --set swallowed is given back."""
+    paths, changes = list(options.designs), list(options.changes)
+    while changes and "=" not in changes[-1]:
+        paths.append(changes.pop())
+    options.changes = changes
+    if not paths:
+        options.parser.error("no DESIGN given; name a file, or - for standard input")
+    if options.one and len(paths) > 1:
+        options.parser.error(f"one DESIGN expected, {len(paths)} given")
+    return paths
+
+
+def read_design(path: str, changes: Sequence[str]) -> Design:
+    return parse_design(*content_of(path, MAX_BYTES), changes)
+
+
+def content_of(path: str, most: int) -> tuple[bytes, str]:
+    """What a file or standard input holds, at most a byte more than it may, and what to call it."""
+    if path == "-":
+        return sys.stdin.buffer.read(most + 1), "standard input"
+    return read_bytes(path, most), path
+
+
+def put_json(data: dict[str, Any], output: Path | None) -> int:
+    """To standard output, or whole into a file."""
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+    if output is None:
+        sys.stdout.write(text)
+        return 0
+    put_file(output, text.encode("utf-8"))
+    print(f"wrote {output}", file=sys.stderr)
+    return 0
+
+
+def refuse(error: DesignError) -> int:
+    # One line whatever the file held: line ends and control characters of a key or path are escaped.
+    line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in str(error))
+    print(f"navbudget: {line}", file=sys.stderr)
+    return BAD_INPUT

@@ -1,0 +1,43 @@
+"""Writing files whole: a reader sees the old file or the new one, never half of it."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from nav_model.design.declaration import DesignError
+
+
+@contextmanager
+def whole_file(target: Path) -> Iterator[BinaryIO]:
+    """A draft beside `target` that takes its place when the block ends well, and vanishes when it does not.
+
+    Raises
+    ------
+    DesignError
+        Under ``-o``, when the folder is missing or refuses, `target` is a folder, or the disk is full. The
+        folder is tried first, before the work inside the block is done.
+    """
+    if not target.parent.is_dir():
+        raise DesignError("-o", f"{str(target.parent)!r} is not a folder; the file cannot be written there")
+    if target.is_dir():
+        raise DesignError("-o", f"{str(target)!r} is a folder; name a file in it")
+    draft = target.parent / f".{target.name[:100]}.{secrets.token_hex(6)}.part"
+    try:
+        try:
+            with draft.open("xb") as file:
+                yield file
+            draft.replace(target)
+        finally:
+            draft.unlink(missing_ok=True)
+    except OSError as error:
+        raise DesignError("-o", f"{str(target)!r} cannot be written: {error.strerror or error}") from error
+
+
+def put_file(target: Path, data: bytes) -> None:
+    """Write `data` to `target`, whole or not at all; raises as `whole_file`."""
+    with whole_file(target) as file:
+        file.write(data)

@@ -1,0 +1,31 @@
+"""The inputs on the left: one control per declaration of a design, derived from it.
+
+Text that is refused shows its message at the box and leaves the last good value in force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from app.dashboard.controls.choice import ChoiceControl
+from app.dashboard.controls.preset import PresetControl
+from app.dashboard.controls.quantity import QuantityControl
+from app.session import Session
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import INPUTS, PARTS
+
+Control = QuantityControl | ChoiceControl | PresetControl
+
+SECTION_TITLES = {part.section: part.title for part in PARTS}
+
+
+def section_controls(session: Session, section: str) -> list[Control]:
+    """The controls of one section, in the order of the design file."""
+    controls: list[Control] = []
+    if section in {"imu", "radar"}:
+        controls.append(PresetControl(session, section))
+    for name, declaration in INPUTS[section].items():
+        make: Callable[[Session, str], Control]
+        make = QuantityControl if isinstance(declaration, BaseQuantity) else ChoiceControl
+        controls.append(make(session, f"{section}.{name}"))
+    return controls

@@ -1,0 +1,78 @@
+"""One choice of a design: a select, or a switch."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.session import Session
+from app.ui.chart_pane import html_pane
+from nav_model.design import Design
+from nav_model.design.declaration import Choice
+from nav_model.design.parts import declaration_of
+
+_CHOICES: dict[str, dict[Any, str]] = {
+    "radar.window": {"uniform": "uniform", "hamming": "Hamming", "taylor": "Taylor −35 dB, n̄ 5"},
+    "radar.autofocus_order": {1: "nothing (line only)", 2: "quadratic", 3: "quadratic and cubic"},
+    "requirements.steady_state": {
+        "prior": "just before a fix (prior)",
+        "closed": "cycle rms (closed form)",
+        "posterior": "just after a fix (posterior)",
+    },
+}
+
+
+class ChoiceControl:
+    """A select, or a switch, for one choice."""
+
+    def __init__(self, session: Session, key: str) -> None:
+        declaration = declaration_of(key)
+        assert isinstance(declaration, Choice)
+        self.key = key
+        self._session = session
+        self._declaration = declaration
+        label = str(declaration.label)
+        if isinstance(declaration.default, bool):
+            self.widget = pmui.Switch(label=label, description="", margin=(10, 10, 0, 10))
+        else:
+            names = _CHOICES[key]
+            self.widget = pmui.Select(
+                label=label,
+                description="",
+                options={names[option]: option for option in declaration.objects},
+                size="small",
+                margin=(10, 10, 0, 10),
+                sizing_mode="stretch_width",
+            )
+        self._view = pn.Column(self.widget, margin=0, sizing_mode="stretch_width")
+        self.widget.param.watch(self._chosen, "value")
+        self.show(session.design)
+
+    @property
+    def view(self) -> pn.viewable.Viewable:
+        """The control as it stands in the column."""
+        return self._view
+
+    def differs(self, old: Design, new: Design) -> bool:
+        """Whether the choice is another."""
+        return bool(old[self.key] != new[self.key])
+
+    def show(self, design: Design) -> None:
+        """Follow the design in force."""
+        if self.widget.value != design[self.key]:
+            self.widget.value = design[self.key]
+
+    def explain(self, explained: bool) -> None:
+        """Show the help line, or not."""
+        if isinstance(self.widget, pmui.Select):
+            self.widget.helper_text = str(self._declaration.doc) if explained else ""
+        elif explained != (len(self._view) > 1):  # a switch has no helper text of its own
+            note = html_pane(f'<p class="note">{escape(str(self._declaration.doc))}</p>', margin=(0, 14))
+            self._view.objects = [self.widget, note] if explained else [self.widget]
+
+    def _chosen(self, event: Any) -> None:
+        if event.new != self._session.design[self.key]:
+            self._session.change({self.key: event.new})

@@ -1,0 +1,97 @@
+"""A unit or a radar of the catalogue as the source of a section's values."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.session import Session
+from nav_model.catalogue import Entry, catalogue, find
+from nav_model.design import Design
+from nav_model.design.file import deviations, preset_fill, preset_of
+
+
+class PresetControl:
+    """The catalogue, first in its section, with a button that takes back what deviates from it."""
+
+    def __init__(self, session: Session, section: str) -> None:
+        self._session = session
+        self.section = section
+        self.key = f"{section}.preset"
+        self._writing = False
+        self._explained = False
+        entries = catalogue("imu" if section == "imu" else "radar")
+        options: dict[str, str] = {"none": ""}
+        options |= {_preset_label(entry): entry.name for entry in entries.values()}
+        self.select = pmui.Select(
+            label="From the catalogue",
+            description="",
+            options=options,
+            size="small",
+            margin=(10, 10, 0, 10),
+            sizing_mode="stretch_width",
+        )
+        self.restore = pmui.Button(
+            label="Take the catalogue's values", size="small", variant="text", margin=(2, 10, 0, 10), visible=False
+        )
+        self.select.param.watch(self._chosen, "value")
+        self.restore.on_click(lambda _: self._fill(preset_of(self._session.design, self.section) or ""))
+        self.show(session.design)
+
+    @property
+    def view(self) -> pn.viewable.Viewable:
+        """The control as it stands in the column."""
+        return pn.Column(self.select, self.restore, margin=0, sizing_mode="stretch_width")
+
+    def differs(self, old: Design, new: Design) -> bool:
+        """Whether the entry or what deviates from it is another."""
+        return preset_of(old, self.section) != preset_of(new, self.section) or (
+            deviations(old, self.section) != deviations(new, self.section)
+        )
+
+    def show(self, design: Design) -> None:
+        """Follow the design in force."""
+        self._writing = True
+        name = preset_of(design, self.section) or ""
+        if self.select.value != name:
+            self.select.value = name
+        changed = len(deviations(design, self.section))
+        if self.restore.visible != bool(changed):
+            self.restore.visible = bool(changed)
+        entry = find("imu" if self.section == "imu" else "radar", name) if name else None
+        text = _entry_help(entry, changed, self._explained) if entry else ""
+        if self.select.helper_text != text:
+            self.select.helper_text = text
+        self._writing = False
+
+    def explain(self, explained: bool) -> None:
+        """Show the catalogue's note, or not."""
+        self._explained = explained
+        self.show(self._session.design)
+
+    def _chosen(self, event: Any) -> None:
+        if not self._writing:
+            self._fill(event.new)
+
+    def _fill(self, name: str) -> None:
+        if not name:
+            self._session.change({self.key: None})
+            return
+        values, units = preset_fill(self.section, name)
+        if self.section == "radar":
+            extra = find("radar", name).extra
+            values |= {f"flight.{key}": item.value for key, item in extra.items()}
+            units |= {f"flight.{key}": item.unit for key, item in extra.items()}
+        self._session.change(values, units)
+
+
+def _preset_label(entry: Entry) -> str:
+    doubtful = "" if all(item.confirmed for item in entry.values.values()) else " ⚠"
+    return f"{entry.name}{', ' + entry.grade if entry.grade else ''}{doubtful}"
+
+
+def _entry_help(entry: Entry, changed: int, whole: bool) -> str:
+    said = [f"{changed} value{'s' if changed > 1 else ''} changed." if changed else "", entry.note if whole else ""]
+    return " ".join(part for part in said if part)

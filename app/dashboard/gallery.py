@@ -1,0 +1,67 @@
+"""Designs to start from: what each is about, how it stands, and a press to open it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from html import escape
+from importlib.resources import files
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.document.numbers import show, signed_percent
+from app.ui.chart_pane import html_pane
+from app.ui.grid import cell, grid
+from app.ui.theme import FRAME
+from nav_model.budget import Budget, analyse
+from nav_model.design import Design
+from nav_model.design.file import parse_design
+
+EXAMPLES = ("mems_x_band", "tactical_x_band", "l_band_jet")
+
+
+def example(name: str) -> Design:
+    """A design that comes with the product."""
+    text = files("app").joinpath("examples", f"{name}.toml").read_text(encoding="utf-8")
+    return parse_design(text, name)
+
+
+def gallery(adopt: Callable[[Design], None]) -> pn.viewable.Viewable:
+    """The examples side by side; ``adopt`` puts one in force."""
+    budgets = [analyse(example(name)) for name in EXAMPLES]
+    cards = grid(*(cell(4, _card(budget, adopt)) for budget in budgets), beside=900)
+    head = html_pane(
+        "<h3>Start from an example</h3><p class='quiet'>It takes the place of the design on the left; Undo brings "
+        "that back. Then change one input and watch the verdict.</p>",
+        margin=(8, 14, 0, 14),
+    )
+    return pn.Column(head, cards, sizing_mode="stretch_width", margin=0)
+
+
+def _card(budget: Budget, adopt: Callable[[Design], None]) -> pn.Column:
+    design = budget.design
+    button = pmui.Button(label=f"Open {design.name}", size="small", variant="outlined", margin=(4, 14, 12, 14))
+    button.on_click(lambda _: adopt(design))
+    return pn.Column(
+        html_pane(_about(budget), margin=(10, 14, 0, 14)), button, styles=FRAME, sizing_mode="stretch_width", margin=0
+    )
+
+
+def _about(budget: Budget) -> str:
+    design, tightest = budget.design, budget.verdict.tightest
+    assert tightest is not None  # an example without a requirement would teach nothing
+    mark = "✓ Closes" if budget.verdict.closes else "✗ Does not close"
+    figures = (
+        ("Unit and radar", f"{design.imu.preset}, {design.radar.preset}"),
+        ("Quadratic phase", show(budget.sar.quadratic, "angle")),
+        (
+            f"Position after {show(budget.coast.duration, 'time')}",
+            show(budget.coast.end_refined_horizontal, "length"),
+        ),
+        ("Tightest", f"{tightest.label}, margin {signed_percent(tightest.margin)}"),
+    )
+    rows = "".join(f"<tr><th scope='row'>{name}</th><td>{escape(value)}</td></tr>" for name, value in figures)
+    return (
+        f"<h3>{escape(design.name)}</h3><p><span class='mark'>{mark}</span> at {budget.verdict.confidence:g}σ</p>"
+        f"<p>{escape(design.description)}</p><table class='checks'><tbody>{rows}</tbody></table>"
+    )

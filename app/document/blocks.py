@@ -1,0 +1,166 @@
+"""What a report is made of: plain data that knows neither HTML nor PDF.
+
+Every text is literal: renderers escape it. A mark such as ``[T-9]`` in a text is a reference to the equation of
+that mark. A `Cell`'s mark is a word set off from its text; it is always printed, so nothing hangs on colour.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.charts.kinds import Drawing
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set."""
+
+    text: str
+    mark: str = ""
+    tone: str = ""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column's head; ``width`` is its weight, 0 for as wide as its content."""
+
+    title: str
+    numeric: bool = False
+    width: float = 0
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table. The first cell of a row heads it; a row of one cell heads the rows that follow."""
+
+    key: str
+    caption: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class ChartBlock:
+    """A chart with what it shows in words, for who cannot see it."""
+
+    key: str
+    chart: Drawing
+    alt: str
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Bullets:
+    """A list."""
+
+    items: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Equation:
+    """An equation in Typst's math notation, which both renderers typeset; ``mark`` is its number."""
+
+    mark: str
+    title: str
+    math: str
+    says: str
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """A symbol in Typst's math notation, what it stands for, its unit; ``marks``: of the equations that use it."""
+
+    math: str
+    meaning: str
+    unit: str
+    marks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations in order, each under its mark."""
+
+    items: tuple[Equation, ...]
+
+
+@dataclass(frozen=True)
+class Symbols:
+    """The table of symbols."""
+
+    items: tuple[Symbol, ...]
+
+
+@dataclass(frozen=True)
+class Approval:
+    """Lines to sign on; ``subjects`` say what is signed for."""
+
+    roles: tuple[str, ...]
+    subjects: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer: one word with its sign, and the sentence that explains it."""
+
+    word: str
+    tone: str
+    sentence: str
+
+
+Block = Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval | Verdict
+
+
+@dataclass(frozen=True)
+class Section:
+    """A headed part of a chapter; ``references`` are the literature it adds to the report's."""
+
+    key: str
+    title: str
+    blocks: tuple[Block, ...]
+    references: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """One design, or the comparison of several.
+
+    ``running`` is what the head of a page says; ``facts`` are label and value pairs under the title;
+    ``source`` is the design file, which travels with the report.
+    """
+
+    key: str
+    kind: str
+    title: str
+    running: str
+    description: str
+    verdict: Verdict | None
+    facts: tuple[tuple[str, str], ...]
+    sections: tuple[Section, ...]
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Report:
+    """A report: chapters, then the sections they share."""
+
+    title: str
+    written: str
+    version: str
+    chapters: tuple[Chapter, ...]
+    sections: tuple[Section, ...]
+
+    def blocks(self) -> tuple[Block, ...]:
+        """Every block, in order."""
+        sections = [section for chapter in self.chapters for section in chapter.sections] + list(self.sections)
+        return tuple(block for section in sections for block in section.blocks)
+
+    def charts(self) -> tuple[ChartBlock, ...]:
+        """Every chart, in order."""
+        return tuple(block for block in self.blocks() if isinstance(block, ChartBlock))

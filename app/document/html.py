@@ -1,0 +1,168 @@
+"""A report as one HTML file: interactive charts, nothing fetched from anywhere, opens from disk.
+
+Jinja escapes every text; equations become MathML through Typst, so that they are written once for both faces.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Iterable
+from functools import cache
+from importlib.resources import files
+
+import typst
+from bokeh.embed import components
+from bokeh.resources import Resources
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, PictureChart, to_csv
+from app.charts.legend import legend_html
+from app.charts.screen.figures import to_bokeh
+from app.document.blocks import Equations, Report, Symbols
+from app.subjects.sar.pictures import picture_gallery
+
+_MARK = re.compile(r"\[([TSB]-\d+)\]")
+_MATH = re.compile(r"<math.*?</math>", re.DOTALL)
+_TYPST_MATH = """
+#for item in json(bytes(sys.inputs.items)) { math.equation(block: item.block, eval(item.math, mode: "math")) }
+"""
+_ROOT = '<mrow><mo stretchy="false">√</mo><mrow style="border-top: 1px solid; padding: 1px 2px 0">'
+_TABLE_ROWS = 11  # of a curve's table of data
+_MAP_ROWS = 5  # and columns of a map's
+_HEIGHT = 340
+_TALL = 440
+_ROW_HEIGHT = 42
+
+
+def to_html(report: Report) -> str:
+    """The report as the text of an HTML file."""
+    plots, pictures = {}, {}
+    for block in report.charts():
+        if isinstance(block.chart, PictureChart):
+            pictures[block.key] = picture_gallery(block.chart)
+        else:
+            plots[block.key] = to_bokeh(block.chart, _height(block.chart)).plot
+            plots[block.key].name = block.key
+    script, places = components(plots)
+    equations = {item.mark for block in report.blocks() if isinstance(block, Equations) for item in block.items}
+    environment = Environment(
+        loader=PackageLoader("app", "document"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(
+        said=lambda text: _with_links(text, equations),
+        rows=lambda chart: _data_rows(chart),
+        kind=lambda block: type(block).__name__,
+        data=_data_url,
+        csv=to_csv,
+        legend=lambda chart: Markup(legend_html(chart)),
+    )
+    page = environment.get_template("report.html").render(
+        report=report,
+        style=Markup(files("app.document").joinpath("report.css").read_text(encoding="utf-8")),
+        library=Markup(_library()),
+        script=Markup(script),
+        places={key: Markup(place) for key, place in (places | pictures).items()},
+        math=_math(report),
+    )
+    return page.lstrip()  # the macros' own lines come before the doctype
+
+
+def _height(chart: AnyChart) -> int:
+    if isinstance(chart, BarChart):
+        return 130 + _ROW_HEIGHT * len(chart.bars)
+    if isinstance(chart, MapChart) or (isinstance(chart, Chart) and chart.square):
+        return _TALL
+    return _HEIGHT
+
+
+@cache
+def _library() -> str:
+    """BokehJS itself, without the widgets and tables a report has no use for.
+
+    Its text, not its rendered tags: in a process that serves pages, those would name the server's own files.
+    """
+    scripts = Resources(mode="inline", components=["bokeh"]).js_raw
+    return "\n".join(f'<script type="text/javascript">\n{script}\n</script>' for script in scripts)
+
+
+def _with_links(text: str, marks: Iterable[str]) -> Markup:
+    """Escaped text with its equation marks as links."""
+    known = set(marks)
+
+    def link(found: re.Match[str]) -> str:
+        mark = found[1]
+        return f'<a href="#{mark}">[{mark}]</a>' if mark in known else found[0]
+
+    return Markup(_MARK.sub(link, str(escape(text))))
+
+
+def _math(report: Report) -> dict[str, Markup]:
+    """Typst math of the report's equations and symbols -> MathML."""
+    wanted: dict[str, bool] = {}
+    for block in report.blocks():
+        if isinstance(block, Equations | Symbols):
+            wanted |= {item.math: isinstance(block, Equations) for item in block.items}
+    return dict(zip(wanted, map(Markup, mathml(tuple(wanted.items()))), strict=True))
+
+
+@cache
+def mathml(items: tuple[tuple[str, bool], ...]) -> tuple[str, ...]:
+    """Typst math, each with whether it stands as a block of its own -> MathML."""
+    data = json.dumps([{"math": math, "block": block} for math, block in items], ensure_ascii=False)
+    page = typst.compile(_TYPST_MATH.encode(), format="html", sys_inputs={"items": data}).decode()
+    # A browser without a mathematical font leaves out the sign of a root, which makes the equation a wrong one.
+    page = page.replace("<msqrt>", _ROOT).replace("</msqrt>", "</mrow></mrow>")
+    return tuple(_MATH.findall(page))
+
+
+def _data_url(text: str, kind: str) -> str:
+    return f"data:{kind};charset=utf-8;base64,{base64.b64encode(text.encode()).decode()}"
+
+
+def _data_rows(chart: AnyChart) -> list[tuple[str, ...]]:
+    """A chart's numbers for reading: bars and dots whole, curves and maps at a few places; first the head."""
+    if isinstance(chart, BarChart | DotChart):
+        return [tuple(_short(cell) for cell in row) for row in chart.rows()]
+    if isinstance(chart, MapChart):
+        return _map_rows(chart)
+    rows = [("series", chart.x_label, chart.y_label)]
+    for line in chart.lines:
+        seen = [i for i, y in enumerate(line.y) if y == y]
+        step = max(1, (len(seen) - 1) // (_TABLE_ROWS - 1))
+        rows += [(line.label, f"{line.x[i]:.4g}", f"{line.y[i]:.4g}") for i in seen[::step]]
+    for points in chart.points:
+        rows += [(name, f"{x:.4g}", f"{y:.4g}") for name, x, y in zip(points.names, points.x, points.y, strict=True)]
+    rows += [
+        (x.label, f"{x.start:.4g} to {x.stop:.4g}", f"{x.level:.4g}") for x in chart.limits if x.level == x.level
+    ]
+    return rows
+
+
+def _map_rows(chart: MapChart) -> list[tuple[str, ...]]:
+    """Every few cells of a map, then its points."""
+    rows = [(chart.x_label, chart.y_label, "name", chart.value_label)]
+    for i in range(0, len(chart.y), max(1, len(chart.y) // _MAP_ROWS)):
+        for j in range(0, len(chart.x), max(1, len(chart.x) // _MAP_ROWS)):
+            where = f"{chart.x[j]:.3g}", f"{chart.y[i]:.3g}"
+            rows.append((*where, chart.names[int(chart.winner[i, j])], f"{chart.values[i, j]:.4g}"))
+    for points in chart.points:
+        rows += [
+            (f"{x:.3g}", f"{y:.3g}", name, points.label)
+            for name, x, y in zip(points.names, points.x, points.y, strict=True)
+        ]
+    return rows
+
+
+def _short(cell: str) -> str:
+    try:
+        value = float(cell)
+    except ValueError:
+        return cell
+    return f"{value:.4g}" if value == value else "–"

@@ -1,0 +1,94 @@
+"""A report as PDF: Typst lays out the page, Matplotlib draws the charts, no browser and no internet.
+
+Everything a person wrote travels as JSON and is set as text, never read as markup. The faces
+inside the Typst wheel are used, so pages are the same on every machine. The file is tagged (PDF/UA-1).
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from dataclasses import asdict
+from datetime import datetime
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import typst
+
+from app.charts.print.svg import to_svg
+from app.document.blocks import Report
+
+_TEMPLATE = "report.typ"
+
+
+def to_pdf(report: Report) -> bytes:
+    """The report as a PDF file."""
+    charts = {block.key: to_svg(block.chart) for block in report.charts()}
+    with tempfile.TemporaryDirectory(prefix="navbudget-") as folder:
+        root = Path(folder)
+        (root / _TEMPLATE).write_bytes(files("app.document").joinpath(_TEMPLATE).read_bytes())
+        (root / "report.json").write_text(json.dumps(_plain(report), ensure_ascii=False), encoding="utf-8")
+        for key, svg in charts.items():
+            (root / f"{key}.svg").write_text(svg, encoding="utf-8")
+        return _compiled(root, datetime.fromisoformat(report.written))
+
+
+def _compiled(root: Path, written: datetime) -> bytes:
+    """The page as PDF. What the wheel's faces cannot show, a name in Chinese say, is looked for in the system's.
+
+    Where they cannot show it either, a box stands in its place and the file makes no claim to PDF/UA-1, which
+    forbids boxes (and private code points).
+    """
+    for system_fonts, standards in ((False, ["ua-1"]), (True, ["ua-1"]), (True, [])):
+        try:
+            return typst.compile(
+                str(root / _TEMPLATE),
+                root=str(root),
+                font_paths=_fonts(system_fonts),
+                format="pdf",
+                pdf_standards=standards,
+                timestamp=written,
+            )
+        except typst.TypstError as error:
+            if not standards or "PDF/UA-1 error" not in str(error):
+                raise
+    raise AssertionError("the last try either returns or raises")
+
+
+@cache
+def _fonts(system: bool) -> typst.Fonts:
+    return typst.Fonts(include_system_fonts=system)
+
+
+def _plain(report: Report) -> dict[str, Any]:
+    """The report as JSON-ready data; each block says its kind, a chart is the name of its drawing."""
+    return {
+        "title": report.title,
+        "written": report.written,
+        "version": report.version,
+        "chapters": [
+            {**_shallow(chapter), "sections": [_section(section) for section in chapter.sections]}
+            for chapter in report.chapters
+        ],
+        "sections": [_section(section) for section in report.sections],
+    }
+
+
+def _shallow(chapter: Any) -> dict[str, Any]:
+    names = ("key", "kind", "title", "running", "description", "facts", "source")
+    verdict = None if chapter.verdict is None else _block(chapter.verdict)
+    return {**{name: getattr(chapter, name) for name in names}, "verdict": verdict}
+
+
+def _section(section: Any) -> dict[str, Any]:
+    return {"key": section.key, "title": section.title, "blocks": [_block(block) for block in section.blocks]}
+
+
+def _block(block: Any) -> dict[str, Any]:
+    kind = type(block).__name__
+    if kind == "ChartBlock":
+        return {"kind": kind, "key": block.key, "title": block.chart.title, "knowledge": block.chart.knowledge,
+                "alt": block.alt}  # fmt: skip
+    return {"kind": kind, **asdict(block)}

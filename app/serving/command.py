@@ -1,0 +1,117 @@
+"""`serve` and `password`: the dashboard for one person or a team."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+from nav_model.design.declaration import DesignError
+
+_OAUTH = ("auth0", "azure", "azurev2", "bitbucket", "generic", "gitlab", "github", "google", "okta")
+
+
+def add_to(commands: Any) -> None:
+    """Declare the command."""
+    _add_serve(commands.add_parser("serve", help="run the dashboard"))
+    password = commands.add_parser("password", help="print a person's line for the password file")
+    password.add_argument("name", metavar="NAME", help="the person; the password is asked for, or read from a pipe")
+    password.set_defaults(run=_password)
+
+
+def _add_serve(serve: argparse.ArgumentParser) -> None:
+    add = serve.add_argument
+    add("--port", type=int, default=5006, help="port (default 5006; 0 picks a free one)")
+    add("--address", default="127.0.0.1", help="address to listen on (default 127.0.0.1, this machine only)")
+    add(
+        "--allow-origin",
+        action="append",
+        default=[],
+        metavar="HOST[:PORT]",
+        help="public host the page is reached under, when not the address itself; may be repeated",
+    )
+    add("--behind-proxy", action="store_true", help="believe X-Forwarded-For and X-Forwarded-Proto; only behind one")
+    who = serve.add_argument_group("who may enter (needed when the address is not this machine only)")
+    add = who.add_argument
+    add("--password-file", type=Path, metavar="FILE", help="lines name:hash as `navbudget password NAME` prints them")
+    add("--open", action="store_true", help="let everybody in who reaches the address")
+    add("--cookie-secret-file", type=Path, metavar="FILE", help="signs the login; without it a restart logs all out")
+    add("--login-hours", type=float, default=12.0, metavar="H", help="a login lasts so long (default 12)")
+    add("--oauth-provider", metavar="NAME", choices=_OAUTH, help=f"sign in through: {', '.join(_OAUTH)}")
+    add("--oauth-key", metavar="ID", help="client id; the secret comes from PANEL_OAUTH_SECRET in the environment, "
+        "a key to encrypt tokens from PANEL_OAUTH_ENCRYPTION")  # fmt: skip
+    add("--oauth-redirect-uri", metavar="URL", help="where the provider sends the visitor back to")
+    add("--oauth-allow", action="append", default=[], metavar="WHO",
+        help="user, @domain of a mail address, or * for every account; may be repeated")  # fmt: skip
+    serve.add_argument(
+        "--library",
+        default="",
+        metavar="PATH-or-URL",
+        help="saved designs: a file, or postgresql://... (default: a file in the user's data folder)",
+    )
+    limits = serve.add_argument_group("limits")
+    add = limits.add_argument
+    add("--max-sessions", type=int, default=100, metavar="N", help="open pages at a time (default 100)")
+    add("--session-lifetime", type=float, default=60.0, metavar="S",
+        help="a page that lost its connection is kept so long (default 60)")  # fmt: skip
+    add("--max-message", type=float, default=20.0, metavar="MB",
+        help="largest message a browser may send, uploads included (default 20)")  # fmt: skip
+    add("--processes", type=int, metavar="N", help="processes that serve pages (default: 1 for one person; with "
+        "logins or --open one per core, 4 at most)")  # fmt: skip
+    add("--workers", type=int, metavar="N", help="processes for heavy work such as reports and Monte Carlo runs, "
+        "shared out among those that serve pages (default: one less than cores)")  # fmt: skip
+    add("--grace", type=float, default=10.0, metavar="S", help="on SIGTERM heavy work may end so long (default 10)")
+    add("--log", choices=("text", "json"), default="text", help="text: warnings; json: every event, a line each")
+    serve.set_defaults(run=_serve)
+
+
+def _serve(options: argparse.Namespace) -> int:
+    from app.serving.rules import Rules, cookie_secret, oauth_from
+
+    rules = Rules(
+        address=options.address,
+        port=options.port,
+        allow_origin=tuple(options.allow_origin),
+        open=options.open,
+        password_file=options.password_file,
+        cookie_secret=cookie_secret(options.cookie_secret_file),
+        oauth=oauth_from(
+            options.oauth_provider, options.oauth_key, options.oauth_redirect_uri, tuple(options.oauth_allow)
+        ),
+        behind_proxy=options.behind_proxy,
+        max_sessions=options.max_sessions,
+        session_lifetime=options.session_lifetime,
+        login_hours=options.login_hours,
+        max_message=round(1e6 * options.max_message) if math.isfinite(options.max_message) else 0,
+        processes=options.processes,
+        workers=options.workers,
+        grace=options.grace,
+        log=options.log,
+    )
+    rules.check()  # before the screen is loaded: a wrong command is refused at once
+    if rules.page_processes > 1:
+        from app.serving.supervisor import supervise
+
+        return supervise(rules, options.library)
+    from app.library.place import use_library
+    from app.serving.server import serve
+
+    use_library(options.library)
+    serve(rules)
+    return 0
+
+
+def _password(options: argparse.Namespace) -> int:
+    from app.serving.passwords import password_line
+
+    if sys.stdin.isatty():
+        password = getpass.getpass("Password: ")
+        if getpass.getpass("Again: ") != password:
+            raise DesignError("password", "the two differ")
+    else:
+        password = sys.stdin.readline().rstrip("\r\n")
+    print(password_line(options.name, password))
+    return 0

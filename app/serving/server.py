@@ -1,0 +1,234 @@
+"""The served app: one page a session, built from the link it was opened with."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import secrets
+import signal
+import socket
+import time
+from collections.abc import Callable
+from importlib.resources import files
+from types import SimpleNamespace
+from typing import Any
+
+import bokeh.resources
+import bokeh.server.server
+import panel as pn
+from bokeh.document import Document
+from bokeh.server.views.static_handler import StaticHandler
+from bokeh.settings import settings
+from panel.io.resources import LOCAL_DIST, Resources
+from panel.io.server import server_html_page_for_session
+from panel.io.state import set_curdoc
+
+from app.dashboard.frame import Frame, is_review_link
+from app.serving.access import provider_of
+from app.serving.address import announce, listen, origins
+from app.serving.board import Board, Row
+from app.serving.collector import Collector, settle
+from app.serving.faults import caught
+from app.serving.handlers import Surroundings, around, being_sent, close_door
+from app.serving.logs import event, request_done, set_up, short
+from app.serving.metrics import ServerMetrics
+from app.serving.rules import Rules
+from app.session import Session
+from app.upstream.defaults import remember_defaults
+from app.upstream.writes import closed_is_no_fault, repair
+from app.work import pool as workers
+from nav_model.design import Design
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import parse_design
+from nav_model.design.link import from_query, split_link
+
+_TITLE = "NavBudget"
+_MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
+_MAX_HEADER = 65_536  # a design as a link is far shorter
+_TELL = 0.5  # seconds
+_LAST_LOOKS = 20  # for results to reach the pages once all work has ended, 50 ms and more between two
+
+
+def first_design() -> Design:
+    """What a visitor without a link sees: a real inertial unit under a real radar."""
+    text = files("app").joinpath("examples/mems_x_band.toml").read_text(encoding="utf-8")
+    return parse_design(text, "first design")
+
+
+def build(changed: Callable[[Any], None] | None = None) -> Any:
+    """The page of one session; ``changed`` is called with every new budget.
+
+    A link that is wrong is said so on the page, which opens all the same.
+    """
+    design, notice = first_design(), ""
+    query = pn.state.location.search if pn.state.location else ""
+    of_design, of_study = split_link(query)
+    if of_design and not is_review_link(query):
+        try:
+            design = from_query(of_design)
+        except DesignError as error:
+            notice = f"The link was not used. {error}"
+    try:
+        session = Session(design)
+    except DesignError as error:
+        session, notice = Session(first_design()), f"The link was not used. {error}"
+    session.study_link = of_study
+    if changed is not None:
+        session.param.watch(changed, "budget")
+    return Frame(session, notice).view
+
+
+def serve(rules: Rules) -> None:
+    """Serve from this process until stopped by SIGTERM or SIGINT; prints the address.
+
+    Raises
+    ------
+    DesignError
+        If the rules contradict each other, or the address cannot be listened on.
+    """
+    rules.check()
+    listening, port = listen(rules)
+    set_up(rules.log)
+
+    def ready() -> None:
+        announce(rules, port)
+
+    serve_on(listening, port, rules, Row(Board()), secrets.token_bytes(32), ready)
+    event("stopped")
+
+
+def serve_on(
+    listening: socket.socket, port: int, rules: Rules, row: Row, secret: bytes, ready: Callable[[], None]
+) -> None:
+    """Serve from this process on a socket that listens already, until stopped; ``ready`` is called once visitors can
+    come. The secret signs sessions: processes that share the socket share it too.
+
+    Raises
+    ------
+    DesignError
+        If the password file cannot be read or is wrong.
+    """
+    pn.extension(exception_handler=caught)
+    settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
+    repair()
+    remember_defaults()
+    workers.use(rules.workers, row.board.processes)
+    began, collector = time.monotonic(), Collector()
+    bokeh.server.server.bind_sockets = lambda *_: ([listening], port)
+    here = Surroundings(
+        row, rules.max_sessions, page=opening_page(), heard=collector.heard,
+        admits=rules.oauth.admits if rules.oauth else lambda _: True,
+    )  # fmt: skip
+    metrics = ServerMetrics(row.board, rules.max_sessions, lambda: time.monotonic() - began)
+    server = pn.serve(
+        {"/": lambda: _counted(row, collector)},
+        address=rules.address,
+        port=port,
+        title=_TITLE,
+        show=False,
+        start=False,
+        verbose=False,
+        websocket_origin=origins(rules.address, port, rules.allow_origin),
+        websocket_max_message_size=rules.max_message,
+        http_server_kwargs={"max_body_size": _MAX_BODY, "max_header_size": _MAX_HEADER},
+        use_xheaders=rules.behind_proxy,
+        sign_sessions=True,  # a session nobody was given cannot be opened
+        secret_key=secret,
+        unused_session_lifetime_milliseconds=round(1000 * rules.session_lifetime),
+        check_unused_sessions_milliseconds=min(10_000, round(500 * rules.session_lifetime)),
+        log_function=request_done,
+        **provider_of(rules),
+        **around(rules, here, metrics),
+    )
+    settle()
+    row.put("pid", os.getpid())
+    ready()
+    _run(server, rules.grace, collector, row)
+
+
+def opening_page() -> Callable[[str, bool], str]:
+    """What a browser loads before it connects, for the token of its session and for a page in dark.
+
+    Made once, from a session's document like any: all pages load the same, and have the same roots.
+    """
+    document = Document()
+    with set_curdoc(document):
+        build().server_doc(document, _TITLE)
+    token = secrets.token_hex(32)
+    resources = bokeh.resources.Resources(mode="server", root_url="/", path_versioner=StaticHandler.append_version)
+    text = server_html_page_for_session(
+        SimpleNamespace(document=document, token=token),
+        Resources.from_bokeh(resources),
+        _TITLE,
+        template=document.template,
+        template_variables=document.template_variables,
+    )
+    dark_text = text.replace("<head>", '<head><meta name="color-scheme" content="dark">', 1)  # dark while it loads
+    return lambda given, dark: (dark_text if dark else text).replace(token, given)
+
+
+def _counted(row: Row, collector: Collector) -> Any:
+    """`build`, seen by the operator: sessions come and go, budgets are computed."""
+    row.add("opened")
+    row.add("sessions")
+    # Sheets come from this server: Panel says so only where a page is sent with its session, else from elsewhere.
+    pn.state.curdoc.template_variables["dist_url"] = LOCAL_DIST
+    collector.heard()
+    name = short(pn.state.curdoc.session_context.id)
+    event("session opened", session=name)
+
+    def closed(_: Any) -> None:
+        event("session closed", session=name)
+        collector.page_closed()
+
+    pn.state.on_session_destroyed(closed)
+    return build(lambda _: row.add("events"))
+
+
+def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
+    """Run until told to stop: nobody new is let in, heavy work may end and reach who asked for it, then everything
+    is closed.
+
+    A second signal does not wait.
+    """
+    loop = server.io_loop.asyncio_loop
+    stopping: list[asyncio.Task[None]] = []
+
+    async def wind_down() -> None:
+        # Not Bokeh's `unlisten`, which also cuts what is just being answered.
+        server._http.stop()
+        close_door()
+        deadline = loop.time() + grace
+        quiet = 0  # looks in a row that found nothing; not seconds, in which a busy machine may do nothing
+        while quiet < _LAST_LOOKS and loop.time() < deadline:
+            quiet = 0 if workers.under_way() or being_sent() else quiet + 1
+            await asyncio.sleep(0.05)
+        server.io_loop.stop()
+
+    def told() -> None:
+        event("stopping", under_way=workers.under_way())
+        if stopping:
+            server.io_loop.stop()
+        else:
+            stopping.append(loop.create_task(wind_down()))
+
+    loop.set_exception_handler(closed_is_no_fault)
+    server.start()
+    aside = [loop.create_task(collector.run()), loop.create_task(_tell(server, row))]
+    for signal_number in (signal.SIGTERM, signal.SIGINT):
+        loop.add_signal_handler(signal_number, told)
+    try:
+        server.io_loop.start()
+    finally:
+        for task in aside:
+            task.cancel()
+        server.stop(wait=False)
+        workers.stop()
+
+
+async def _tell(server: Any, row: Row) -> None:
+    """Keep what the other processes and the operator know of this one up to date, until cancelled."""
+    while True:
+        row.put("sessions", len(server.get_sessions()))
+        row.put("heavy", workers.under_way())
+        await asyncio.sleep(_TELL)

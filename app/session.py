@@ -1,0 +1,126 @@
+"""What one person has on the screen: the design in force, its budget, and the way back.
+
+No widget lives here. Controls call `change`; pages watch `budget`. A change that is refused leaves everything
+as it was and comes back as the message to show.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import param
+
+from nav_model.budget import Budget, analyse
+from nav_model.design import Design, Value
+from nav_model.design.declaration import DesignError
+from nav_model.design.link import to_query
+
+_MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
+_HISTORY = 200
+
+
+class Lineage:
+    """What a design and all its changes have in common: ``base`` is the saved revision they came from, if any."""
+
+    def __init__(self) -> None:
+        self.base: Any = None
+
+
+class Session(param.Parameterized):
+    """The design in force and its history.
+
+    ``budget`` changes with every accepted change; ``design`` is always ``budget.design``. ``lineage`` changes when a
+    whole design takes the place of another, and is triggered when its base is another. ``running`` is for long work
+    of this person alone, ``presenting`` while a review is shown to a room.
+    """
+
+    lineage: Lineage = param.ClassSelector(class_=Lineage, allow_None=False, instantiate=False)
+    budget: Budget = param.ClassSelector(class_=Budget, allow_None=False, instantiate=False)
+    running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
+    presenting = param.Boolean(default=False, doc="Whether a decision is shown to a room: tools stand back.")
+    study_link: str = param.String(
+        doc="The suborbital study as a link says it; empty until one is linked or changed."
+    )
+    findings: dict[str, Any] = param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
+    can_undo = param.Boolean(default=False)
+    can_redo = param.Boolean(default=False)
+
+    def __init__(self, design: Design) -> None:
+        super().__init__(budget=analyse(design), lineage=Lineage())
+        self.start = design
+        self._past: list[tuple[Design, Lineage]] = []
+        self._future: list[tuple[Design, Lineage]] = []
+        self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)
+
+    def keep(self, kind: str, finding: Any) -> None:
+        """Keep a finished study for the report, in place of an earlier one of its kind (`app.report.studies`)."""
+        self.findings = {**self.findings, kind: finding}
+
+    @property
+    def design(self) -> Design:
+        """The design in force."""
+        return self.budget.design
+
+    @property
+    def link(self) -> str:
+        """The design in force and the study beside it, as a link's query."""
+        return "&".join(part for part in (to_query(self.design), self.study_link) if part)
+
+    def came_from(self, revision: Any) -> None:
+        """The design in force is a saved revision: the base of what becomes of it."""
+        if self.lineage.base != revision:
+            self.lineage.base = revision
+            self.param.trigger("lineage")
+
+    def change(self, changes: Mapping[str, Value], written: Mapping[str, str] | None = None) -> DesignError | None:
+        """Put changes (dotted keys, SI) in force; returns what is wrong with them, if anything."""
+        return self._adopt(lambda: self.design.replace(changes, written), frozenset(changes), self.lineage)
+
+    def adopt(self, design: Design) -> DesignError | None:
+        """Put a whole design in force, which begins a lineage: an opened file, an example, a link."""
+        return self._adopt(lambda: design, frozenset(), Lineage())
+
+    def _adopt(self, make: Callable[[], Design], keys: frozenset[str], lineage: Lineage) -> DesignError | None:
+        before = self.design
+        try:
+            design = make()
+            if design == before:
+                if dict(design.written) != dict(before.written):  # a unit was chosen: shown, not undone
+                    self.budget = analyse(design)
+                return None
+            budget = analyse(design)
+        except DesignError as error:
+            return error
+        last_keys, when = self._last
+        now = time.monotonic()
+        if not (keys and keys == last_keys and now - when < _MERGE_SECONDS and self._past):
+            self._past = [*self._past[1 - _HISTORY :], (before, self.lineage)]
+        self._last = (keys, now)
+        self._future = []
+        self._show(budget, lineage)
+        return None
+
+    def undo(self) -> None:
+        """Back to the design before the last change."""
+        if self._past:
+            self._future.append((self.design, self.lineage))
+            self._step(*self._past.pop())
+
+    def redo(self) -> None:
+        """Forward again to the design undone."""
+        if self._future:
+            self._past.append((self.design, self.lineage))
+            self._step(*self._future.pop())
+
+    def reset(self) -> DesignError | None:
+        """Back to the design the session started with; can be undone."""
+        return self.adopt(self.start)
+
+    def _step(self, design: Design, lineage: Lineage) -> None:
+        self._last = (frozenset(), 0.0)
+        self._show(analyse(design), lineage)
+
+    def _show(self, budget: Budget, lineage: Lineage) -> None:
+        self.param.update(budget=budget, lineage=lineage, can_undo=bool(self._past), can_redo=bool(self._future))

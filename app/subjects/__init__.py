@@ -1,0 +1,1 @@
+"""The subjects a person comes for, a room each: page, charts, tables, command, report section."""

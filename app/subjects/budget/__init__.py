@@ -1,0 +1,1 @@
+"""The budget of a design: verdict, sigmas, outage, phase by source."""

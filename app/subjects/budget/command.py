@@ -1,0 +1,123 @@
+"""`evaluate`, `check` and `presets`: the budget of a design, its verdict, the catalogue."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any
+
+from app.console.arguments import design_arguments, paths_of, read_design, refuse
+from nav_model.budget import Budget, analyse
+from nav_model.budget.json import to_json
+from nav_model.catalogue import catalogue
+from nav_model.design.declaration import DesignError
+from nav_model.design.parts import declaration_of
+from nav_model.units import format_quantity
+
+
+def add_to(commands: Any) -> None:
+    """Declare the command."""
+    evaluate = commands.add_parser("evaluate", help="the whole budget of a design as JSON")
+    design_arguments(evaluate, one=True)
+    evaluate.add_argument("--times", metavar="S,S,...", help="seconds since the last fix for the outage curves")
+    evaluate.set_defaults(run=_evaluate)
+
+    check = commands.add_parser("check", help="hold designs against their requirements")
+    design_arguments(check, one=False)
+    check.set_defaults(run=_check)
+
+    presets = commands.add_parser("presets", help="the catalogue, with sources")
+    presets.add_argument("kind", choices=("imu", "radar", "gnss"))
+    presets.add_argument("--json", action="store_true", help="as JSON")
+    presets.set_defaults(run=_presets)
+
+
+def _evaluate(options: argparse.Namespace) -> int:
+    (path,) = paths_of(options)
+    budget = analyse(read_design(path, options.changes), _times(options.times))
+    json.dump(to_json(budget), sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
+    sys.stdout.write("\n")
+    return 0
+
+
+def _times(text: str | None) -> list[float] | None:
+    if text is None:
+        return None
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError as error:
+        raise DesignError("--times", f"{text!r} is not a list of seconds such as 0,10,20") from error
+
+
+def _check(options: argparse.Namespace) -> int:
+    worst = 0
+    for path in paths_of(options):
+        try:
+            budget = analyse(read_design(path, options.changes))
+        except DesignError as error:
+            worst = refuse(error)
+            continue
+        print("\n".join(check_lines(path, budget)))
+        if not budget.verdict.closes:
+            worst = max(worst, 1)
+    return worst
+
+
+def check_lines(path: str, budget: Budget) -> list[str]:
+    """A line per requirement, then the verdict: what `navbudget check` prints for one design."""
+    design, verdict = budget.design, budget.verdict
+    lines = []
+    for check in verdict.checks:
+        key = f"requirements.{'quadratic_phase' if check.name.startswith('along') else check.name}"
+        declaration = declaration_of(key)
+        unit = design.unit(key)
+        value, limit = (format_quantity(x, unit, declaration.dimension, 4) for x in (check.value, check.limit))
+        lines.append(
+            f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {value} (limit {limit}, "
+            f"margin {100 * check.margin:+.1f} %, {check.figure} {check.equation}, "
+            f"dominated by {check.sensor} {100 * check.sensor_share:.0f} %)"
+        )
+    if not verdict.checks:
+        lines.append(f"{path}: closes (no requirement given, nothing checked)")
+    else:
+        said = "closes" if verdict.closes else "DOES NOT CLOSE"
+        tightest = verdict.tightest
+        assert tightest is not None
+        lines.append(
+            f"{path}: {said} at {verdict.confidence:g} sigma; tightest {tightest.name}, "
+            f"margin {100 * tightest.margin:+.1f} %"
+        )
+    return lines
+
+
+def _presets(options: argparse.Namespace) -> int:
+    entries = catalogue(options.kind)
+    if options.json:
+        plain = {
+            entry.name: {
+                "grade": entry.grade,
+                "note": entry.note,
+                **{
+                    key: {
+                        "value": v.text,
+                        "status": v.status,
+                        "source": v.source,
+                        **({"kind": v.kind} if v.kind else {}),
+                    }
+                    for key, v in (*entry.values.items(), *entry.extra.items())
+                },
+            }
+            for entry in entries.values()
+        }
+        print(json.dumps(plain, ensure_ascii=False, indent=1))
+        return 0
+    for entry in entries.values():
+        print(entry.name + (f" ({entry.grade})" if entry.grade else ""))
+        for key, value in (*entry.values.items(), *entry.extra.items()):
+            mark = "" if value.confirmed else f"  [{value.status.upper()}]"
+            kind = f", {value.kind}" if value.kind else ""
+            print(f"  {key:22} {value.text}{kind}{mark}  -- {value.source}")
+        if entry.note:
+            print(f"  note: {entry.note}")
+    return 0

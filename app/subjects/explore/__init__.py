@@ -1,0 +1,1 @@
+"""Questions put the other way round: what would close the design."""

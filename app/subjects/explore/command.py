@@ -1,0 +1,76 @@
+"""`explore` and `sweep`: questions about many designs."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from typing import Any
+
+from app.console.arguments import design_arguments, paths_of, read_design
+
+
+def add_to(commands: Any) -> None:
+    """Declare the command."""
+    _add_explore(commands)
+    sweep = commands.add_parser("sweep", help="evaluate grids of designs, in closed form or flown, into a table")
+    sweep.add_argument("file", metavar="FILE", help="what to vary, TOML")
+    sweep.add_argument("-o", "--output", required=True, metavar="OUT", help="OUT.csv or OUT.parquet")
+    sweep.add_argument(
+        "--workers", type=count, default=os.cpu_count() or 1, help="local processes (default: all cores)"
+    )
+    sweep.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do the work")
+    sweep.set_defaults(run=_sweep)
+
+
+def _add_explore(commands: Any) -> None:
+    explore = commands.add_parser("explore", help="solve backwards, rank, map, search, uncertainty; JSON or CSV")
+    questions = explore.add_subparsers(dest="question", required=True, metavar="QUESTION")
+    helps = {
+        "solve": "the largest noise, interval or time that still meets the requirements",
+        "rank": "what a figure answers to, strongest first",
+        "map": "two inputs against a result",
+        "search": "every catalogue unit with every receiver class against the requirements",
+        "uncertainty": "the probability that the design closes when inputs are ranges",
+    }
+    parsers = {name: questions.add_parser(name, help=text) for name, text in helps.items()}
+    for parser in parsers.values():
+        design_arguments(parser, one=True)
+        parser.add_argument("--csv", action="store_true", help="as CSV instead of JSON")
+        parser.set_defaults(run=_explore)
+    parsers["rank"].add_argument("--result", metavar="FIGURE", help="default: the design's first requirement")
+    parsers["map"].add_argument("--x", default="imu.angle_random_walk", metavar="KEY")
+    parsers["map"].add_argument("--y", default="gnss.position_noise", metavar="KEY")
+    parsers["map"].add_argument("--result", default="all requirements", metavar="FIGURE")
+    parsers["map"].add_argument("--size", type=count, metavar="N", help="points along a side (default 200)")
+    parsers["search"].add_argument("--imus", action="append", default=[], metavar="FILE", help="your own units")
+    parsers["search"].add_argument(
+        "--receivers", action="append", default=[], metavar="FILE", help="your own receivers"
+    )
+    parsers["uncertainty"].add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="KEY=RANGE",
+        help='e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h", with log behind, or "0.15 °/√h */ 1.3"',
+    )
+    parsers["uncertainty"].add_argument("--seed", type=int, default=1)
+
+
+def count(text: str) -> int:
+    number = int(text)
+    if not 1 <= number <= 2000:
+        raise ValueError(text)
+    return number
+
+
+def _explore(options: argparse.Namespace) -> int:
+    (path,) = paths_of(options)
+    from app.subjects.explore.console import explore
+
+    return explore(read_design(path, options.changes), options)
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from app.subjects.explore.console import sweep
+
+    return sweep(options)

@@ -1,0 +1,193 @@
+"""`navbudget explore` and `navbudget sweep`: questions put the other way round, as JSON or CSV. SI throughout."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from nav_model.budget.figures import FIGURES
+from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
+from nav_model.design import Design
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import read_bytes
+from nav_model.explore.margins import ALL, label_of, limits
+from nav_model.explore.rank import rank, sentence, silent
+from nav_model.explore.search import left_out, search
+from nav_model.explore.solve import remedies, resolution_for, solve
+from nav_model.explore.sweep import run_sweep
+from nav_model.explore.sweep_plan import read_plan
+from nav_model.explore.trade_map import trade_map
+from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
+
+Rows = Iterable[Mapping[str, Any]]
+
+
+def solved(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
+    """The largest value of each input that meets each requirement, and all of them."""
+    solutions = solve(design)
+    rows = [
+        {
+            "input": answer.key,
+            "requirement": answer.requirement,
+            "outcome": answer.outcome,
+            "current": solution.current,
+            "largest": answer.value,
+            "margin": answer.margin,
+            "limited_by": answer.binding,
+            "resolution_m": resolution_for(design, answer.value)
+            if answer.key == "radar.aperture_time" and answer.value
+            else None,
+        }
+        for solution in solutions
+        for answer in (solution.together, *solution.each)
+    ]
+    for row in rows:
+        if row["outcome"] == "no value":
+            row["what_would"] = {answer.key: answer.value for answer in remedies(solutions, str(row["requirement"]))}
+    return {"solved": rows}, [{k: v for k, v in row.items() if k != "what_would"} for row in rows]
+
+
+def ranked(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
+    """Sensitivities of one figure to every input."""
+    found = rank(design, options.result)
+    rows = [
+        {
+            "input": item.key,
+            "slope": item.slope,
+            "change_when_halved": _finite(item.halved),
+            "change_when_doubled": _finite(item.doubled),
+            "sentence": sentence(item, label_of(options.result)),
+        }
+        for item in found
+    ]
+    return {"result": options.result, "inputs": rows, "at_zero": list(silent(design))}, rows
+
+
+def _finite(value: float) -> float | None:
+    return value if value == value else None
+
+
+def mapped(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
+    """A result over two inputs."""
+    trade = trade_map(design, options.x, options.y, options.result, options.size)
+    whole = {
+        "x": {"input": trade.x_key, "values": trade.x.tolist()},
+        "y": {"input": trade.y_key, "values": trade.y.tolist()},
+        "result": trade.result,
+        "limit": _finite(trade.limit),
+        "values": [[_finite(value) for value in row] for row in trade.z.tolist()],
+        "catalogue": [
+            {"imu": p.name, "x": p.x, "y": p.y, "value": _finite(p.value), "met": p.met} for p in trade.points
+        ],
+    }
+    rows = (
+        {trade.x_key: x, trade.y_key: y, trade.result: _finite(float(trade.z[j, i]))}
+        for j, y in enumerate(trade.y.tolist())
+        for i, x in enumerate(trade.x.tolist())
+    )
+    return whole, rows
+
+
+def searched(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
+    """Every inertial unit with every receiver class."""
+    imus, receivers = _entries("imu", options.imus), _entries("gnss", options.receivers)
+    rows = [
+        {
+            "imu": row.imu,
+            "gnss": row.gnss,
+            "closes": row.closes,
+            "margin": row.margin,
+            "tightest": row.tightest,
+            "dominant": row.dominant,
+            "share": row.share,
+            **{f"margin_{name}": margin for name, margin in row.margins.items()},
+            "not_confirmed": "; ".join(row.doubts),
+        }
+        for row in search(design, imus, receivers)
+    ]
+    return {"candidates": rows, "left_out": left_out(imus)}, rows
+
+
+def _entries(kind: Kind, files: Iterable[str]) -> Mapping[str, Entry]:
+    """The shipped catalogue with a user's own files on top."""
+    entries = dict(catalogue(kind))
+    for path in files:
+        try:
+            entries |= read_catalogue(read_bytes(path).decode("utf-8-sig"), kind)
+        except UnicodeDecodeError as error:
+            raise DesignError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
+    return entries
+
+
+def doubted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
+    """The verdict as a probability."""
+    inputs = {}
+    for text in options.vary:
+        key, equals, spec = text.partition("=")
+        if not equals:
+            raise DesignError(text, 'not a range; write for example imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h"')
+        inputs[key.strip()] = read_uncertain(key.strip(), spec)
+    found = uncertain_verdict(design, inputs, options.seed)
+    rows = [
+        {"requirement": name, "probability": p.value, "low_95": p.low, "high_95": p.high}
+        for name, p in ((ALL, found.closes), *found.each.items())
+    ]
+    whole = {
+        "designs": found.designs,
+        "seed": options.seed,
+        "probability": rows,
+        "tightest_margin": dict(zip(("q05", "q50", "q95"), found.margin, strict=True)),
+        "tightest": dict(found.limiting),
+    }
+    return whole, rows
+
+
+QUESTIONS: Mapping[str, Callable[[Design, argparse.Namespace], tuple[Any, Rows]]] = {
+    "solve": solved,
+    "rank": ranked,
+    "map": mapped,
+    "search": searched,
+    "uncertainty": doubted,
+}
+
+
+def explore(design: Design, options: argparse.Namespace) -> int:
+    """Answer one question on standard output."""
+    if options.question == "rank" and options.result is None:
+        options.result = next(iter(limits(design)), next(iter(FIGURES)))
+    whole, rows = QUESTIONS[options.question](design, options)
+    if options.csv:
+        table = list(rows)
+        writer = csv.DictWriter(sys.stdout, table[0], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(table)
+    else:
+        json.dump(whole, sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
+        sys.stdout.write("\n")
+    return 0
+
+
+def sweep(options: argparse.Namespace) -> int:
+    """Run a sweep file; progress on standard error."""
+    plan = read_plan(options.file)
+    start = time.monotonic()
+    first: list[int] = []
+
+    def show(done: int, total: int) -> None:
+        first.append(done)
+        spent = time.monotonic() - start
+        gained = done - first[0]
+        left = f", {spent * (total - done) / gained:.0f} s left" if gained and done < total else ""
+        end = "\n" if done == total or not sys.stderr.isatty() else ""
+        print(f"\r{done} of {total} rows{left}   ", end=end, file=sys.stderr, flush=True)
+
+    kept = run_sweep(plan, options.output, options.workers, options.scheduler, show)
+    again = f" ({kept} kept from an earlier run)" if kept else ""
+    print(f"wrote {Path(options.output)}: {plan.rows} rows{again}", file=sys.stderr)
+    return 0

@@ -1,0 +1,135 @@
+"""The map of the Explore page: two inputs against a result; a click adopts the place."""
+
+from __future__ import annotations
+
+import io
+from html import escape
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+from bokeh.events import Tap
+
+from app.charts.kinds import to_csv
+from app.charts.screen.maps import MapFigure
+from app.session import Session
+from app.subjects.explore.charts import TradeMapChart, map_chart
+from app.ui.chart_pane import described, html_pane, prose
+from app.ui.theme import FRAME
+from nav_model.budget import Budget
+from nav_model.budget.figures import FIGURES, VARIABLES
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import PARTS
+from nav_model.explore.margins import ALL, label_of, limits, quantity
+from nav_model.explore.trade_map import RESULTS, changes_at
+
+_X, _Y = "imu.angle_random_walk", "imu.velocity_random_walk"
+_DIGITS = 3
+
+
+def input_labels() -> dict[str, str]:
+    """What people read -> dotted key, for every input a figure depends on."""
+    titles = {part.section: part.title for part in PARTS}
+    return {f"{titles[key.partition('.')[0]]}: {quantity(key).label}": key for key in VARIABLES}
+
+
+def download(label: str, filename: str, make: Any) -> pmui.FileDownload:
+    """A small download under a chart or table."""
+    return pmui.FileDownload(
+        callback=make, filename=filename, label=label, description="", variant="text", size="small", margin=(0, 8)
+    )
+
+
+class MapPanel:
+    """Three choosers, the map, and what a click did."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        inputs = input_labels()
+        self._x = _select("Across", inputs, _X)
+        self._y = _select("Up", inputs, _Y)
+        self._result = _select("Result", {label_of(name): name for name in RESULTS}, self._first_result())
+        self._said = html_pane("", margin=(0, 14))
+        self._title = html_pane("", margin=(10, 14, 0, 14))
+        self._know = html_pane("")
+        self._place = pn.Column(sizing_mode="stretch_width", margin=0)
+        self._drawn: MapFigure | None = None
+        self._chart: TradeMapChart | None = None
+        for chooser in (self._x, self._y, self._result):
+            chooser.param.watch(lambda _: self.show(self._session.budget), "value")
+        self.view = pn.Column(
+            self._title,
+            pn.FlexBox(self._x, self._y, self._result, sizing_mode="stretch_width", margin=(0, 6)),
+            self._said,
+            self._place,
+            self._know,
+            download("Map: CSV", "map.csv", self._csv),
+            styles=FRAME,
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+        self.show(session.budget)
+
+    def _first_result(self) -> str:
+        return ALL if limits(self._session.design) else next(iter(FIGURES))
+
+    def show(self, budget: Budget) -> None:
+        """Follow the budget in force: the cross moves, the map where it must."""
+        if self._x.value == self._y.value:
+            self._say("Choose two different inputs.")
+            return
+        if self._result.value == ALL and not budget.verdict.checks:
+            self._say("No requirement is set: map a single figure, or give a limit under Requirements.")
+            return
+        self._say("")
+        chart = map_chart(budget.design, self._x.value, self._y.value, self._result.value)
+        if self._drawn is None or self._chart is None or self._chart.structure != chart.structure:
+            self._drawn = MapFigure(chart)
+            self._drawn.plot.on_event(Tap, self._tapped)
+            self._place.objects = [pn.pane.Bokeh(self._drawn.plot, sizing_mode="stretch_width")]
+        else:
+            self._drawn.feed(chart)
+        self._chart = chart
+        self._title.object = f"<h3>{escape(chart.title)}</h3>"
+        self._know.object = (
+            f"{described(chart)}<p>Orange cross: this design. Red line: {escape(chart.reference)}; dotted: half of "
+            "it; dashed: twice. Lighter is better. Click the map to adopt a point.</p>"
+            f'<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
+        )
+
+    def _tapped(self, event: Any) -> None:
+        chart = self._chart
+        if chart is None or event.x is None or event.y is None:
+            return
+        design, trade = self._session.design, chart.trade
+        places = [
+            _place(key, value, design.unit(key) if _has_unit(quantity(key)) else "")
+            for key, value in ((trade.x_key, event.x), (trade.y_key, event.y))
+        ]
+        changes = changes_at(trade, *places)
+        units = {key: design.unit(key) for key in changes if _has_unit(quantity(key))}
+        problem = self._session.change(changes, units)
+        self._say("" if problem is None else f"Not adopted. {problem}")
+
+    def _say(self, text: str) -> None:
+        self._said.object = f'<p role="status">{escape(text)}</p>' if text else ""
+
+    def _csv(self) -> io.BytesIO:
+        chart = map_chart(self._session.design, self._x.value, self._y.value, self._result.value)
+        return io.BytesIO(to_csv(chart).encode())  # type: ignore[arg-type]
+
+
+def _place(key: str, value: float, unit: str) -> float:
+    """SI of a place clicked, rounded as a person would type it, so that its box shows no more digits."""
+    text = f"{value:.{_DIGITS}g}"
+    return float(quantity(key).read(f"{text} {unit}").value if unit else text)
+
+
+def _has_unit(declaration: BaseQuantity[float | None]) -> bool:
+    return bool(declaration.dimension)
+
+
+def _select(label: str, options: dict[str, str], value: str) -> pmui.Select:
+    return pmui.Select(
+        label=label, description="", options=options, value=value, size="small", width=240, margin=(10, 8, 0, 8)
+    )

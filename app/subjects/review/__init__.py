@@ -1,0 +1,1 @@
+"""Saved designs side by side, reviewed and signed."""

@@ -1,0 +1,50 @@
+"""Charts of several budgets side by side, as plain data. Designs go by short labels: names may be long."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from app.charts.kinds import Bar, BarChart, Chart, Line
+from nav_model.budget import Budget
+from nav_model.sar.geometry import phase_to_metres
+
+
+def position_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> Chart:
+    """Refined horizontal position of at most seven budgets against time since the last fix."""
+    return Chart(
+        key="position",
+        title="Horizontal position after the last fix",
+        x_label="time since the last fix [s]",
+        y_label="horizontal position, 1σ [m]",
+        lines=tuple(
+            Line(label, label, budget.coast.time, budget.coast.refined_horizontal, f"design {i}",
+                 "linear covariance propagation [T-17]")
+            for i, (budget, label) in enumerate(zip(budgets, labels, strict=True), start=1)
+        ),
+        y_log=True,
+        knowledge="Refined curves [T-17], per axis.",
+    )  # fmt: skip
+
+
+def phase_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> BarChart:
+    """Quadratic and detrended phase of some budgets."""
+
+    def bar(budget: Budget, label: str) -> Bar:
+        phases = np.array([budget.sar.quadratic, budget.sar.detrended])
+        millimetres = 1000 * phase_to_metres(phases, budget.sar.wavelength)
+        return Bar(label, *map(float, np.degrees(phases)), *map(float, millimetres), "[S-5], [T-15], [S-6]")
+
+    return BarChart(
+        key="phase",
+        title="Phase over the aperture",
+        x_label="line-of-sight phase over the aperture, 1σ [°]",
+        first_label="quadratic",
+        second_label="rms after autofocus",
+        bars=tuple(bar(budget, label) for budget, label in zip(budgets, labels, strict=True)),
+        first_limit=math.nan,
+        second_limit=math.nan,
+        knowledge="Totals in quadrature [S-5], [T-15], [S-6]; each with its own radar, aperture and autofocus.",
+    )

@@ -1,0 +1,173 @@
+"""The chapter that sets several designs side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from app.charts.words import in_words
+from app.document.blocks import Cell, Chapter, ChartBlock, Column, Section, Table
+from app.document.wording import DIGITS, labelled, percent, requirement_key, signed_percent, title_of, verdict_of
+from app.report.inputs import shown_value, sourced_value
+from app.subjects.review.charts import phase_comparison, position_comparison
+from nav_model.budget import Budget
+from nav_model.design.parts import INPUTS, declaration_of
+from nav_model.units import format_quantity
+
+_COLUMNS = 5  # designs that fit side by side on a page
+_LINES = 7  # curves a reader can tell apart
+
+
+def comparison_chapter(
+    budgets: Sequence[Budget], labels: Sequence[str], facts: tuple[tuple[str, str], ...]
+) -> Chapter:
+    """The comparison: verdicts, figures with the better one marked, inputs that differ, charts."""
+    closing = sum(budget.verdict.closes for budget in budgets)
+    return Chapter(
+        key="c",
+        kind="Comparison of navigation error budgets",
+        title=f"{len(budgets)} designs, {closing} of which close{'s' if closing == 1 else ''}",
+        running=f"Comparison of {len(budgets)} designs",
+        description="",
+        verdict=None,
+        facts=facts,
+        sections=(
+            Section("c-verdicts", "Verdicts", (_verdicts(budgets, labels),)),
+            Section("c-figures", "Figures side by side", _figures(budgets, labels)),
+            Section("c-inputs", "Inputs that differ", _inputs(budgets, labels)),
+            Section("c-charts", "Charts", _charts(budgets, labels)),
+        ),
+    )
+
+
+def difference_tables(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[Table, Table, Table]:
+    """Verdicts, figures and inputs that differ, each as one table of any width; for the screen."""
+    wide = len(budgets)
+    (figures,), (inputs,) = _figures(budgets, labels, wide), _inputs(budgets, labels, wide)
+    return _verdicts(budgets, labels), figures, inputs
+
+
+def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
+    def row(budget: Budget, label: str) -> tuple[Cell, ...]:
+        word, tone, _ = verdict_of(budget)
+        tightest = budget.verdict.tightest
+        return (
+            Cell(labelled(label, title_of(budget.design))),
+            Cell(budget.design.content_hash[:12]),
+            Cell(word, tone=tone),
+            Cell(tightest.label if tightest else "–"),
+            Cell(signed_percent(tightest.margin) if tightest else "–"),
+            Cell(f"{tightest.sensor}, {percent(tightest.sensor_share)}" if tightest else "–"),
+        )
+
+    return Table(
+        "c-verdicts-table",
+        "The designs and whether they close",
+        (
+            Column("Design", width=1.6),
+            Column("Hash", width=1.1),
+            Column("Verdict", width=1.1),
+            Column("Tightest requirement", width=1.2),
+            Column("Margin", numeric=True, width=0.9),
+            Column("Dominant sensor", width=1.2),
+        ),
+        tuple(row(budget, label) for budget, label in zip(budgets, labels, strict=True)),
+    )
+
+
+_Figure = tuple[str, str, Callable[[Budget], float]]
+_FIGURES: tuple[_Figure, ...] = (
+    ("Horizontal position before a fix [T-8]", "horizontal_position",
+     lambda b: b.steady_state.prior.position_horizontal),
+    ("Vertical position before a fix [T-8]", "vertical_position", lambda b: b.steady_state.prior.position_vertical),
+    ("Horizontal velocity before a fix [T-8]", "horizontal_velocity",
+     lambda b: b.steady_state.prior.velocity_horizontal),
+    ("Vertical velocity before a fix [T-8]", "vertical_velocity", lambda b: b.steady_state.prior.velocity_vertical),
+    ("Tilt before a fix [T-8]", "tilt", lambda b: b.steady_state.prior.tilt),
+    ("Horizontal position, end of outage [T-17]", "coast_horizontal_position",
+     lambda b: b.coast.end_refined_horizontal),
+    ("Vertical position, end of outage [T-17]", "coast_vertical_position", lambda b: b.coast.end_refined_vertical),
+    ("Quadratic phase [S-5]", "quadratic_phase", lambda b: b.sar.quadratic),
+    ("Along-track quadratic phase [S-2]", "along_track_quadratic_phase", lambda b: b.sar.along_track_quadratic),
+    ("Rms phase after autofocus [T-15], [S-6]", "detrended_phase", lambda b: b.sar.detrended),
+)  # fmt: skip
+
+
+def _figures(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUMNS) -> tuple[Table, ...]:
+    marks = []
+    for _, _, value in _FIGURES:
+        values = [value(budget) for budget in budgets]
+        marks.append([min(values) < max(values) and x == min(values) for x in values])
+
+    def cell(figure: int, design: int) -> Cell:
+        _, name, value = _FIGURES[figure]
+        declaration = declaration_of(requirement_key(name))
+        text = format_quantity(value(budgets[design]), declaration.unit, declaration.dimension, DIGITS)
+        return Cell(text, "best", "good") if marks[figure][design] else Cell(text)
+
+    def table(columns: range, part: str) -> Table:
+        return Table(
+            f"c-figures-{columns.start}",
+            f"Standard deviations, 1σ{part}; the smallest of all designs is marked best",
+            _head("Figure", columns, labels, numeric=True),
+            tuple(
+                (Cell(label), *(cell(figure, design) for design in columns))
+                for figure, (label, _, _) in enumerate(_FIGURES)
+            ),
+            "Outages end where each design says; phases hold for each design's own radar and aperture.",
+        )
+
+    return _in_parts(len(budgets), labels, table, wide)
+
+
+def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUMNS) -> tuple[Table, ...]:
+    designs = [budget.design for budget in budgets]
+    keys = [
+        (section, name)
+        for section, names in INPUTS.items()
+        for name in names
+        if len({design[f"{section}.{name}"] for design in designs}) > 1
+    ]
+
+    def cell(design: int, section: str, name: str) -> Cell:
+        text = shown_value(designs[design], section, name) or "not given"
+        sourced = sourced_value(designs[design], section, name)
+        return Cell(text) if sourced is None or sourced.confirmed else Cell(text, sourced.status, "warn")
+
+    def table(columns: range, part: str) -> Table:
+        return Table(
+            f"c-inputs-{columns.start}",
+            f"Inputs that are not the same in every design{part}",
+            _head("Input", columns, labels),
+            tuple(
+                (Cell(str(INPUTS[section][name].label)), *(cell(design, section, name) for design in columns))
+                for section, name in keys
+            ),
+            "" if keys else "The designs have the same inputs.",
+        )
+
+    return _in_parts(len(budgets), labels, table, wide)
+
+
+def _in_parts(
+    count: int, labels: Sequence[str], table: Callable[[range, str], Table], wide: int
+) -> tuple[Table, ...]:
+    """As many tables as it takes for no more than `wide` designs in each."""
+    parts = [range(start, min(start + wide, count)) for start in range(0, count, wide)]
+    return tuple(
+        table(part, "" if len(parts) == 1 else f", {labels[part.start]} to {labels[part.stop - 1]}") for part in parts
+    )
+
+
+def _head(title: str, columns: range, labels: Sequence[str], *, numeric: bool = False) -> tuple[Column, ...]:
+    return (Column(title, width=1.6), *(Column(labels[design], numeric=numeric, width=1) for design in columns))
+
+
+def _charts(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[ChartBlock, ...]:
+    blocks = []
+    for start in range(0, len(budgets), _LINES):
+        part = slice(start, start + _LINES)
+        for draw in (position_comparison, phase_comparison):
+            chart = draw(budgets[part], labels[part])
+            said = f"{chart.title} of {', '.join(labels[part])}. {in_words(chart)} {chart.knowledge}"
+            blocks.append(ChartBlock(f"c-chart-{chart.key}-{start}", chart, said))
+    return tuple(blocks)

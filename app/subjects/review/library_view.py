@@ -1,0 +1,347 @@
+"""The library's part of the Review page: save, find, pick, archive, take away and bring in."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from html import escape
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.document.wording import shortened
+from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
+from app.library.place import library
+from app.library.store import Library, Revision, Saved
+from app.library.texts import counted, moment
+from app.subjects.review.desk import BUTTON, LOOK, Desk, button
+from app.ui.chart_pane import html_pane
+from app.ui.upload import LimitedFileInput
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import parse_design
+
+_SHOWN = 25  # designs listed at once; a search narrows
+_ANY = "any tag"
+_OPENING = '<p class="quiet">Opening the library …</p>'
+_EMPTY = (
+    "<p><b>No design saved yet.</b> Type your name, then <i>Save as new design</i>: what stands on the left is kept "
+    "with its verdict, and every later save is a revision of it that can be compared and reviewed.</p>"
+)
+
+
+class LibraryView:
+    """Above the list what can be done to the design in force, below it what can be done to the picked ones."""
+
+    def __init__(self, desk: Desk, compare: Callable[[], Any]) -> None:
+        self._desk = desk
+        self._open_designs: set[str] = set()
+        self._ticks: list[tuple[str, pmui.Checkbox]] = []  # a design's latest revision may have two
+        self._putting = False  # ticks are being set to what is picked
+        self._fetched: set[str] = set()  # ticked, and on its way from the library
+        self._note = pmui.TextInput(label="Note", max_length=4000, width=260, **LOOK)
+        self._new = button("Save as new design", partial(self._save, True), variant="contained")
+        self._next = button("Save as next revision", partial(self._save, False), visible=False)
+        self._search = pmui.TextInput(label="Search name, note, author, tag", width=260, **LOOK)
+        self._tag = pmui.Select(label="Tag", options=[_ANY], value=_ANY, width=150, **LOOK)
+        self._archived = pmui.Switch(label="Archived", description="", margin=(12, 8))
+        self._rows = pn.Column(html_pane(_OPENING), sizing_mode="stretch_width", margin=(2, 0))
+        self._asked: object = None
+        self._listed: _Listing | DesignError | None = None
+        self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
+        self._bring = LimitedFileInput(
+            lambda why: self._desk.say(f"Not imported. {why}", wrong=True),
+            label="Import (zip)", accept=".zip", max_file_size=MAX_ARCHIVE, description="", size="small",
+            variant="text", margin=(6, 6),
+        )  # fmt: skip
+        self._compare = button("Compare", self._wrapped(compare), variant="contained")
+        self._actions = [
+            self._compare,
+            button("Open on the left", self._open),
+            button("Archive or restore", self._archive),
+            button("Clear", self._clear),
+            button("Set tags", self._retag),
+        ]
+        self._export = pmui.FileDownload(
+            callback=self._zip, filename="navbudget-library.zip", label="Export (zip)",
+            **{**BUTTON, "variant": "text"},
+        )  # fmt: skip
+        self._chosen = html_pane("", margin=(4, 10))
+        self.view = pn.Column(
+            pn.FlexBox(self._note, self._new, self._next, align_items="center", margin=(6, 4)),
+            pn.FlexBox(
+                self._search,
+                self._tag,
+                self._archived,
+                self._bring,
+                self._export,
+                align_items="center",
+                margin=(0, 4),
+            ),
+            self._rows,
+            self._chosen,
+            pn.FlexBox(*self._actions[:-1], self._tags, self._actions[-1], align_items="center", margin=(0, 4)),
+            sizing_mode="stretch_width",
+        )
+        self._say_picked()
+        for field in (self._search, self._tag, self._archived):
+            field.param.watch(self._look_again, "value")
+        self._bring.param.watch(self._brought, "value")
+        desk.param.watch(self._picks, "picked")
+        desk.param.watch(self._based, "base")
+        self._based()
+
+    @staticmethod
+    def _wrapped(action: Callable[[], Any]) -> Any:
+        async def run() -> None:
+            await action()
+
+        return run
+
+    async def _look_again(self, _: Any) -> None:
+        await self.refresh()
+
+    # --- the list --------------------------------------------------------------------------------------
+
+    async def refresh(self) -> None:
+        """List what the library holds now; where several ask at once, the last one's answer is shown."""
+        self._asked = asked = object()
+        tag = "" if self._tag.value == _ANY else self._tag.value
+        search, archived, unfolded = self._search.value or "", self._archived.value, frozenset(self._open_designs)
+        try:
+            listing: _Listing | DesignError = await asyncio.to_thread(
+                lambda: _listing(library(), search, tag, archived, unfolded)
+            )
+        except DesignError as error:
+            listing = error
+        if self._asked is not asked or listing == self._listed:  # rows that stay keep the pointer and the focus
+            return
+        self._listed = listing
+        if isinstance(listing, DesignError):
+            self._rows.objects = [html_pane(f"<p>The library is not at hand. {escape(str(listing))}</p>")]
+            return
+        self._ticks = []
+        rows = [row for saved in listing.found[:_SHOWN] for row in self._design_rows(saved, listing.histories)]
+        if not listing.found:
+            rows = [html_pane("<p>No design matches.</p>" if listing.narrowed else _EMPTY)]
+        if len(listing.found) > _SHOWN:
+            rows.append(
+                html_pane(f"<p class='quiet'>{_SHOWN} of {len(listing.found)} designs; search to narrow.</p>")
+            )
+        self._rows.objects = rows
+        if self._tag.options != [_ANY, *listing.tags]:
+            self._tag.options = [_ANY, *listing.tags]
+
+    def _design_rows(self, saved: Saved, histories: Mapping[str, tuple[Revision, ...]]) -> list[Any]:
+        many = saved.number > 1
+        shown = saved.id in histories
+        history = button(
+            f"{'Hide' if shown else 'Show'} {saved.number} revisions" if many else "1 revision",
+            partial(self._toggle, saved.id), variant="text", disabled=not many, margin=(0, 4), width=150,
+        )  # fmt: skip
+        tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in saved.tags)
+        when = f"<span>{moment(saved.saved)}</span>"
+        cells = f'{_verdict(saved.closes)}<span class="who">{escape(saved.author)}</span>{when}{tags}'
+        rows = [self._row(f"{saved.id}.{saved.number}", shortened(saved.name, 60), cells, history)]
+        if shown and many:
+            rows += [
+                self._row(r.key, f"Revision {r.number}: {shortened(r.name, 44)}", _revision_cells(r), None, indent=28)
+                for r in histories[saved.id]
+            ]
+        return rows
+
+    def _row(self, key: str, label: str, cells: str, extra: Any, indent: int = 0) -> pn.FlexBox:
+        tick = pmui.Checkbox(
+            label=label, value=self._is_ticked(key), description="", size="small", width=330 - indent,
+            margin=(0, 4, 0, 6 + indent),
+        )  # fmt: skip
+
+        def ticked(event: Any) -> None:
+            if self._putting:
+                return
+            if event.new:
+                self._fetched.add(key)
+                pn.state.execute(partial(self._fetch, key))
+            else:
+                self._fetched.discard(key)
+                self._desk.put_back(key)
+
+        tick.param.watch(ticked, "value")
+        self._ticks.append((key, tick))
+        parts = [tick, html_pane(f'<div class="line">{cells}</div>', margin=(2, 6)), *([extra] if extra else [])]
+        parts[1].param.update(sizing_mode=None, styles={"flex": "1 1 280px"})
+        return pn.FlexBox(*parts, align_items="center", sizing_mode="stretch_width", margin=0, styles=_RULE)
+
+    async def _toggle(self, design: str) -> None:
+        self._open_designs ^= {design}
+        await self.refresh()
+
+    # --- the picked ones -------------------------------------------------------------------------------
+
+    def _is_ticked(self, key: str) -> bool:
+        return key in self._fetched or key in {own.key for own in self._desk.picked}
+
+    async def _fetch(self, key: str) -> None:
+        """Pick a revision that was ticked, unless its tick was taken back meanwhile."""
+        revision = await self._desk.ask(lambda place: place.revision(key))
+        if key in self._fetched:
+            self._fetched.remove(key)
+            if revision is not None:
+                self._desk.pick(revision)
+            self._picks()
+
+    def _picks(self, *_: Any) -> None:
+        with pn.io.hold():
+            self._putting = True
+            try:
+                for key, tick in self._ticks:
+                    tick.value = self._is_ticked(key)
+            finally:
+                self._putting = False
+            self._say_picked()
+
+    def _say_picked(self) -> None:
+        picked = self._desk.picked
+        said = "".join(
+            f"<li><b>D{i}</b> {escape(shortened(r.name, 60))}, revision {r.number}</li>"
+            for i, r in enumerate(picked, start=1)
+        )
+        hint = "Tick designs above to compare, open, review or export them."
+        self._chosen.object = (
+            f'<ul class="legend" aria-label="Picked revisions">{said}</ul>'
+            if picked
+            else f'<p class="quiet">{hint}</p>'
+        )
+        for action in self._actions:
+            action.disabled = not picked
+        self._compare.disabled = len(picked) < 2
+
+    async def _clear(self) -> None:
+        self._desk.picked = ()
+
+    async def _open(self) -> None:
+        last = self._desk.picked[-1]
+        try:
+            problem = self._desk.session.adopt(parse_design(last.text, f"revision {last.number}"))
+        except DesignError as error:
+            problem = error
+        if problem is not None:
+            self._desk.say(f"Not opened. {problem}", wrong=True)
+            return
+        self._desk.base = last
+        self._desk.say(f"Revision {last.number} of {last.name} is in force on the left.")
+
+    async def _archive(self) -> None:
+        designs = {revision.design for revision in self._desk.picked}
+        hide = not self._archived.value
+
+        def work(place: Library) -> bool:
+            for design in designs:
+                place.archive(design, hide)
+            return True
+
+        if await self._desk.ask(work):
+            self._desk.picked = ()
+            await self.refresh()
+            said = f"{counted(len(designs), 'design')} {'archived' if hide else 'restored'}; nothing is deleted."
+            self._desk.say(said)
+
+    async def _retag(self) -> None:
+        designs = {revision.design for revision in self._desk.picked}
+        line = self._tags.value or ""
+        if await self._desk.ask(lambda place: [place.retag(design, line) for design in designs]):
+            self._tags.value = ""
+            await self.refresh()
+
+    # --- saving, in and out ----------------------------------------------------------------------------
+
+    def _based(self, *_: Any) -> None:
+        base = self._desk.base
+        self._next.visible = base is not None
+        if base is not None:
+            self._next.label = f"Save as revision {base.number + 1} of {shortened(base.name, 30)}"
+
+    async def _save(self, new: bool) -> None:
+        base = None if new else self._desk.base
+        budget, author, note = self._desk.session.budget, self._desk.who, self._note.value or ""
+
+        def work(place: Library) -> Revision:
+            if base is None:
+                return place.save(budget, author, note)
+            return place.save(budget, author, note, design=base.design, base=base.number)
+
+        saved = await self._desk.ask(work)
+        if saved is None:
+            if base is not None:
+                await self._catch_up(base)
+            return
+        self._note.value = ""
+        self._desk.base = saved
+        await self.refresh()
+        self._desk.say(f"Saved: revision {saved.number} of {saved.name}. {saved.verdict}")
+
+    async def _catch_up(self, base: Revision) -> None:
+        """After somebody else's save: the next press is on top of theirs, as the button then says."""
+        history = await self._desk.ask(lambda place: place.revisions(base.design))
+        if history and history[0].number != base.number:
+            self._desk.base = history[0]
+            await self.refresh()
+
+    async def _zip(self) -> io.BytesIO:
+        picked = [revision.design for revision in self._desk.picked]
+
+        def work(place: Library) -> bytes:
+            everything = (*place.designs(), *place.designs(archived=True))
+            return export_archive(place, picked or [saved.id for saved in everything])
+
+        return io.BytesIO(await self._desk.ask(work) or b"")
+
+    async def _brought(self, event: Any) -> None:
+        if not event.new:
+            return
+        author = self._desk.who or "not stated"
+        done = await self._desk.ask(lambda place: import_archive(place, event.new, author))
+        if done is not None:
+            await self.refresh()
+            self._desk.say(
+                f"Imported {counted(done.designs, 'design')}, {counted(done.revisions, 'revision')}; "
+                f"{done.known} here already."
+            )
+
+
+@dataclass(frozen=True)
+class _Listing:
+    """What a look into the library brings: designs, all tags, the histories that are unfolded, and whether only some
+    designs were looked for."""
+
+    found: tuple[Saved, ...]
+    tags: tuple[str, ...]
+    histories: Mapping[str, tuple[Revision, ...]]
+    narrowed: bool
+
+
+def _listing(place: Library, search: str, tag: str, archived: bool, unfolded: frozenset[str]) -> _Listing:
+    found = place.designs(search, tag, archived=archived)
+    shown = [saved.id for saved in found[:_SHOWN] if saved.id in unfolded]
+    histories = {design: place.revisions(design) for design in shown}
+    return _Listing(found, place.tags(), histories, bool(search or tag or archived))
+
+
+_RULE = {"border-bottom": "1px solid color-mix(in srgb, currentColor 12%, transparent)"}
+
+
+def _verdict(closes: bool | None) -> str:
+    word = {True: "✓ closes", False: "✗ does not close", None: "– not checked"}[closes]
+    return f'<span class="mark">{word}</span>'
+
+
+def _revision_cells(revision: Revision) -> str:
+    note = f'<span class="quiet">{escape(shortened(revision.note, 120))}</span>' if revision.note else ""
+    origin = " (imported)" if revision.origin else ""
+    return (
+        f'{_verdict(revision.closes)}<span class="who">{escape(revision.author)}{origin}</span>'
+        f'<span>{moment(revision.saved)}</span><span class="quiet">{revision.content_hash[:12]}</span>{note}'
+    )

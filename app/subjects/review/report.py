@@ -1,0 +1,143 @@
+"""The record of a review, as sections of a report: what was frozen, who said and decided what, who signed."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+
+from app.document.blocks import Cell, Column, Section, Table
+from app.document.wording import requirement_quantity
+from app.library.reviews import Comment, Decision, Review
+from app.library.texts import moment
+from nav_model.budget import Budget
+from nav_model.budget.verdict import Check
+from nav_model.design.parts import INPUTS
+
+
+def audit_sections(review: Review) -> tuple[Section, ...]:
+    """The sections: the audit table first, then status, comments and every decision ever taken."""
+    return (
+        Section("audit", f"Review: {review.title}", (audit_table(review), status_table(review))),
+        Section("audit-log", "Comments and decisions", (comment_table(review), decision_table(review))),
+    )
+
+
+def audit_table(review: Review) -> Table:
+    """What was frozen, by whom, with which program, and whether it is signed and intact."""
+    signed = f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"
+    intact = Cell("holds", tone="good") if review.intact else Cell("BROKEN: changed outside the program", tone="bad")
+    rows = [
+        (Cell("Review"), Cell(review.id)),
+        (Cell("Opened"), Cell(f"{review.author}, {moment(review.opened)}")),
+        (Cell("Program"), _program(review.product)),
+        (Cell("Signed off"), Cell(signed)),
+        (Cell("Seal (SHA-256)"), Cell(review.seal or "none before the signature")),
+        (Cell("Integrity"), intact),
+    ]
+    for item, revision in zip(review.items, review.revisions, strict=True):
+        origin = ", imported" if revision.origin else ""
+        rows.append((Cell(f"D{item.place}: {revision.name}, revision {revision.number}"), Cell(item.content_hash)))
+        rows.append((Cell("saved"), Cell(f"{revision.author}, {moment(revision.saved)}{origin}")))
+        if revision.note:
+            rows.append((Cell("note"), Cell(revision.note)))
+    return Table("audit-table", "Audit", (Column("Subject", width=1), Column("Record", width=2)), tuple(rows))
+
+
+def _program(frozen: str) -> Cell:
+    """With which version the review was opened; figures are always worked out by the one that shows them."""
+    here = version("navbudget")
+    if frozen == here:
+        return Cell(f"NavBudget {frozen}")
+    said = f"NavBudget {frozen}; values here are worked out by {here}, figures of decisions stand as they were"
+    return Cell(said, tone="warn")
+
+
+def status_table(review: Review) -> Table:
+    """Every requirement of every design with the decision in force."""
+    rows: list[tuple[Cell, ...]] = []
+    for item, revision in zip(review.items, review.revisions, strict=True):
+        budget = revision.budget()
+        rows.append((Cell(f"D{item.place}: {revision.name}, revision {revision.number}"),))
+        rows += [_status(budget, check, review.standing(item.place, check.name)) for check in budget.verdict.checks]
+    return Table(
+        "audit-status",
+        "Requirements and decisions",
+        (
+            Column("Requirement", width=1.4),
+            Column("Value", numeric=True),
+            Column("Limit", numeric=True),
+            Column("Verdict"),
+            Column("Decision"),
+            Column("By", width=1.2),
+            Column("Reason", width=1.4),
+        ),
+        tuple(rows),
+        f"{len(review.open_points())} to decide.",
+    )
+
+
+def _status(budget: Budget, check: Check, decision: Decision | None) -> tuple[Cell, ...]:
+    value, limit = (requirement_quantity(budget.design, check.name, x) for x in (check.value, check.limit))
+    verdict = Cell("✓ met", tone="good") if check.met else Cell("✗ not met", tone="bad")
+    if decision is None:
+        return Cell(check.label), Cell(value), Cell(limit), verdict, Cell("open", tone="warn"), Cell("–"), Cell("–")
+    by = f"{decision.author}, {moment(decision.decided)}"
+    return (
+        Cell(check.label),
+        Cell(value),
+        Cell(limit),
+        verdict,
+        _word(decision),
+        Cell(by),
+        Cell(decision.reason or "–"),
+    )
+
+
+def _word(decision: Decision) -> Cell:
+    return Cell("✓ accepted", tone="good") if decision.accepted else Cell("✗ rejected", tone="bad")
+
+
+def comment_table(review: Review) -> Table:
+    """What was said, in order."""
+    rows = tuple(
+        (Cell(str(c.number)), Cell(f"D{c.place}: {subject_label(c.subject)}"), Cell(c.comment), Cell(_by(c)))
+        for c in review.comments
+    )
+    return Table(
+        "audit-comments",
+        "Comments",
+        (Column("No."), Column("About", width=1.2), Column("Comment", width=2.4), Column("By", width=1.2)),
+        rows,
+        "" if rows else "No comment.",
+    )
+
+
+def _by(comment: Comment) -> str:
+    return f"{comment.author}, {moment(comment.written)}"
+
+
+def decision_table(review: Review) -> Table:
+    """Every decision ever taken, in order, with the figure it was taken on."""
+    rows = tuple(
+        (
+            Cell(str(d.number)),
+            Cell(f"D{d.place}: {subject_label(d.requirement)}"),
+            _word(d),
+            Cell(d.figure or "–"),
+            Cell(f"{d.author}, {moment(d.decided)}"),
+            Cell(d.reason or "–"),
+        )
+        for d in review.decisions
+    )
+    columns = (
+        Column("No."), Column("Requirement", width=1.2), Column("Decision"), Column("Figure", width=1.2),
+        Column("By", width=1.2), Column("Reason", width=1.4),
+    )  # fmt: skip
+    return Table("audit-decisions", "Decisions in order", columns, rows, "" if rows else "No decision.")
+
+
+def subject_label(subject: str) -> str:
+    """What a comment or a decision is about, in words."""
+    section, _, name = subject.partition(".")
+    if name in INPUTS.get(section, {}):
+        return f"input {str(INPUTS[section][name].label).lower()}"
+    return subject.replace("_", " ") or "the design as a whole"

@@ -1,0 +1,1 @@
+"""Ways of navigating through the aperture, and what each costs the image."""

@@ -1,0 +1,276 @@
+"""The charts of the SAR page, as plain data, from a study of the strategies (None: not run yet) or a map."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from contourpy import contour_generator
+
+from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
+from nav_model.budget import Budget
+from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
+from nav_model.sar.design_study import ClosedForms, DesignStudy
+from nav_model.sar.geometry import metres_to_phase, phase_to_metres
+from nav_model.sar.impulse_response import aperture_of_phase, response_curve
+from nav_model.sar.pictures import Pictures
+from nav_model.sar.strategies import STRATEGIES, STRATEGY_KEYS
+from nav_model.units import from_si
+
+INERTIAL = ("2", "3", "5", "5w")
+FILTERED = ("4", "6", "7", "8")
+_DEG = 180 / math.pi
+_NOTHING = np.array([0.0])
+_NOT_RUN = "Not run yet."
+_LEFT = {1: "the line", 2: "the quadratic", 3: "the cubic"}
+_SHORT = {
+    "1": "1 ideal",
+    "2": "2 INS from the filter",
+    "3": "3 INS after a coast",
+    "4": "4 raw filter",
+    "5": "5 INS − quadratic fit",
+    "5w": "5w quadratic shrunk",
+    "6": "6 tracking filter ⁽ʳ⁾",
+    "7": "7 damping loop ⁽ʳ⁾",
+    "8": "8 RTS smoother",
+}
+_ON_MAP = {"2": "2 INS", "3": "3 coasted", "5": "5 fit", "5w": "5w shrunk"}
+
+
+def short_name(key: str) -> str:
+    """A strategy's name for legends and rows; ⁽ʳ⁾ marks a reconstruction."""
+    return _SHORT[key]
+
+
+def navigation_chart(study: DesignStudy | None, keys: tuple[str, ...], title: str, name: str) -> Chart:
+    """Line-of-sight error over the aperture of the typical run, what the autofocus removes removed."""
+    time = _NOTHING if study is None else study.time
+    rows = [STRATEGY_KEYS.index(key) for key in keys]
+    lines = tuple(
+        Line(
+            key, _SHORT[key], time, np.full(1, np.nan) if study is None else 1000 * study.typical[row],
+            f"strategy {key}", STRATEGIES[row].source,
+        )
+        for key, row in zip(keys, rows, strict=True)
+    )  # fmt: skip
+    return Chart(
+        key=name,
+        title=f"Navigation error, {title}",
+        x_label="time in the aperture [s]",
+        y_label="line-of-sight error [mm]",
+        lines=lines,
+        legend_columns=2,
+        knowledge=_NOT_RUN if study is None else (
+            f"One run of {study.runs}: the one whose INS (2) has the median rms; {_removed(study)} removed after "
+            "projection on the turning line of sight. Rms over the runs: "
+            + ", ".join(f"{key} {1000 * study.rms[row]:.3g} mm" for key, row in zip(keys, rows, strict=True))
+            + "."
+        ),
+    )  # fmt: skip
+
+
+def responses_chart(study: DesignStudy | None, keys: tuple[str, ...], title: str, name: str) -> Chart:
+    """Azimuth impulse responses of the typical run, overlaid."""
+    shown = ("1", *keys)
+    rows = [STRATEGY_KEYS.index(key) for key in shown]
+    metres, power = _NOTHING, np.full((len(rows), 1), np.nan)
+    if study is not None:
+        sar = study.budget.sar
+        apertures = aperture_of_phase(metres_to_phase(study.typical[rows], sar.wavelength))
+        cells, power = response_curve(apertures, sar.window, extent_cells=8.0)  # type: ignore[arg-type]
+        metres = cells * sar.cell_length
+    return Chart(
+        key=name,
+        title=f"Impulse response, {title}",
+        x_label="azimuth [m]",
+        y_label="power over the error-free peak [dB]",
+        lines=tuple(
+            Line(key, _SHORT[key], metres, np.maximum(values, -60.0), f"strategy {key}", "aperture integral")
+            for key, values in zip(shown, power, strict=True)
+        ),
+        y_range=(-45.0, 2.0),
+        legend_columns=2,
+        knowledge=_NOT_RUN if study is None else (
+            f"Azimuth response of the same run, {study.budget.sar.window} window, {_removed(study)} removed; the "
+            "table has the medians and bands of all runs."
+        ),
+    )  # fmt: skip
+
+
+def residual_chart(budget: Budget, closed: ClosedForms, study: DesignStudy | None) -> DotChart:
+    """What each strategy leaves after autofocus: closed form beside the runs."""
+    limit = math.nan if closed.required_phase is None else closed.required_phase * _DEG
+    left = _LEFT[budget.sar.autofocus_order]
+    return _dot_chart(
+        "sar-residual", f"Phase left after {left}, by strategy", f"rms phase after {left} [°]", budget,
+        closed.detrended, study, "rms", "residual_rms", limit,
+        "Closed forms [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8] (the "
+        "Budget page starts from the cycle rms [T-3]).",
+    )  # fmt: skip
+
+
+def quadratic_chart(budget: Budget, closed: ClosedForms, study: DesignStudy | None) -> DotChart:
+    """Quadratic phase of each strategy before autofocus: closed form beside the runs."""
+    required = budget.design.requirements.quadratic_phase
+    limit = math.nan if required is None else float(required) / budget.design.requirements.confidence * _DEG
+    return _dot_chart(
+        "sar-quadratic", "Quadratic phase by strategy", "quadratic phase at the aperture's ends [°]", budget,
+        closed.quadratic, study, "quadratic_rms", "quadratic", limit,
+        "Closed forms [S-5], [S-7] with the along-track part [S-2]; before autofocus.",
+    )  # fmt: skip
+
+
+def _dot_chart(
+    key: str, title: str, x_label: str, budget: Budget, closed: dict[str, float | None],
+    study: DesignStudy | None, over_runs: str, part: str, limit: float, knowledge: str,
+) -> DotChart:  # fmt: skip
+    to_degrees = _DEG * float(metres_to_phase(1.0, budget.sar.wavelength))
+    dots = []
+    for row, strategy in enumerate(STRATEGIES[1:], start=1):
+        form = closed.get(strategy.key)
+        runs = [math.nan] * 3
+        if study is not None:  # in the study's own wavelength, until it is run again
+            scale = _DEG * float(metres_to_phase(1.0, study.budget.sar.wavelength))
+            band = study.parts[part]
+            runs = [scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high)]
+        closed_phase = math.nan if form is None else to_degrees * form
+        dots.append(Dot(_SHORT[strategy.key], closed_phase, *runs, strategy.source))
+    said = "" if study is None else (
+        f" Runs: {study.runs}, seed {study.seed}; rms within {_worst_error(study):.2g} % (standard error)."
+    )  # fmt: skip
+    millimetres = 1000 * float(phase_to_metres(1 / _DEG, budget.sar.wavelength))
+    return DotChart(key, title, x_label, tuple(dots), limit, millimetres, knowledge + said)
+
+
+def _worst_error(study: DesignStudy) -> float:
+    return 100 * float(np.max(study.rms_error[1:] / study.rms[1:]))
+
+
+def _removed(study: DesignStudy) -> str:
+    return _LEFT[study.budget.sar.autofocus_order]
+
+
+POINT_TITLE = "Point target, azimuth by range"
+SCENE_TITLE = "Eight point targets on the ground: pairs four and two cells apart, one at −14 dB beside a strong one"
+
+
+def point_picture(pictures: Pictures) -> PictureChart:
+    """The focused point under each strategy."""
+    return _picture(pictures, "sar-point", POINT_TITLE, "the error-free peak", "range [m]")
+
+
+def scene_picture(pictures: Pictures) -> PictureChart:
+    """Eight point targets under each strategy."""
+    return _picture(pictures, "sar-scene", SCENE_TITLE, "a unit target", "ground range [m]")
+
+
+def uploaded_picture(pictures: Pictures, name: str, key: str) -> PictureChart:
+    """A phase history of the user's as it is and with the error of a strategy, side by side."""
+    (x, y), (moved_x, moved_y) = (_brightest(pictures, index) for index in (0, 1))
+    loss = float(pictures.power_db[1].max() - pictures.power_db[0].max())
+    return PictureChart(
+        key="sar-phase-history",
+        title=f"{name}, formed with and without the design's navigation error",
+        x_label="x [m]",
+        y_label="y [m]",
+        x=pictures.x,
+        y=pictures.y,
+        power_db=pictures.power_db,
+        names=("without navigation error", f"with that of {_SHORT[key]}"),
+        captions=("brightest 0 dB", f"brightest {loss:+.2f} dB".replace("-", "−")),
+        reference=f"over the brightest pixel of {name}; Taylor window; the brightest pixel moved by "
+        f"{math.hypot(moved_x - x, moved_y - y):.2g} m",
+    )
+
+
+def _brightest(pictures: Pictures, index: int) -> tuple[float, float]:
+    row, column = np.unravel_index(int(pictures.power_db[index].argmax()), pictures.power_db[index].shape)
+    return float(pictures.x[column]), float(pictures.y[row])
+
+
+def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) -> PictureChart:
+    peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
+    cell = f"range cell {pictures.range_cell:.3g} m" + (
+        ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
+        if pictures.bandwidth_cut
+        else ", taken equal to the azimuth resolution"
+    )
+    return PictureChart(
+        key=key,
+        title=title,
+        x_label="azimuth [m]",
+        y_label=y_label,
+        x=pictures.x,
+        y=pictures.y,
+        power_db=pictures.power_db,
+        names=tuple(_SHORT[strategy] for strategy in STRATEGY_KEYS),
+        captions=tuple(f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks),
+        reference=f"over {over}; the typical run; {cell}",
+        knowledge=f"Every image at one scale, over {over}; the typical run of the ensemble; {cell}.",
+    )
+
+
+def gnss_winner_chart(budget: Budget) -> MapChart:
+    """Who wins over aperture time and fix noise."""
+    return _winner_chart(
+        budget, gnss_map(budget), "sar-map-gnss", "Which strategy wins: aperture time against fix noise",
+        "fix noise, horizontal, 1σ [m]", 1.0, "catalogue's radars",
+        "its aperture [S-3] with this design's GNSS",
+    )  # fmt: skip
+
+
+def arw_winner_chart(budget: Budget) -> MapChart:
+    """Who wins over aperture time and angle random walk."""
+    return _winner_chart(
+        budget, arw_map(budget), "sar-map-arw", "Which strategy wins: aperture time against angle random walk",
+        "angle random walk on the bench [°/√h]", float(from_si(1.0, "°/√h", "angle random walk")),
+        "catalogue's units", "angle random walk of the sheet at this design's aperture",
+    )  # fmt: skip
+
+
+def _winner_chart(
+    budget: Budget, drawn: DesignMap, key: str, title: str, y_label: str, scale: float, catalogue: str, source: str
+) -> MapChart:
+    required = budget.design.requirements.detrended_phase
+    limit = None if required is None else float(required) / budget.design.requirements.confidence
+    x, y = drawn.aperture_time, drawn.other * scale
+    contour_x, contour_y = _contour(x, y, drawn.phase, limit)
+    here = Points(
+        "design", "this design", np.array([drawn.here[0]]), np.array([drawn.here[1] * scale]), ("this design",),
+        "limit", "cross", "aperture and noise of the design",
+    )  # fmt: skip
+    return MapChart(
+        key=key,
+        title=title,
+        x_label="aperture time [s]",
+        y_label=y_label,
+        value_label="detrended phase of the strategy named [°]",
+        x=x,
+        y=y,
+        winner=drawn.winner,
+        values=drawn.phase * _DEG,
+        names=tuple(_ON_MAP[k] for k in drawn.strategies),
+        styles=tuple(f"strategy {k}" for k in drawn.strategies),
+        points=(Points("catalogue", catalogue, drawn.x, drawn.y * scale, drawn.names, "reference", "circle", source),
+                here),
+        contour=Line("limit", "phase limit", contour_x, contour_y, "limit", "requirement"),
+        knowledge=(
+            "Closed forms at every point [T-15], [T-16], [S-7], [S-1], [S-2], each with its own settled filter "
+            "[T-8]; the design's squint and slow GNSS error included. Named is the simplest of 2, 3, 5, 5w within "
+            "5 % of the least residual; 4, 6, 7 and 8 have no closed form. "
+            + ("Give a limit on the detrended phase to see where it is met." if limit is None else
+               f"The limit of {limit * _DEG:.3g}° at 1σ is met on the side of shorter apertures.")
+        ),
+    )  # fmt: skip
+
+
+def _contour(x: np.ndarray, y: np.ndarray, phase: np.ndarray, level: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """Where the phase crosses the level, pieces apart by NaN; found in logarithms."""
+    if level is None:
+        return np.array([np.nan]), np.array([np.nan])
+    pieces = contour_generator(np.log(x), np.log(y), np.log(phase)).lines(math.log(level))
+    points = [np.full((1, 2), np.nan)]
+    for piece in pieces:
+        points += [np.asarray(piece), np.full((1, 2), np.nan)]
+    joined = np.exp(np.concatenate(points))
+    return joined[:, 0], joined[:, 1]

@@ -1,0 +1,1 @@
+"""Where a design's noise comes from: logs and the catalogue."""

@@ -1,0 +1,63 @@
+"""`allan`: noise parameters from a log."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from app.console.arguments import put_json
+from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.parts import declaration_of
+
+
+def add_to(commands: Any) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("allan", help="noise parameters from a static log (CSV or NPZ) as JSON")
+    parser.add_argument("log", metavar="LOG", help="a CSV or NPZ file, or - for stdin")
+    parser.add_argument("--rate", type=float, metavar="HZ", help="samples a second, unless the file says it")
+    parser.add_argument("--gyro-unit", metavar="UNIT", help='"deg/s", increments "rad", or per count "0.05 deg/s"')
+    parser.add_argument("--accelerometer-unit", metavar="UNIT", help='"m/s2", "g", "m/s", or "0.00333 g" per count')
+    parser.add_argument("--columns", metavar="NAME,...", help="a table's columns in order; - ignores one")
+    parser.add_argument("--arrays", metavar="ROLE=NAME,...", help="an archive's arrays, e.g. gyro=w,accelerometer=f")
+    parser.add_argument("--motion", action="store_true", help="the log was taken moving: effective noise, no fit")
+    parser.add_argument("--bench-arw", metavar="QUANTITY", help='angle random walk at rest, "0.1 °/√h"')
+    parser.add_argument("--bench-vrw", metavar="QUANTITY", help='velocity random walk at rest, "0.03 m/s/√h"')
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the JSON there")
+    parser.set_defaults(run=_allan, parser=parser)
+
+
+def _allan(options: argparse.Namespace) -> int:
+    from app.subjects.sensors.log_study import BenchNoise, LogRequest, read_options, study_log, study_to_json
+
+    if not options.motion and (options.bench_arw or options.bench_vrw):
+        options.parser.error("--bench-arw and --bench-vrw belong to --motion")
+    request = LogRequest(
+        source=sys.stdin.buffer.read() if options.log == "-" else options.log,
+        file_name="standard input" if options.log == "-" else None,
+        options=read_options(
+            options.rate, options.gyro_unit, options.accelerometer_unit, options.columns, options.arrays
+        ),
+        motion=options.motion,
+        bench=BenchNoise(
+            _bench("--bench-arw", "imu.angle_random_walk", options.bench_arw),
+            _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
+        ),
+    )
+    return put_json(study_to_json(study_log(request, _say_progress)), options.output)
+
+
+def _say_progress(fraction: float, what: str) -> None:
+    print(f"{100 * fraction:3.0f} % {what}", file=sys.stderr)
+
+
+def _bench(option: str, key: str, text: str | None) -> float | None:
+    if text is None:
+        return None
+    declaration = declaration_of(key)
+    assert isinstance(declaration, BaseQuantity)
+    try:
+        return declaration.read(text).value
+    except DesignError as error:
+        raise DesignError(option, error.reason) from error

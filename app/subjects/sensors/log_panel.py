@@ -1,0 +1,328 @@
+"""A log on the Sensors page: taken in, analysed elsewhere, shown, and offered to the design."""
+
+from __future__ import annotations
+
+import asyncio
+import html
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.session import Session
+from app.subjects.sensors.charts import axis_chart, triad_chart
+from app.subjects.sensors.log_study import READING, LogRequest, Study, read_options, study_log
+from app.subjects.sensors.tables import (
+    coefficient_tables,
+    motion_strip,
+    motion_table,
+    offer_strip,
+    provenance_line,
+    remedy_list,
+    warning_list,
+)
+from app.ui.chart_pane import ChartView, html_pane
+from app.ui.grid import cell, grid
+from app.ui.upload import LimitedFileInput
+from app.work.alone import WAITING, RunLost, run_alone
+from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibration_factor, bench_of
+from nav_model.allan.log_file import Limits
+from nav_model.allan.motion import BenchNoise, MotionAnalysis
+from nav_model.allan.result import LogAnalysis
+from nav_model.design.declaration import DesignError
+
+UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
+_HELP = (
+    "<p>A log taken <b>at rest</b>, an hour or more on a solid base, gives quantization, random walk, bias "
+    "instability, rate random walk and ramp of every axis. A log taken <b>in motion</b> gives the vibration factor "
+    "over the random walks now in the design. CSV or NPZ, at most "
+    f"{UPLOAD_LIMITS.file_bytes / 1e6:.0f} MB and {UPLOAD_LIMITS.rows / 1e6:.0f} million rows; rate, units and "
+    "columns are read from the file where it states them, and asked for where it does not.</p>"
+)
+_BOXES = {
+    "rate": ("Rate [Hz]", "if the file is silent", 150),
+    "gyro_unit": ("Gyro unit", "deg/s; rad; 0.05 deg/s a count", 220),
+    "accelerometer_unit": ("Accelerometer unit", "m/s2; g; 0.00333 g a count", 220),
+    "columns": ("Columns of a CSV, in order", "time, gyro_x, … ; - ignores one", 240),
+    "arrays": ("Arrays of an NPZ", "gyro=w, accelerometer=f", 220),
+}
+
+
+class LogPanel:
+    """Upload, progress, results and offers of the logs of one session.
+
+    The last log at rest and the last in motion both stay in view; a log that is refused changes neither.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._name = ""
+        self._task: asyncio.Task[Any] | None = None
+        self.boxes = {
+            key: pmui.TextInput(
+                label=label, helper_text=example, description="", size="small", width=width, margin=(8, 6)
+            )
+            for key, (label, example, width) in _BOXES.items()
+        }
+        self.motion = pmui.Select(
+            label="The log was taken", description="", size="small", width=250, margin=(8, 6),
+            options={"at rest: noise parameters": "rest", "in motion: vibration factor": "motion"}, value="rest",
+        )  # fmt: skip
+        self.file = LimitedFileInput(
+            lambda reason: self._say(f"Not uploaded: {reason}."),
+            label="Choose a log",
+            uploaded_label="Choose another log",
+            accept=".csv,.txt,.tsv,.dat,.log,.npz",
+            max_file_size=UPLOAD_LIMITS.file_bytes,
+            description="",
+            variant="contained",
+            size="small",
+            margin=(12, 6, 8, 6),
+        )
+        self.again = _button("Analyse", disabled=True)
+        self.stop = _button("Cancel", visible=False)
+        self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14))
+        self.progress = html_pane("", margin=(4, 14))
+        self.progress.visible = False
+        self.file.param.watch(self._uploaded, "value")
+        self.again.on_click(self.analyse)
+        self.stop.on_click(lambda _: self.cancel())
+        self.static = StaticResult(session, self._adopt)
+        self.moving = MotionResult(session, self._adopt)
+        self.view = pn.Column(self._intake(), self.static.view, self.moving.view, sizing_mode="stretch_width")
+        if pn.state.curdoc:
+            pn.state.on_session_destroyed(lambda _: self.close())
+
+    def _intake(self) -> pmui.Paper:
+        return pmui.Paper(
+            html_pane("<h3>What does my log say?</h3>" + _HELP, margin=(10, 14, 0, 14)),
+            pn.FlexBox(self.file, self.motion, *self.boxes.values(), self.again, self.stop,
+                       align_items="flex-start", sizing_mode="stretch_width", margin=(0, 8)),
+            self.progress,
+            self.message,
+            variant="outlined",
+            elevation=0,
+            sizing_mode="stretch_width",
+            margin=(6, 10),
+        )  # fmt: skip
+
+    # --- taking a log in ----------------------------------------------------------------------------------
+
+    async def _uploaded(self, event: Any) -> None:
+        if not event.new:
+            return
+        name = str(self.file.filename or "log")
+        content: bytes = event.new
+        self.file.clear()  # the copy on disk is enough
+        await self.take(content, name)
+
+    async def take(self, content: bytes, name: str) -> None:
+        """Keep an uploaded log for as long as the session lasts, and analyse it."""
+        if self._folder is None:
+            self._folder = tempfile.TemporaryDirectory(prefix="navbudget-")
+        await asyncio.to_thread(self._path().write_bytes, content)
+        self._name = name
+        self.again.disabled = False
+        await self.analyse()
+
+    def _path(self) -> Path:
+        assert self._folder is not None
+        return Path(self._folder.name) / "log"
+
+    async def analyse(self, _: Any = None) -> None:
+        """Study the log that was uploaded last, as the boxes now say."""
+        if self._task is not None or not self._name:
+            return
+        bench = bench_of(self._session.design)
+        try:
+            request = self._request(bench)
+        except DesignError as error:
+            self._say(f"Not analysed. {error}")
+            return
+        self._task = asyncio.current_task()
+        self._started = time.monotonic()
+        self._run(True)
+        try:
+            study: Study = await run_alone(study_log, request, progress=self._follow)
+        except (DesignError, RunLost) as error:
+            self._say(f"Not analysed. {error}. Nothing else has changed; correct the boxes above and press Analyse.")
+        except asyncio.CancelledError:
+            self._say(f"{self._name}: cancelled.", "info")
+        else:
+            self._say("")
+            self._show(study, bench)
+        finally:
+            self._task = None
+            self._run(False)
+
+    def _request(self, bench: BenchNoise) -> LogRequest:
+        texts = {key: box.value.strip() for key, box in self.boxes.items()}
+        rate = None
+        if texts["rate"]:
+            try:
+                rate = float(texts["rate"])
+            except ValueError as error:
+                raise DesignError("Rate [Hz]", f"{texts['rate']!r} is not a number") from error
+        return LogRequest(
+            source=self._path(),
+            file_name=self._name,
+            options=read_options(
+                rate, texts["gyro_unit"], texts["accelerometer_unit"], texts["columns"], texts["arrays"]
+            ),
+            limits=UPLOAD_LIMITS,
+            motion=self.motion.value == "motion",
+            bench=bench,
+        )
+
+    def cancel(self) -> None:
+        """End the study under way, at once."""
+        if self._task is not None:
+            self._task.cancel()
+
+    def close(self) -> None:
+        """End everything and forget the log: the person has left."""
+        self.cancel()
+        if self._folder is not None:
+            self._folder.cleanup()
+            self._folder = None
+            self._name = ""
+
+    def _run(self, running: bool) -> None:
+        with pn.io.hold():
+            self._session.running = running
+            self.again.disabled = self.file.disabled = running
+            self.stop.visible = self.progress.visible = running
+            if running:
+                self._follow(0.0, READING)
+
+    def _follow(self, fraction: float, what: str) -> None:
+        self.progress.object = progress_line(self._name, fraction, what, time.monotonic() - self._started)
+
+    def _say(self, text: str, severity: str = "error") -> None:
+        self.message.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
+
+    # --- what it says, and what of it goes into the design ------------------------------------------------
+
+    def _show(self, study: Study, bench: BenchNoise) -> None:
+        if isinstance(study, MotionAnalysis):
+            self.moving.show(study, bench)
+        else:
+            self.static.show(study)
+
+    def _adopt(self, offer: Callable[[], Adoption]) -> None:
+        try:
+            adoption = offer()
+            problem = self._session.change(adoption.changes, adoption.written)
+        except ValueError as error:
+            problem = error
+        if problem:
+            self._say(f"Not taken over. {problem}")
+        else:
+            self._say("Taken over into the design; its description says where from. Undo takes it back.", "success")
+
+
+class StaticResult:
+    """What a log at rest says."""
+
+    def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
+        self._session = session
+        self.analysis: LogAnalysis | None = None
+        self.head, self.tables = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
+        self.use = _button("Use these in the design", variant="contained")
+        self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(session.design, self._known)))
+        self.axis = pmui.Select(label="Axis", description="", size="small", width=220, margin=(8, 14), options=[])
+        self.axis.param.watch(lambda event: self._feed() if event.new else None, "value")
+        self._charts: list[ChartView] = []
+        self._place = pn.Column(sizing_mode="stretch_width", margin=0)
+        self.view = pn.Column(
+            pmui.Paper(self.head, self.use, self.tables, variant="outlined", elevation=0,
+                       sizing_mode="stretch_width", margin=(6, 10)),
+            self._place,
+            visible=False,
+            sizing_mode="stretch_width",
+        )  # fmt: skip
+
+    @property
+    def _known(self) -> LogAnalysis:
+        assert self.analysis is not None
+        return self.analysis
+
+    def show(self, analysis: LogAnalysis) -> None:
+        """Show another log's analysis."""
+        self.analysis = analysis
+        names = [axis.name for axis in analysis.axes]
+        with pn.io.hold():
+            self.head.object = "<h3>Log at rest</h3>" + provenance_line(analysis.provenance) + offer_strip(analysis)
+            self.use.disabled = not adopt_random_walks(self._session.design, analysis).changes
+            self.tables.object = coefficient_tables(analysis) + remedy_list(analysis) + warning_list(analysis)
+            self.axis.param.update(options=names, value=self.axis.value if self.axis.value in names else names[0])
+            if self._charts:
+                self._feed()
+            else:
+                self._build()
+            self.view.visible = True
+
+    def _build(self) -> None:
+        triads, single = [], ChartView(lambda _: axis_chart(self._known, self.axis.value), self._session, 380)
+        for quantity in ("gyro", "accelerometer"):
+            triads.append(ChartView(lambda _, q=quantity: triad_chart(self._known, q), self._session, 400))
+        self._charts = [*triads, single]
+        cells = [cell(6, chart.view) for chart in triads]
+        self._place.append(grid(*cells, cell(12, self.axis, single.view)))
+
+    def _feed(self) -> None:
+        for chart in self._charts:
+            chart.show(self._session.budget)
+
+
+class MotionResult:
+    """What a log in motion says."""
+
+    def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
+        self.analysis: MotionAnalysis | None = None
+        self._bench = BenchNoise()
+        self.head, self.table = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
+        self.use = _button("Use this factor in the design", variant="contained")
+        self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, self._known, self._bench)))
+        self.view = pmui.Paper(
+            self.head, self.use, self.table, variant="outlined", elevation=0, visible=False,
+            sizing_mode="stretch_width", margin=(6, 10),
+        )  # fmt: skip
+
+    @property
+    def _known(self) -> MotionAnalysis:
+        assert self.analysis is not None
+        return self.analysis
+
+    def show(self, analysis: MotionAnalysis, bench: BenchNoise) -> None:
+        """Show another log's analysis, made against `bench`."""
+        self.analysis, self._bench = analysis, bench
+        with pn.io.hold():
+            self.head.object = (
+                "<h3>Log in motion</h3>" + provenance_line(analysis.provenance) + motion_strip(analysis)
+            )
+            self.use.disabled = analysis.vibration_factor is None
+            self.table.object = motion_table(analysis)
+            self.view.visible = True
+
+
+def progress_line(name: str, fraction: float, what: str, elapsed: float) -> str:
+    """How far a study is, as HTML: a bar, what is being done, and the time left once it can be told."""
+    if what in (READING, WAITING):
+        bar, left = "", ""
+    else:
+        bar = f' value="{fraction:.3f}"'
+        left = f", about {elapsed * (1 - fraction) / fraction:.0f} s left" if fraction > 0 else ""
+    return (
+        f'<p role="status"><progress max="1"{bar} aria-label="Progress"></progress><br>'
+        f"{html.escape(name)}: {html.escape(what)}{left}</p>"
+    )
+
+
+def _button(label: str, variant: str = "outlined", **params: Any) -> pmui.Button:
+    return pmui.Button(label=label, description="", variant=variant, size="small", margin=(12, 14, 8, 14), **params)

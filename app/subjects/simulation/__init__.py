@@ -1,0 +1,1 @@
+"""The design flown many times, beside its closed forms."""

@@ -1,0 +1,61 @@
+"""`simulate`: Monte Carlo of a design against the closed forms."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from app.console.arguments import design_arguments, paths_of, read_design
+
+
+def add_to(commands: Any) -> None:
+    """Declare the command."""
+    simulate = commands.add_parser(
+        "simulate",
+        help="Monte Carlo of a design against the closed forms",
+        description="Flies the design as a strapdown INS with a Kalman filter, many times over. --set takes keys of "
+        "the design and sensor errors, receiver and tuning beyond it, e.g. --set gyro.bias_instability='25 °/h'.",
+    )
+    design_arguments(simulate, one=True)
+    simulate.add_argument("--inputs", action="store_true", help="list what --set takes beyond the design and stop")
+    simulate.add_argument("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
+    simulate.add_argument("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
+    simulate.add_argument(
+        "--duration", type=float, metavar="S", help="length of a run (default 500 s, or the file's)"
+    )
+    simulate.add_argument(
+        "--outage",
+        dest="outages",
+        action="append",
+        default=[],
+        metavar="START,STOP",
+        help="seconds between which fixes are lost; may be repeated",
+    )
+    simulate.add_argument(
+        "--trajectory",
+        default="wandering",
+        metavar="NAME-or-FILE",
+        help="wandering, straight, turns, climb, or a CSV file",
+    )
+    simulate.add_argument(
+        "--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)"
+    )
+    simulate.add_argument("--states", type=int, choices=(9, 15, 21), default=9,
+        help="of the filter; 15 estimates biases, 21 two kinds of them apart")  # fmt: skip
+    simulate.add_argument("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
+    simulate.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
+    simulate.add_argument("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
+    simulate.set_defaults(run=_simulate)
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    from app.subjects.simulation.console import list_inputs, simulate_design
+    from nav_model.simulation.study_inputs import read_study_inputs, split_changes
+
+    if options.inputs:
+        return list_inputs()
+    (path,) = paths_of(options)
+    of_design, of_study = split_changes(options.changes)
+    simulate_design(read_design(path, of_design), read_study_inputs(of_study), options)
+    return 0

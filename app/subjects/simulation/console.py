@@ -1,0 +1,217 @@
+"""`navbudget simulate`: the runs, their progress on standard error, the result where it was asked for."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import IO
+
+import numpy as np
+
+from app.console.files import whole_file
+from nav_model.design import Design
+from nav_model.design.declaration import DesignError
+from nav_model.simulation.design_study import (
+    NAMED_TRAJECTORIES,
+    DesignStudy,
+    closed_form,
+    refusal,
+    specification,
+    study_of,
+    to_document,
+)
+from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
+from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, StudyInputs
+
+_KINDS = (".json", ".npz", ".csv")
+_DURATION = 500.0
+_LARGEST_KEPT = 4e9  # bytes: every run's errors are held in memory until they are written
+_QUIET_SECONDS = 5.0  # between lines of progress where nobody watches a terminal
+
+
+def list_inputs() -> int:
+    """Print every input of a study beyond the design's, with its default and what it is."""
+    for part in STUDY_PARTS:
+        print(part.title)
+        for name in part.inputs():
+            declared = STUDY_KEYS[f"{part.section}.{name}"]
+            default = "none" if declared.default is None else declared.show(declared.default)
+            print(f"  {declared.key:36} {default:12} {declared.label}. {declared.doc}")
+    return 0
+
+
+def simulate_design(design: Design, more: StudyInputs, options: argparse.Namespace) -> None:
+    """Fly a design's runs as the command line says and write the study.
+
+    Raises
+    ------
+    DesignError
+        For an option or a key of the design that cannot be flown, or a file that cannot be written.
+    """
+    kind = _kind(options)
+    spec = _specification(design, more, options, keep_runs=kind == ".npz")
+    if options.output is None:
+        sys.stdout.write(_json(_fly(design, spec, options)))
+        return
+    with whole_file(options.output) as file:
+        _write(file, kind, _fly(design, spec, options))
+    print(f"wrote {options.output}", file=sys.stderr)
+
+
+def fly_design(design: Design, options: argparse.Namespace) -> DesignStudy:
+    """The study of a design alone with options as `navbudget simulate` has them, progress on standard error.
+
+    Raises
+    ------
+    DesignError
+        For an option or a key of the design that cannot be flown.
+    """
+    return _fly(design, _specification(design, NOTHING_ADDED, options, keep_runs=False), options)
+
+
+def _kind(options: argparse.Namespace) -> str:
+    if options.output is None:
+        return ".json"
+    kind: str = options.output.suffix.lower()
+    if kind not in _KINDS:
+        raise DesignError("-o", f"{str(options.output)!r} does not end in {', '.join(_KINDS)}")
+    return kind
+
+
+def _specification(design: Design, more: StudyInputs, options: argparse.Namespace, keep_runs: bool) -> SimulationSpec:
+    for name in ("workers", "runs"):
+        value = getattr(options, name)
+        if value is not None and value < 1:
+            raise DesignError(f"--{name}", f"{value} is not allowed; 1 or more")
+    trajectory = _trajectory(options.trajectory)
+    outages = [_outage(text) for text in options.outages]
+    from nav_model.simulation.trajectory import plan_trajectory
+
+    try:
+        spec = specification(
+            design,
+            trajectory=trajectory,
+            runs=options.runs,
+            seed=options.seed,
+            duration=_duration(trajectory) if options.duration is None else options.duration,
+            outages=outages,
+            every=options.every,
+            states=options.states,
+            keep_runs=keep_runs,
+            more=more,
+        )
+        plan_trajectory(spec.trajectory, spec.duration)  # refuses what cannot be flown before anything is prepared
+    except ValueError as error:
+        raise _as_option(refusal(error, design)) from error
+    kept = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
+    if keep_runs and kept > _LARGEST_KEPT:
+        raise DesignError(
+            "-o", f"every run's errors would take {kept / 1e9:.3g} GB; fewer --runs or a longer --every"
+        )
+    return spec
+
+
+def _as_option(error: DesignError) -> DesignError:
+    """A refusal under the option's name; a key of the design keeps its own."""
+    return error if "." in error.key else DesignError(f"--{error.key}", error.reason)
+
+
+def _trajectory(name: str) -> str | TrajectorySpec:
+    if name in NAMED_TRAJECTORIES:
+        return name
+    from nav_model.simulation.trajectory_file import read_trajectory
+
+    try:
+        return read_trajectory(name)
+    except OSError as error:
+        known = ", ".join(NAMED_TRAJECTORIES)
+        raise DesignError("--trajectory", f"{name!r} is neither one of {known} nor a file to read") from error
+    except UnicodeDecodeError as error:
+        raise DesignError("--trajectory", f"{name!r} is not a text file") from error
+    except ValueError as error:
+        raise DesignError("--trajectory", str(error)) from error
+
+
+def _duration(trajectory: str | TrajectorySpec) -> float:
+    if isinstance(trajectory, str):
+        return _DURATION
+    from nav_model.simulation.trajectory_file import file_duration
+
+    return file_duration(trajectory.samples)
+
+
+def _outage(text: str) -> tuple[float, float]:
+    try:
+        start, stop = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise DesignError("--outage", f"{text!r} is not START,STOP in seconds, such as 400,500") from error
+    return start, stop
+
+
+def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> DesignStudy:
+    print("preparing; the first use on a machine compiles the simulator, half a minute", file=sys.stderr, flush=True)
+    from nav_model.simulation.cluster import cluster_pool
+    from nav_model.simulation.monte_carlo import chunks, simulate
+
+    compare = closed_form(design, spec)
+    with show_progress() as progress:
+        try:
+            if options.scheduler:
+                with cluster_pool(options.scheduler) as (pool, threads):
+                    result = simulate(spec, pool=pool, workers=threads, closed_form=compare, progress=progress)
+            else:
+                workers = options.workers or max(1, (os.cpu_count() or 2) - 1)
+                workers = min(workers, len(chunks(spec)))
+                result = simulate(spec, workers=workers, closed_form=compare, progress=progress)
+        except ValueError as error:
+            raise _as_option(refusal(error, design)) from error
+        except (ArithmeticError, ImportError, OSError, RuntimeError) as error:
+            raise DesignError("simulate", str(error)) from error
+    print(result.verdict, file=sys.stderr)
+    return study_of(design, result)
+
+
+@contextmanager
+def show_progress() -> Iterator[Callable[[int, int], None]]:
+    """Runs done and time left: one line rewritten on a terminal, a line now and then elsewhere."""
+    terminal = sys.stderr.isatty()
+    began = said = time.monotonic()
+
+    def show(done: int, runs: int) -> None:
+        nonlocal said
+        now = time.monotonic()
+        if not terminal and now - said < _QUIET_SECONDS and done < runs:
+            return
+        said = now
+        left = (now - began) * (runs - done) / done
+        line = f"{done} of {runs} runs, {left:.0f} s left"
+        print(f"\r\x1b[K{line}" if terminal else line, end="" if terminal else "\n", file=sys.stderr, flush=True)
+
+    try:
+        yield show
+    finally:
+        if terminal:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+def _json(study: DesignStudy) -> str:
+    return json.dumps(to_document(study), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+
+
+def _write(file: IO[bytes], kind: str, study: DesignStudy) -> None:
+    from nav_model.simulation.result import to_arrays, to_csv
+
+    if kind == ".npz":
+        # In memory first: NumPy's archive seeks, and a draft is written once.
+        packed = io.BytesIO()
+        np.savez_compressed(packed, **to_arrays(study.result), refined_position_sigma_m=study.refined_sigma)
+        file.write(packed.getbuffer())
+    else:
+        text = _json(study) if kind == ".json" else to_csv(study.result)
+        file.write(text.encode("utf-8"))

@@ -1,0 +1,82 @@
+"""What a study adds to a design, on the Simulate page: one box per declaration, with units, folded away.
+
+Text that is refused shows its message at the box and leaves the last good value in force.
+"""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.ui.chart_pane import html_pane
+from nav_model.design.declaration import DesignError
+from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, StudyInputs, read_study_inputs
+
+_TITLE = "Beyond the design: sensor errors, receiver, tuning"
+
+
+class StudyControls:
+    """The boxes; `inputs` is what is in force, and `given` says it while they are folded away."""
+
+    def __init__(self) -> None:
+        self._texts: dict[str, str] = {}
+        self.boxes = {key: self._box(key) for key in STUDY_KEYS}
+        self.given = html_pane("", margin=(2, 14))
+        sections: list[Any] = []
+        for part in STUDY_PARTS:
+            own = [box for key, box in self.boxes.items() if key.startswith(f"{part.section}.")]
+            sections.append(html_pane(f"<h3>{escape(part.title)}</h3>", margin=(6, 8, 0, 8)))
+            sections.append(pn.FlexBox(*own, sizing_mode="stretch_width", margin=0))
+        accordion = pmui.Accordion(
+            (_TITLE, pn.Column(*sections, sizing_mode="stretch_width", margin=0)),
+            active=[],
+            title_variant="subtitle1",
+            disable_gutters=True,
+            sizing_mode="stretch_width",
+            margin=(2, 10),
+        )
+        self.view = pn.Column(accordion, self.given, sizing_mode="stretch_width", margin=0)
+
+    @property
+    def inputs(self) -> StudyInputs:
+        """What is in force, of all boxes the last text that was good."""
+        return read_study_inputs(self._texts)
+
+    def _box(self, key: str) -> pmui.TextInput:
+        declared = STUDY_KEYS[key]
+        box = pmui.TextInput(
+            label=str(declared.label),
+            placeholder="none" if declared.default is None else declared.show(declared.default),
+            description="",
+            helper_text=str(declared.doc),
+            size="small",
+            margin=(8, 8, 2, 8),
+            width=230,
+        )
+        box.param.watch(lambda event: self._typed(key, event.new), "value")
+        return box
+
+    def _typed(self, key: str, text: str) -> None:
+        box, error = self.boxes[key], ""
+        try:
+            read_study_inputs({key: text})
+        except DesignError as refused:
+            kept = self._texts.get(key, "") or box.placeholder
+            error = f"{refused.reason}; still {kept}"
+        else:
+            self._texts[key] = text.strip()
+            self.given.object = self._summary()
+        box.error_state = bool(error)
+        box.helper_text = error or str(STUDY_KEYS[key].doc)
+
+    def _summary(self) -> str:
+        listed = ", ".join(
+            f"{part.title.lower()}: {str(STUDY_KEYS[key].label).lower()} {escape(text)}"
+            for part in STUDY_PARTS
+            for key, text in self._texts.items()
+            if text and key.startswith(f"{part.section}.")
+        )
+        return f'<p class="know" role="status">Added to the design: {listed}.</p>' if listed else ""

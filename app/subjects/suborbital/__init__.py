@@ -1,0 +1,1 @@
+"""What a star tracker repairs of an INS over a suborbital flight."""

@@ -1,0 +1,112 @@
+"""Attitude errors in both frames, and the star camera's images."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.charts.kinds import Array, Chart, Line, Points
+from app.subjects.suborbital.charts.shown import TIME, Shown, boost, called
+from nav_model.suborbital.frames import ARCSEC
+from nav_model.suborbital.mechanisation import NavigationErrors
+
+
+def _attitude(shown: Shown, key: str, title: str, field: str, axes: tuple[str, str, str], note: str) -> Chart:
+    study = shown.study
+    x, k = study.pure.time_s, study.case(shown.case)
+
+    def curve(errors: NavigationErrors, axis: int) -> Array:
+        return np.asarray(getattr(errors, field)[k, :, axis] / ARCSEC)
+
+    return Chart(
+        key=key,
+        title=f"{title}: {called(shown.case)}",
+        x_label=TIME,
+        y_label="attitude error [arcsec]",
+        lines=(
+            *(Line(f"p{i}", f"{axis}, INS alone", x, curve(study.pure, i), f"axis {'xyz'[i]}", "INS [B-3]")
+              for i, axis in enumerate(axes)),
+            *(Line(f"a{i}", f"{axis}, with tracker", x, curve(study.aided, i), f"axis {'xyz'[i]}, tracker",
+                   "INS [B-7]") for i, axis in enumerate(axes)),
+        ),
+        spans=boost(study),
+        knowledge=f"{note} {shown.how}.",
+    )  # fmt: skip
+
+
+def inertial_attitude_chart(shown: Shown) -> Chart:
+    """Attitude error on inertial axes: what the gyros or the tracker did."""
+    return _attitude(
+        shown, "attitude-inertial", "Attitude error, inertial frame", "attitude_inertial_rad", ("x", "y", "z"),
+        "Rotation from true to estimated body attitude on inertial axes; a perfect camera brings it to zero.",
+    )  # fmt: skip
+
+
+def navigation_attitude_chart(shown: Shown) -> Chart:
+    """Attitude error in the navigation frame, which holds the position error."""
+    return _attitude(
+        shown, "attitude-navigation", "Attitude error, navigation frame", "attitude_navigation_rad",
+        ("north", "east", "down"),
+        "On north, east, down; with the tracker what is left is the position error over the radius, dr/r [B-7].",
+    )  # fmt: skip
+
+
+def star_chart(shown: Shown) -> Chart:
+    """The camera's square at one instant, with the stars identified."""
+    frame, camera = shown.star_frame, shown.survey.settings.camera()
+    edge = camera.pixels - 0.5
+    square = np.array([-0.5, edge, edge, -0.5, -0.5])
+    names = tuple(
+        f"HIP {number}, Hp {magnitude:.2f}" if shown.survey.settings["sky.stars"] == "Hipparcos"
+        else f"star {number}, magnitude {magnitude:.2f}"
+        for number, magnitude in zip(frame.identifier, frame.magnitude, strict=True)
+    )  # fmt: skip
+    faintest = shown.survey.settings["sky.magnitude_limit"]
+    sizes = np.clip(6.0 + 2.5 * (faintest - frame.magnitude), 6.0, 24.0)
+    ra, dec = math.degrees(frame.boresight_ra_rad) / 15.0, math.degrees(frame.boresight_dec_rad)
+    verdict = "used" if frame.used else f"not used: {frame.reason}"
+    margin = 0.04 * camera.pixels
+    lens = f"field {math.degrees(camera.field_of_view_rad):.2f}°, focal length {1000 * camera.focal_length_m:.2f} mm"
+    return Chart(
+        key="star-frame",
+        title=f"Star frame at {frame.time_s:.0f} s",
+        x_label="detector x [pixel]",
+        y_label="detector y [pixel]",
+        lines=(Line("edge", "edge of the detector", square, np.roll(square, 1), "reference", "[B-8]"),),
+        points=(
+            Points("true", "identified star, larger is brighter", frame.pixel_x, frame.pixel_y, names, "star",
+                   source="catalogue place, pin-hole [B-8]", sizes=sizes),
+            Points("measured", "measured centroid", frame.measured_x, frame.measured_y, names, "measured star",
+                   "x", "with centroid noise", np.full(len(names), 15.0)),
+        ),
+        x_range=(-margin, camera.pixels + margin),
+        y_range=(-margin, camera.pixels + margin),
+        square=True,
+        knowledge=f"{frame.source}. Frame {verdict}; {frame.stars_in_field} stars in the field, boresight "
+        f"{ra:.2f} h, {dec:+.1f}° on the flight's inertial axes; {lens}.",
+    )  # fmt: skip
+
+
+def star_count_chart(shown: Shown) -> Chart:
+    """Stars in the field along the flight."""
+    frames = shown.survey.star_frames
+    x = np.array([frame.time_s for frame in frames])
+    field = np.array([float(frame.stars_in_field) for frame in frames])
+    used = np.array([float(len(frame.identifier)) if frame.used else math.nan for frame in frames])
+    settings = shown.survey.settings
+    refused = int(np.sum(np.isnan(used)))
+    return Chart(
+        key="star-count",
+        title="Stars in the field",
+        x_label=TIME,
+        y_label="stars [count]",
+        lines=(
+            Line("field", "in the field", x, field, "axis x", "selection by cone, then square [B-8]"),
+            Line("used", "taken for the attitude", x, used, "axis y", "brightest, frames through the gate"),
+        ),
+        y_range=(0.0, float(np.max(field)) * 1.1 + 1.0),
+        knowledge=f"Every {x[1] - x[0] if len(x) > 1 else 0:g} s; {len(shown.survey.settings.sky())} stars at Hp ≤ "
+        f"{settings['sky.magnitude_limit']:g}, mean {float(np.mean(field)):.1f} in the field; {refused} of "
+        f"{len(frames)} frames gated (fewer than {settings.camera().least_stars} stars, or roll too uncertain).",
+    )

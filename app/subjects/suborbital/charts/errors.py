@@ -1,0 +1,156 @@
+"""Position errors: by source, INS against aided, and the unstable height."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from app.charts.kinds import Array, Band, Chart, Line
+from app.subjects.suborbital.charts.shown import CHANNELS, SHOWN_SOURCES, TIME, Shown, boost, called, every_of, km
+from nav_model.suborbital.channels import height_e_folding_time, height_growth
+from nav_model.suborbital.sensitivity import along_track_sigma
+from nav_model.suborbital.study import Study
+
+HOLDS_WITHIN = 0.1  # of the INS's own error: where the decoupled channel is drawn as holding
+
+
+def source_chart(channel: int) -> Callable[[Shown], Chart]:
+    """The chart of errors by source in one channel, as a function of `Shown`."""
+
+    def describe(shown: Shown) -> Chart:
+        study = shown.study
+        which = "with star tracker" if shown.aided_sources else "INS alone"
+        x, axis = study.pure.time_s, shown.axis(channel)
+        return Chart(
+            key=f"sources-{CHANNELS[channel]}",
+            title=f"{axis.capitalize()} error by source, {which}",
+            x_label=TIME,
+            y_label=f"{_LABELS[channel]} [km]",
+            lines=tuple(
+                Line(name, "everything" if name == "all" else name, x,
+                     km(shown.position_m(shown.aided_sources, name, channel)),
+                     "everything" if name == "all" else name, "integrated INS [B-3]")
+                for name in SHOWN_SOURCES
+            ),
+            spans=boost(study),
+            knowledge=f"{shown.how}. Each source runs alone; the parts add up to everything to second order.",
+        )  # fmt: skip
+
+    return describe
+
+
+def aided_chart(channel: int) -> Callable[[Shown], Chart]:
+    """The chart of the INS against the aided INS in one channel, as a function of `Shown`."""
+
+    def describe(shown: Shown) -> Chart:
+        study, axis = shown.study, shown.axis(channel)
+        x = study.pure.time_s
+        pairs = tuple(
+            (name, shown.position_m(aided, shown.case, channel), _noise(shown, aided, channel))
+            for name, aided in (("INS alone", False), ("INS with tracker", True))
+        )
+        return Chart(
+            key=f"aided-{CHANNELS[channel]}",
+            title=f"INS against star tracker, {axis}",
+            x_label=TIME,
+            y_label=f"{_LABELS[channel]} [km]",
+            lines=tuple(
+                Line(name, name, x, km(error), name, "integrated INS [B-3], [B-7]") for name, error, _ in pairs
+            ),
+            bands=tuple(
+                Band(name, f"{name}, ±1σ of white noise", x, km(error - sigma), km(error + sigma), name,
+                     "covariance of [B-4] under white noise")
+                for name, error, sigma in pairs
+            ),
+            spans=boost(study),
+            knowledge=f"Case: {called(shown.case)}. {shown.how}. Bands: white noise alone, covariance of [B-4].",
+        )  # fmt: skip
+
+    return describe
+
+
+_LABELS = ("horizontal error", "horizontal error", "height error")
+
+
+def _noise(shown: Shown, aided: bool, channel: int) -> Array:
+    """Sigma of white noise in the axes looked at, m."""
+    study = shown.study
+    spread = study.aided_noise if aided else study.pure_noise
+    if shown.along_track and channel < 2:
+        return along_track_sigma(spread, study.flight, every_of(study))[:, channel]
+    return spread.position_sigma_m[:, channel]
+
+
+def growth_chart(shown: Shown) -> Chart:
+    """Size of the error of one case in one channel on a log scale, against the decoupled channel [B-5]."""
+    study, channel = shown.study, shown.channel
+    k, x = study.case(shown.case), study.pure.time_s
+    truth = study.pure.position_m[k, :, channel]
+    ins, aided = (np.abs(e.position_m[k, :, channel]) for e in (study.pure, study.aided))
+    decoupled = study.channels.position_m[k, :, channel]
+    closed = shown.closed_form_m[:, channel]
+    holds, fails, said = _split(x, decoupled, truth)
+    closed_holds, closed_fails, closed_said = _split(x, closed, truth)
+    slope = _slope(study, ins) if channel == 2 else np.full(len(x), np.nan)
+    slow = ", ".join(
+        f"{float(height_e_folding_time(h)):.1f} s at {h / 1000:.0f} km" for h in (0.0, study.flight.apogee[1])
+    )
+    why = f" Slope 1/k for explanation only: e-folding time {slow} [B-6]." if channel == 2 else ""
+    return Chart(
+        key="growth",
+        title=f"Size of the {CHANNELS[channel]} error: {called(shown.case)}",
+        x_label=TIME,
+        y_label="size of the error [m]",
+        lines=(
+            Line("ins", "INS alone", x, _log(ins), "INS alone", "integrated INS [B-3]"),
+            Line("aided", "INS with tracker", x, _log(aided), "INS with tracker", "integrated INS [B-7]"),
+            Line("holds", "decoupled channel, where it holds", x, holds, "decoupled, holds", "[B-5]"),
+            Line("fails", "decoupled channel, where it fails", x, fails, "decoupled, fails", "[B-5]"),
+            Line("closed", "closed form, where it holds", x, closed_holds, "closed form, holds", "[B-6]"),
+            Line("closed-fails", "closed form, where it fails", x, closed_fails, "closed form, fails", "[B-6]"),
+            Line("slope", "slope 1/k of the unstable height", x, slope, "reference", "[B-6]"),
+        ),
+        spans=boost(study),
+        y_log=True,
+        y_range=_log_range(ins, aided, np.abs(decoupled)),
+        knowledge=f"{shown.how}. The decoupled channel [B-5], whose local frame does not rotate, {said}. The closed "
+        f"form [B-6], with one height and constant forcing (means of the powered flight), {closed_said}.{why}",
+    )
+
+
+def _split(x: Array, model: Array, truth: Array) -> tuple[Array, Array, str]:
+    """Size of a model's error where it holds and where it fails, and in words until when it holds."""
+    bad = np.abs(model - truth) > np.maximum(HOLDS_WITHIN * np.abs(truth), 1.0)
+    last = int(np.argmax(bad)) if bad.any() else len(x)
+    index, size = np.arange(len(x)), _log(np.abs(model))
+    holds, fails = np.where(index <= last, size, np.nan), np.where(index >= last, size, np.nan)
+    within = f"within {100 * HOLDS_WITHIN:.0f} % of the INS (or 1 m)"
+    if not bad.any():
+        return holds, fails, f"stays {within} throughout"
+    final = f"{_size(model[-1])} where the INS has {_size(truth[-1])}"
+    return holds, fails, f"holds {within} until {x[max(last - 1, 0)]:.0f} s; at the end it says {final}"
+
+
+def _size(error: float) -> str:
+    return f"{abs(error) / 1000:.1f} km" if abs(error) >= 1000 else f"{abs(error):.0f} m"
+
+
+def _log(values: Array) -> Array:
+    return np.where(values > 0, values, np.nan)
+
+
+def _log_range(*curves: Array) -> tuple[float, float]:
+    top = max(float(np.max(curve)) for curve in curves)
+    if top <= 0:
+        return 1e-2, 1.0
+    small = [float(np.min(curve[curve > 0])) for curve in curves if np.any(curve > 0)]
+    return max(min(small) / 2, top * 1e-6), top * 3
+
+
+def _slope(study: Study, ins: Array) -> Array:
+    """exp of the integral of k, through the INS's error at two thirds of the flight."""
+    growth = height_growth(study.flight)[:: every_of(study)]
+    at = 2 * len(growth) // 3
+    scaled = growth / growth[at] * ins[at] if ins[at] > 0 else np.full(len(growth), np.nan)
+    return np.where(np.arange(len(growth)) >= len(growth) // 4, scaled, np.nan)

@@ -1,0 +1,138 @@
+"""The flight: map, height, what a perfect unit measures; and the gravity models compared."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.charts.kinds import Array, Chart, Line, Points
+from app.subjects.suborbital.charts.shown import TIME, Shown, boost, every_of
+from nav_model.earth.gravity import compare_gravity
+from nav_model.suborbital.frames import STANDARD_GRAVITY
+from nav_model.suborbital.study import Study
+
+
+def _marks(study: Study) -> tuple[tuple[str, int], ...]:
+    flight = study.flight
+    marks = [("lift-off", 0), ("apogee", int(np.argmax(flight.height_m))), ("end", flight.steps)]
+    if flight.burnout_s is not None:
+        marks.insert(1, ("burn-out", round(flight.burnout_s / flight.step_s)))
+    if study.used.any():
+        marks.append(("first star frame", int(np.argmax(study.used))))
+    return tuple(marks)
+
+
+def map_chart(shown: Shown) -> Chart:
+    """Ground track on a plain map."""
+    flight, every = shown.study.flight, every_of(shown.study)
+    latitude, longitude = np.degrees(flight.latitude_rad), np.degrees(np.unwrap(flight.longitude_rad))
+    marks = _marks(shown.study)
+    at = [index for _, index in marks]
+    return Chart(
+        key="map",
+        title="Ground track",
+        x_label="longitude, east [°]",
+        y_label="latitude, north [°]",
+        lines=(Line("track", "ground track", longitude[::every], latitude[::every], "path", flight.name),),
+        points=(
+            Points("marks", _mark_label(marks), longitude[at], latitude[at], tuple(name for name, _ in marks),
+                   "mark", "diamond", "flight"),
+        ),
+        knowledge=f"{flight.source}. Latitude and longitude on the sphere, Earth turning under the flight; "
+        f"{flight.ground_range_m[-1] / 1000:.0f} km over ground. No map service is asked.",
+    )  # fmt: skip
+
+
+def _mark_label(marks: tuple[tuple[str, int], ...]) -> str:
+    return ", ".join(name for name, _ in marks)
+
+
+def height_chart(shown: Shown) -> Chart:
+    """Height against time, with the tracker's frames."""
+    study = shown.study
+    flight, every = study.flight, every_of(study)
+    x, height = flight.time_s[::every], flight.height_m / 1000.0
+    marks = _marks(study)
+    at = [index for _, index in marks]
+    apogee_time, apogee = flight.apogee
+    tracked = np.where(_near_frame(study, every), height[::every], np.nan)
+    speed = float(np.linalg.norm(flight.velocity_ned, axis=1).max())
+    return Chart(
+        key="height",
+        title="Height",
+        x_label=TIME,
+        y_label="height [km]",
+        lines=(
+            Line("height", "height", x, height[::every], "path", "flight"),
+            Line("tracked", "star frames taken", x, tracked, "axis y", "instants of frames [B-7]"),
+        ),
+        points=(
+            Points("marks", _mark_label(marks), flight.time_s[at], height[at], tuple(name for name, _ in marks),
+                   "mark", "diamond", "flight"),
+        ),
+        spans=boost(study),
+        knowledge=f"{flight.source}. Apogee {apogee / 1000:.2f} km at {apogee_time:.1f} s; fastest "
+        f"{speed:.0f} m/s over ground; {int(study.used.sum())} star frames taken.",
+    )  # fmt: skip
+
+
+def _near_frame(study: Study, every: int) -> np.ndarray:
+    """At each point shown: whether a frame fell in the interval up to it."""
+    count = np.concatenate([[0], np.cumsum(study.used)])
+    index = np.arange(0, study.flight.steps + 1, every)
+    return np.asarray(count[index + 1] > count[np.maximum(index + 1 - every, 0)])
+
+
+def force_chart(shown: Shown) -> Chart:
+    """True specific force on body axes."""
+    return _body(shown, "specific-force", "Specific force, body axes", "specific force [m/s²]",
+                 shown.study.flight.specific_force_b, 1.0)  # fmt: skip
+
+
+def rate_chart(shown: Shown) -> Chart:
+    """True inertial angular rate on body axes."""
+    return _body(shown, "angular-rate", "Angular rate, body axes", "angular rate [°/s]",
+                 shown.study.flight.angular_rate_b, 180.0 / math.pi)  # fmt: skip
+
+
+def _body(shown: Shown, key: str, title: str, label: str, nodes: Array, scale: float) -> Chart:
+    flight = shown.study.flight
+    every = every_of(shown.study)
+    x = flight.time_s[:-1:every]
+    return Chart(
+        key=key,
+        title=title,
+        x_label=TIME,
+        y_label=label,
+        lines=tuple(
+            Line(axis, axis, x, scale * nodes[::every, 0, i], f"axis {axis}", "true, at the start of a step")
+            for i, axis in enumerate("xyz")
+        ),
+        spans=boost(shown.study),
+        knowledge=f"What a perfect strapdown unit measures; the errors [B-1] are added to it. {flight.source}.",
+    )
+
+
+def gravity_chart(shown: Shown) -> Chart:
+    """How far the gravity models are apart, by height."""
+    height = np.linspace(0.0, 1.0e6, 101)
+    latitude = float(shown.study.flight.latitude_rad[0])
+    g = compare_gravity(latitude, height)
+    x = height / 1000.0
+    curves = (
+        ("dm", "J2 less spherical, magnitude", g.j2_m_s2 - g.spherical_m_s2, "axis x"),
+        ("em", "ellipsoidal less spherical, magnitude", g.ellipsoidal_m_s2 - g.spherical_m_s2, "axis x, tracker"),
+        ("dh", "J2, across the vertical, north", g.horizontal_j2_m_s2, "axis y"),
+        ("eh", "ellipsoidal, across the vertical, north", g.horizontal_ellipsoidal_m_s2, "axis y, tracker"),
+    )
+    return Chart(
+        key="gravity",
+        title="Gravity models compared",
+        x_label="height [km]",
+        y_label="difference from spherical [mg]",
+        lines=tuple(
+            Line(key, label, x, y / (1e-3 * STANDARD_GRAVITY), style, g.source) for key, label, y, style in curves
+        ),
+        knowledge=f"At the launch latitude, {math.degrees(latitude):.2f}° geocentric: {g.source}.",
+    )

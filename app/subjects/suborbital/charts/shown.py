@@ -1,0 +1,113 @@
+"""What the charts and tables of the suborbital study take: the run, the curves in force, what is looked at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from app.charts.kinds import Array, Span
+from nav_model.suborbital.channels import closed_form_errors
+from nav_model.suborbital.noise_ensemble import NoiseEnsemble
+from nav_model.suborbital.sensor_history import SensorHistory, sensor_history
+from nav_model.suborbital.star_camera import StarFrame
+from nav_model.suborbital.study import Gap, Study, matrix_gap
+from nav_model.suborbital.survey import Survey
+
+CHANNELS = ("north", "east", "height")
+TRACK_CHANNELS = ("down-range", "cross-range", "height")
+SENSORS = ("accelerometer", "gyro")
+SENSOR_CLASSES = ("bias", "instability", "total")
+SHOWN_SOURCES = (
+    "accelerometer bias",
+    "accelerometer instability",
+    "gyro bias",
+    "gyro instability",
+    "initial position and velocity",
+    "initial attitude",
+    "all",
+)
+TIME = "time since lift-off [s]"
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What is on the page: the last run, the study at the sliders' positions, and what the person looks at.
+
+    along_track: down-range and cross-range in place of north and east; ensemble: white noise flown at these
+    inputs; gap: of the moved curves that the last exact run replaced.
+    """
+
+    survey: Survey
+    study: Study
+    case: str = "gyro total"
+    channel: int = 2
+    aided_sources: bool = False
+    along_track: bool = False
+    star_index: int = 50
+    ensemble: NoiseEnsemble | None = None
+    gap: Gap | None = None
+
+    @property
+    def exact(self) -> bool:
+        """Whether the curves are those of the last run, not moved."""
+        return self.study is self.survey.study
+
+    @property
+    def how(self) -> str:
+        """Which answer the curves are."""
+        step = self.study.flight.step_s
+        run = f"Integrated INS [B-3] with sensor errors [B-1], RK4 at {step:g} s; with tracker [B-7]"
+        return run if self.exact else f"{run}; then moved by the linear sensitivity matrix [B-4]"
+
+    def position_m(self, aided: bool, case: str, channel: int) -> Array:
+        """An error history in the axes looked at, m."""
+        study = self.study
+        errors, k = study.aided if aided else study.pure, study.case(case)
+        if self.along_track and channel < 2:
+            return (errors.down_range_m, errors.cross_range_m)[channel][k]
+        return errors.position_m[k, :, channel]
+
+    def axis(self, channel: int) -> str:
+        """Name of a channel in the axes looked at."""
+        return (TRACK_CHANNELS if self.along_track else CHANNELS)[channel]
+
+    @cached_property
+    def sensor_errors(self) -> SensorHistory:
+        """Sensor errors along the flight of the classes `SENSOR_CLASSES`, accelerometers then gyros."""
+        study = self.study
+        cases = [study.case(f"{sensor} {kind}") for sensor in SENSORS for kind in SENSOR_CLASSES]
+        return sensor_history(study.flight, study.parameters[cases], study.inputs.errors, every_of(study))
+
+    @cached_property
+    def closed_form_m(self) -> Array:
+        """The closed forms [B-6] of the case looked at, (m, 3), m."""
+        study = self.study
+        parameters = study.parameters[study.case(self.case)]
+        return closed_form_errors(study.flight, parameters, study.inputs.errors, every_of(study)).position_m[0]
+
+    @cached_property
+    def matrix_gap(self) -> Gap:
+        """What the plain product S p would be off by at the inputs of the last exact run."""
+        return matrix_gap(self.survey.study)
+
+    @property
+    def star_frame(self) -> StarFrame:
+        """The star image looked at."""
+        return self.survey.star_frames[self.star_index]
+
+
+def every_of(study: Study) -> int:
+    return round(study.inputs.output_interval_s / study.flight.step_s)
+
+
+def boost(study: Study) -> tuple[Span, ...]:
+    burnout = study.flight.burnout_s
+    return (Span("boost", "boost", 0.0, burnout if burnout is not None else 0.0),)
+
+
+def km(values: Array) -> Array:
+    return values / 1000.0
+
+
+def called(case: str) -> str:
+    return "everything" if case == "all" else case

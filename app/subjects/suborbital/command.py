@@ -1,0 +1,64 @@
+"""`suborbital`: the star-tracker study."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from app.console.arguments import content_of, design_arguments, paths_of
+
+
+def add_to(commands: Any) -> None:
+    """Declare the command."""
+    suborbital = commands.add_parser(
+        "suborbital",
+        help="the star-tracker study of a suborbital flight as JSON",
+        description="INS errors of a suborbital flight by source, with and without star tracker. Without a file the "
+        "sensors are those of the set GP-1; a design's [imu] replaces white noise and constant biases; a study file "
+        "(saved on the Suborbital page or with --save) states every input. --set takes keys of the design and "
+        "inputs of the study, e.g. --set tracker.from_height='80 km'.",
+    )
+    design_arguments(suborbital, one=True)
+    suborbital.add_argument("--save", type=Path, metavar="FILE", help="also write the study's inputs as a study file")
+    suborbital.add_argument("--inputs", action="store_true", help="list the inputs of the study and stop")
+    suborbital.add_argument("--trajectory", metavar="FILE", help="a flight from a CSV file instead of the golden one")
+    suborbital.add_argument("--from-height", metavar="HEIGHT", help='tracker from a height, e.g. "80 km"')
+    suborbital.add_argument("--latency", metavar="TIME", help='age of an attitude, e.g. "10 ms"')
+    suborbital.add_argument("--misalignment", metavar="ANGLES", help='camera to IMU, e.g. "60, 0, 0 arcsec"')
+    suborbital.add_argument("--star-images", action="store_true", help="attitude from star images, not perfect")
+    suborbital.add_argument("--method", metavar="NAME", help="TRIAD, N-vector, q-method, QUEST or SVD")
+    suborbital.add_argument("--seed", metavar="N", help="of centroid noise and white noise (default 1)")
+    suborbital.add_argument(
+        "--noise-runs", type=int, default=0, metavar="N", help="also fly N INS with white noise alone (Monte Carlo)"
+    )
+    suborbital.set_defaults(run=_suborbital)
+
+
+def _suborbital(options: argparse.Namespace) -> int:
+    from app.subjects.suborbital.console import list_inputs, run
+    from nav_model.suborbital.study_file import MAX_BYTES as MAX_STUDY
+
+    if options.inputs:
+        return list_inputs()
+    designs, changes = list(options.designs), list(options.changes)
+    if designs or any("=" not in change for change in changes):
+        designs = paths_of(options)
+        changes = list(options.changes)
+    sections = ("imu.", "gnss.", "coast.", "radar.", "requirements.")
+    of_design = [change for change in changes if change.startswith(sections)]
+    asked = dict(part.split("=", 1) for part in changes if part not in of_design)
+    asked |= {
+        key: text
+        for key, text in (
+            ("tracker.from_height", options.from_height),
+            ("tracker.latency", options.latency),
+            ("tracker.misalignment", options.misalignment),
+            ("camera.frames", "star images" if options.star_images else None),
+            ("camera.method", options.method),
+            ("seed", options.seed),
+        )
+        if text is not None
+    }
+    data, where = content_of(designs[0], MAX_STUDY) if designs else (None, "")
+    return run(data, where, of_design, asked, options.trajectory, options.noise_runs, options.save)

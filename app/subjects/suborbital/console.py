@@ -1,0 +1,92 @@
+"""`navbudget suborbital`: the study from a design or a study file and options, JSON out, progress on standard
+error."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from app.console.files import put_file
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import parse_design, read_bytes
+from nav_model.suborbital.input_table import GROUPS
+from nav_model.suborbital.noise_ensemble import MOST_RUNS, fly_noise
+from nav_model.suborbital.settings import DEFAULTS, from_design, read_changes
+from nav_model.suborbital.study_file import format_study, is_study, parse_study
+from nav_model.suborbital.survey import Survey, run_survey
+from nav_model.suborbital.survey_json import noise_json, survey_json
+from nav_model.suborbital.trajectory_file import MAX_BYTES
+
+
+def list_inputs() -> int:
+    """Print every input of the study with its default and what it is."""
+    for title, group in GROUPS.items():
+        print(title)
+        for setting in group:
+            choices = f" ({', '.join(setting.choices)})" if setting.choices else ""
+            print(f"  {setting.key:40} {setting.show(setting.default) or 'none':22} {setting.doc}{choices}")
+    return 0
+
+
+def run(
+    data: bytes | None,
+    where: str,
+    of_design: Sequence[str],
+    changes: Mapping[str, str],
+    trajectory: str | None,
+    noise_runs: int,
+    save: Path | None,
+) -> int:
+    """Run the study and write its JSON; DesignError for bad input.
+
+    data, where: a design or a study file and its name, or None; of_design: assignments to keys of the design;
+    changes: inputs of the study that come on top; save: where to write the study as a file.
+    """
+    if not 0 <= noise_runs <= MOST_RUNS:
+        raise DesignError("--noise-runs", f"{noise_runs} is not allowed; it must be 0 to {MOST_RUNS}")
+    settings, design, flown = DEFAULTS, None, None
+    if of_design and (data is None or is_study(data)):
+        key = of_design[0].partition("=")[0]
+        raise DesignError(
+            key, f"is a key of a design, and no DESIGN is given{'' if data is None else ' but a study'}"
+        )
+    if data is not None and is_study(data):
+        study = parse_study(data, where)
+        settings, flown = study.settings, study.trajectory
+    elif data is not None:
+        design = parse_design(data, where, of_design)
+        settings = from_design(DEFAULTS, design)
+    settings = read_changes(settings, changes, "command line")
+    if trajectory is not None:
+        flown = (Path(trajectory).name, read_bytes(trajectory, MAX_BYTES))
+    if save is not None:
+        put_file(save, format_study(settings, flown).encode("utf-8"))
+    said: list[str] = []
+
+    def progress(share: float, what: str) -> None:
+        line = f"suborbital: {10 * int(10 * share)} % {what}"
+        if line not in said:
+            said.append(line)
+            print(line, file=sys.stderr, flush=True)
+
+    try:
+        survey = run_survey(settings, flown, progress=progress)
+        answer = survey_json(survey)
+        answer["design"] = None if design is None else design.name
+        if noise_runs:
+            answer["white_noise_monte_carlo"] = _noise(survey, noise_runs, progress)
+    except DesignError:
+        raise
+    except ValueError as error:
+        raise DesignError("suborbital", str(error)) from error
+    json.dump(answer, sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
+    sys.stdout.write("\n")
+    return 0
+
+
+def _noise(survey: Survey, runs: int, progress: Any) -> dict[str, Any]:
+    covariance = None if survey.track is None else survey.track.covariance
+    return noise_json(fly_noise(survey.study, runs, int(survey.settings["seed"]), covariance, progress=progress))

@@ -1,0 +1,16 @@
+"""A suborbital study as it is handed on: what is shown and the inputs behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.subjects.suborbital.charts import Shown
+from nav_model.suborbital.settings import Settings
+
+
+@dataclass(frozen=True)
+class Finding:
+    """`shown` at `settings`, which its survey was run at unless the curves were moved."""
+
+    shown: Shown
+    settings: Settings

@@ -1,0 +1,206 @@
+"""The inputs of the study on its page: controls by group, and where a study comes from and goes to."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.session import Session
+from app.subjects.suborbital.controls import SettingControl, setting_controls
+from app.ui.chart_pane import html_pane
+from app.ui.theme import FRAME
+from app.ui.upload import LimitedFileInput
+from nav_model.design.declaration import DesignError
+from nav_model.design.link import MAX_QUERY
+from nav_model.suborbital.input_table import GROUPS
+from nav_model.suborbital.setting import Value
+from nav_model.suborbital.settings import DEFAULTS, Settings, from_design
+from nav_model.suborbital.study_file import MAX_BYTES as MAX_STUDY
+from nav_model.suborbital.study_file import format_study, from_link, parse_study, to_link
+from nav_model.suborbital.trajectory_file import MAX_BYTES
+
+Trajectory = tuple[str, bytes] | None
+_OPEN = 1  # gyros: what the tracker replaces
+_LOOK: dict[str, Any] = {"size": "small", "margin": 2, "variant": "text"}
+_FILE_HELP = (
+    '<p class="know quiet">CSV with time_s, latitude_deg, longitude_deg, height_m, roll_deg, pitch_deg, yaw_deg; '
+    f"at most {MAX_BYTES // 1_000_000} MB, rows a second apart or less during thrust.</p>"
+)
+
+
+class InputPanel:
+    """Settings and trajectory in force, and the column that changes them.
+
+    changed: called after every accepted change of the settings; flown: when another trajectory shall be flown.
+    """
+
+    def __init__(self, session: Session, changed: Callable[[], None], flown: Callable[[], None]) -> None:
+        self._session, self._changed, self._flown = session, changed, flown
+        self.settings: Settings = DEFAULTS
+        self.trajectory: Trajectory = None
+        self.controls: list[SettingControl] = []
+        self.notice = pmui.Alert(object="", severity="error", closeable=True, visible=False, margin=(4, 14))
+        if session.study_link:
+            try:
+                self.settings = from_link(session.study_link)
+            except DesignError as error:
+                self.say(f"The link's study was not used. {error}")
+        session.param.watch(self._follow_link, "study_link")
+        self.view = self._layout()
+
+    def _follow_link(self, event: Any) -> None:
+        link = event.new
+        if link and link != to_link(self.settings) and (problem := self.adopt(lambda: from_link(link))):
+            self.say(f"The link's study was not used. {problem}")
+
+    def say(self, text: str, severity: str = "error") -> None:
+        """A message above the page, until the next one; empty: none."""
+        self.notice.param.update(object=escape(text), severity=severity, visible=bool(text), closed=False)
+
+    # --- layout ----------------------------------------------------------------------------------------
+
+    def _layout(self) -> pn.viewable.Viewable:
+        self._sections = [pn.Column(margin=0, sizing_mode="stretch_width") for _ in GROUPS]
+        narrow = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
+        opened = [] if narrow else [_OPEN]  # on a phone the inputs stand above the charts
+        accordion = pmui.Accordion(
+            *zip(GROUPS, self._sections, strict=True),
+            active=opened,
+            title_variant="subtitle1",
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+        accordion.param.watch(lambda event: [self._fill(index) for index in event.new], "active")
+        for index in opened:
+            self._fill(index)
+        return pn.Column(
+            html_pane("<h3>Inputs of the study</h3>", margin=(6, 12, 0, 12)),
+            pn.FlexBox(*self._sources(), margin=(0, 4), sizing_mode="stretch_width"),
+            accordion,
+            self._flight_file(),
+            styles=FRAME,
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+
+    def _sources(self) -> list[pn.viewable.Viewable]:
+        self.file = LimitedFileInput(
+            lambda reason: self.say(f"Not opened: {reason}."), label="Open study", accept=".toml",
+            icon="folder_open", max_file_size=MAX_STUDY, description="", **_LOOK,
+        )  # fmt: skip
+        self.file.param.watch(self._opened, "value")
+        save = pmui.FileDownload(
+            callback=lambda: io.BytesIO(format_study(self.settings, self.trajectory).encode("utf-8")),
+            filename="suborbital-study.toml", label="Save study", icon="save", description="", **_LOOK,
+        )  # fmt: skip
+        link = pmui.Button(label="Link to study", icon="link", **_LOOK)
+        take = pmui.Button(label="Take the design's IMU", icon="input", **_LOOK)
+        back = pmui.Button(label="GP-1 again", icon="restart_alt", **_LOOK)
+        link.on_click(self._put_link)
+        take.on_click(lambda _: self.adopt(lambda: from_design(self.settings, self._session.design)))
+        back.on_click(lambda _: self.adopt(lambda: DEFAULTS))
+        return [self.file, save, link, take, back]
+
+    def _flight_file(self) -> pn.viewable.Viewable:
+        self.trajectory_file = LimitedFileInput(
+            lambda reason: self.say(f"Trajectory not taken: {reason}."), label="Trajectory from a file",
+            accept=".csv", icon="upload_file", max_file_size=MAX_BYTES, description="", **_LOOK,
+        )  # fmt: skip
+        self.trajectory_file.param.watch(self._uploaded, "value")
+        self._golden = pmui.Button(label="Golden flight again", visible=False, **_LOOK)
+        self._golden.on_click(lambda _: self._fly(None))
+        self._file_said = html_pane(_FILE_HELP, margin=(0, 12))
+        return pn.Column(
+            pn.FlexBox(self.trajectory_file, self._golden, margin=(4, 4, 0, 4), sizing_mode="stretch_width"),
+            self._file_said,
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+
+    def _fill(self, index: int) -> None:
+        if self._sections[index].objects:
+            return
+        keys = [setting.key for setting in list(GROUPS.values())[index]]
+        controls = setting_controls(keys, self.settings, self.put)
+        self.controls += controls
+        self._sections[index].objects = [control.view for control in controls]
+
+    # --- what a person does ------------------------------------------------------------------------------
+
+    def put(self, key: str, value: Value) -> DesignError | None:
+        """Put one input in force; returns what is wrong with it, if anything."""
+        return self.adopt(lambda: self.settings.change({key: value}, "you"))
+
+    def adopt(self, make: Callable[[], Settings]) -> DesignError | None:
+        """Put settings in force; returns what is wrong with them, if anything."""
+        try:
+            settings = make()
+        except DesignError as error:
+            return error
+        with pn.io.hold():
+            self._show(settings)
+            self._changed()
+        return None
+
+    def _show(self, settings: Settings) -> None:
+        self.settings = settings
+        self._session.study_link = to_link(settings)
+        for control in self.controls:
+            control.show(settings)
+
+    def _opened(self, event: Any) -> None:
+        if not event.new:
+            return
+        content, name = event.new, str(self.file.filename or "file")
+        self.file.clear()  # so that the same file can be opened again
+        self.open(content, name)
+
+    def open(self, content: bytes, name: str) -> None:
+        """Put a study file in force, whole or not at all."""
+        try:
+            study = parse_study(content, name)
+        except DesignError as error:
+            self.say(f"Not opened. {error}")
+            return
+        self.say("")
+        with pn.io.hold():
+            self._show(study.settings)
+            if study.trajectory != self.trajectory:
+                self._fly(study.trajectory)
+            else:
+                self._changed()
+
+    def _put_link(self, _: Any) -> None:
+        self._session.study_link = to_link(self.settings)
+        query = self._session.link
+        if len(query) > MAX_QUERY:
+            self.say("The study does not fit into an address; save it as a file instead.")
+            return
+        location = pn.state.location
+        if location:
+            location.search = f"?{query}"
+            said = "The link to this study and the design beside it is in the address bar."
+            flown = " The trajectory is not in it: save the study to share that." if self.trajectory else ""
+            self.say(said + flown, "info")
+
+    def _uploaded(self, event: Any) -> None:
+        if event.new:
+            content, name = event.new, str(self.trajectory_file.filename or "file")
+            self.trajectory_file.clear()
+            self._fly((name, content))
+
+    def _fly(self, trajectory: Trajectory) -> None:
+        self.take(trajectory)
+        self._flown()
+
+    def take(self, trajectory: Trajectory) -> None:
+        """Put another trajectory in force (None: the golden flight) without flying it yet."""
+        self.trajectory = trajectory
+        self._golden.visible = trajectory is not None
+        said = _FILE_HELP if trajectory is None else f'<p class="know" role="note">Flown: {escape(trajectory[0])}</p>'
+        self._file_said.object = said

@@ -1,0 +1,1 @@
+"""Every equation, and what each result was compared with."""

@@ -1,1 +1,0 @@
-"""The faces of the suborbital study: command, and the parts of its page (`app.pages.suborbital`)."""

@@ -1,0 +1,324 @@
+"""From a design to its budget: one pass through the closed forms.
+
+`analyse` composes the closed forms through `nav_model.budget.figures`; pages, reports and JSON read its result.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nav_model.analytic import coast as growth
+from nav_model.analytic import steady_state as steady
+from nav_model.analytic.discrete import Cycle, Sawtooth
+from nav_model.analytic.steady_state import Array, Horizontal
+from nav_model.budget.figures import (
+    LONGEST_APERTURE,
+    Inputs,
+    along_track_phase,
+    inputs_of,
+    outage,
+    phase_sources,
+    sampled,
+    settled,
+)
+from nav_model.budget.shares import Shares, coast_shares, steady_shares, velocity_shares
+from nav_model.budget.verdict import Verdict, judge
+from nav_model.design import Design
+from nav_model.design.declaration import DesignError
+from nav_model.sar import geometry, phase
+from nav_model.sar.impulse_response import ImpulseResponse, quadratic_response
+
+COAST_POINTS = 300
+_NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
+
+
+@dataclass(frozen=True)
+class Sigmas:
+    """Standard deviations of the navigation errors at one moment: m, m/s, rad."""
+
+    position_horizontal: float
+    position_vertical: float
+    velocity_horizontal: float
+    velocity_vertical: float
+    tilt: float
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """The settled filter.
+
+    ``closed`` is the cycle rms in closed form [T-3], [T-4]; ``prior`` and ``posterior`` are the discrete
+    filter just before and after a fix [T-8], slow GNSS error included. ``asymptote`` is [T-7]: position,
+    velocity, tilt, horizontal. ``lambda_dt`` is the larger of the two channels. ``shares`` gives, for each
+    kind of error, the share of each source in its variance [T-18].
+    """
+
+    closed: Sigmas
+    prior: Sigmas
+    posterior: Sigmas
+    gyro_dominance: float
+    asymptote: tuple[float, float, float]
+    lambda_dt: float
+    shares: Mapping[str, Shares]
+
+
+@dataclass(frozen=True)
+class Coast:
+    """Sigmas against time since the last fix, arrays of one length: s, m, m/s, rad.
+
+    ``position_*``, ``velocity_*`` and ``tilt`` are the polynomials [T-9], [T-10] with the residual biases in
+    quadrature; ``refined_*`` is [T-17] with the same biases. ``shares_horizontal`` and ``shares_vertical``
+    split the variance of position at the end of ``duration``.
+    """
+
+    duration: float
+    time: Array
+    position_horizontal: Array
+    position_vertical: Array
+    velocity_horizontal: Array
+    velocity_vertical: Array
+    tilt: Array
+    yaw_growth: Array
+    refined_horizontal: Array
+    refined_vertical: Array
+    perfect_start_horizontal: Array
+    perfect_start_vertical: Array
+    initial_tilt: Array
+    end_refined_horizontal: float
+    end_refined_vertical: float
+    shares_horizontal: Shares
+    shares_vertical: Shares
+
+
+@dataclass(frozen=True)
+class PhaseLine:
+    """One source of the phase budget: 1σ in rad; ``share`` is of the quadratic-phase variance."""
+
+    source: str
+    quadratic: float
+    cubic: float
+    detrended: float
+    share: float
+    detrended_share: float
+
+
+@dataclass(frozen=True)
+class Sar:
+    """The phase budget of the aperture: s, m, rad.
+
+    ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
+    what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe.
+    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18], ``velocity_shares`` the
+    variance of along-track velocity at the start of the aperture.
+    """
+
+    wavelength: float
+    aperture_time: float
+    aperture_length: float
+    cell_length: float
+    window: str
+    autofocus_order: int
+    quadratic: float
+    cubic: float
+    detrended: float
+    along_track_quadratic: float
+    lines: tuple[PhaseLine, ...]
+    tilt_shares: Shares
+    velocity_shares: Shares
+    impulse_response: ImpulseResponse | None
+    after_autofocus: ImpulseResponse | None
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Everything known about a design, immutable, in SI.
+
+    `nav_model.budget.provenance` says which equation each number comes from.
+    """
+
+    design: Design
+    steady_state: SteadyState
+    coast: Coast
+    sar: Sar
+    verdict: Verdict
+
+
+def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
+    """The budget of one design.
+
+    Parameters
+    ----------
+    design : Design
+    times : array_like, optional
+        Seconds since the last fix for the outage curves; by default 300 points over ``coast.duration``.
+
+    Returns
+    -------
+    Budget
+
+    Raises
+    ------
+    DesignError
+        If `times` are not finite, negative or beyond the bounds of ``coast.duration``, if the aperture that
+        follows from the radar's figures is longer than ``radar.aperture_time`` may be, or if the design's
+        figures are so far apart that double precision cannot hold them together.
+    """
+    try:
+        return _analyse(design, times)
+    except ArithmeticError as error:
+        key = "gnss.correlated_noise" if design.gnss.correlated else "imu.angle_random_walk"
+        reason = f"{design[key]:.3g} (SI) gives no figure beside the other noises: {error}"
+        raise DesignError(key, reason) from error
+
+
+def _analyse(design: Design, times: ArrayLike | None) -> Budget:
+    inputs = inputs_of(design)
+    _refuse_hidden_target(float(inputs.squint), float(inputs.grazing_angle))
+    _refuse_long_aperture(float(inputs.aperture))
+    time = _times(design, times)
+    closed = settled(inputs)
+    moments = sampled(inputs)
+    white = moments if inputs.slow is None else sampled(inputs, slow=False)
+    steady_state = _steady_state(inputs, closed, moments, white)
+    coast = _coast(inputs, closed, moments.posterior, white.posterior, time)
+    # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
+    start = closed.horizontal if inputs.slow is None else moments.posterior.horizontal
+    sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
+    return Budget(design, steady_state, coast, sar, judge(design, steady_state, coast, sar))
+
+
+def _refuse_hidden_target(squint: float, grazing: float) -> None:
+    if math.cos(squint) < math.sin(grazing) - 1e-12:
+        raise DesignError(
+            "radar.squint_angle",
+            f"{math.degrees(squint):.4g}° leaves no line of sight at a grazing angle of "
+            f"{math.degrees(grazing):.4g}°; at most {90 - math.degrees(grazing):.4g}° goes, or less grazing angle",
+        )
+
+
+def _refuse_long_aperture(aperture: float) -> None:
+    if aperture > LONGEST_APERTURE:
+        raise DesignError(
+            "radar.azimuth_resolution",
+            f"needs an aperture of {aperture:.4g} s at this range and speed; at most {LONGEST_APERTURE:g} s go",
+        )
+
+
+def _times(design: Design, times: ArrayLike | None) -> Array:
+    if times is None:
+        return np.linspace(0.0, design.coast.duration, COAST_POINTS)
+    time = np.atleast_1d(np.asarray(times, float))
+    longest = design.coast.param["duration"].bounds[1]
+    if time.ndim != 1 or not np.all(np.isfinite(time) & (time >= 0) & (time <= longest)):
+        raise DesignError("times", f"{times!r} is not allowed; seconds from 0 to {longest:g}")
+    return time
+
+
+def _sigmas(moment: Sawtooth) -> Sigmas:
+    p, v = moment
+    return Sigmas(*(math.sqrt(float(x)) for x in (p.p11, v.v11, p.p22, v.v22, p.p33)))
+
+
+def _steady_state(inputs: Inputs, closed: Sawtooth, moments: Cycle, white: Cycle) -> SteadyState:
+    x = inputs
+    asymptote = steady.gyro_dominated(x.sigma_w, x.s, x.g)
+    lambda_dt = max(
+        float(steady.lambda_dt(variance, s, x.interval))
+        for variance, s in ((closed.horizontal.p11, x.s), (closed.vertical.v11, x.s_vertical))
+    )
+    return SteadyState(
+        closed=_sigmas(closed),
+        prior=_sigmas(moments.prior),
+        posterior=_sigmas(moments.posterior),
+        gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
+        asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
+        lambda_dt=lambda_dt,
+        shares=steady_shares(x, closed, moments.prior, white.prior),
+    )
+
+
+def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, time: Array) -> Coast:
+    a, w, g = x.sigma_a, x.sigma_w, x.g
+    p, v = closed
+    duration = float(x.duration)
+    level = growth.horizontal_growth(p, a, w, g, time)
+    upright = growth.vertical_growth(v, a, time)
+    refined_horizontal, refined_vertical = map(np.sqrt, outage(x, posterior, np.append(time, duration)))
+    bias_a, bias_w = growth.bias_position(x.bias_a, x.bias_w, g, time)
+    drift_a, drift_w = growth.bias_velocity(x.bias_a, x.bias_w, g, time)
+    perfect = growth.perfect_start(a, w, g, time)
+    shares = coast_shares(x, posterior, white, duration)
+    curves = {
+        "time": time,
+        "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
+        "position_vertical": np.sqrt(upright.position + bias_a**2),
+        "velocity_horizontal": np.sqrt(level.velocity + drift_a**2 + drift_w**2),
+        "velocity_vertical": np.sqrt(upright.velocity + drift_a**2),
+        "tilt": np.sqrt(level.tilt + (x.bias_w * time) ** 2),
+        "yaw_growth": np.sqrt(steady.yaw_variance(w, time)),
+        "refined_horizontal": refined_horizontal[:-1],
+        "refined_vertical": refined_vertical[:-1],
+        "perfect_start_horizontal": np.sqrt(perfect[0]),
+        "perfect_start_vertical": np.sqrt(perfect[1]),
+        "initial_tilt": np.sqrt(growth.initial_tilt(p.p33, g, time)),
+    }
+    for curve in curves.values():
+        curve.flags.writeable = False
+    return Coast(
+        duration=duration,
+        end_refined_horizontal=float(refined_horizontal[-1]),
+        end_refined_vertical=float(refined_vertical[-1]),
+        shares_horizontal=shares[0],
+        shares_vertical=shares[1],
+        **curves,
+    )
+
+
+def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
+    radar = design.radar
+    wavelength, aperture = float(x.wavelength), float(x.aperture)
+    budget = phase_sources(x, start)
+    whole = phase.total(budget)
+    to_phase = 4 * math.pi / wavelength
+    quadratic = to_phase * math.sqrt(float(whole.quadratic))
+    cubic = to_phase * math.sqrt(float(whole.cubic))
+    lines = tuple(
+        PhaseLine(
+            source,
+            quadratic=to_phase * math.sqrt(float(variances.quadratic)),
+            cubic=to_phase * math.sqrt(float(variances.cubic)),
+            detrended=to_phase * math.sqrt(float(variances.detrended)),
+            share=float(variances.quadratic / whole.quadratic),
+            detrended_share=float(variances.detrended / whole.detrended),
+        )
+        for source, variances in budget.items()
+    )
+    response = _response(quadratic, radar.window)
+    return Sar(
+        wavelength=wavelength,
+        aperture_time=aperture,
+        aperture_length=aperture * design.flight.speed,
+        cell_length=float(
+            geometry.cell_length(wavelength, radar.slant_range, design.flight.speed, aperture, x.squint)
+        ),
+        window=radar.window,
+        autofocus_order=radar.autofocus_order,
+        quadratic=quadratic,
+        cubic=cubic,
+        detrended=to_phase * math.sqrt(float(whole.detrended)),
+        along_track_quadratic=float(along_track_phase(x, start)),
+        lines=lines,
+        tilt_shares=tilt_shares,
+        velocity_shares=velocity_shares(x, p, start),
+        impulse_response=response,
+        after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, radar.window),
+    )
+
+
+def _response(quadratic: float, window: str) -> ImpulseResponse | None:
+    return quadratic_response(quadratic, window) if quadratic <= _NO_IMAGE else None  # type: ignore[arg-type]

@@ -1,0 +1,129 @@
+"""A budget as plain JSON-ready data, with the names of the contract. SI throughout."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from nav_model.budget import Budget, Sigmas
+from nav_model.budget.provenance import cautions, provenance
+from nav_model.sar.impulse_response import ImpulseResponse
+
+
+def to_json(budget: Budget) -> dict[str, Any]:
+    """Every number of the budget under the contract's keys, and where each comes from."""
+    design, steady, coast, sar, verdict = (
+        budget.design,
+        budget.steady_state,
+        budget.coast,
+        budget.sar,
+        budget.verdict,
+    )
+    return {
+        "design": {
+            "name": design.name,
+            "content_hash": design.content_hash,
+            "inputs": dict(design.items()),
+        },
+        "steady_state": {
+            **_sigmas(steady.closed),
+            "gyro_dominance": steady.gyro_dominance,
+            "lambda_dt": steady.lambda_dt,
+            "asymptote": dict(
+                zip(
+                    ("position_sigma_m", "velocity_sigma_m_s", "tilt_sigma_rad"),
+                    steady.asymptote,
+                    strict=True,
+                )
+            ),
+            "shares": {kind: dict(shares) for kind, shares in steady.shares.items()},
+            "discrete": {"prior": _sigmas(steady.prior), "posterior": _sigmas(steady.posterior)},
+        },
+        "coast": {
+            "time_s": coast.time.tolist(),
+            "position_sigma_m": _pair(coast.position_horizontal, coast.position_vertical),
+            "velocity_sigma_m_s": _pair(coast.velocity_horizontal, coast.velocity_vertical),
+            "tilt_sigma_rad": coast.tilt.tolist(),
+            "yaw_growth_rad": coast.yaw_growth.tolist(),
+            "refined_position_sigma_m": _pair(coast.refined_horizontal, coast.refined_vertical),
+            "perfect_start_position_sigma_m": _pair(coast.perfect_start_horizontal, coast.perfect_start_vertical),
+            "initial_tilt_position_sigma_m": coast.initial_tilt.tolist(),
+            "end": {
+                "time_s": coast.duration,
+                "refined_position_sigma_m": {
+                    "horizontal": coast.end_refined_horizontal,
+                    "vertical": coast.end_refined_vertical,
+                },
+                "shares": {
+                    "horizontal": dict(coast.shares_horizontal),
+                    "vertical": dict(coast.shares_vertical),
+                },
+            },
+        },
+        "sar": {
+            "wavelength_m": sar.wavelength,
+            "aperture_time_s": sar.aperture_time,
+            "aperture_length_m": sar.aperture_length,
+            "cell_length_m": sar.cell_length,
+            "autofocus_order": sar.autofocus_order,
+            "quadratic_phase_sigma_rad": sar.quadratic,
+            "cubic_phase_sigma_rad": sar.cubic,
+            "detrended_phase_sigma_rad": sar.detrended,
+            "lines": [
+                {
+                    "source": line.source,
+                    "quadratic_phase_sigma_rad": line.quadratic,
+                    "cubic_phase_sigma_rad": line.cubic,
+                    "detrended_phase_sigma_rad": line.detrended,
+                    "share": line.share,
+                    "detrended_share": line.detrended_share,
+                }
+                for line in sar.lines
+            ],
+            "initial_tilt_shares": dict(sar.tilt_shares),
+            "along_track_quadratic_phase_sigma_rad": sar.along_track_quadratic,
+            "impulse_response": _response(sar.impulse_response, sar.cell_length),
+            "impulse_response_after_autofocus": _response(sar.after_autofocus, sar.cell_length),
+        },
+        "verdict": {
+            "closes": verdict.closes,
+            "confidence": verdict.confidence,
+            "tightest": verdict.tightest.name if verdict.tightest else None,
+            "requirements": [asdict(check) for check in verdict.checks],
+        },
+        "cautions": list(cautions(budget)),
+        "provenance": {key: asdict(entry) for key, entry in provenance(budget).items()},
+    }
+
+
+def _sigmas(sigmas: Sigmas) -> dict[str, Any]:
+    return {
+        "position_sigma_m": _pair(sigmas.position_horizontal, sigmas.position_vertical),
+        "velocity_sigma_m_s": _pair(sigmas.velocity_horizontal, sigmas.velocity_vertical),
+        "tilt_sigma_rad": sigmas.tilt,
+    }
+
+
+def _pair(horizontal: Any, vertical: Any) -> dict[str, Any]:
+    plain = (value.tolist() if hasattr(value, "tolist") else value for value in (horizontal, vertical))
+    return dict(zip(("horizontal", "vertical"), plain, strict=True))
+
+
+def _response(response: ImpulseResponse | None, cell: float) -> dict[str, Any] | None:
+    """Width between the outermost half-power points; side lobes outside the error-free main lobe ("fixed").
+
+    Both choices are the cautious ones: a split lobe counts whole, a shoulder counts as a side lobe.
+    """
+    if response is None:
+        return None
+    width = float(response.half_power_extent_cells)
+    return {
+        "width_cells": width,
+        "width_m": width * cell,
+        "pslr_db": response.pslr_fixed_db,
+        "islr_db": response.islr_fixed_db,
+        "pslr_null_db": response.pslr_null_db,
+        "islr_null_db": response.islr_null_db,
+        "islr_ten_nulls_db": response.islr_fixed_ten_db,
+        "peak_loss_db": response.peak_loss_db,
+    }

@@ -1,0 +1,113 @@
+"""Whose a variance is: each source's share, by linearity of the closed forms in the noises. [T-18]"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nav_model.analytic import coast as growth
+from nav_model.analytic.discrete import Sawtooth
+from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
+from nav_model.analytic.steady_state import Array, Horizontal
+from nav_model.budget.figures import Inputs
+
+GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
+ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
+
+Shares = Mapping[str, float]
+"""Source -> its share of a variance; they add up to one."""
+
+
+def steady_shares(x: Inputs, closed: Sawtooth, prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
+    """Shares in the settled variances, by kind: ``horizontal_position``, ``tilt`` and so on. [T-18]
+
+    White noises share the closed form; a slow GNSS error has what the augmented filter's `prior` adds to `white`.
+    """
+    by_kind: dict[str, dict[str, float]] = {}
+    kinds = ("horizontal_position", "horizontal_velocity", "tilt")
+    for kind, shares in zip(kinds, horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g), strict=True):
+        by_kind[kind] = {
+            ACCELEROMETER_NOISE: float(shares.accelerometer),
+            GYRO_NOISE: float(shares.gyro),
+            GNSS_NOISE: float(shares.gnss),
+        }
+    accelerometer, _ = vertical_parts(x.sigma_a, x.s_vertical)
+    v = closed.vertical
+    for kind, part, whole in (
+        ("vertical_position", accelerometer.v11, v.v11),
+        ("vertical_velocity", accelerometer.v22, v.v22),
+    ):
+        share = float(part / whole)
+        by_kind[kind] = {ACCELEROMETER_NOISE: share, GNSS_NOISE: 1 - share}
+    if prior is not white:
+        pairs = {
+            "horizontal_position": (prior.horizontal.p11, white.horizontal.p11),
+            "horizontal_velocity": (prior.horizontal.p22, white.horizontal.p22),
+            "tilt": (prior.horizontal.p33, white.horizontal.p33),
+            "vertical_position": (prior.vertical.v11, white.vertical.v11),
+            "vertical_velocity": (prior.vertical.v22, white.vertical.v22),
+        }
+        for kind, (with_slow, without) in pairs.items():
+            kept = min(float(without / with_slow), 1.0)
+            by_kind[kind] = {source: share * kept for source, share in by_kind[kind].items()}
+            by_kind[kind][SLOW_GNSS] = 1 - kept
+    return MappingProxyType({kind: MappingProxyType(shares) for kind, shares in by_kind.items()})
+
+
+def coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -> tuple[Shares, Shares]:
+    """Shares in the position variances `time` after the last fix, from the polynomials by linearity.
+
+    A slow GNSS error has what the augmented start adds to the `white` one.
+    """
+    a, w, g = x.sigma_a, x.sigma_w, x.g
+    bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_position(x.bias_a, x.bias_w, g, time))
+    level: dict[str, Array | float] = {source: grown.position for source, grown in _grown_parts(x, time).items()}
+    level |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
+    accelerometer, gnss = vertical_parts(a, x.s_vertical)
+    upright: dict[str, Array | float] = {
+        ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
+        GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
+        ACCELEROMETER_BIAS: bias_a,
+    }
+    if posterior is not white:
+        slow, fast = (growth.horizontal_growth(m.horizontal, a, w, g, time) for m in (posterior, white))
+        slow_v, fast_v = (growth.vertical_growth(m.vertical, a, time) for m in (posterior, white))
+        level[SLOW_GNSS] = np.maximum(slow.position - fast.position, 0.0)
+        upright[SLOW_GNSS] = np.maximum(slow_v.position - fast_v.position, 0.0)
+    return _normalised(level), _normalised(upright)
+
+
+def _grown_parts(x: Inputs, time: ArrayLike) -> dict[str, growth.HorizontalGrowth]:
+    """What each white noise has grown to `time` after the last fix, in a horizontal channel. [T-9], [T-18]"""
+    a, w, g = x.sigma_a, x.sigma_w, x.g
+    parts = horizontal_parts(a, w, x.s, g)
+    return {
+        ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time),
+        GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time),
+        GNSS_NOISE: growth.horizontal_growth(parts.gnss, 0.0, 0.0, g, time),
+    }
+
+
+def _normalised(variances: Mapping[str, Array | float]) -> Shares:
+    values = {source: float(variance) for source, variance in variances.items()}
+    whole = math.fsum(values.values())
+    return MappingProxyType({source: value / whole for source, value in values.items()})
+
+
+def velocity_shares(x: Inputs, p: Horizontal, start: Horizontal) -> Shares:
+    """Shares in the variance of along-track velocity after the coast before the aperture, of which [S-2] is made.
+
+    `p` is the settled filter for white noises, `start` the one in force: another where a slow GNSS error is modelled.
+    """
+    coast = x.before_aperture
+    bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_velocity(x.bias_a, x.bias_w, x.g, coast))
+    parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown_parts(x, coast).items()}
+    parts |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
+    if start is not p:
+        grown, white = (growth.horizontal_growth(m, x.sigma_a, x.sigma_w, x.g, coast).velocity for m in (start, p))
+        parts[SLOW_GNSS] = np.maximum(grown - white, 0.0)
+    return _normalised(parts)

@@ -1,0 +1,274 @@
+"""Design files: TOML text <-> `Design`, without losing anything.
+
+The format is fixed by the contract: sections of quantity strings. Reading names the first key that is wrong;
+writing states every value in the unit it was read in, with the fewest digits that give the same float back.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from nav_model.catalogue import Kind, find
+from nav_model.design import Design, Value
+from nav_model.design.declaration import BaseQuantity, Choice, DesignError, shown
+from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+
+MAX_BYTES = 1_000_000  # a design is two kilobytes; anything far larger is another kind of file
+_MAX_TEXT = 10_000
+
+
+def read_design(path: str | Path) -> Design:
+    """Read a design file.
+
+    Raises
+    ------
+    DesignError
+        Naming the file or key, what was given and what is allowed.
+    """
+    return parse_design(read_bytes(path), str(path))
+
+
+def read_bytes(path: str | Path, most: int = MAX_BYTES) -> bytes:
+    """What a file holds, up to one byte more than it may (by default, than a design may).
+
+    Raises
+    ------
+    DesignError
+        If the file cannot be read.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            return file.read(most + 1)
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        reason = getattr(error, "strerror", None) or str(error)
+        raise DesignError(str(path), f"cannot be read: {reason}") from error
+
+
+def parse_design(data: bytes | str, where: str = "design", changes: Iterable[str] = ()) -> Design:
+    """Design from the text of a file.
+
+    Parameters
+    ----------
+    data : bytes or str
+        TOML.
+    where : str
+        Name used when the text as a whole is wrong.
+    changes : iterable of str
+        Assignments such as ``'imu.angle_random_walk=0.3 °/√h'`` that override the file.
+
+    Raises
+    ------
+    DesignError
+        As `read_design`.
+    """
+    return _build(_with_changes(_load(data, where), changes))
+
+
+def _load(data: bytes | str, where: str) -> dict[str, Any]:
+    if len(data) > MAX_BYTES:
+        raise DesignError(where, f"larger than {MAX_BYTES} bytes; not a design file")
+    if isinstance(data, bytes):
+        try:
+            data = data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            raise DesignError(where, f"not a text file (byte {error.start} is not UTF-8)") from error
+    try:
+        tables = tomllib.loads(data)
+    except tomllib.TOMLDecodeError as error:
+        raise _toml_error(str(error), data, where) from error
+    except RecursionError as error:
+        raise DesignError(where, "not a design file: nested too deeply") from error
+    except ValueError as error:  # an integer beyond what Python reads
+        raise DesignError(where, f"not a design file: {str(error).partition(';')[0]}") from error
+    if not tables:
+        raise DesignError(where, f"states nothing; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}")
+    return tables
+
+
+def _toml_error(message: str, text: str, where: str) -> DesignError:
+    """The parser's message with the line it stumbled on, and the key if one was given twice."""
+    place = re.search(r"\(at line (\d+), column \d+\)", message)
+    lines = text.splitlines()
+    number = int(place[1]) if place else len(text.rstrip().splitlines())
+    line = lines[number - 1].strip() if 0 < number <= len(lines) else ""
+    if message.startswith("Cannot overwrite"):
+        headers = [header[1] for header in re.finditer(r"(?m)^\s*\[\s*([\w.]+)\s*\]", "\n".join(lines[:number]))]
+        key = line.partition("=")[0].strip()
+        return DesignError(".".join((*headers[-1:], key)), f"is given twice (line {number} of {where})")
+    shown = line if len(line) <= 60 else line[:57] + "..."
+    return DesignError(where, f"not a design file (TOML): {message}: {shown!r}")
+
+
+def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, Any]:
+    stated: dict[str, str] = {}
+    for change in changes:
+        key, equals, text = change.partition("=")
+        if not equals:
+            raise DesignError(change, 'not an assignment; write for example imu.angle_random_walk="0.3 °/√h"')
+        stated[key.strip()] = text.strip()
+    # Presets first: a value stated beside a preset comes on top of it, whatever the order.
+    for key, text in sorted(stated.items(), key=lambda change: change[0] not in PRESET_KEYS):
+        section, _, name = key.rpartition(".")
+        if key in TOP_KEYS:
+            tables[key] = text
+            continue
+        if section not in INPUTS or not (key in PRESET_KEYS or _input_named(section, name)):
+            raise DesignError(key, _unknown(section if section in INPUTS else ""))
+        table = tables.setdefault(section, {})
+        if not isinstance(table, dict):
+            raise DesignError(section, f"must be a section, [{section}]")
+        if key in PRESET_KEYS:  # the new unit's figures replace the file's
+            for filled in find(_kind(section), text).values:
+                _drop(table, section, filled)
+        else:
+            found = _input_named(section, name)
+            _drop(table, section, found[0] if found else name)
+        table[name] = text
+    return tables
+
+
+def _drop(table: dict[str, Any], section: str, name: str) -> None:
+    declaration = INPUTS[section][name]
+    table.pop(name, None)
+    if isinstance(declaration, BaseQuantity) and declaration.alternative:
+        table.pop(declaration.alternative.key, None)
+
+
+def _build(tables: dict[str, Any]) -> Design:
+    values: dict[str, Value] = {}
+    written: dict[str, str] = {}
+    for key, content in tables.items():
+        if key in TOP_KEYS:
+            values[key] = _text(key, content)
+        elif key not in INPUTS:
+            raise DesignError(key, _unknown(""))
+        elif not isinstance(content, dict):
+            raise DesignError(key, f"must be a section, [{key}], not {shown(content)}")
+    for section in INPUTS:
+        _read_section(section, tables.get(section, {}), values, written)
+    return Design(values, written)
+
+
+def _read_section(section: str, table: dict[str, Any], values: dict[str, Value], written: dict[str, str]) -> None:
+    given: dict[str, str] = {}
+    for name, content in table.items():
+        key = f"{section}.{name}"
+        if key in PRESET_KEYS:
+            continue
+        found = _input_named(section, name)
+        if found is None:
+            raise DesignError(key, _unknown(section))
+        target, declaration = found
+        if target in given:
+            raise DesignError(key, f"says the same as {section}.{given[target]}; give one of them")
+        given[target] = name
+        if isinstance(declaration, Choice):
+            values[f"{section}.{target}"] = declaration.read(content)
+        else:
+            parsed = declaration.read(content, name)
+            values[f"{section}.{target}"], written[f"{section}.{target}"] = parsed
+    if f"{section}.preset" in PRESET_KEYS and "preset" in table:
+        name = _text(f"{section}.preset", table["preset"])
+        preset_values, preset_written = preset_fill(section, name)
+        for key, value in preset_values.items():
+            if key.rpartition(".")[2] not in given:
+                values[key], written[key] = value, preset_written.get(key, "")
+        if section == "imu":
+            _refuse_gap(name, values)
+        values[f"{section}.preset"] = preset_values[f"{section}.preset"]
+
+
+def preset_fill(section: str, name: str) -> tuple[dict[str, Value], dict[str, str]]:
+    """Dotted keys that a preset fills, in SI, and the units to show them in.
+
+    Raises
+    ------
+    DesignError
+        If the catalogue has no such entry.
+    """
+    entry = find(_kind(section), name)
+    values: dict[str, Value] = {f"{section}.preset": entry.name}
+    values |= {f"{section}.{key}": item.value for key, item in entry.values.items()}
+    return values, {f"{section}.{key}": item.unit for key, item in entry.values.items()}
+
+
+def _refuse_gap(preset: str, values: Mapping[str, Value]) -> None:
+    """A sensor whose sheet is silent must not quietly take a default."""
+    for name in ("velocity_random_walk", "angle_random_walk"):
+        if f"imu.{name}" not in values:
+            raise DesignError(f"imu.{name}", f"the catalogue has none for {preset!r}; state it in the file")
+
+
+def _kind(section: str) -> Kind:
+    return "imu" if section == "imu" else "radar"
+
+
+def _text(key: str, content: Any) -> str:
+    if not isinstance(content, str):
+        raise DesignError(key, f"{shown(content)} is not text in quotes")
+    if len(content) > _MAX_TEXT:
+        raise DesignError(key, f"longer than {_MAX_TEXT} characters")
+    try:
+        content.encode()
+    except UnicodeEncodeError as error:  # bytes of a command line that are no text
+        raise DesignError(key, f"{shown(content)} is not Unicode text") from error
+    return content
+
+
+def _input_named(section: str, name: str) -> tuple[str, BaseQuantity[Any] | Choice] | None:
+    for target, declaration in INPUTS[section].items():
+        if target == name:
+            return target, declaration
+        if isinstance(declaration, BaseQuantity) and declaration.alternative and declaration.alternative.key == name:
+            return target, declaration
+    return None
+
+
+def _unknown(section: str) -> str:
+    if not section:
+        return f"unknown key; allowed are {', '.join((*TOP_KEYS, *(f'[{s}]' for s in INPUTS)))}"
+    preset = ["preset"] if f"{section}.preset" in PRESET_KEYS else []
+    return f"unknown key; [{section}] has {', '.join((*preset, *INPUTS[section]))}"
+
+
+def format_design(design: Design) -> str:
+    """TOML text of a design: every value stated, in the unit it was given in."""
+    tables: dict[str, Any] = {key: design[key] for key in TOP_KEYS if design[key]}
+    for section, declarations in INPUTS.items():
+        table: dict[str, Any] = {}
+        if design_preset := preset_of(design, section):
+            table["preset"] = design_preset
+        for name, declaration in declarations.items():
+            value = design[f"{section}.{name}"]
+            if value is None:
+                continue
+            if isinstance(declaration, BaseQuantity):
+                assert isinstance(value, float | int)
+                name, value = declaration.write(float(value), design.written.get(f"{section}.{name}", ""))
+            table[name] = value
+        tables[section] = table
+    return tomli_w.dumps(tables)
+
+
+def preset_of(design: Design, section: str) -> str | None:
+    """Name of the section's preset, if it has one."""
+    key = f"{section}.preset"
+    value = design[key] if key in PRESET_KEYS else None
+    return value if isinstance(value, str) else None
+
+
+def deviations(design: Design, section: str) -> frozenset[str]:
+    """Names of the inputs whose value is not the preset's (empty without a preset)."""
+    name = preset_of(design, section)
+    if name is None:
+        return frozenset()
+    values, _ = preset_fill(section, name)
+    return frozenset(
+        key.rpartition(".")[2] for key, value in values.items() if key not in PRESET_KEYS and design[key] != value
+    )

@@ -1,0 +1,106 @@
+"""Inputs of the flight and of the time without fixes."""
+
+from __future__ import annotations
+
+from nav_model.design.declaration import Quantity
+from nav_model.design.part import DEGREE, Part
+
+
+class Flight(Part):
+    """Flight condition: straight, level, constant velocity."""
+
+    section = "flight"
+    title = "Flight"
+
+    speed = Quantity(
+        default=100.0,
+        dimension="speed",
+        unit="m/s",
+        short="v",
+        bounds=(0.1, 8000.0),
+        softbounds=(10.0, 300.0),
+        label="Speed",
+        doc="Ground speed along the track.",
+        datasheet="Not on data sheets: the flight plan.",
+        typical="small UAV 30, turboprop 90, jet 220 m/s",
+    )
+    altitude = Quantity(
+        default=3000.0,
+        dimension="length",
+        unit="km",
+        short="h",
+        bounds=(-500.0, 1e5),
+        softbounds=(0.0, 15e3),
+        label="Altitude",
+        doc="Height above the ellipsoid; enters the radius of the Schuler and Coriolis terms.",
+        datasheet="Not on data sheets: the flight plan.",
+        typical="1 to 14 km",
+    )
+    latitude = Quantity(
+        default=45 * DEGREE,
+        dimension="angle",
+        unit="°",
+        short="lat",
+        bounds=(-90 * DEGREE, 90 * DEGREE),
+        softbounds=(-90 * DEGREE, 90 * DEGREE),
+        label="Latitude",
+        doc="Geodetic latitude; enters the Coriolis coupling of the refined outage.",
+        datasheet="Not on data sheets: the flight plan; take the lowest latitude, where the coupling is largest.",
+        typical="where the radar will work",
+    )
+    heading = Quantity(
+        default=0.0,
+        dimension="angle",
+        unit="°",
+        short="hdg",
+        bounds=(-360 * DEGREE, 360 * DEGREE),
+        softbounds=(0.0, 360 * DEGREE),
+        label="Heading",
+        doc="Track direction, clockwise from north; enters the Coriolis coupling of the refined outage.",
+        datasheet="Not on data sheets: the flight plan.",
+        typical="0° is north",
+    )
+    gravity = Quantity(
+        default=9.80665,
+        dimension="acceleration",
+        unit="m/s²",
+        short="g",
+        bounds=(0.1, 30.0),
+        softbounds=(9.7, 9.9),
+        label="Gravity",
+        doc="Local gravity of the model; unit conversions always use 9.80665 m/s².",
+        datasheet="Not on data sheets: a gravity formula at the latitude.",
+        typical="9.780 at the equator, 9.832 m/s² at the poles",
+    )
+
+
+class Coast(Part):
+    """Flight without fixes."""
+
+    section = "coast"
+    title = "Coast"
+
+    duration = Quantity(
+        default=100.0,
+        dimension="time",
+        unit="s",
+        short="out",
+        bounds=(0.1, 7200.0),
+        softbounds=(1.0, 1000.0),
+        label="Outage shown",
+        doc="How long the outage curves run after the last fix; coast requirements hold at its end.",
+        datasheet="Not on data sheets: the mission's requirement.",
+        typical="the longest outage the mission must survive",
+    )
+    before_aperture = Quantity(
+        default=0.0,
+        dimension="time",
+        unit="s",
+        short="tc",
+        bounds=(0.0, 3600.0),
+        softbounds=(0.1, 300.0),
+        label="Coast before aperture",
+        doc="Time without fixes between the last fix and the start of the aperture.",
+        datasheet="Not on data sheets: the mission's requirement, such as jamming near the scene.",
+        typical="0 s when fixes last up to the aperture",
+    )

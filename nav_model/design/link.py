@@ -1,0 +1,121 @@
+"""A design as a short URL query and back.
+
+Only what differs from the defaults (or from the presets named) is written, under short names and in ASCII
+units: ``imu=LN-200&gn=3cm&f=1.3GHz``. Reading it gives an equal design.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+from urllib.parse import parse_qsl, quote_plus, urlencode
+
+from nav_model.design import Design, Value
+from nav_model.design.declaration import BaseQuantity, Choice, DesignError
+from nav_model.design.file import preset_fill
+from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+
+MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
+STUDY_PREFIX = "study."
+"""What the names of a suborbital study's inputs start with, where they stand beside a design's."""
+_NONE = "none"
+_SHORT: dict[str, str] = {
+    declaration.short: f"{section}.{name}"
+    for section, inputs in INPUTS.items()
+    for name, declaration in inputs.items()
+}
+_PRESET_SHORT = {key.partition(".")[0]: key for key in PRESET_KEYS}
+_TO_ASCII = {"√Hz": "sqrt(Hz)", "√h": "sqrt(h)", "√s": "sqrt(s)", "µ": "u", "°": "deg", "²": "^2", " ": ""}
+
+
+def to_query(design: Design) -> str:
+    """The query of a link to the design, without the question mark."""
+    base = Design()
+    pairs: list[tuple[str, str]] = [(key, str(design[key])) for key in TOP_KEYS if design[key]]
+    for short, key in _PRESET_SHORT.items():
+        name = design[key]
+        if isinstance(name, str):
+            pairs.append((short, name))
+            base = base.replace(preset_fill(short, name)[0])
+    for short, key in _SHORT.items():
+        value = design[key]
+        if value != base[key] or type(value) is not type(base[key]):
+            pairs.append((short, _to_text(key, value, design)))
+    return urlencode(pairs, safe="()/^-.:", quote_via=quote_plus)
+
+
+def split_link(query: str) -> tuple[str, str]:
+    """A link's query in two: the design's part, and the suborbital study's. Nothing is judged here."""
+    parts = query.removeprefix("?").split("&")
+    study = [part for part in parts if part.startswith(STUDY_PREFIX)]
+    return "&".join(part for part in parts if not part.startswith(STUDY_PREFIX)), "&".join(study)
+
+
+def pairs_of(query: str) -> list[tuple[str, str]]:
+    """Keys and values of a link's query, in its order.
+
+    Raises
+    ------
+    DesignError
+        If it is too long or no query.
+    """
+    if len(query) > MAX_QUERY:
+        raise DesignError("link", f"longer than {MAX_QUERY} characters")
+    try:
+        return parse_qsl(query.removeprefix("?"), keep_blank_values=True, strict_parsing=True, errors="strict")
+    except (ValueError, UnicodeDecodeError) as error:
+        raise DesignError("link", "not a query of the form key=value&key=value") from error
+
+
+def from_query(query: str) -> Design:
+    """The design a link's query describes.
+
+    Raises
+    ------
+    DesignError
+        Naming the key that is wrong; nothing of a wrong link is used.
+    """
+    pairs = pairs_of(query)
+    values: dict[str, Value] = {}
+    written: dict[str, str] = {}
+    names = [short for short, _ in pairs]
+    for short in names:
+        if names.count(short) > 1:
+            raise DesignError(short, "is given twice in the link")
+    for short, text in pairs:
+        if short in _PRESET_SHORT:
+            filled, units = preset_fill(short, text)
+            values |= filled
+            written |= units
+    for short, text in pairs:
+        if short in TOP_KEYS:
+            values[short] = text
+        elif short not in _PRESET_SHORT:
+            if short not in _SHORT:
+                raise DesignError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
+            _read(_SHORT[short], text, values, written)
+    return Design(values, written)
+
+
+def _read(key: str, text: str, values: dict[str, Value], written: dict[str, str]) -> None:
+    section, _, name = key.rpartition(".")
+    declaration = INPUTS[section][name]
+    if isinstance(declaration, Choice):
+        values[key] = declaration.read(text)
+    elif text == _NONE and declaration.allow_None:
+        values[key] = None
+    else:
+        values[key], written[key] = declaration.read(text)
+
+
+def _to_text(key: str, value: Any, design: Design) -> str:
+    section, _, name = key.rpartition(".")
+    declaration = INPUTS[section][name]
+    if value is None:
+        return _NONE
+    if not isinstance(declaration, BaseQuantity):
+        return str(value).lower()
+    _, text = declaration.write(float(value), design.unit(key) if declaration.dimension else "")
+    text = str(text)
+    for symbol, spelling in _TO_ASCII.items():
+        text = text.replace(symbol, spelling)
+    return text

@@ -1,0 +1,37 @@
+"""What the sections of a design share."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar
+
+import param
+
+from nav_model.design.declaration import BaseQuantity, Choice
+
+DEGREE = math.pi / 180
+
+
+class Part(param.Parameterized):
+    """One section of a design file."""
+
+    section: ClassVar[str] = ""
+    title: ClassVar[str] = ""
+
+    @classmethod
+    def inputs(cls) -> dict[str, BaseQuantity[Any] | Choice]:
+        """Name -> declaration of every input of this part, in the order of declaration."""
+        return {
+            name: declaration
+            for name, declaration in cls.param.objects("existing").items()
+            if isinstance(declaration, BaseQuantity | Choice)
+        }
+
+
+def preset(kind: str) -> Any:
+    return param.String(
+        default=None,
+        allow_None=True,
+        constant=True,
+        doc=f"Name of {kind} of the catalogue; its values fill the keys that are not given.",
+    )

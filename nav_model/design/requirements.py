@@ -1,0 +1,148 @@
+"""The limits a design is held against."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
+from nav_model.design.part import DEGREE, Part
+
+_LEAST_LIMIT = {"angle": 1e-6 * DEGREE, "length": 1e-6, "speed": 1e-6}
+
+
+def _limit(
+    dimension: str,
+    unit: str,
+    short: str,
+    upper: float,
+    soft: tuple[float, float],
+    label: str,
+    doc: str,
+    typical: str,
+) -> Any:
+    return OptionalQuantity(
+        dimension=dimension,
+        unit=unit,
+        short=short,
+        bounds=(_LEAST_LIMIT[dimension], upper),
+        softbounds=soft,
+        label=label,
+        doc=doc,
+        datasheet=_GIVEN,
+        typical=typical,
+    )
+
+
+_GIVEN = "Not on data sheets: the requirement of the image product or of the mission."
+_REACHED = "reached with 1.5 m fixes at 1 Hz: "
+_PHASE = (1 * DEGREE, 360 * DEGREE)
+_POSITION = (1e-3, 1e3)
+
+
+class Requirements(Part):
+    """Limits; one not given is not checked."""
+
+    section = "requirements"
+    title = "Requirements"
+
+    confidence = Quantity(
+        default=1.0,
+        dimension="",
+        unit="",
+        short="k",
+        bounds=(0.1, 6.0),
+        softbounds=(1.0, 3.0),
+        label="Confidence",
+        doc="How many sigmas must stay inside a limit.",
+        datasheet="Not on data sheets: the requirement's own percentage.",
+        typical="1 (68 %), 2 (95 %), 3 (99.7 %)",
+    )
+    steady_state = Choice(
+        default="prior",
+        options=["prior", "closed", "posterior"],
+        short="ss",
+        label="Steady state checked",
+        doc="Just before a fix (prior, the worst of the cycle), cycle rms (closed), just after (posterior). The "
+        "prior is the safe side.",
+    )
+    quadratic_phase: Any = _limit(
+        "angle", "°", "qpe", 1e6 * DEGREE, _PHASE, "Quadratic phase",
+        "Limit on quadratic phase error at the aperture's ends: 45° strict, 90° usual [S-4].",
+        "45° to 90°; below 1 dB of peak loss up to 90°",
+    )  # fmt: skip
+    detrended_phase: Any = _limit(
+        "angle", "°", "dpe", 1e6 * DEGREE, _PHASE, "Detrended phase",
+        "Limit on rms phase over the aperture after autofocus_order is removed.",
+        "6° keeps the integrated side lobes of wide-band phase at −20 dB, 20° costs half a decibel of the peak",
+    )  # fmt: skip
+    horizontal_position: Any = _limit(
+        "length",
+        "m",
+        "rh",
+        1e6,
+        _POSITION,
+        "Horizontal position",
+        "Steady state, per axis, 1σ × confidence.",
+        f"{_REACHED}navigation 0.2 to 0.4, tactical 0.4 to 0.7, MEMS 0.5 to 0.8 m",
+    )
+    vertical_position: Any = _limit(
+        "length",
+        "m",
+        "rv",
+        1e6,
+        _POSITION,
+        "Vertical position",
+        "Steady state, 1σ × confidence.",
+        f"{_REACHED}navigation 0.1 to 0.3, tactical 0.1 to 0.3, MEMS 0.2 to 0.4 m",
+    )
+    horizontal_velocity: Any = _limit(
+        "speed",
+        "m/s",
+        "rvh",
+        1e4,
+        (1e-4, 10.0),
+        "Horizontal velocity",
+        "Steady state, per axis, 1σ × confidence.",
+        f"{_REACHED}navigation 0.003 to 0.01, tactical 0.02 to 0.07, MEMS 0.04 to 0.1 m/s",
+    )
+    vertical_velocity: Any = _limit(
+        "speed",
+        "m/s",
+        "rvv",
+        1e4,
+        (1e-4, 10.0),
+        "Vertical velocity",
+        "Steady state, 1σ × confidence.",
+        f"{_REACHED}navigation 0.0005 to 0.006, tactical 0.001 to 0.008, MEMS 0.004 to 0.02 m/s",
+    )
+    tilt: Any = _limit(
+        "angle",
+        "°",
+        "rt",
+        math.pi,
+        (1e-4 * DEGREE, 1 * DEGREE),
+        "Tilt",
+        "Roll and pitch in steady state, each.",
+        f"{_REACHED}navigation 0.0002 to 0.001, tactical 0.004 to 0.03, MEMS 0.01 to 0.05°",
+    )
+    coast_horizontal_position: Any = _limit(
+        "length",
+        "m",
+        "rch",
+        1e7,
+        (1e-2, 1e4),
+        "Coast horizontal position",
+        "At the end of the outage, per axis.",
+        f"after 60 s, {_REACHED}navigation 0.4 to 1, tactical 3 to 13, MEMS 7 to 25 m",
+    )
+    coast_vertical_position: Any = _limit(
+        "length",
+        "m",
+        "rcv",
+        1e7,
+        (1e-2, 1e4),
+        "Coast vertical position",
+        "At the end of the outage.",
+        f"after 60 s, {_REACHED}navigation 0.1 to 0.6, tactical 0.2 to 0.8, MEMS 0.4 to 2 m",
+    )

@@ -1,0 +1,171 @@
+"""Inputs of the inertial unit and of the receiver."""
+
+from __future__ import annotations
+
+from nav_model.design.declaration import Alternative, Choice, OptionalQuantity, Quantity
+from nav_model.design.part import DEGREE, Part, preset
+
+_ARW = DEGREE / 60  # 1 °/√h in rad/√s
+_VRW = 1 / 60  # 1 m/s/√h in m/s/√s
+_MG = 9.80665e-3
+_DPH = DEGREE / 3600
+
+
+class Imu(Part):
+    """Inertial measurement unit."""
+
+    section = "imu"
+    title = "IMU"
+
+    preset = preset("an inertial measurement unit")
+    velocity_random_walk = Quantity(
+        default=0.05 * _VRW,
+        dimension="velocity random walk",
+        unit="m/s/√h",
+        short="vrw",
+        bounds=(1e-9 * _VRW, 60 * _VRW),
+        softbounds=(1e-3 * _VRW, 1.0 * _VRW),
+        label="Velocity random walk",
+        doc="White noise of the accelerometers, per axis.",
+        datasheet='Accelerometer table: "velocity random walk" or "noise density".',
+        typical="navigation 0.003, tactical 0.03, MEMS 0.01 to 0.2 m/s/√h",
+    )
+    angle_random_walk = Quantity(
+        default=0.5 * _ARW,
+        dimension="angle random walk",
+        unit="°/√h",
+        short="arw",
+        bounds=(1e-9 * _ARW, 360 * _ARW),
+        softbounds=(1e-3 * _ARW, 10.0 * _ARW),
+        label="Angle random walk",
+        doc="White noise of the gyros, per axis.",
+        datasheet='Gyro table: "angle random walk" or "rate noise density".',
+        typical="navigation 0.002, tactical 0.1, MEMS 0.1 to 0.7 °/√h",
+    )
+    accelerometer_bias = Quantity(
+        default=0.0,
+        dimension="acceleration",
+        unit="mg",
+        short="ba",
+        bounds=(0, 1000 * _MG),
+        softbounds=(1e-4 * _MG, 100 * _MG),
+        label="Residual accelerometer bias",
+        doc="1σ of what the filter has not absorbed at the last fix, per axis.",
+        datasheet=(
+            "Not printed as such: between the in-run bias stability (a pessimist's choice) and zero, "
+            "because in level flight the filter lets tilt cancel a constant bias."
+        ),
+        typical="tactical in-run 0.05, MEMS in-run 0.003 to 0.1 mg",
+    )
+    gyro_bias = Quantity(
+        default=0.0,
+        dimension="angular rate",
+        unit="°/h",
+        short="bg",
+        bounds=(0, 1e5 * _DPH),
+        softbounds=(1e-4 * _DPH, 1e3 * _DPH),
+        label="Residual gyro bias",
+        doc="1σ of what the filter has not absorbed at the last fix, per axis.",
+        datasheet="Not printed as such: at most the in-run bias stability of the gyro table.",
+        typical="navigation 0.003, tactical 0.5, MEMS 1 to 10 °/h",
+    )
+    vibration_factor = Quantity(
+        default=1.0,
+        dimension="",
+        unit="",
+        short="vib",
+        bounds=(0.01, 1000.0),
+        softbounds=(1.0, 50.0),
+        label="Vibration factor",
+        doc="Multiplies both random walks: noise in motion over noise on the bench.",
+        datasheet="Not on data sheets. From a log taken in the aircraft; 1 is the bench.",
+        typical="real drives show errors 8 to 35 times those bench noise predicts",
+    )
+    rate = Quantity(
+        default=100.0,
+        dimension="frequency",
+        unit="Hz",
+        short="fs",
+        bounds=(1.0, 1e5),
+        softbounds=(10.0, 1e4),
+        label="Sample rate",
+        doc="Output rate of the unit; used by the simulator, not by the closed forms.",
+        datasheet='"Output data rate".',
+        typical="100 to 2000 Hz",
+    )
+
+
+class Gnss(Part):
+    """Satellite navigation receiver."""
+
+    section = "gnss"
+    title = "GNSS"
+
+    position_noise = Quantity(
+        default=1.0,
+        dimension="length",
+        unit="m",
+        short="gn",
+        bounds=(1e-6, 1e4),
+        softbounds=(1e-3, 30.0),
+        label="Position noise",
+        doc="One fix, per axis, 1σ, independent from fix to fix.",
+        datasheet='Receiver table: "position accuracy"; CEP = 1.18 σ, 2DRMS = 2.83 σ.',
+        typical="carrier phase 0.02, differential 0.5, code 1.5 to 3 m",
+    )
+    vertical_position_noise = OptionalQuantity(
+        dimension="length",
+        unit="m",
+        short="gnv",
+        bounds=(1e-6, 1e4),
+        softbounds=(1e-3, 30.0),
+        label="Vertical position noise",
+        doc="If it differs from the horizontal one.",
+        datasheet="Usually 1.5 to 2 times the horizontal figure.",
+        typical="carrier phase 0.03, code 3 to 5 m",
+    )
+    interval = Quantity(
+        default=1.0,
+        dimension="time",
+        unit="s",
+        short="dt",
+        bounds=(1e-3, 3600.0),
+        softbounds=(0.02, 10.0),
+        label="Fix interval",
+        doc="Time between fixes.",
+        datasheet='"Update rate": 1 Hz is 1 s.',
+        typical="0.05 to 1 s",
+        alternative=Alternative("rate", "frequency", "Hz", 1.0),
+    )
+    correlated = Choice(
+        default=False,
+        options=[False, True],
+        short="gm",
+        label="Slow error",
+        doc="Add a slow GNSS error (first-order Gauss-Markov) by state augmentation; numerical path only. Off for "
+        "carrier phase over a short base line, on for stand-alone code.",
+    )
+    correlated_noise = Quantity(
+        default=1.0,
+        dimension="length",
+        unit="m",
+        short="gms",
+        bounds=(1e-6, 1e4),
+        softbounds=(1e-2, 30.0),
+        label="Slow error, 1σ",
+        doc="Standard deviation of the slow error, per axis, on top of the noise; used when switched on.",
+        datasheet="Absolute accuracy less the noise: orbit, clock, atmosphere, multipath.",
+        typical="differential 0.3, stand-alone 1 to 2 m",
+    )
+    correlation_time = Quantity(
+        default=300.0,
+        dimension="time",
+        unit="s",
+        short="gmt",
+        bounds=(0.1, 1e5),
+        softbounds=(1.0, 1e4),
+        label="Correlation time",
+        doc="Time constant of the slow error.",
+        datasheet="Not on data sheets; seen in a static receiver log.",
+        typical="multipath 30 to 100 s in flight, atmosphere 1000 s and more",
+    )

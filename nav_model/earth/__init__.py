@@ -1,0 +1,1 @@
+"""One Earth: shape, gravity, rotations, trajectories."""

@@ -1,0 +1,50 @@
+"""WGS 84: shape, rotation and normal gravity of the Earth.
+
+The plain functions broadcast over NumPy arrays; the `*_kernel` twins are the same functions compiled,
+for use inside the simulator's loops. Angles in rad, lengths in m, accelerations in m/s^2.
+
+Source: NIMA TR8350.2, *Department of Defense World Geodetic System 1984*, 3rd edition, chapters 3 and 4.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from nav_model.compiled import kernel
+
+SEMI_MAJOR_AXIS: Final = 6378137.0
+FLATTENING: Final = 1.0 / 298.257223563
+ECCENTRICITY_SQUARED: Final = FLATTENING * (2.0 - FLATTENING)
+ROTATION_RATE: Final = 7.292115e-5
+GRAVITATIONAL_CONSTANT: Final = 3.986004418e14
+EQUATOR_GRAVITY: Final = 9.7803253359
+SOMIGLIANA: Final = 1.931852652458e-3
+# Ratio of centrifugal to gravitational acceleration at the equator, TR8350.2's m.
+CENTRIFUGAL_RATIO: Final = ROTATION_RATE**2 * SEMI_MAJOR_AXIS**3 * (1.0 - FLATTENING) / GRAVITATIONAL_CONSTANT
+
+
+def curvature_radii(sin_latitude: Any) -> Any:
+    """Radii of curvature (meridian M, prime vertical N) [m] at the sine of geodetic latitude."""
+    root = np.sqrt(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude)
+    prime_vertical = SEMI_MAJOR_AXIS / root
+    return prime_vertical * (1.0 - ECCENTRICITY_SQUARED) / (root * root), prime_vertical
+
+
+def normal_gravity(sin_latitude: Any, height: Any) -> Any:
+    """Normal gravity [m/s^2], taken along the ellipsoid's normal, at a height [m] (TR8350.2 4-1, 4-3).
+
+    Somigliana's formula on the ellipsoid, second order in height above it. The horizontal component that
+    appears with height (8e-9 h sin 2 latitude, 24 micro-m/s^2 at 3 km) is left out of truth and of the INS
+    alike.
+    """
+    s2 = sin_latitude * sin_latitude
+    surface = EQUATOR_GRAVITY * (1.0 + SOMIGLIANA * s2) / np.sqrt(1.0 - ECCENTRICITY_SQUARED * s2)
+    ratio = height / SEMI_MAJOR_AXIS
+    first = 2.0 * (1.0 + FLATTENING + CENTRIFUGAL_RATIO - 2.0 * FLATTENING * s2)
+    return surface * (1.0 - first * ratio + 3.0 * ratio * ratio)
+
+
+curvature_radii_kernel = kernel(curvature_radii)
+normal_gravity_kernel = kernel(normal_gravity)

@@ -1,0 +1,86 @@
+"""What feeding a figure sends to the browser, and that every line stays on its column."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from bokeh.document import Document
+from bokeh.document.events import ColumnDataChangedEvent
+
+from app.charts.kinds import Chart, Line
+from app.charts.screen.figures import Figure, to_bokeh
+
+_X = np.arange(5.0)
+
+
+def _chart(first: float = 1.0, run: int = 7) -> Chart:
+    return Chart(
+        key="test",
+        title="Test",
+        x_label="time [s]",
+        y_label="length [m]",
+        lines=(
+            Line("a", "steady", _X, np.full(5, first), "horizontal", "[T-3]"),
+            Line("b", "worst", _X, _X**2, "vertical", f"run {run}"),
+        ),
+        knowledge="none",
+    )
+
+
+def _heard(figure: Figure) -> list[Any]:
+    """Every change of the figure, and that no line is without its column while it is made."""
+    document, events = Document(), []
+    document.add_root(figure.plot)
+
+    def hear(event: Any) -> None:
+        events.append(event)
+        assert all(_drawn(figure))
+
+    document.on_change(hear)
+    return events
+
+
+def _drawn(figure: Figure) -> list[Any]:
+    """What each line's glyph finds in its source."""
+    return [line.data_source.data.get(line.glyph.y.field) is not None for line in figure._lines]
+
+
+def test_only_what_changed_is_sent():
+    figure = to_bokeh(_chart(), 300)
+    events = _heard(figure)
+    figure.feed(_chart(first=2.0))
+    (event,) = events
+    assert isinstance(event, ColumnDataChangedEvent)
+    assert event.cols == ["steady: [T-3]"]
+    events.clear()
+    figure.feed(_chart(first=2.0))
+    assert not events
+
+
+def test_a_line_follows_its_name():
+    figure = to_bokeh(_chart(), 300)
+    events = _heard(figure)
+    chart = _chart(run=12)
+    figure.feed(chart)
+    assert events
+    assert [line.name for line in figure._lines] == ["steady: [T-3]", "worst: run 12"]
+    assert set(figure._lines[1].data_source.data) == {"x", "steady: [T-3]", "worst: run 12"}
+
+
+def test_two_lines_that_change_their_names_keep_their_values():
+    """Each takes the other's name: the columns must not be mixed up on the way."""
+    chart = _chart()
+    figure = to_bokeh(chart, 300)
+    first, second = chart.lines
+    swapped = replace(
+        chart,
+        lines=(
+            replace(first, label=second.label, source=second.source),
+            replace(second, label=first.label, source=first.source),
+        ),
+    )
+    figure.feed(swapped)
+    for renderer, line in zip(figure._lines, swapped.lines, strict=True):
+        assert np.array_equal(renderer.data_source.data[renderer.glyph.y.field], line.y)

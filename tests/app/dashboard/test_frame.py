@@ -1,0 +1,68 @@
+"""The page around all pages: what belongs to it, and what its busy line costs everybody else."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from bokeh.model import DataModel, Model
+
+from app.dashboard.frame import Frame
+from app.serving.server import first_design
+from app.session import Session
+
+# The Material download button passes both names of one argument to its own base class.
+pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+
+
+def _models(root: Model) -> list[DataModel]:
+    return list(root.select({"type": DataModel}))
+
+
+def test_every_component_is_marked_as_the_pages():
+    """By this Panel finds what to clear away with a page, whenever it was made."""
+    frame = Frame(Session(first_design()))
+    root = frame.view.get_root()
+    before = _models(root)
+    frame._go_to("explore")
+    after = _models(root)
+    assert len(after) > len(before) > 30
+    assert [model for model in after if f"__ref:{root.ref['id']}" not in model.tags] == []
+
+
+def test_a_run_begins_without_a_walk_through_the_document(monkeypatch: pytest.MonkeyPatch):
+    """That walk took 100 ms, at the beginning and the end of each run, in which nobody's slider moved."""
+    session = Session(first_design())
+    root = Frame(session).view.get_root()
+    walked: list[Any] = []
+    monkeypatch.setattr(Model, "references", lambda model: walked.append(model) or {model})
+    session.running = True
+    assert root.data.busy
+    assert walked == []
+
+
+def test_what_comes_back_from_a_page_loaded_again_is_taken_whole_or_not_at_all():
+    session = Session(first_design())
+    frame = Frame(session)
+    before = session.budget
+    good = "arw=0.1deg/sqrt(h)"
+    for message in (None, good, {"link": 3, "base": ""}, {"link": good}, {"link": good, "base": []}):
+        frame._lifeline._handle_msg(message)
+        assert session.budget is before
+        assert frame._notice.object == ""
+    for link, said in (
+        ("arw=5kg", "imu.angle_random_walk"),
+        ("nonsense", "link"),
+        ("name=" + "x" * 20_000, "longer than"),
+        ("arw=0.1deg/sqrt(h)&imu=no-such", "no-such"),
+    ):
+        frame._lifeline._handle_msg({"link": link, "base": ""})
+        assert session.budget is before
+        assert said in frame._notice.object
+    frame._lifeline._handle_msg({"link": f"{good}&study.gyros.bias=7,8,9deg/h", "base": ""})
+    assert session.design["imu.angle_random_walk"] == pytest.approx(math.radians(0.1) / 60, rel=1e-12)
+    assert session.study_link == "study.gyros.bias=7,8,9deg/h"
+    assert frame._lifeline.link == session.link
+    session.undo()
+    assert session.design == before.design

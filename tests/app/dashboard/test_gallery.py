@@ -1,0 +1,35 @@
+"""The examples of the product are those of the repository, and each teaches something."""
+
+from pathlib import Path
+
+import pytest
+
+from app.dashboard.gallery import EXAMPLES, example, gallery
+from nav_model.budget import analyse
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_the_package_carries_the_repositorys_examples():
+    ours = sorted((ROOT / "app" / "examples").glob("*.toml"))
+    assert {f"{name}.toml" for name in EXAMPLES} == {path.name for path in ours}
+    for path in ours:
+        assert path.read_bytes() == (ROOT / "examples" / path.name).read_bytes(), path.name
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_an_example_says_how_it_stands(name):
+    """What its description claims is what the analysis says."""
+    design = example(name)
+    verdict = analyse(design).verdict
+    assert verdict.tightest is not None
+    assert ("does not close" in design.description) == (not verdict.closes)
+
+
+def test_a_press_puts_an_example_in_force():
+    adopted = []
+    view = gallery(adopted.append)
+    buttons = list(view.select(lambda part: type(part).__name__ == "Button"))
+    assert [button.label for button in buttons] == [f"Open {example(name).name}" for name in EXAMPLES]
+    buttons[2].clicks += 1
+    assert adopted == [example(EXAMPLES[2])]

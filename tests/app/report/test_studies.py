@@ -1,0 +1,386 @@
+"""Studies in the report: its numbers are those of the study's JSON, and only studies of the design are told."""
+
+from __future__ import annotations
+
+import io
+import math
+import pickle
+import re
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pypdf
+import pytest
+
+from app import cli
+from app.document.blocks import Bullets, Cell, ChartBlock, Equations, Section, Symbols, Table, Text, Verdict
+from app.report import report_bytes
+from app.report.content import report_of
+from app.report.studies import belonging, study_sections
+from app.session import Session
+from app.subjects.sar.run import SarResult, pictures_of_text
+from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.finding import Finding
+from nav_model.budget import analyse
+from nav_model.design import Design
+from nav_model.design.file import format_design, read_design
+from nav_model.design.parts import declaration_of
+from nav_model.equations import SYMBOLS
+from nav_model.sar.design_case import design_case
+from nav_model.sar.design_study import design_study
+from nav_model.sar.strategies import STRATEGIES
+from nav_model.sar.study_json import to_json as sar_json
+from nav_model.simulation.design_study import closed_form, specification, study_of, to_document
+from nav_model.simulation.monte_carlo import simulate
+from nav_model.simulation.study_inputs import NOTHING_ADDED
+from nav_model.suborbital.settings import DEFAULTS, from_design
+from nav_model.suborbital.survey import run_survey
+from nav_model.suborbital.survey_json import survey_json
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
+MOST_BYTES = 3_000_000  # of the sections on their way to a worker
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    return read_design(EXAMPLES / "mems_x_band.toml")
+
+
+@pytest.fixture(scope="module")
+def findings(design) -> dict[str, Any]:
+    spec = specification(design, runs=20, duration=140.0, outages=((100.0, 140.0),))
+    simulation = study_of(design, simulate(spec, workers=1, closed_form=closed_form(design, spec)))
+    study = design_study(design, 40, 3)
+    points, scene = pictures_of_text(format_design(design), study.typical)
+    settings = from_design(DEFAULTS, design)
+    survey = run_survey(settings)
+    return {
+        "simulation": simulation,
+        "sar": SarResult(design_case(study.budget), study, points, scene),
+        "suborbital": Finding(Shown(survey, survey.study, "all"), settings),
+    }
+
+
+@pytest.fixture(scope="module")
+def told(findings, design) -> tuple[Section, ...]:
+    return study_sections(findings, design, "d")
+
+
+@pytest.fixture(scope="module")
+def html(told, design) -> str:
+    return report_bytes([analyse(design)], ".html", NOW, studies=[told]).decode()
+
+
+@pytest.fixture(scope="module")
+def pages(told, design) -> list[pypdf.PageObject]:
+    data = report_bytes([analyse(design)], ".pdf", NOW, studies=[told])
+    return list(pypdf.PdfReader(io.BytesIO(data)).pages)
+
+
+def table(told: tuple[Section, ...], key: str) -> Table:
+    return next(b for section in told for b in section.blocks if isinstance(b, Table) and b.key == f"d-{key}")
+
+
+def verdict(told: tuple[Section, ...], key: str) -> Verdict:
+    section = next(section for section in told if section.key == f"d-{key}")
+    return next(block for block in section.blocks if isinstance(block, Verdict))
+
+
+def value(cell: Cell) -> float:
+    """The number a cell begins with."""
+    return float(cell.text.split(" (")[0].replace("\u202f", "").replace("−", "-"))
+
+
+def squeezed(text: str) -> str:
+    return re.sub(r"\s", "", text)
+
+
+# the numbers are those of the JSON
+
+
+def test_simulated_sigmas_are_those_of_the_studys_json(told, findings):
+    document = to_document(findings["simulation"])
+    rows = table(told, "simulation-sigmas").rows
+    times = [float(re.search(r"([\d.]+) s$", row[0].text)[1]) for row in rows if len(row) == 1]
+    assert times == [100.0, 140.0]
+    states = [row for row in rows if len(row) > 1]
+    assert len(states) == 2 * 9
+    for number, row in enumerate(states):
+        at = document["time_s"].index(times[number // 9])
+        group, axis, unit = re.match(r"(\w+), (\w+) \[(.+)\]", row[0].text).groups()
+        suffix, scale = {"m": ("m", 1.0), "m/s": ("m_s", 1.0), "°": ("rad", 180 / math.pi)}[unit]
+        found = document[group.lower()][axis]
+        kinds = ("rms", "filter_sigma", "closed_form_sigma")
+        expected = [scale * found[f"{kind}_{suffix}"][at] for kind in kinds]
+        assert [value(cell) for cell in row[1:4]] == pytest.approx(expected, rel=1e-3), row[0].text
+        refined = found.get("refined_sigma_m", [None] * (at + 1))[at]
+        assert row[4].text == "–" if refined is None else value(row[4]) == pytest.approx(refined, rel=1e-3)
+        assert value(row[5]) == pytest.approx(expected[0] / expected[2], abs=0.006)
+
+
+def test_the_simulations_verdict_says_nees_nis_and_their_bands(told, findings):
+    document, said = to_document(findings["simulation"]), verdict(told, "simulation")
+    assert (said.word == "✓ Consistent") == document["consistent"]
+    for name in ("nees", "nis"):
+        for part in ("mean", "low", "high"):
+            assert f"{document[name][part]:.2f}" in said.sentence
+    rows = table(told, "simulation-departures").rows
+    assert sum(row[0].text.count(",") for row in rows) == len(document["departures"])  # alike ones share a row
+    reasons = {found["reason"].lower() for found in document["departures"]}
+    assert {row[4].text.lower() for row in rows} <= reasons
+    bullets = next(b for s in told if s.key == "d-simulation" for b in s.blocks if isinstance(b, Bullets))
+    assert list(bullets.items) == document["conditions"]
+
+
+def test_the_strategies_numbers_are_those_of_the_studys_json_in_millimetres_and_degrees(told, findings):
+    document = sar_json(findings["sar"].study)
+    degrees = math.degrees(4 * math.pi / document["wavelength_m"])
+    for row, found in zip(table(told, "sar-errors").rows, document["strategies"], strict=True):
+        rms, band = found["residual_rms_over_runs_m"], found["parts_m"]["residual_rms"]
+        shown = [value(cell) for cell in row[4:]]
+        expected = [1e3 * rms, degrees * rms, 1e3 * band["median"], degrees * band["median"]]
+        assert shown == pytest.approx(expected, rel=6e-3, abs=1e-9), row[0].text
+        form = found["closed_form"]["residual_rms_m"]
+        assert row[2].text == "–" if form is None else value(row[2]) == pytest.approx(1e3 * form, rel=6e-3)
+        assert found["reconstruction"] == ("reconstruction" in row[1].text)
+
+
+def test_the_responses_are_those_of_the_studys_json_both_ways(told, findings):
+    document = sar_json(findings["sar"].study)
+    lobe, integrated = table(told, "sar-lobe").rows, table(told, "sar-islr").rows
+    seen = 0
+    for row, other, found in zip(lobe, integrated, document["strategies"], strict=True):
+        response = found["impulse_response"]
+        if response["width_cells"]["median"] is None:
+            assert "no image" in row[1].text
+            continue
+        seen += 1
+        names = ("width_cells", "width_cells", "pslr_fixed_db", "pslr_null_db", "peak_loss_db")
+        expected = [response[name]["median"] for name in names]
+        expected[1] *= document["cell_length_m"]
+        assert [value(cell) for cell in row[1:]] == pytest.approx(expected, rel=6e-3, abs=6e-3), row[0].text
+        names = ("islr_fixed_db", "islr_null_db", "islr_fixed_ten_db", "shift_cells")
+        expected = [response[name]["median"] for name in names]
+        assert [value(cell) for cell in other[1:]] == pytest.approx(expected, abs=6e-3), other[0].text
+    assert seen >= 6
+
+
+def test_the_sar_answer_says_which_why_and_what_would_change_it(told, findings):
+    advice = sar_json(findings["sar"].study)["advice"]
+    assert verdict(told, "sar").sentence == advice["sentence"]
+    assert verdict(told, "sar").tone == "bad"  # the example misses its limit of 20°
+    texts = [b.text for s in told if s.key == "d-sar" for b in s.blocks if isinstance(b, Text)]
+    assert any(advice["because"] in text for text in texts)
+    assert any(advice["would_change"] in text for text in texts)
+
+
+def test_the_four_suborbital_tables_are_the_studys_json_beside_the_paper(told, findings):
+    document = survey_json(findings["suborbital"].shown.survey)
+    seen = 0
+    for key in ("accelerometers", "gyros", "initial"):
+        for row in table(told, f"suborbital-{key}").rows:
+            for part, cells in (("final_m", row[1:4]), ("aided_final_m", row[4:7])):
+                found = document[part][row[0].text]
+                expected = [found[axis] for axis in ("north", "east", "up")]
+                assert [value(cell) for cell in cells] == pytest.approx(expected, abs=0.51), row[0].text
+            seen += 1
+    assert seen == 8
+    gyro_total = next(row for row in table(told, "suborbital-gyros").rows if row[0].text == "gyro total")
+    assert [value(cell) for cell in gyro_total[7:]] == [11100, 7500, 20500]  # the paper's readings, [B]
+    assert verdict(told, "suborbital").sentence == document["summary"]
+    rows = [row for row in table(told, "suborbital-inputs-table").rows if len(row) > 1]
+    for row, found in zip(rows, document["inputs"].values(), strict=True):
+        assert row[2].text == found["from"]
+        assert row[1].text.split()[-1] == (found["value"] or "none").split()[-1]
+    assert sum(row[2].text == "design MEMS IMU at X band" for row in rows) == 4
+
+
+# what is in the report, and that both faces have it
+
+
+def test_every_chart_of_the_three_studies_is_there_once(told):
+    keys = [block.key for section in told for block in section.blocks if isinstance(block, ChartBlock)]
+    assert len(keys) == len(set(keys))
+    kinds = [type(block.chart).__name__ for s in told for block in s.blocks if isinstance(block, ChartBlock)]
+    assert {kind: kinds.count(kind) for kind in set(kinds)} == {
+        "Chart": 11 + 4 + 16 + 6, "DotChart": 2, "MapChart": 2, "PictureChart": 2,
+    }  # fmt: skip
+
+
+def test_equations_symbols_and_references_are_those_the_studies_use(told, design):
+    def shared(studies: tuple[Section, ...]) -> tuple[set[str], int, str]:
+        report = report_of([analyse(design)], NOW, studies=[studies])
+        (equations,) = (block for block in report.blocks() if isinstance(block, Equations))
+        (symbols,) = (block for block in report.blocks() if isinstance(block, Symbols))
+        references = next(section for section in report.sections if section.key == "references").blocks[0]
+        return {e.mark for e in equations.items}, len(symbols.items), " ".join(references.items)
+
+    bare, full = shared(()), shared(told)
+    assert full[0] - bare[0] >= {"T-14", "T-16", "S-7", *(f"B-{i}" for i in range(1, 10))}
+    assert bare[1] == len(SYMBOLS)
+    assert full[1] == len(SYMBOLS) + 11
+    for name in ("Savage", "Rauch", "Hipparcos", "[B] Moghtadaei"):
+        assert name in full[2]
+        assert name not in bare[2]
+
+
+def test_every_mark_in_the_html_leads_to_its_equation(html):
+    ids = set(re.findall(r'id="([^"]+)"', html))
+    said = set(re.findall(r'href="#([TSB]-\d+)"', html))
+    assert {"B-3", "T-16", "T-17"} <= said
+    assert said <= ids
+    # Not links are only an equation's own number, marks within an equation, and tables of a chart's numbers.
+    assert not re.findall(r'(?<!class="number")(?<!<td)(?<!<mtext)>\[[TSB]-\d+\]<(?!/a)', html)
+
+
+def test_html_and_pdf_say_every_number_of_every_table(told, html, pages):
+    page = squeezed(re.sub(r"<[^>]+>", " ", html).replace("&#39;", "'").replace("&lt;", "<"))
+    printed = squeezed(" ".join(p.extract_text() for p in pages)).replace("\u200b", "")
+    for section in told:
+        for block in section.blocks:
+            if isinstance(block, Table):
+                for row in block.rows:
+                    for cell in row:
+                        assert squeezed(cell.text) in page, (block.key, cell.text)
+                        if len(cell.text) < 12:  # longer ones break over lines, which words of a PDF do not tell
+                            assert squeezed(cell.text) in printed, (block.key, cell.text)
+
+
+def test_nothing_in_the_pdf_runs_off_the_page(pages):
+    for number, page in enumerate(pages, start=1):
+        edges: list[float] = []
+        page.extract_text(
+            visitor_text=lambda text, cm, tm, _font, _size, edges=edges: (
+                edges.append(tm[4] * cm[0] + cm[4]) if text.strip() else None
+            )
+        )
+        assert 0 < max(edges) < 210 / 25.4 * 72, number
+
+
+def test_the_sections_are_small_enough_to_travel_to_a_worker(told):
+    assert len(pickle.dumps(told)) < MOST_BYTES
+
+
+# whose studies
+
+
+def test_a_study_of_another_design_is_left_out_and_that_is_said(findings, design):
+    other = design.replace({"imu.angle_random_walk": 2.0 * design.imu.angle_random_walk})
+    (section,) = study_sections(findings, other, "d")
+    assert section.key == "d-left-out"
+    said = " ".join(section.blocks[0].items)
+    for word in ("Simulation", "SAR", "Suborbital", design.content_hash[:12], "another design"):
+        assert word in said
+    assert belonging(findings, other) == {"Simulation": False, "SAR": False, "Suborbital flight": False}
+    assert all(belonging(findings, design).values())
+
+
+def test_a_suborbital_study_with_inputs_of_its_own_goes_with_any_design_and_says_so(findings, design):
+    own = Finding(findings["suborbital"].shown, DEFAULTS)
+    for any_design in (design, Design()):
+        sections = study_sections({"suborbital": own}, any_design, "d")
+        texts = [b.text for b in sections[0].blocks if isinstance(b, Text)]
+        assert any("not this design's inertial unit" in text for text in texts)
+
+
+def test_studies_of_several_designs_stand_in_their_own_chapters(findings, design):
+    both = [study_sections({"sar": findings["sar"]}, design, key) for key in ("d1", "d2")]
+    budget = analyse(design)
+    report = report_of([budget, budget], NOW, studies=both)
+    assert [c.key for c in report.chapters if any(s.key == f"{c.key}-sar" for s in c.sections)] == ["d1", "d2"]
+    keys = [block.key for block in report.charts()]
+    assert len(keys) == len(set(keys))
+
+
+def test_a_report_without_studies_is_what_it_was(design):
+    sections = [section.key for section in report_of([analyse(design)], NOW).chapters[0].sections]
+    assert sections == [
+        f"d-{x}" for x in ("requirements", "steady", "growth", "phase", "regime", "inputs", "cautions")
+    ]
+
+
+def test_a_noted_origin_stands_in_the_table_of_inputs(design):
+    note = "imu.angle_random_walk = 0.12 °/√h: rms of gyro x, y, z, from static log bench.csv (sha256 0123)"
+    walk = declaration_of("imu.angle_random_walk").read("0.12 °/√h").value
+    noted = design.replace({"imu.angle_random_walk": walk, "description": note}, {"imu.angle_random_walk": "°/√h"})
+    report = report_of([analyse(noted)], NOW)
+    inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
+    row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
+    assert (row[1].mark, row[2].text) == ("noted", note.partition(": ")[2])
+    stale = noted.replace({"imu.angle_random_walk": 2 * walk})
+    report = report_of([analyse(stale)], NOW)
+    inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
+    row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
+    assert row[1].mark != "noted"
+
+
+# from the page and from the command line
+
+
+def test_a_session_keeps_the_last_finding_of_each_kind_and_the_choice_follows(findings, design):
+    from app.dashboard.report_choice import ReportChoice
+
+    session = Session(design)
+    choice = ReportChoice(session)
+    assert not choice.view.visible
+    for kind, finding in findings.items():
+        session.keep(kind, finding)
+    assert choice.view.visible
+    assert choice._boxes.value == ["simulation", "sar", "suborbital"]
+    choice._boxes.value = ["sar"]
+    assert list(choice.chosen()) == ["sar"]
+    session.change({"imu.angle_random_walk": 2.0 * design.imu.angle_random_walk})
+    assert choice._boxes.options == {}
+    assert "SAR" in choice._left.object
+    session.undo()
+    assert choice._boxes.value == ["sar"]
+    assert choice._left.object == ""
+
+
+def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
+    target = tmp_path / "r.html"
+    arguments = ["report", str(EXAMPLES / "mems_x_band.toml"), "-o", str(target), "--with", "sar", "--runs", "20"]
+    assert cli.main([*arguments, "--seed", "5"]) == 0
+    page = target.read_text(encoding="utf-8")
+    study = design_study(read_design(EXAMPLES / "mems_x_band.toml"), 20, 5)
+    for strategy in STRATEGIES:
+        assert strategy.key in page
+    assert squeezed(study.sentence) in squeezed(page)
+    assert "20 runs of the error model, seed 5" in page
+    assert "SAR: 20 of 20 runs" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--with", "weather"], "--with: 'weather' is not a study; simulation, sar, suborbital"),
+        (["--with", "sar", "--runs", "3"], "--runs: 3; from 20"),
+        (["--with", "sar", "--seed", "-1"], "--seed: -1"),
+        (["--with", "simulation", "--outage", "then"], "--outage: 'then'"),
+    ],
+)
+def test_what_the_command_cannot_do_is_refused_in_one_line_and_writes_nothing(tmp_path, capsys, arguments, said):
+    target = tmp_path / "r.pdf"
+    assert cli.main(["report", str(EXAMPLES / "mems_x_band.toml"), "-o", str(target), *arguments]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert said in lines[-1]
+    assert not target.exists()
+
+
+def test_the_default_simulation_of_a_report_flies_the_designs_own_outage(design, monkeypatch):
+    import argparse
+
+    from app.report import console as report_command
+    from app.subjects.simulation import console as simulate_command
+
+    asked: list[argparse.Namespace] = []
+    monkeypatch.setattr(simulate_command, "fly_design", lambda _, options: asked.append(options))
+    options = argparse.Namespace(runs=None, seed=1, duration=None, outages=[], trajectory="wandering", workers=None)
+    report_command._simulation(design, options)
+    (flown,) = asked
+    spec = simulate_command._specification(design, NOTHING_ADDED, flown, keep_runs=False)
+    assert spec.outages == ((400.0, 400.0 + design.coast.duration),)
+    assert np.isclose(spec.duration, 400.0 + design.coast.duration)

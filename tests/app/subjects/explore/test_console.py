@@ -1,0 +1,61 @@
+"""`navbudget explore` and `navbudget sweep` as a script meets them."""
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+from app.cli import main
+
+DESIGN = str(Path(__file__).parents[4] / "app" / "examples" / "mems_x_band.toml")
+
+
+@pytest.mark.parametrize("question", ["solve", "rank", "map", "search", "uncertainty"])
+def test_every_question_answers_in_json_and_csv(question, capsys):
+    extra = {"map": ["--size", "4"], "uncertainty": ["--vary", "gnss.position_noise=0.5 m .. 2 m"]}.get(question, [])
+    assert main(["explore", question, DESIGN, *extra]) == 0
+    assert json.loads(capsys.readouterr().out)
+    assert main(["explore", question, DESIGN, "--csv", *extra]) == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert rows
+
+
+def test_solve_says_what_would_help(capsys):
+    main(["explore", "solve", DESIGN])
+    rows = json.loads(capsys.readouterr().out)["solved"]
+    row = next(r for r in rows if r["input"] == "gnss.position_noise" and r["requirement"] == "all requirements")
+    assert row["outcome"] == "no value"
+    assert row["largest"] is None
+    assert row["what_would"]["imu.angle_random_walk"] == pytest.approx(1.0481455368629689e-05, rel=1e-9)
+
+
+def test_own_sensors(tmp_path, capsys):
+    own = tmp_path / "own.toml"
+    own.write_text(
+        '[[imu]]\nname = "Ours"\n'
+        'angle_random_walk = { value = "0.01 °/√h", status = "confirmed", source = "bench" }\n'
+        'velocity_random_walk = { value = "0.01 m/s/√h", status = "confirmed", source = "bench" }\n',
+        encoding="utf-8",
+    )
+    assert main(["explore", "search", DESIGN, "--imus", str(own)]) == 0
+    assert "Ours" in {row["imu"] for row in json.loads(capsys.readouterr().out)["candidates"]}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["explore", "rank", DESIGN, "--result", "weight"], "not one of"),
+        (["explore", "map", DESIGN, "--x", "imu.rate"], "cannot be an axis"),
+        (["explore", "uncertainty", DESIGN], "no input is uncertain"),
+        (["explore", "uncertainty", DESIGN, "--vary", "nonsense"], "not a range"),
+        (["explore", "search", DESIGN, "--imus", "/nowhere.toml"], "cannot be read"),
+        (["sweep", "/nowhere.toml", "-o", "x.csv"], "cannot be read"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2(arguments, message, capsys):
+    assert main(arguments) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1

@@ -1,0 +1,112 @@
+"""What a review leaves behind: its audit in the report, and a page that holds without a library."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+
+import pypdf
+import pytest
+
+from app.document.pane import table_html
+from app.library.place import library, use_library
+from app.library.reviews import Review, add_comment, decide, open_review, sign
+from app.library.store import Library
+from app.report import report_of_texts
+from app.subjects.review.compare import comparison_link
+from app.subjects.review.comparison import difference_tables
+from app.subjects.review.report import audit_sections, audit_table, status_table
+from nav_model.budget import Budget, analyse
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import read_design
+
+EXAMPLES = Path(__file__).parents[4] / "examples"
+HOSTILE = "<script>alert(1)</script> #panic() $x$ {{7*7}}"
+
+
+@pytest.fixture(scope="module")
+def budgets() -> list[Budget]:
+    return [analyse(read_design(EXAMPLES / f"{name}.toml")) for name in ("mems_x_band", "tactical_x_band")]
+
+
+@pytest.fixture
+def signed(tmp_path: Path, budgets: list[Budget]) -> Iterator[Review]:
+    place = Library(tmp_path / "library.db")
+    keys = [place.save(budget, "Ann", HOSTILE).key for budget in budgets]
+    review = open_review(place, HOSTILE, "Ann", keys)
+    review = add_comment(place, review.id, 1, "imu.angle_random_walk", "Bob", HOSTILE)
+    for item, name in review.open_points():
+        met = {check.name: check.met for check in budgets[item - 1].verdict.checks}[name]
+        review = decide(place, review.id, item, name, met, "Bob", "as computed", figure="1 m against 2 m")
+    yield sign(place, review.id, "Chief", review.version)
+    place.close()
+
+
+def test_the_audit_travels_with_the_report_and_stays_text(signed: Review) -> None:
+    texts = [revision.text for revision in signed.revisions]
+    page = report_of_texts(texts, ".html", audit_sections(signed)).decode()
+    assert "<script>alert(1)" not in page
+    pages = pypdf.PdfReader(io.BytesIO(report_of_texts(texts, ".pdf", audit_sections(signed)))).pages
+    printed = "".join("".join(sheet.extract_text() for sheet in pages).split())
+    assert signed.seal is not None
+    for said in (signed.seal, *(item.content_hash for item in signed.items), "Chief", "inputanglerandomwalk"):
+        assert said in page.replace("input angle random walk", "inputanglerandomwalk")
+        assert said in printed
+    assert HOSTILE.replace(" ", "") in printed
+
+
+def test_a_review_of_another_version_says_which_program_worked_out_what(signed: Review) -> None:
+    def program(review: Review) -> str:
+        (row,) = (row for row in audit_table(review).rows if row[0].text == "Program")
+        return row[1].text
+
+    here = version("navbudget")
+    assert program(signed) == f"NavBudget {here}"
+    assert program(replace(signed, product="0.0.1")).startswith(
+        "NavBudget 0.0.1; values here are worked out by " + here
+    )
+
+
+def test_status_has_a_row_for_every_requirement_with_its_decision(signed: Review, budgets: list[Budget]) -> None:
+    rows = [row for row in status_table(signed).rows if len(row) > 1]
+    checks = [check for budget in budgets for check in budget.verdict.checks]
+    assert [row[0].text for row in rows] == [check.label for check in checks]
+    assert [row[4].text for row in rows] == ["✓ accepted" if check.met else "✗ rejected" for check in checks]
+
+
+def test_six_designs_stand_in_one_table_with_the_smallest_marked(budgets: list[Budget]) -> None:
+    six = [budgets[0], budgets[1], *budgets, *budgets]
+    labels = [f"D{i}" for i in range(1, 7)]
+    _, figures, inputs = difference_tables(six, labels)
+    assert [column.title for column in figures.columns[1:]] == labels == [c.title for c in inputs.columns[1:]]
+    quadratic = next(row for row in figures.rows if row[0].text.startswith("Quadratic"))
+    best = min(budget.sar.quadratic for budget in six)
+    assert [cell.mark == "best" for cell in quadratic[1:]] == [budget.sar.quadratic == best for budget in six]
+    assert "0.15" in " ".join(cell.text for row in inputs.rows for cell in row)
+
+
+def test_a_table_on_the_page_is_escaped(signed: Review) -> None:
+    shown = "".join(table_html(block) for section in audit_sections(signed) for block in section.blocks)
+    assert "<script" not in shown
+    assert "&lt;script&gt;" in shown
+
+
+def test_a_comparison_link_names_the_revisions(signed: Review) -> None:
+    assert comparison_link(signed.revisions) == "?compare=" + ",".join(item.key for item in signed.items)
+
+
+def test_the_library_is_opened_only_when_asked_for_and_a_failure_is_not_final(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    try:
+        use_library(str(blocked / "library.db"))  # says nothing: nobody has asked
+        with pytest.raises(DesignError, match="cannot be used"):
+            library()
+        blocked.unlink()
+        assert library() is library()
+        assert (tmp_path / "file" / "library.db").exists()
+    finally:
+        use_library("")

@@ -1,0 +1,236 @@
+"""The Sensors page without a browser: logs in, results and offers out, nothing lost on the way."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Iterator
+from html import unescape
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.serving.server import first_design
+from app.session import Session
+from app.subjects.sensors.catalogue import catalogue_table
+from app.subjects.sensors.charts import axis_chart, triad_chart
+from app.subjects.sensors.log_panel import progress_line
+from app.subjects.sensors.log_study import LogRequest, study_log
+from app.subjects.sensors.page import SensorsPage
+from app.subjects.sensors.tables import coefficient_tables, origin_table
+from app.ui.upload import LimitedFileInput
+from app.work.alone import RunLost, run_alone
+from nav_model.allan.imu_log import ImuLog
+from nav_model.allan.log_file import LogOptions
+from nav_model.allan.static_log import analyse_log
+from nav_model.catalogue import catalogue
+from nav_model.design.declaration import DesignError
+
+# The Material download button passes both names of one argument to its own base class.
+pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+
+ARW, VRW = np.radians(0.3) / 60.0, 0.05 / 60.0
+HEADER = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"
+
+
+def log(samples: int = 6000, factor: float = 1.0) -> bytes:
+    noise = np.random.default_rng(7).standard_normal((samples, 6)) * 10.0 * factor
+    rows = noise * [ARW, ARW, ARW, VRW, VRW, VRW] + [0.0, 0.0, 0.0, 0.0, 0.0, 9.8]
+    return (HEADER + "\n" + "\n".join(",".join(f"{x:.8g}" for x in row) for row in rows)).encode()
+
+
+@pytest.fixture
+def sensors() -> Iterator[SensorsPage]:
+    made = SensorsPage(Session(first_design()))
+    yield made
+    made.log.close()
+
+
+def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
+    panel = sensors.log
+    session = panel._session
+    asyncio.run(panel.take(log(), "bench.csv"))
+    assert "give the rate" in panel.message.object  # the file says no rate: asked for, the upload is kept
+    assert panel.static.analysis is None
+    panel.boxes["rate"].value = "100"
+    asyncio.run(panel.analyse())
+    analysis = panel.static.analysis
+    assert analysis is not None
+    assert panel.static.view.visible
+    assert not panel.message.visible
+    assert not session.running
+    for shown in ("bench.csv", analysis.provenance.sha256, "100 Hz"):
+        assert shown in panel.static.head.object
+    assert "not resolved" in panel.static.tables.object
+    assert "What log would show the rest" in panel.static.tables.object
+    before = session.budget
+    panel.static.use.clicks += 1
+    assert session.design.imu.angle_random_walk == pytest.approx(ARW, rel=0.03)
+    assert session.design.imu.velocity_random_walk == pytest.approx(VRW, rel=0.03)
+    assert session.budget.sar.quadratic != before.sar.quadratic
+    sensors.show(session.budget)
+    assert "from static log bench.csv" in sensors._origins.object
+    session.undo()
+    assert session.design == before.design
+
+
+def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
+    panel = sensors.log
+    panel.boxes["rate"].value = "100"
+    asyncio.run(panel.take(log(), "good.csv"))
+    shown = panel.static.head.object
+    asyncio.run(panel.take(log().replace(b"\n", b"\n<script>,1,1,1,1,1\n", 2), "bad.csv"))
+    assert "bad.csv" in panel.message.object
+    assert "&lt;script&gt;" not in panel.static.head.object
+    assert "<script>" not in panel.message.object
+    assert panel.message.visible
+    assert panel.static.head.object == shown
+
+
+def test_another_log_feeds_the_same_figures(sensors: SensorsPage):
+    panel = sensors.log
+    panel.boxes["rate"].value = "100"
+    asyncio.run(panel.take(log(), "one.csv"))
+    charts = [view.figure for view in panel.static._charts]
+    old = {name: dict(source.data) for name, source in charts[0]._sources.items()}
+    asyncio.run(panel.take(log(9000, 2.0), "two.csv"))
+    assert [view.figure for view in panel.static._charts] == charts
+    for name, source in charts[0]._sources.items():
+        assert len(source.data["x"]) != len(old[name]["x"])
+
+
+def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):
+    panel = sensors.log
+    session = panel._session
+    session.change({"imu.angle_random_walk": ARW, "imu.velocity_random_walk": VRW})
+    panel.boxes["rate"].value, panel.motion.value = "100", "motion"
+    asyncio.run(panel.take(log(factor=3.0), "drive.csv"))
+    assert "as white noise" in panel.moving.head.object
+    panel.moving.use.clicks += 1
+    assert session.design.imu.vibration_factor == pytest.approx(3.0, rel=0.05)
+    session.change({"imu.angle_random_walk": 2 * ARW})
+    panel.moving.use.clicks += 1
+    assert "have changed since" in panel.message.object
+
+
+def test_cancel_ends_the_process_at_once(tmp_path: Path):
+    path = tmp_path / "long.npz"
+    noise = np.random.default_rng(1).standard_normal((400_000, 3)) * 1e-3
+    np.savez(path, gyro_rads=noise)
+    said: list[str] = []
+
+    async def cancelled() -> None:
+        request = LogRequest(path, options=LogOptions(rate_hz=100.0, gyro_unit="rad/s"))
+        task = asyncio.create_task(run_alone(study_log, request, progress=lambda fraction, what: said.append(what)))
+        while not said:
+            await asyncio.sleep(0.05)
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await asyncio.wait_for(task, 2.0)
+
+    asyncio.run(cancelled())
+    assert "done" not in said
+
+
+def test_a_refusal_comes_back_with_its_key(tmp_path: Path):
+    for path, reason in ((tmp_path / "none.csv", "no such file"), (tmp_path / "bad.csv", "no numbers found")):
+        (tmp_path / "bad.csv").write_text("a,b\nx,y\n")
+        with pytest.raises(DesignError) as caught:
+            asyncio.run(run_alone(study_log, LogRequest(path), progress=lambda fraction, what: None))
+        assert path.name in caught.value.key
+        assert reason in caught.value.reason
+
+
+def test_a_process_that_dies_is_an_answer(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
+    """A request that cannot be understood raises in the process, as running out of memory would."""
+    with pytest.raises(RunLost, match="without an answer"):
+        asyncio.run(run_alone(study_log, "not a request", progress=lambda fraction, what: None))
+    assert "Traceback" in capfd.readouterr().err
+
+
+def test_uploads_are_limited_where_they_arrive():
+    refused: list[str] = []
+    taken: list[bytes] = []
+    widget = LimitedFileInput(refused.append, max_file_size=1000)
+    widget.param.watch(lambda event: taken.append(event.new), "value")
+
+    def send(*chunks: bytes) -> None:
+        widget._handle_msg({"status": "initializing"})
+        for number, data in enumerate(chunks, start=1):
+            widget._handle_msg(
+                {"status": "upload_event", "name": "a", "chunk": number, "total_chunks": len(chunks),
+                 "mime_type": "", "data": data}
+            )  # fmt: skip
+        widget._handle_msg({"status": "finished"})
+
+    send(b"x" * 600, b"y" * 400)
+    assert [len(content) for content in taken] == [1000]
+    send(b"x" * 600, b"y" * 401)
+    send()
+    widget._handle_msg({"status": "error", "error": "File too large"})
+    assert refused == ["larger than 0 MB", "the file is empty", "File too large"]
+    assert len(taken) == 1
+    assert not widget._file_buffer
+    send(b"again")
+    assert taken[-1] == b"again"
+
+
+def test_catalogue_marks_what_is_not_confirmed():
+    for kind in ("imu", "radar"):
+        html = catalogue_table(kind, "STIM300")
+        rows = re.findall(r"<tr><th scope=\"row\".*?</tr>", html)
+        assert len(rows) == len(catalogue(kind))
+        for row, entry in zip(rows, catalogue(kind).values(), strict=True):
+            cells = re.findall(r'<td class="num.*?</td>', row)
+            doubtful = [item for item in (*entry.values.values(), *entry.extra.values()) if not item.confirmed]
+            assert sum("⚠" in cell for cell in cells) == len(doubtful)
+            assert all(item.source in unescape(row) for item in entry.values.values())
+    assert "● in the design" in catalogue_table("imu", "STIM300")
+
+
+def test_origin_says_catalogue_hand_or_log():
+    design = first_design()
+    assert "catalogue, STIM300" in origin_table(design)
+    assert "set by hand" in origin_table(design.replace({"imu.angle_random_walk": 1e-5}))
+
+
+def test_charts_carry_confidence_and_fit(sensors: SensorsPage):
+    panel = sensors.log
+    panel.boxes["rate"].value = "100"
+    asyncio.run(panel.take(log(), "bench.csv"))
+    analysis = panel.static.analysis
+    assert analysis is not None
+    for quantity, truth in (("gyro", 0.3 * 60.0), ("accelerometer", VRW / 9.80665e-6)):
+        chart = triad_chart(analysis, quantity)
+        assert len(chart.bands) == 3
+        fitted = next(line for line in chart.lines if line.key == "fx")
+        # White noise alone: the fitted line at 1 s is the random walk, in °/h and µg.
+        assert np.interp(1.0, fitted.x, fitted.y) == pytest.approx(truth, rel=0.04)
+    single = axis_chart(analysis, "gyro_x")
+    assert np.isnan(next(line for line in single.lines if line.key == "ramp").y).all()
+    assert "ramp" in single.knowledge
+    assert "95 % confidence" not in coefficient_tables(analysis)
+
+
+def test_a_reading_at_1_s_stands_beside_its_white_floor():
+    """A line at 0.6 Hz, as a real accelerometer log has it: both figures on the page, each under its name."""
+    noise = np.random.default_rng(5).standard_normal((60_000, 3)) * 1e-2
+    sway = 2e-3 * np.sin(2 * np.pi * 0.6 * np.arange(60_000) / 100.0)
+    result = analyse_log(ImuLog(None, noise + sway[:, None] + [0, 0, 9.8], 100.0))
+    cells = unescape(coefficient_tables(result))
+    for axis in result.axes:
+        walk = axis.coefficients["random_walk"]
+        assert walk is not None
+        assert walk.reading
+        assert axis.white_floor < walk.value
+        for said in (f"{60 * walk.value:.3g}", f"{60 * axis.white_floor:.3g}"):
+            assert said in cells
+    assert "effective reading about 1 s; white floor" in cells
+    assert "not a confidence interval" in cells
+
+
+def test_progress_tells_the_time_left_once_it_can():
+    assert "value=" not in progress_line("a.csv", 0.0, "reading", 1.0)
+    assert "about 4 s left" in progress_line("a.csv", 0.5, "gyro_z", 4.0)
+    assert "&lt;b&gt;" in progress_line("<b>", 0.5, "gyro_z", 4.0)

@@ -1,0 +1,127 @@
+"""`navbudget suborbital` in-process."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.cli import main
+from nav_model.suborbital.flight import golden_flight
+from nav_model.suborbital.trajectory_file import save_trajectory
+
+EXAMPLES = Path(__file__).parents[4] / "examples"
+# star_tracker.md, GP-1 on the golden flight: north, east, up [m], accept 5 m.
+PRINTED = {
+    ("final_m", "accelerometer bias"): (-125.14, -11226.05, 20252.26),
+    ("final_m", "gyro bias"): (13885.50, -17114.30, 12985.70),
+    ("final_m", "initial position and velocity"): (278.24, -133.51, 467.12),
+    ("final_m", "all"): (7117.58, -26262.27, 27319.33),
+    ("aided_final_m", "all"): (-3162.51, -8901.97, 15002.50),
+}
+
+
+def run(*arguments: str) -> tuple[int, dict[str, Any], str]:
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            code = main(["suborbital", *arguments])
+        except SystemExit as stop:  # argparse
+            code = int(stop.code or 0)
+    return code, json.loads(out.getvalue()) if out.getvalue() else {}, err.getvalue()
+
+
+def test_without_a_design_it_gives_the_printed_table() -> None:
+    code, answer, said = run("--noise-runs", "2")
+    assert code == 0
+    for (part, name), expected in PRINTED.items():
+        found = answer[part][name]
+        assert [found[axis] for axis in ("north", "east", "up")] == pytest.approx(expected, abs=5.0)
+    assert {entry["from"] for entry in answer["inputs"].values()} == {"GP-1"}
+    assert answer["white_noise_monte_carlo"]["runs"] == 2
+    assert "suborbital: 0 %" in said
+
+
+def test_a_design_and_options_enter_and_are_named() -> None:
+    code, answer, _ = run(
+        str(EXAMPLES / "mems_x_band.toml"), "--set", "imu.gyro_bias=5 °/h", "tracker.dropouts=150-160 s",
+        "--from-height", "80 km", "--star-images",
+    )  # fmt: skip
+    assert code == 0
+    came = {key: entry["from"] for key, entry in answer["inputs"].items() if entry["from"] != "GP-1"}
+    assert came["gyros.bias"] == "design MEMS IMU at X band"
+    assert came["tracker.from_height"] == came["camera.frames"] == came["tracker.dropouts"] == "command line"
+    assert answer["inputs"]["gyros.bias"]["value"] == "5, 5, 5 °/h"
+    assert 2.0 < answer["star_frames"]["mean_nees"] < 4.0
+    # From 80 km some of the boost is flown on gyros: more is left than with the tracker from lift-off.
+    gyro = answer["aided_final_m"]["gyro total"]
+    assert abs(gyro["up"]) > 100.0
+
+
+def test_a_study_file_gives_the_same_answer_as_the_options_it_was_saved_from(tmp_path: Path) -> None:
+    file, flown = tmp_path / "mine.toml", tmp_path / "flown.csv"
+    save_trajectory(golden_flight(), flown, every=5)
+    options = ["--set", "gyros.bias=1, 2, -3 °/h", "--latency", "10 ms", "--trajectory", str(flown)]
+    code, before, _ = run(*options, "--save", str(file))
+    assert code == 0
+    flown.unlink()  # the file holds the trajectory
+    code, after, _ = run(str(file))
+    assert code == 0
+    assert after["trajectory"] == "flown.csv"
+    for part in ("final_m", "aided_final_m", "white_noise_sigma_m"):
+        assert after[part] == before[part]
+    assert after["inputs"]["gyros.bias"] == {**before["inputs"]["gyros.bias"], "from": f"file {file}"}
+    # and --set comes on top of it
+    file.write_text('study = "suborbital"\n[gyros]\nbias = "9 deg/h"\n')
+    code, top, _ = run(str(file), "--set", "gyros.bias=1 °/h")
+    assert code == 0
+    assert top["inputs"]["gyros.bias"]["value"] == "1, 1, 1 °/h"
+
+
+def test_a_wrong_study_file_is_one_line_and_exit_2(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    for text, said in (
+        ('study = "suborbital"\n[gyros]\nbias = "5 kg"\n', "gyros.bias: 'kg' is not a unit of angular rate"),
+        ('study = "suborbital"\n[gyro]\nbias = "5 °/h"\n', "gyro: unknown key"),
+        ('study = "suborbital"\n[trajectory]\nname = "a.csv"\ncsv = "a,b\\n1,2"\n', "a.csv: columns time_s"),
+    ):
+        file.write_text(text)
+        code, answer, error = run(str(file))
+        assert (code, answer) == (2, {})
+        assert said in error.splitlines()[-1]
+    file.write_text('study = "suborbital"\n')
+    code, _, error = run(str(file), "--set", "imu.gyro_bias=3 °/h")
+    assert code == 2
+    assert "no DESIGN is given but a study" in error
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--latency", "5 kg"], "tracker.latency: 'kg' is not a unit of time"),
+        (["--set", "nonsense=3"], "nonsense: is not an input"),
+        (["--set", "imu.gyro_bias=3 °/h"], "no DESIGN is given"),
+        (["--trajectory", "/no/such.csv"], "/no/such.csv: cannot be read"),
+        (["/no/such.toml"], "/no/such.toml: cannot be read"),
+        (["--noise-runs", "-1"], "--noise-runs"),
+        (["--method", "guess"], "camera.method"),
+        (["--set", "flight.duration=5000 s", "flight.initial_thrust=15 m/s²"], "reaches the ground"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2(arguments: list[str], said: str) -> None:
+    code, answer, error = run(*arguments)
+    assert code == 2
+    assert answer == {}
+    assert said in error.splitlines()[-1]
+
+
+def test_inputs_are_listed() -> None:
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        assert main(["suborbital", "--inputs"]) == 0
+    assert "tracker.from_height" in out.getvalue()
+    assert "1, 0.9, -1.1 mg" in out.getvalue()

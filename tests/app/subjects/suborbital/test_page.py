@@ -1,0 +1,285 @@
+"""The Suborbital page without a browser: what is put in force, what is shown, what is taken away."""
+
+from __future__ import annotations
+
+import asyncio
+import csv
+import io
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.serving.server import first_design
+from app.session import Session
+from app.subjects.suborbital import charts
+from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.controls import setting_controls
+from app.subjects.suborbital.page import SuborbitalPage
+from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
+from app.subjects.suborbital.tabs import TABS
+from app.work.alone import run_alone
+from nav_model.suborbital.input_table import SETTINGS
+from nav_model.suborbital.settings import DEFAULTS
+from nav_model.suborbital.study_file import format_study, to_link
+from nav_model.suborbital.survey import Survey, run_survey
+from nav_model.suborbital.trajectory_file import save_trajectory
+
+# Panel Material UI warns of its own widgets.
+pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+
+
+@pytest.fixture(scope="module")
+def survey() -> Survey:
+    return run_survey(DEFAULTS)
+
+
+@pytest.fixture
+def here(survey: Survey) -> SuborbitalPage:
+    here = SuborbitalPage(Session(first_design()))
+    here.survey = survey
+    here.follow()
+    return here
+
+
+def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
+    before = here.shown
+    assert before is not None
+    assert before.exact
+    assert here.inputs.put("gyros.bias", SETTINGS["gyros.bias"].read("6, 8, 4 °/h")) is None
+    after = here.shown
+    assert after is not None
+    assert not after.exact
+    k = after.study.case("gyro total")
+    change = after.study.pure.position_m[k, -1] - before.study.pure.position_m[k, -1]
+    assert np.linalg.norm(change) > 10_000
+    assert "Moved by the linear sensitivity matrix" in here._answer.object
+    # and back: the exact answer again
+    here.inputs.put("gyros.bias", DEFAULTS["gyros.bias"])
+    assert here.shown is not None
+    assert here.shown.exact
+
+
+def test_a_refusal_stands_at_the_field_and_changes_nothing(here: SuborbitalPage) -> None:
+    control = next(c for c in here.inputs.controls if c.setting.key == "gyros.bias")
+    before = here.inputs.settings
+    control.box.value = "5 kg"
+    assert control.box.error_state
+    assert "not a unit of angular rate" in control.box.helper_text
+    assert here.inputs.settings is before
+    control.box.value = "2 °/h"
+    assert not control.box.error_state
+    assert control.box.value == "2, 2, 2 °/h"
+
+
+def test_a_slider_keeps_the_ratio_of_the_axes(here: SuborbitalPage) -> None:
+    control = next(c for c in here.inputs.controls if c.setting.key == "gyros.bias")
+    assert control.slider is not None
+    control.slider.value = np.log10(SETTINGS["gyros.bias"].read("8 °/h")[0])  # type: ignore[index]
+    assert here.inputs.settings["gyros.bias"] == pytest.approx([2 * x for x in DEFAULTS["gyros.bias"]], rel=1e-3)
+    control.slider.value = control.slider.start
+    assert here.inputs.settings["gyros.bias"] == (0.0, 0.0, 0.0)
+
+
+def test_tables_hold_the_study_and_name_the_papers_values_as_comparison(here: SuborbitalPage) -> None:
+    shown = here.tabs.current()
+    tables = paper_tables(shown)
+    assert len(tables) == 4
+    bias = next(row for row in tables[0].rows if row[0] == "accelerometer bias")
+    assert bias[1:4] == pytest.approx((-125.14, -11226.05, 20252.26), abs=5.0)
+    assert bias[-3:] == (10500.0, 8000.0, 20000.0)
+    assert all(PAPER_NOTE in table.knowledge for table in tables)
+    assert f"data-sort='{abs(bias[1])!r}'" in tables[0].html  # type: ignore[arg-type]
+    assert len(source_table(shown).rows) == len(shown.study.names) + 1
+    rows = list(csv.reader(io.StringIO(tables[1].csv())))
+    assert float(rows[1][1]) == shown.study.pure.position_m[shown.study.case("gyro bias"), -1, 0]
+
+
+def test_decoupled_channel_is_shown_failing_where_it_does(survey: Survey) -> None:
+    """star_tracker.md: gyro total in height 36.8 km by the channel, 13.6 km by the INS."""
+    chart = charts.growth_chart(Shown(survey, survey.study, case="gyro total"))
+    lines = {line.key: line for line in chart.lines}
+    assert lines["fails"].y[-1] == pytest.approx(36.8e3, rel=0.01)
+    assert lines["ins"].y[-1] == pytest.approx(13.6e3, rel=0.01)
+    assert np.isnan(lines["holds"].y[-1])
+    assert "36.8 km where the INS has 13.6 km" in chart.knowledge
+    # the slope line grows by e in one e-folding time at its height
+    x, slope = lines["slope"].x, np.log(lines["slope"].y)
+    at = 200
+    rate = (slope[at + 1] - slope[at - 1]) / (x[at + 1] - x[at - 1])
+    height = float(np.interp(x[at], survey.study.flight.time_s, survey.study.flight.height_m))
+    assert 1 / rate == pytest.approx(np.sqrt((6371e3 + height) ** 3 / 3.986004418e14 / 2), rel=1e-4)
+
+
+def test_star_chart_shows_the_stars_inside_the_square(survey: Survey) -> None:
+    for index in (50, 250, 500):
+        chart = charts.star_chart(Shown(survey, survey.study, star_index=index))
+        places, measured = chart.points
+        assert len(places.x) >= 3
+        assert np.all((places.x > -0.5) & (places.x < 1023.5) & (places.y > -0.5) & (places.y < 1023.5))
+        assert np.hypot(places.x - measured.x, places.y - measured.y).max() < 5  # 10 arcsec is a third of a pixel
+        assert all(name.startswith("HIP ") for name in places.names)
+
+
+def test_json_of_the_page_is_the_command_s(here: SuborbitalPage) -> None:
+    answer = json.loads(here._json().getvalue())
+    assert answer["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=5.0)
+    assert answer["exact"] is True
+
+
+def test_every_tab_is_built_and_fed(here: SuborbitalPage) -> None:
+    contents = []
+    for index in range(len(TABS)):
+        here.tabs.bar.active = index
+        here._look()  # fed a second time
+        contents += here.tabs.place.objects
+    assert len({id(content) for content in contents}) == len(TABS)
+    # what is opened after the curves have moved shows the moved ones
+    here.tabs.bar.active = 0
+    here.inputs.put("gyros.bias", (0.0, 0.0, 0.0))
+    here.tabs.bar.active = 1
+    assert here.tabs.current() is here.shown
+
+
+def test_every_tab_follows_within_a_tenth_of_a_second(here: SuborbitalPage) -> None:
+    """Issue 5 asks for 100 ms; processor time of the server, so that a busy machine does not decide."""
+    for index, tab in enumerate(TABS):
+        here.tabs.bar.active = index
+        spent = []
+        for k in range(4):
+            start = time.process_time()
+            here.inputs.put("initial.velocity", (0.1 + 0.001 * (k + 1), 0.1, -0.1))
+            spent.append(time.process_time() - start)
+        assert min(spent) < 0.1, tab.name
+
+
+def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage) -> None:
+    here.inputs.put("gyros.bias", SETTINGS["gyros.bias"].read("6, 8, 4 °/h"))
+    asyncio.run(here.run_exactly())
+    assert here.shown is not None
+    assert here.shown.exact
+    assert here.gap is not None
+    share = here.gap.pure_share[here.gap.names.index("all")]
+    assert 0 < share < 0.05
+    assert "the linear answer was off by" in here._answer.object
+    assert not here._session.running
+
+
+def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
+    here.inputs.trajectory = ("mine.csv", b"a,b\n1,2\n")
+    asyncio.run(here.run_exactly())
+    assert "mine.csv: columns time_s" in here._state.object
+    assert here.shown is not None
+
+
+def test_a_study_is_saved_opened_and_linked_without_loss(
+    here: SuborbitalPage, survey: Survey, tmp_path: Path
+) -> None:
+    flown = tmp_path / "flown.csv"
+    save_trajectory(survey.study.flight, flown, every=10)
+    here.inputs.put("gyros.bias", SETTINGS["gyros.bias"].read("6.1, 8, -4 °/h"))
+    here.inputs.take(("flown.csv", flown.read_bytes()))
+    text = format_study(here.inputs.settings, here.inputs.trajectory).encode()
+    session = Session(first_design())
+    session.study_link = to_link(here.inputs.settings)
+    linked = SuborbitalPage(session)
+    assert dict(linked.inputs.settings.values) == dict(here.inputs.settings.values)
+    other = SuborbitalPage(Session(first_design()))
+    ran: list[object] = []
+    other.inputs._flown = lambda: ran.append(other.inputs.trajectory)
+    other.inputs.open(text, "mine.toml")
+    assert dict(other.inputs.settings.values) == dict(here.inputs.settings.values)
+    assert ran == [here.inputs.trajectory]
+    assert "mine.toml" in other.inputs.settings.origin["gyros.bias"]
+
+
+def test_a_wrong_study_is_refused_by_name_and_changes_nothing(here: SuborbitalPage) -> None:
+    before = here.inputs.settings
+    for content, said in (
+        (b'study = "suborbital"\n[gyros]\nbias = "5 kg"\n', "gyros.bias: &#x27;kg&#x27; is not a unit"),
+        (b'[imu]\npreset = "LN-200"\n', "study: is missing"),
+    ):
+        here.inputs.open(content, "mine.toml")
+        assert said in here.inputs.notice.object
+        assert here.inputs.notice.visible
+        assert here.inputs.settings is before
+    session = Session(first_design())
+    session.study_link = "study.gyros.bias=5kg"
+    linked = SuborbitalPage(session)
+    assert "The link&#x27;s study was not used. gyros.bias" in linked.inputs.notice.object
+    assert linked.inputs.settings is DEFAULTS
+
+
+def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_steps(here: SuborbitalPage) -> None:
+    assert "whole number of steps" in str(here.inputs.put("tracker.frame_interval", 0.15))
+    (control,) = setting_controls(["tracker.frame_interval"], here.inputs.settings, here.inputs.put)
+    assert control.slider is not None
+    here.follow = lambda: None  # type: ignore[method-assign]  # other frames need a running loop
+    here.inputs._changed = here.follow
+    control.slider.value = float(np.log10(0.34))
+    assert here.inputs.settings["tracker.frame_interval"] == pytest.approx(0.3)
+
+
+def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move(here: SuborbitalPage) -> None:
+    here.tabs.bar.active = [tab.name for tab in TABS].index("White noise")
+    assert np.all(np.isnan(charts.noise_chart(2)(here.tabs.current()).lines[2].y))
+    here.noise.runs.value = 50
+    asyncio.run(here.noise.fly())
+    shown = here.tabs.current()
+    assert shown.ensemble is not None
+    flown = charts.noise_chart(2)(shown)
+    assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
+    assert "50 runs, seed 1" in noise_table(shown).knowledge
+    assert json.loads(here._json().getvalue())["white_noise_monte_carlo"]["runs"] == 50
+    here.inputs.put("gyros.white_noise", 1e-5)
+    assert here.tabs.current().ensemble is None
+    assert "No ensemble is flown" in noise_table(here.tabs.current()).knowledge
+
+
+def test_sensor_errors_are_drawn_per_axis_and_class(survey: Survey) -> None:
+    shown = Shown(survey, survey.study)
+    lines = {line.key: line for line in charts.sensor_chart(1, 1)(shown).lines}
+    assert list(lines) == ["bias", "instability", "total"]
+    np.testing.assert_allclose(lines["bias"].y + lines["instability"].y, lines["total"].y)
+    # Before the pitch programme the y gyro senses little: bias 4 °/h and 1e-4 of the rates the others sense.
+    assert lines["bias"].y[0] == pytest.approx(4.0, abs=0.05)
+    assert charts.sensor_chart(0, 0)(shown).y_label == "specific force error [mg]"
+
+
+def test_horizontal_errors_are_also_shown_along_and_across_the_track(survey: Survey) -> None:
+    study = survey.study
+    k = study.case("all")
+    along, across = (
+        charts.aided_chart(c)(Shown(survey, study, "all", along_track=True)).lines[0].y[-1] for c in (0, 1)
+    )
+    assert (along, across) == pytest.approx(
+        (study.pure.down_range_m[k, -1] / 1e3, study.pure.cross_range_m[k, -1] / 1e3)
+    )
+    assert np.hypot(along, across) == pytest.approx(np.hypot(*study.pure.position_m[k, -1, :2]) / 1e3)
+    named = charts.source_chart(1)(Shown(survey, study, along_track=True))
+    assert named.title == "Cross-range error by source, INS alone"
+
+
+def test_linear_gap_names_the_row_that_is_beyond_the_promise(survey: Survey) -> None:
+    table = gap_table(Shown(survey, survey.study))
+    assert "everything is off by 0.59 %" in table.knowledge
+    assert len(table.rows) == len(survey.study.names) - 1
+
+
+def _sleep(seconds: float, *, progress: object) -> None:
+    time.sleep(seconds)
+
+
+def test_cancelling_a_run_ends_it_at_once() -> None:
+    async def cancelled() -> float:
+        task = asyncio.create_task(run_alone(_sleep, 60, progress=lambda share, what: None))
+        await asyncio.sleep(0.5)
+        start = time.perf_counter()
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        return time.perf_counter() - start
+
+    assert asyncio.run(cancelled()) < 5

@@ -1,0 +1,115 @@
+"""The session: what a change does, what a refusal leaves alone, and the way back."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from app.session import Session
+from nav_model.design import Design
+
+
+@pytest.fixture
+def session() -> Session:
+    return Session(Design())
+
+
+def test_a_change_moves_design_and_budget_together(session: Session) -> None:
+    before = session.budget.steady_state.closed.position_horizontal
+    assert session.change({"gnss.position_noise": 0.02}) is None
+    assert session.design.gnss.position_noise == 0.02
+    assert session.budget.design is session.design
+    assert session.budget.steady_state.closed.position_horizontal < before
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"imu.angle_random_walk": -1.0}, "imu.angle_random_walk"),
+        ({"imu.angle_random_walk": float("nan")}, "imu.angle_random_walk"),
+        ({"imu.nothing": 1.0}, "imu.nothing"),
+        ({"radar.window": "square"}, "radar.window"),
+        ({"radar.azimuth_resolution": 1e-3, "radar.slant_range": 2e6}, "radar.azimuth_resolution"),
+    ],
+)
+def test_a_refused_change_leaves_everything_as_it_was(session: Session, changes: dict[str, float], key: str) -> None:
+    budget = session.budget
+    error = session.change(changes)
+    assert error is not None
+    assert error.key == key
+    assert session.budget is budget
+    assert not session.can_undo
+
+
+def test_undo_and_redo_walk_the_same_path(session: Session) -> None:
+    path = [session.design]
+    for name, value in (("gnss.interval", 0.5), ("flight.speed", 90.0), ("gnss.interval", 2.0)):
+        session.change({name: value})
+        path.append(session.design)
+    for design in path[-2::-1]:
+        session.undo()
+        assert session.design == design
+    assert not session.can_undo
+    for design in path[1:]:
+        session.redo()
+        assert session.design == design
+    assert not session.can_redo
+
+
+def test_a_change_after_undo_forgets_the_future(session: Session) -> None:
+    session.change({"flight.speed": 90.0})
+    session.undo()
+    session.change({"flight.speed": 80.0})
+    assert not session.can_redo
+
+
+def test_steps_of_one_slider_are_one_step_back(session: Session, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    start = session.design
+    for value in (0.9, 0.8, 0.7):
+        now[0] += 0.1
+        session.change({"gnss.position_noise": value})
+    now[0] += 5
+    session.change({"gnss.position_noise": 0.5})
+    session.undo()
+    assert session.design.gnss.position_noise == 0.7
+    session.undo()
+    assert session.design == start
+
+
+def test_choosing_a_unit_is_not_a_change_to_undo(session: Session) -> None:
+    session.change(
+        {"imu.angle_random_walk": session.design.imu.angle_random_walk}, {"imu.angle_random_walk": "°/h/√Hz"}
+    )
+    assert session.design.unit("imu.angle_random_walk") == "°/h/√Hz"
+    assert not session.can_undo
+
+
+def test_reset_returns_to_the_start_and_can_be_undone(session: Session) -> None:
+    start = session.design
+    session.change({"flight.speed": 55.0})
+    session.reset()
+    assert session.design == start
+    session.undo()
+    assert session.design.flight.speed == 55.0
+
+
+def test_a_lineage_holds_for_a_designs_changes_and_comes_back_with_undo(session: Session) -> None:
+    ours = session.lineage
+    session.change({"gnss.position_noise": 0.02})
+    assert session.lineage is ours
+    other = Design().replace({"flight.speed": 200.0, "name": "another"})
+    assert session.adopt(other) is None
+    theirs = session.lineage
+    assert theirs is not ours
+    session.change({"gnss.position_noise": 0.5})
+    assert session.lineage is theirs
+    session.undo()
+    session.undo()
+    assert session.lineage is ours
+    session.redo()
+    assert session.lineage is theirs
+    assert session.change({"imu.nothing": 1.0}) is not None
+    assert session.lineage is theirs

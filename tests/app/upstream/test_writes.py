@@ -1,0 +1,184 @@
+"""Changes reach the browser in the order they are made: none stays behind, none waits for a clock."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import panel.io.document as panel_document
+import pytest
+from bokeh.document import Document
+from bokeh.server.connection import ServerConnection
+from panel.io.server import WSHandler
+from tornado.locks import Lock
+from tornado.websocket import WebSocketClosedError
+
+from app.serving.handlers import LimitedWSHandler
+from app.upstream import writes
+
+
+@dataclass
+class _Hands:
+    """The two that write: Panel's function and Bokeh's."""
+
+    panel: Callable[..., None]
+    bokeh: Callable[..., Awaitable[None]]
+
+
+_OURS = _Hands(writes._panels, writes._bokehs)
+_AS_SHIPPED = _Hands(panel_document.schedule_write_events, ServerConnection.send_patch_document)
+
+
+class _Socket:
+    """What is asked of a connection's socket."""
+
+    def __init__(self, sent: list[str]) -> None:
+        self.write_lock = Lock()
+        self._sent = sent
+
+    async def send_message(self, text: str) -> None:
+        """As Bokeh's."""
+        with await self.write_lock.acquire():
+            await asyncio.sleep(0)
+            self._sent.append(text)
+
+
+class _Connection:
+    """Messages are their own text; what was sent is remembered in its order."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, written: Callable[[], Awaitable[None]] | None = None) -> None:
+        self.sent: list[str] = []
+        self._socket = _Socket(self.sent)
+        self.protocol = self
+
+        def dispatch(conn: _Connection, msg: str) -> list[Any]:
+            async def write() -> None:
+                if written:
+                    await written()
+                conn.sent.append(msg)
+
+            return [write()]
+
+        monkeypatch.setattr(panel_document, "dispatch_tornado", dispatch)
+        monkeypatch.setattr(panel_document, "extra_socket_handlers", {_Socket: dispatch})
+
+    def create(self, _: str, events: list[str]) -> str:
+        return events[0]
+
+
+async def _turns() -> None:
+    for _ in range(20):  # of the event loop, in which no time passes
+        await asyncio.sleep(0)
+
+
+async def _two_changes(hands: _Hands, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The second is made just when the first has been written; what has been sent when all tasks are done."""
+    begun, end = asyncio.Event(), asyncio.Event()
+
+    async def written() -> None:
+        begun.set()
+        await end.wait()
+
+    doc, connection = Document(), _Connection(monkeypatch, written)
+    hands.panel(doc, [connection], ["first"])
+    await begun.wait()
+    end.set()  # the first's task goes on before the second's begins
+    hands.panel(doc, [connection], ["second"])
+    await asyncio.sleep(0.1)
+    return connection.sent
+
+
+async def _while_writing(hands: _Hands, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Something else is being written when a change is made, and Bokeh has more to write after it."""
+    doc, connection = Document(), _Connection(monkeypatch)
+    async with connection._socket.write_lock:
+        hands.panel(doc, [connection], ["Panel's"])
+        await _turns()
+        bokehs = asyncio.ensure_future(hands.bokeh(connection, "Bokeh's"))
+        await _turns()
+        assert not connection.sent, "written into the midst of another message"
+    await _turns()
+    await bokehs
+    return list(connection.sent)
+
+
+async def _words_first(hands: _Hands, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Bokeh has put a change into words and will write it when the event has been dealt with."""
+    doc, connection = Document(), _Connection(monkeypatch)
+    bokehs = hands.bokeh(connection, "Bokeh's")
+    hands.panel(doc, [connection], ["Panel's"])
+    await _turns()
+    await bokehs
+    await _turns()
+    return list(connection.sent)
+
+
+@pytest.mark.parametrize(
+    ("happens", "made", "shipped"),
+    [
+        (_two_changes, ["first", "second"], ["first"]),
+        (_while_writing, ["Panel's", "Bokeh's"], ["Bokeh's"]),
+        (_words_first, ["Bokeh's", "Panel's"], ["Panel's", "Bokeh's"]),
+    ],
+)
+def test_all_is_sent_at_once_and_in_the_order_it_was_made(
+    happens: Any, made: list[str], shipped: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert asyncio.run(happens(_OURS, monkeypatch)) == made
+    assert asyncio.run(happens(_AS_SHIPPED, monkeypatch)) == shipped, "the repair can go when none of these holds"
+
+
+@pytest.mark.parametrize("at_once", [False, True])
+def test_a_page_closed_meanwhile_is_no_fault_and_anything_else_is(
+    monkeypatch: pytest.MonkeyPatch, at_once: bool
+) -> None:
+    async def ends(fault: BaseException) -> None:
+        async def written() -> None:
+            raise fault
+
+        def found_closed(*_: Any, **__: Any) -> list[Any]:
+            raise fault
+
+        connection = _Connection(monkeypatch, written)
+        if at_once:  # the first frame found out, the second is refused
+            monkeypatch.setattr(panel_document, "dispatch_tornado", found_closed)
+        try:
+            await writes._bokehs(connection, "x")  # type: ignore[arg-type]
+        finally:
+            assert connection._socket.write_lock._block._value == 1, "the line goes on"
+
+    asyncio.run(ends(WebSocketClosedError()))
+    with pytest.raises(ValueError, match="a fault"):
+        asyncio.run(ends(ValueError("a fault")))
+
+
+def test_a_connection_a_ping_found_lost_may_close() -> None:
+    session = SimpleNamespace(subscribe=lambda _: None, unsubscribe=lambda _: None)
+    handler = LimitedWSHandler.__new__(LimitedWSHandler)
+    handler.connection = ServerConnection(None, None, None, session)  # type: ignore[arg-type]
+    handler.connection.detach_session()
+    handler.close_code = handler.close_reason = None
+    handler.on_close()
+    with pytest.raises(AssertionError):  # the repair can go when this does not
+        WSHandler.on_close(handler)
+
+
+def test_only_a_closed_page_is_left_out_of_the_log(caplog: pytest.LogCaptureFixture) -> None:
+    async def leave_behind(fault: Exception) -> None:
+        async def fail() -> None:
+            raise fault
+
+        asyncio.get_running_loop().set_exception_handler(writes.closed_is_no_fault)
+        left = asyncio.ensure_future(fail())
+        await _turns()
+        del left
+        gc.collect()
+
+    asyncio.run(leave_behind(WebSocketClosedError()))
+    assert not caplog.records
+    asyncio.run(leave_behind(ValueError("a fault")))
+    assert "a fault" in caplog.text

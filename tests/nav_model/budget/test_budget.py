@@ -1,0 +1,278 @@
+"""analyse: what goes in comes out of the equations, everywhere."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_discrete_are
+
+from nav_model.budget import COAST_POINTS, analyse
+from nav_model.budget.provenance import cautions
+from nav_model.catalogue import catalogue
+from nav_model.design import Design
+from nav_model.design.declaration import DesignError
+from nav_model.design.file import parse_design
+
+DEGREE = math.pi / 180
+BASE = Design(
+    {
+        "imu.velocity_random_walk": 0.05 / 60,
+        "imu.angle_random_walk": 0.5 * DEGREE / 60,
+        "gnss.position_noise": 1.0,
+        "gnss.interval": 1.0,
+        "radar.frequency": 299792458 / 0.03,
+        "radar.aperture_time": 5.0,
+        "radar.grazing_angle": 0.6,
+    }
+)
+
+
+def test_biases_add_in_quadrature():
+    t = np.array([0.0, 5.0, 80.0])
+    b, d, g = 3e-3, 2e-6, BASE.flight.gravity
+    plain = analyse(BASE, t).coast
+    biased = analyse(BASE.replace({"imu.accelerometer_bias": b, "imu.gyro_bias": d}), t).coast
+    level = (b * t**2 / 2) ** 2 + (g * d * t**3 / 6) ** 2
+    upright = (b * t**2 / 2) ** 2
+    for name, extra in (
+        ("position_horizontal", level),
+        ("refined_horizontal", level),
+        ("position_vertical", upright),
+        ("refined_vertical", upright),
+        ("velocity_horizontal", (b * t) ** 2 + (g * d * t**2 / 2) ** 2),
+        ("velocity_vertical", (b * t) ** 2),
+        ("tilt", (d * t) ** 2),
+        ("perfect_start_horizontal", 0 * t),
+        ("initial_tilt", 0 * t),
+        ("yaw_growth", 0 * t),
+    ):
+        np.testing.assert_allclose(
+            getattr(biased, name) ** 2, getattr(plain, name) ** 2 + extra, rtol=1e-12, err_msg=name
+        )
+
+
+def _numbers(thing, path=""):
+    """Every number of a result, by path; designs left out."""
+    if isinstance(thing, Design):
+        return
+    if dataclasses.is_dataclass(thing):
+        for field in dataclasses.fields(thing):
+            yield from _numbers(getattr(thing, field.name), f"{path}.{field.name}")
+    elif hasattr(thing, "items"):
+        for key, value in thing.items():
+            yield from _numbers(value, f"{path}.{key}")
+    elif isinstance(thing, tuple | list | np.ndarray):
+        for i, value in enumerate(thing):
+            yield from _numbers(value, f"{path}.{i}")
+    elif isinstance(thing, float | int):
+        yield path, float(thing)
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_vibration_multiplies_both_random_walks_everywhere(slow):
+    base = BASE.replace(
+        {
+            "gnss.correlated": slow, "coast.before_aperture": 3.0, "imu.gyro_bias": 1e-6,
+            "requirements.quadratic_phase": 1.0, "requirements.tilt": 0.1, "requirements.confidence": 2.0,
+        }
+    )  # fmt: skip
+    shaken = analyse(base.replace({"imu.vibration_factor": 12.0}))
+    direct = analyse(
+        base.replace(
+            {
+                "imu.velocity_random_walk": 12 * base.imu.velocity_random_walk,
+                "imu.angle_random_walk": 12 * base.imu.angle_random_walk,
+            }
+        )
+    )
+    one, two = dict(_numbers(shaken)), dict(_numbers(direct))
+    assert len(one) > 3000
+    assert one.keys() == two.keys()
+    for path, value in one.items():
+        assert value == pytest.approx(two[path], rel=1e-12, abs=1e-300), path
+    assert shaken.steady_state.closed.tilt > 5 * analyse(base).steady_state.closed.tilt
+
+
+def test_times_are_taken_exactly_and_in_order():
+    t = [7.5, 0.0, 1e-3, 7.5, 2000.0]
+    coast = analyse(BASE, t).coast
+    assert coast.time.tolist() == t
+    assert coast.position_horizontal[0] == coast.position_horizontal[3]
+    assert analyse(BASE, 3.0).coast.time.tolist() == [3.0]
+    default = analyse(BASE).coast.time
+    assert len(default) == COAST_POINTS == 300
+    assert (default[0], default[-1]) == (0.0, BASE.coast.duration)
+
+
+@pytest.mark.parametrize("times", [[-1.0], [math.nan], [math.inf], [[1.0, 2.0]], [1.0, 7201.0]])
+def test_other_times_are_refused(times):
+    with pytest.raises(DesignError, match="times"):
+        analyse(BASE, times)
+
+
+def test_the_end_of_the_coast_does_not_depend_on_the_times():
+    assert analyse(BASE, [1.0]).coast.end_refined_horizontal == pytest.approx(
+        analyse(BASE).coast.refined_horizontal[-1], rel=1e-12
+    )
+
+
+def test_vertical_noise_touches_the_vertical_only():
+    one = analyse(BASE).steady_state
+    two = analyse(BASE.replace({"gnss.vertical_position_noise": 2.0})).steady_state
+    for moment in ("closed", "prior", "posterior"):
+        a, b = getattr(one, moment), getattr(two, moment)
+        assert b.position_horizontal == pytest.approx(a.position_horizontal, rel=1e-12)
+        assert b.tilt == pytest.approx(a.tilt, rel=1e-12)
+        assert b.position_vertical > 1.4 * a.position_vertical
+    # v11 ~ s^(3/2): the sigma goes with the 3/4 power
+    assert two.closed.position_vertical / one.closed.position_vertical == pytest.approx(2**0.75, rel=1e-12)
+
+
+def test_a_rate_is_an_interval():
+    by_rate = parse_design('[gnss]\nrate = "4 Hz"')
+    assert analyse(by_rate).steady_state == analyse(Design({"gnss.interval": 0.25})).steady_state
+
+
+def test_slow_error_through_the_whole_budget():
+    """Prior from SciPy's discrete solver on the augmented system; aperture from its posterior tilt."""
+    slow = BASE.replace({"gnss.correlated": True, "gnss.correlated_noise": 1.5, "gnss.correlation_time": 60.0})
+    a, w, g = 0.05 / 60, 0.5 * DEGREE / 60, BASE.flight.gravity
+    decay = math.exp(-1 / 60)
+    phi = np.array([[1, 1, g / 2, 0], [0, 1, g, 0], [0, 0, 1, 0], [0, 0, 0, decay]])
+    q = np.zeros((4, 4))
+    q[:3, :3] = [
+        [a**2 / 3 + (g * w) ** 2 / 20, a**2 / 2 + (g * w) ** 2 / 8, g * w**2 / 6],
+        [a**2 / 2 + (g * w) ** 2 / 8, a**2 + (g * w) ** 2 / 3, g * w**2 / 2],
+        [g * w**2 / 6, g * w**2 / 2, w**2],
+    ]
+    q[3, 3] = 1.5**2 * (1 - decay**2)
+    h = np.array([[1.0, 0, 0, 1]])
+    unit = np.array([1, 1, g, 1.0])
+    prior = solve_discrete_are((phi * unit[:, None] / unit).T, h.T, q * np.outer(unit, unit), [[1.0]]) / np.outer(
+        unit, unit
+    )
+    posterior = prior - prior @ h.T @ h @ prior / float((h @ prior @ h.T)[0, 0] + 1)
+    budget = analyse(slow)
+    assert budget.steady_state.prior.position_horizontal == pytest.approx(math.sqrt(prior[0, 0]), rel=1e-8)
+    assert budget.steady_state.prior.tilt == pytest.approx(math.sqrt(prior[2, 2]), rel=1e-8)
+    line = next(line for line in budget.sar.lines if line.source == "initial tilt")
+    expected = 4 * math.pi / 0.03 * math.cos(0.6) * g * math.sqrt(posterior[2, 2]) * 25 / 8
+    assert line.quadratic == pytest.approx(expected, rel=1e-8)
+    assert budget.steady_state.closed == analyse(BASE).steady_state.closed  # and the page says so
+    assert any("slow GNSS error" in sentence for sentence in cautions(budget))
+    for shares in (
+        *budget.steady_state.shares.values(), budget.coast.shares_horizontal, budget.coast.shares_vertical,
+        budget.sar.tilt_shares, budget.sar.velocity_shares,
+    ):  # fmt: skip
+        assert math.fsum(shares.values()) == pytest.approx(1, abs=1e-12)
+        assert shares["slow GNSS error"] > 0
+
+
+def _all_shares(budget):
+    yield from budget.steady_state.shares.values()
+    yield budget.coast.shares_horizontal
+    yield budget.coast.shares_vertical
+    yield budget.sar.tilt_shares
+    yield budget.sar.velocity_shares
+    yield {line.source: line.share for line in budget.sar.lines}
+    yield {line.source: line.detrended_share for line in budget.sar.lines}
+
+
+@pytest.mark.parametrize("name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" in e.values])
+def test_every_catalogue_unit_gives_a_budget_whose_shares_add_up(name):
+    design = parse_design(f'[imu]\npreset = "{name}"\ngyro_bias = "1 °/h"\n[coast]\nbefore_aperture = "5 s"')
+    budget = analyse(design)
+    for shares in _all_shares(budget):
+        assert math.fsum(shares.values()) == pytest.approx(1, abs=1e-12)
+        assert min(shares.values()) >= 0
+    for path, value in _numbers(budget):
+        assert math.isfinite(value), path
+
+
+def test_coast_shares_are_what_each_source_alone_leaves():
+    """Take the gyro bias and accelerometer bias away: the variance drops by their shares."""
+    full = BASE.replace({"imu.accelerometer_bias": 2e-3, "imu.gyro_bias": 5e-6})
+    budget = analyse(full)
+    end = budget.coast.position_horizontal[-1] ** 2
+    for key, source in (("imu.accelerometer_bias", "accelerometer bias"), ("imu.gyro_bias", "gyro bias")):
+        without = analyse(full.replace({key: 0.0})).coast.position_horizontal[-1] ** 2
+        assert budget.coast.shares_horizontal[source] == pytest.approx((end - without) / end, rel=1e-9)
+
+
+def test_sar_numbers_hang_together():
+    budget = analyse(BASE.replace({"radar.aperture_time": None}))
+    sar, flight = budget.sar, BASE.flight
+    assert sar.wavelength == pytest.approx(0.03, rel=1e-15)
+    assert sar.aperture_time == pytest.approx(0.8858929413789045 * 0.03 * 7000 / (2 * 0.5 * flight.speed), rel=1e-13)
+    assert sar.aperture_length == pytest.approx(sar.aperture_time * flight.speed, rel=1e-15)
+    assert sar.cell_length == pytest.approx(0.5 / 0.8858929413789045, rel=1e-13)
+    for total, parts in ((sar.quadratic, "quadratic"), (sar.cubic, "cubic"), (sar.detrended, "detrended")):
+        assert total == pytest.approx(math.hypot(*(getattr(line, parts) for line in sar.lines)), rel=1e-13)
+    for line in sar.lines:
+        assert line.share == pytest.approx((line.quadratic / sar.quadratic) ** 2, abs=1e-13)
+
+
+def test_along_track_takes_the_velocity_at_the_start_of_the_aperture():
+    """sqrt of closed-form velocity variance after the coast, biases included, times pi V T²/(lambda R)."""
+    design = BASE.replace({"coast.before_aperture": 20.0, "imu.accelerometer_bias": 1e-3, "imu.gyro_bias": 1e-6})
+    at = analyse(design, [20.0]).coast.velocity_horizontal[0]
+    sar = analyse(design).sar
+    expected = math.pi * 100.0 * 25 * at / (0.03 * 7000)
+    assert sar.along_track_quadratic == pytest.approx(expected, rel=1e-12)
+
+
+def test_what_dominates_the_along_track_term_is_what_is_there():
+    biased = BASE.replace({"coast.before_aperture": 60.0, "imu.accelerometer_bias": 0.5})
+    shares = analyse(biased).sar.velocity_shares
+    assert max(shares, key=shares.get) == "accelerometer bias"
+
+
+def test_results_do_not_change():
+    budget = analyse(BASE)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        budget.sar = None
+    with pytest.raises(ValueError, match="read-only"):
+        budget.coast.time[0] = 1.0
+    with pytest.raises(TypeError):
+        budget.coast.shares_horizontal["gyro noise"] = 1.0
+    assert analyse(BASE).verdict == budget.verdict
+
+
+def test_no_image_beyond_a_thousand_radians():
+    budget = analyse(BASE.replace({"imu.vibration_factor": 1000.0}))
+    assert budget.sar.quadratic > 1000
+    assert budget.sar.impulse_response is None
+
+
+def test_an_aperture_beyond_an_hour_is_refused_by_key():
+    with pytest.raises(DesignError) as caught:
+        analyse(Design({"radar.azimuth_resolution": 1e-3, "radar.frequency": 1e9, "flight.speed": 10.0}))
+    assert caught.value.key == "radar.azimuth_resolution"
+
+
+def test_autofocus_rescores_the_detrended_phase_only():
+    one, two, three = (analyse(BASE.replace({"radar.autofocus_order": n})).sar for n in (1, 2, 3))
+    assert one.quadratic == two.quadratic == three.quadratic
+    assert one.detrended > two.detrended > three.detrended > 0
+    assert two.after_autofocus.peak_loss_db == pytest.approx(0, abs=1e-9)
+    assert one.after_autofocus == one.impulse_response
+
+
+def test_wide_sawtooth_is_flagged():
+    def flagged(design):
+        return any("sawtooth" in sentence for sentence in cautions(analyse(design)))
+
+    assert not flagged(BASE)  # 0.23
+    assert flagged(BASE.replace({"gnss.position_noise": 0.02}))  # 0.83
+
+
+def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refused():
+    broad, squinted = (analyse(Design({"radar.squint_angle": math.radians(angle)})) for angle in (0, 40))
+    assert squinted.sar.aperture_time == pytest.approx(broad.sar.aperture_time / math.cos(math.radians(40)))
+    assert squinted.sar.cell_length == pytest.approx(broad.sar.cell_length)
+    longer = (squinted.sar.aperture_time / broad.sar.aperture_time) ** 2
+    turned = longer * math.cos(math.radians(40)) ** 2
+    assert squinted.sar.along_track_quadratic == pytest.approx(turned * broad.sar.along_track_quadratic)
+    with pytest.raises(DesignError, match=r"radar\.squint_angle.*at most 55°"):
+        analyse(Design({"radar.squint_angle": math.radians(-56)}))

@@ -1,0 +1,91 @@
+"""Compiled kernels: fast to start, and never older than the source they came from."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import nav_model
+
+ROOM = Path(nav_model.__file__).parent
+FLY = """
+import math, time
+began = time.process_time()
+from nav_model.simulation.single_run import fly_without_errors
+from nav_model.simulation.specification import ImuModel, SimulationSpec, TriadModel
+imu = ImuModel(TriadModel(random_walk=1e-4), TriadModel(random_walk=1e-3))
+sigma = fly_without_errors(SimulationSpec(imu, duration=10.0)).filter_sigma[1, -1, 2]
+print(sigma, time.process_time() - began)
+"""
+
+
+def fly(root: Path) -> tuple[float, float]:
+    """Down sigma after 10 s and processor seconds taken, in a fresh process that imports nav_model from `root`."""
+    done = subprocess.run([sys.executable, "-c", FLY], cwd=root, capture_output=True, text=True, check=True)
+    sigma, seconds = done.stdout.split()
+    return float(sigma), float(seconds)
+
+
+def test_a_fresh_process_starts_quickly_from_the_cache():
+    fly(ROOM.parent)
+    _sigma, seconds = fly(ROOM.parent)
+    # The promise is 3 s, 0.9 s were measured; a cold compile takes more than 10. Processor time, as the machine
+    # may be busy: with imports and compiled code at hand nothing here waits for anything else.
+    assert seconds < 3.0
+
+
+@pytest.mark.slow
+def test_without_a_place_to_write_the_simulator_still_flies(tmp_path):
+    """An installation of root's, run by another user without a home: a read-only container."""
+    shutil.copytree(ROOM, tmp_path / "nav_model", ignore=shutil.ignore_patterns("__pycache__"))
+    for path in (tmp_path, *tmp_path.parents[:2], *tmp_path.rglob("*")):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    other = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
+    environment = {"PATH": os.environ["PATH"], "HOME": "/nonexistent"}
+    try:
+        subprocess.run([sys.executable, "-c", ""], env=environment, check=True, capture_output=True, **other)
+    except (PermissionError, subprocess.CalledProcessError):
+        pytest.skip(f"another user may not run {sys.executable}")
+    done = subprocess.run(
+        [sys.executable, "-c", FLY],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+        **other,
+    )
+    assert float(done.stdout.split()[0]) == pytest.approx(fly(ROOM.parent)[0], rel=1e-12)
+    for path in (*tmp_path.parents[:2], tmp_path, *tmp_path.rglob("*")):
+        path.chmod(0o755)
+
+
+FALL = """
+import numpy as np
+from nav_model.simulation.strapdown import initial_state, navigate
+start = initial_state(np.array([0.7, 0.0, 0.0]), np.zeros(3), np.eye(3))
+print(navigate(start, np.zeros((102, 6)), 100.0)[-1, 5])
+"""
+
+
+@pytest.mark.slow
+def test_a_changed_callee_is_compiled_again(tmp_path):
+    """Numba alone would go on using the cached caller: the digest of the room is what forbids it."""
+
+    def fall() -> float:
+        done = subprocess.run([sys.executable, "-c", FALL], cwd=tmp_path, capture_output=True, text=True, check=True)
+        return float(done.stdout)
+
+    shutil.copytree(ROOM, tmp_path / "nav_model", ignore=shutil.ignore_patterns("__pycache__"))
+    assert abs(fall() - 9.80) < 0.02
+    source = tmp_path / "nav_model" / "earth" / "wgs84.py"
+    text = source.read_text()
+    changed = text.replace("return surface * (", "return 2.0 * surface * (")
+    assert changed != text
+    source.write_text(changed)
+    assert abs(fall() - 19.60) < 0.04
