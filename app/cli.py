@@ -22,7 +22,7 @@ from app.subjects.sar import command as sar
 from app.subjects.sensors import command as allan
 from app.subjects.simulation import command as simulate
 from app.subjects.suborbital import command as suborbital
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 _COMMANDS = (serve, budget, report, simulate, sar, suborbital, allan, explore)
 
@@ -41,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(encoding="utf-8")
     try:
         return int(options.run(options))
-    except DesignError as error:
+    except InputError as error:
         return refuse(error)
     except BrokenPipeError:  # the reader has what it wanted (`| head`)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -14,8 +14,8 @@ import param
 
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
-from nav_model.design.declaration import DesignError
 from nav_model.design.link import to_query
+from nav_model.errors import InputError
 
 _MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
 _HISTORY = 200
@@ -74,15 +74,15 @@ class Session(param.Parameterized):
             self.lineage.base = revision
             self.param.trigger("lineage")
 
-    def change(self, changes: Mapping[str, Value], written: Mapping[str, str] | None = None) -> DesignError | None:
+    def change(self, changes: Mapping[str, Value], written: Mapping[str, str] | None = None) -> InputError | None:
         """Put changes (dotted keys, SI) in force; returns what is wrong with them, if anything."""
         return self._adopt(lambda: self.design.replace(changes, written), frozenset(changes), self.lineage)
 
-    def adopt(self, design: Design) -> DesignError | None:
+    def adopt(self, design: Design) -> InputError | None:
         """Put a whole design in force, which begins a lineage: an opened file, an example, a link."""
         return self._adopt(lambda: design, frozenset(), Lineage())
 
-    def _adopt(self, make: Callable[[], Design], keys: frozenset[str], lineage: Lineage) -> DesignError | None:
+    def _adopt(self, make: Callable[[], Design], keys: frozenset[str], lineage: Lineage) -> InputError | None:
         before = self.design
         try:
             design = make()
@@ -91,7 +91,7 @@ class Session(param.Parameterized):
                     self.budget = analyse(design)
                 return None
             budget = analyse(design)
-        except DesignError as error:
+        except InputError as error:
             return error
         last_keys, when = self._last
         now = time.monotonic()
@@ -114,7 +114,7 @@ class Session(param.Parameterized):
             self._past.append((self.design, self.lineage))
             self._step(*self._future.pop())
 
-    def reset(self) -> DesignError | None:
+    def reset(self) -> InputError | None:
         """Back to the design the session started with; can be undone."""
         return self.adopt(self.start)
 

@@ -11,8 +11,8 @@ from typing import Any
 
 from app.console.files import put_file
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import MAX_BYTES, parse_design, read_bytes
+from nav_model.errors import InputError
 
 BAD_INPUT = 2
 
@@ -66,7 +66,7 @@ def put_json(data: dict[str, Any], output: Path | None) -> int:
     return 0
 
 
-def refuse(error: DesignError) -> int:
+def refuse(error: InputError) -> int:
     # One line whatever the file held: line ends and control characters of a key or path are escaped.
     line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in str(error))
     print(f"navbudget: {line}", file=sys.stderr)

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 
 @contextmanager
@@ -17,14 +17,14 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
 
     Raises
     ------
-    DesignError
+    InputError
         Under ``-o``, when the folder is missing or refuses, `target` is a folder, or the disk is full. The
         folder is tried first, before the work inside the block is done.
     """
     if not target.parent.is_dir():
-        raise DesignError("-o", f"{str(target.parent)!r} is not a folder; the file cannot be written there")
+        raise InputError("-o", f"{str(target.parent)!r} is not a folder; the file cannot be written there")
     if target.is_dir():
-        raise DesignError("-o", f"{str(target)!r} is a folder; name a file in it")
+        raise InputError("-o", f"{str(target)!r} is a folder; name a file in it")
     draft = target.parent / f".{target.name[:100]}.{secrets.token_hex(6)}.part"
     try:
         try:
@@ -34,7 +34,7 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
         finally:
             draft.unlink(missing_ok=True)
     except OSError as error:
-        raise DesignError("-o", f"{str(target)!r} cannot be written: {error.strerror or error}") from error
+        raise InputError("-o", f"{str(target)!r} cannot be written: {error.strerror or error}") from error
 
 
 def put_file(target: Path, data: bytes) -> None:

@@ -32,10 +32,10 @@ from app.upstream import mends
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import MAX_BYTES, format_design, parse_design
 from nav_model.design.link import from_query, split_link, to_query
 from nav_model.design.parts import INPUTS
+from nav_model.errors import InputError
 
 
 class Page(Protocol):
@@ -127,7 +127,7 @@ class Frame:
         of_design, of_study = split_link(link)
         try:
             problem = self.session.adopt(from_query(of_design))
-        except DesignError as error:
+        except InputError as error:
             problem = error
         if problem:
             self._say(f"The design you had here could not be taken up again. {problem}")
@@ -142,7 +142,7 @@ class Frame:
 
         try:
             revision = await asyncio.to_thread(lambda: library().revision(key))
-        except DesignError as error:
+        except InputError as error:
             self._say(f"The design you had on this page is back, but not the revision it was saved as. {error}")
             return
         if self.session.lineage is lineage:
@@ -356,7 +356,7 @@ class Frame:
         name = str(self._open.filename or "file")
         try:
             problem = self.session.adopt(parse_design(event.new, name))
-        except DesignError as error:
+        except InputError as error:
             problem = error
         self._say(f"Not opened. {problem}" if problem else "")
 

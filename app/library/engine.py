@@ -12,7 +12,7 @@ from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 _WAIT = 15.0  # seconds a writer waits for another before it is told
 _POSTGRESQL = {
@@ -30,7 +30,7 @@ def engine_at(address: str | Path) -> Engine:
 
     Raises
     ------
-    DesignError
+    InputError
         If the address is of another kind, or its place cannot be used.
     """
     try:
@@ -45,12 +45,12 @@ def engine_at(address: str | Path) -> Engine:
             arguments = {name: value for name, value in _POSTGRESQL.items() if name not in url.query}
             return create_engine(url, pool_pre_ping=True, connect_args=arguments)
         if url.get_backend_name() != "sqlite" or not url.database or url.database == ":memory:":
-            raise DesignError("library", "is neither the path of a file nor a sqlite or postgresql address")
+            raise InputError("library", "is neither the path of a file nor a sqlite or postgresql address")
         engine = create_engine(url, connect_args={"timeout": _WAIT})
     except (ArgumentError, NoSuchModuleError, ImportError) as error:
-        raise DesignError("library", f"cannot be used: {error}") from error
+        raise InputError("library", f"cannot be used: {error}") from error
     except OSError as error:
-        raise DesignError("library", f"{str(address)!r} cannot be used: {error.strerror or error}") from error
+        raise InputError("library", f"{str(address)!r} cannot be used: {error.strerror or error}") from error
     event.listen(engine, "connect", _set_up)
     event.listen(engine, "begin", _begin)
     return engine
@@ -74,15 +74,15 @@ def said(message: str) -> Iterator[None]:
 
     Raises
     ------
-    DesignError
+    InputError
         Instead of the driver's own error.
     """
     try:
         yield
     except DBAPIError as error:
-        raise DesignError("library", message.format(_reason(error))) from error
+        raise InputError("library", message.format(_reason(error))) from error
     except PoolTimeout as error:
-        raise DesignError("library", message.format("too many people write at once")) from error
+        raise InputError("library", message.format("too many people write at once")) from error
 
 
 def _reason(error: DBAPIError) -> str:

@@ -19,8 +19,8 @@ from sqlalchemy import text
 
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import MAX_BYTES
+from nav_model.errors import InputError
 
 MAX_ARCHIVE = 20_000_000
 """The largest archive taken, in bytes as it comes."""
@@ -45,13 +45,13 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
 
     Raises
     ------
-    DesignError
+    InputError
         If a design is not there, or there are more revisions than an import takes.
     """
     histories = {design: library.revisions(design)[::-1] for design in designs}
     count = sum(map(len, histories.values()))
     if count >= _MAX_FILES:
-        raise DesignError("export", f"{count} revisions; at most {_MAX_FILES - 1} go into one archive: pick designs")
+        raise InputError("export", f"{count} revisions; at most {_MAX_FILES - 1} go into one archive: pick designs")
     tags = {saved.id: saved.tags for archived in (False, True) for saved in library.designs(archived=archived)}
     listed = []
     data = io.BytesIO()
@@ -83,7 +83,7 @@ def import_archive(library: Library, data: bytes, author: str) -> Imported:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the file that is wrong, too many or too large.
     """
     files = _unpack(data)
@@ -95,7 +95,7 @@ def import_archive(library: Library, data: bytes, author: str) -> Imported:
             stem = PurePosixPath(path).stem
             histories.append(([revision_from_file(content, path, author, f"from {path}"[:4000], now(), stem)], ()))
     if not histories:
-        raise DesignError("archive", "holds no design file (*.toml)")
+        raise InputError("archive", "holds no design file (*.toml)")
     added = revisions = 0
     with library.write() as connection:
         known = _fingerprints(connection.execute(text("SELECT design, text FROM revisions ORDER BY design, number")))
@@ -124,34 +124,34 @@ def _fingerprints(rows: Any) -> set[tuple[str, ...]]:
 def _unpack(data: bytes) -> dict[str, bytes]:
     """Path -> content of every file of interest, read up to bounds that are counted here."""
     if len(data) > MAX_ARCHIVE:
-        raise DesignError("archive", f"larger than {MAX_ARCHIVE} bytes")
+        raise InputError("archive", f"larger than {MAX_ARCHIVE} bytes")
     files: dict[str, bytes] = {}
     left = _MAX_UNPACKED
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             entries = [entry for entry in archive.infolist() if not entry.is_dir()]
             if len(entries) > _MAX_FILES:
-                raise DesignError("archive", f"{len(entries)} files; at most {_MAX_FILES} are read")
+                raise InputError("archive", f"{len(entries)} files; at most {_MAX_FILES} are read")
             for entry in entries:
                 path = _safe(entry.filename)
                 if path in files:
-                    raise DesignError(path, "stands twice in the archive")
+                    raise InputError(path, "stands twice in the archive")
                 if path != _LIST and not path.lower().endswith(".toml"):
-                    raise DesignError(path, f"is neither a design file (*.toml) nor {_LIST}")
+                    raise InputError(path, f"is neither a design file (*.toml) nor {_LIST}")
                 with archive.open(entry) as file:
                     files[path] = _read(file, path, left)
                 left -= len(files[path])
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, RuntimeError, OSError) as error:
-        raise DesignError("archive", f"is not a zip this program reads: {error}") from error
+        raise InputError("archive", f"is not a zip this program reads: {error}") from error
     return files
 
 
 def _safe(path: str) -> str:
     parts = path.split("/")
     if path.startswith("/") or "\\" in path or ":" in path or ".." in parts or not path.isprintable():
-        raise DesignError("archive", f"{path[:80]!r} is not a path inside the archive")
+        raise InputError("archive", f"{path[:80]!r} is not a path inside the archive")
     if len(path) > 500:
-        raise DesignError("archive", f"{path[:80]!r}... is longer than 500 characters")
+        raise InputError("archive", f"{path[:80]!r}... is longer than 500 characters")
     return path
 
 
@@ -159,7 +159,7 @@ def _read(file: IO[bytes], path: str, left: int) -> bytes:
     bound = min(MAX_ARCHIVE if path == _LIST else MAX_BYTES, left)
     content = file.read(bound + 1)
     if len(content) > bound:
-        raise DesignError(path, f"unpacks to more than {bound} bytes")
+        raise InputError(path, f"unpacks to more than {bound} bytes")
     return content
 
 
@@ -170,7 +170,7 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
     try:
         content = json.loads(files.pop(_LIST).decode("utf-8"))
         if content["format"] != _FORMAT:
-            raise DesignError(_LIST, f"has format {content['format']!r}; this program reads {_FORMAT}")
+            raise InputError(_LIST, f"has format {content['format']!r}; this program reads {_FORMAT}")
         designs = [
             (
                 [{key: str(row[key]) for key in _KEPT} for row in d["revisions"]],
@@ -178,12 +178,12 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
             )
             for d in content["designs"]
         ]
-    except DesignError:
+    except InputError:
         raise
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise DesignError(_LIST, f"is not the list of an exported library: {error!r}"[:300]) from error
+        raise InputError(_LIST, f"is not the list of an exported library: {error!r}"[:300]) from error
     if any(not rows for rows, _ in designs):
-        raise DesignError(_LIST, "names a design without a revision")
+        raise InputError(_LIST, "names a design without a revision")
     return designs
 
 
@@ -192,9 +192,9 @@ def _history(rows: Sequence[dict[str, str]], files: dict[str, bytes]) -> list[Re
     for row in rows:
         path = row["file"]
         if path not in files:
-            raise DesignError(_LIST, f"names {path[:80]!r}, which is not in the archive")
+            raise InputError(_LIST, f"names {path[:80]!r}, which is not in the archive")
         saved = row["saved"]
         if not re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d{1,6})?\+00:00", saved):
-            raise DesignError(_LIST, f"{saved[:60]!r} is not a date such as 2026-11-21T09:30:00.000+00:00")
+            raise InputError(_LIST, f"{saved[:60]!r} is not a date such as 2026-11-21T09:30:00.000+00:00")
         history.append(revision_from_file(files[path], path, row["author"], row["note"], saved, row["name"]))
     return history

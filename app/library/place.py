@@ -34,7 +34,7 @@ def library() -> Library:
 
     Raises
     ------
-    DesignError
+    InputError
         If it cannot be opened; the next call tries again.
     """
     global _library

@@ -21,8 +21,8 @@ from sqlalchemy import Connection, text
 from app.library.store import Conflict, Library, Revision, as_revision, find, new_id, now
 from app.library.texts import clean, moment
 from nav_model.budget.verdict import CHECKS
-from nav_model.design.declaration import DesignError
 from nav_model.design.parts import all_keys
+from nav_model.errors import InputError
 
 MAX_ITEMS = 6
 """The most revisions one review, or one comparison, takes: what fits side by side."""
@@ -112,12 +112,12 @@ def open_review(library: Library, title: str, author: str, keys: Sequence[str]) 
 
     Raises
     ------
-    DesignError
+    InputError
         For no revision or more than `MAX_ITEMS`, an unknown one, or a title or author missing.
     """
     keys = list(dict.fromkeys(keys))
     if not 1 <= len(keys) <= MAX_ITEMS:
-        raise DesignError("review", f"{len(keys)} revisions; a review takes 1 to {MAX_ITEMS}")
+        raise InputError("review", f"{len(keys)} revisions; a review takes 1 to {MAX_ITEMS}")
     review = new_id()
     head = {
         "id": review, "title": clean("title", title, required=True), "author": clean("author", author, required=True),
@@ -165,7 +165,7 @@ def load_review(library: Library, review: str) -> Review:
 
     Raises
     ------
-    DesignError
+    InputError
         If there is none.
     """
     with library.read() as connection:
@@ -177,11 +177,11 @@ def add_comment(library: Library, review: str, place: int, subject: str, author:
 
     Raises
     ------
-    DesignError
+    InputError
         If the review is signed or unknown, or a text is missing or too long.
     """
     if subject not in ("", *RESULTS, *all_keys()):
-        raise DesignError("subject", f"{subject[:60]!r} is neither an input nor a result")
+        raise InputError("subject", f"{subject[:60]!r} is neither an input nor a result")
     row = {
         "place": place, "subject": subject, "author": clean("author", author, required=True), "written": now(),
         "comment": clean("comment", comment, required=True),
@@ -201,7 +201,7 @@ def decide(
     ------
     Conflict
         If another decision is in force than the one seen; nothing is decided.
-    DesignError
+    InputError
         If the review is signed or unknown, the design has no such requirement, or a text is missing or too long.
     """
     row = {
@@ -219,7 +219,7 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
     ------
     Conflict
         If something was added since; nothing is signed.
-    DesignError
+    InputError
         If it is signed or unknown, damaged, or a requirement is not decided.
     """
     signer = clean("author", author, required=True)
@@ -229,11 +229,11 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
         if now_there.version != seen + 1:
             raise Conflict("review", "somebody added to it after you opened it; look again before you sign")
         if not now_there.intact:
-            raise DesignError("review", "what it froze is not what the library holds; it cannot be signed")
+            raise InputError("review", "what it froze is not what the library holds; it cannot be signed")
         left = now_there.open_points()
         if left:
             first = left[0][1].replace("_", " ")
-            raise DesignError("review", f"{len(left)} requirements are not decided, the first: {first}")
+            raise InputError("review", f"{len(left)} requirements are not decided, the first: {first}")
         connection.execute(
             text("UPDATE reviews SET signed_by = :signer, signed = :signed WHERE id = :review"),
             {"signer": signer, "signed": now(), "review": review},
@@ -250,11 +250,11 @@ def _add(library: Library, review: str, table: str, row: dict[str, Any], seen: i
         _touch(connection, review)
         before = _load(connection, review)
         if row["place"] not in {item.place for item in before.items}:
-            raise DesignError("review", f"has no design number {row['place']!r}")
+            raise InputError("review", f"has no design number {row['place']!r}")
         if table == "review_decisions":
             revision = before.revisions[row["place"] - 1]
             if row["requirement"] not in revision.checks():
-                raise DesignError("requirement", f"{row['requirement'][:60]!r} is none that {revision.name!r} states")
+                raise InputError("requirement", f"{row['requirement'][:60]!r} is none that {revision.name!r} states")
             standing = before.standing(row["place"], row["requirement"])
             if standing is not None and seen is not None and standing.number != seen:
                 word = "accepted" if standing.accepted else f"rejected ({standing.reason})"
@@ -273,7 +273,7 @@ def _touch(connection: Connection, review: str) -> None:
         )
     if taken is None or taken.rowcount != 1:
         standing = _load(connection, review)
-        raise DesignError(
+        raise InputError(
             "review",
             f"{standing.title!r} was signed by {standing.signed_by}, {moment(standing.signed)}; it never changes",
         )
@@ -290,7 +290,7 @@ def _load(connection: Connection, review: str) -> Review:
 
     heads = [] if "\0" in review else rows("SELECT * FROM reviews WHERE id = :review")
     if not heads:
-        raise DesignError("review", f"{review[:60]!r} is not in the library")
+        raise InputError("review", f"{review[:60]!r} is not in the library")
     items = rows("SELECT * FROM review_items WHERE review = :review ORDER BY place")
     comments = rows("SELECT * FROM review_comments WHERE review = :review ORDER BY number")
     decisions = rows("SELECT * FROM review_decisions WHERE review = :review ORDER BY number")

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from sqlalchemy import Connection, inspect, text
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 STEPS: tuple[tuple[str, ...], ...] = (
     (
@@ -92,7 +92,7 @@ def migrate(connection: Connection) -> None:
 
     Raises
     ------
-    DesignError
+    InputError
         If the library was written by a newer version of the product.
     """
     if connection.dialect.name == "postgresql":
@@ -102,7 +102,7 @@ def migrate(connection: Connection) -> None:
         connection.execute(text("INSERT INTO schema_version (version) VALUES (0)"))
     version = connection.execute(text("SELECT version FROM schema_version")).scalar_one()
     if version > len(STEPS):
-        raise DesignError(
+        raise InputError(
             "library", f"has schema version {version}; this program knows up to {len(STEPS)}: use a newer one"
         )
     for step in STEPS[version:]:

@@ -25,11 +25,11 @@ from app.library.schema import migrate
 from app.library.texts import clean, clean_tags
 from nav_model.budget import Budget, analyse
 from nav_model.budget.verdict import checked
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design, parse_design
+from nav_model.errors import InputError
 
 
-class Conflict(DesignError):
+class Conflict(InputError):
     """Somebody saved in between; nothing was written."""
 
 
@@ -100,7 +100,7 @@ class Library:
 
     Raises
     ------
-    DesignError
+    InputError
         If it cannot be opened, or was written by a newer program.
     """
 
@@ -124,7 +124,7 @@ class Library:
 
         Raises
         ------
-        DesignError
+        InputError
             If the library did not confirm it: it is full, locked for too long, or its server has gone.
         """
         # A server that goes while it confirms may have written.
@@ -137,7 +137,7 @@ class Library:
 
         Raises
         ------
-        DesignError
+        InputError
             If it cannot be read.
         """
         with said("cannot be read: {}"), self._transaction(writes=False) as connection:
@@ -156,7 +156,7 @@ class Library:
         ------
         Conflict
             If `base` is not the latest revision any more; the message says who saved what.
-        DesignError
+        InputError
             For a text too long or an author missing, or an unknown design.
         """
         revision = _revision(budget, author, note, name=name, product=version("navbudget"), saved=now())
@@ -218,7 +218,7 @@ class Library:
 
         Raises
         ------
-        DesignError
+        InputError
             If there is no such design.
         """
         with self.read() as connection:
@@ -231,7 +231,7 @@ class Library:
 
         Raises
         ------
-        DesignError
+        InputError
             If there is no such revision.
         """
         with self.read() as connection:
@@ -253,7 +253,7 @@ def find(connection: Connection, key: str) -> Revision:
 
     Raises
     ------
-    DesignError
+    InputError
         If there is no such revision.
     """
     design, _, number = key.partition(".")
@@ -262,7 +262,7 @@ def find(connection: Connection, key: str) -> Revision:
         query = text("SELECT * FROM revisions WHERE design = :design AND number = :number")
         row = connection.execute(query, {"design": design, "number": int(number)}).mappings().first()
     if row is None:
-        raise DesignError("library", f"has no revision {key[:60]!r}")
+        raise InputError("library", f"has no revision {key[:60]!r}")
     return as_revision(row)
 
 
@@ -288,7 +288,7 @@ def revision_from_file(data: bytes | str, where: str, author: str, note: str, sa
 
     Raises
     ------
-    DesignError
+    InputError
         If the text is not a design, or a text is too long.
     """
     budget = analyse(parse_design(data, where))
@@ -351,7 +351,7 @@ def _existing(connection: Connection, design: str) -> int:
     if "\0" not in design:
         head = connection.execute(text("SELECT head FROM designs WHERE id = :id"), {"id": design}).scalar()
     if head is None:
-        raise DesignError("library", f"has no design {design[:60]!r}")
+        raise InputError("library", f"has no design {design[:60]!r}")
     return int(head)
 
 

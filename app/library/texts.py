@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import unicodedata
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 LIMITS = {"name": 200, "author": 100, "note": 4000, "tag": 40, "title": 200, "comment": 4000, "reason": 1000}
 """The longest text of each kind, in characters."""
@@ -26,18 +26,18 @@ def clean(kind: str, text: str, *, required: bool = False) -> str:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the kind: too long, missing though required, or not Unicode text.
     """
     text = text.replace("\r\n", "\n").strip()
     if len(text) > LIMITS[kind]:
-        raise DesignError(kind, f"{len(text)} characters; at most {LIMITS[kind]} are kept")
+        raise InputError(kind, f"{len(text)} characters; at most {LIMITS[kind]} are kept")
     if required and not text:
-        raise DesignError(kind, "is empty; give one")
+        raise InputError(kind, "is empty; give one")
     try:
         text.encode()
     except UnicodeEncodeError as error:
-        raise DesignError(kind, f"{text[:60]!r} is not Unicode text") from error
+        raise InputError(kind, f"{text[:60]!r} is not Unicode text") from error
     return "".join(_sign(sign, kind) for sign in text)
 
 
@@ -57,12 +57,12 @@ def clean_tags(text: str) -> tuple[str, ...]:
 
     Raises
     ------
-    DesignError
+    InputError
         For a tag too long or too many tags.
     """
     tags = tuple(sorted({tag for part in text.split(",") if (tag := clean("tag", part).lower())}))
     if len(tags) > TAGS:
-        raise DesignError("tag", f"{len(tags)} tags; at most {TAGS} are kept")
+        raise InputError("tag", f"{len(tags)} tags; at most {TAGS} are kept")
     return tags
 
 

@@ -15,8 +15,8 @@ from pathlib import Path
 from app.console.files import whole_file
 from app.document.blocks import Section
 from nav_model.budget import Budget, analyse
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import parse_design
+from nav_model.errors import InputError
 
 SUFFIXES = (".html", ".pdf")
 """The kinds of file a report comes in."""
@@ -43,7 +43,7 @@ def write_report(
 
     Raises
     ------
-    DesignError
+    InputError
         For another suffix, or when the file cannot be written.
     """
     target = Path(path)
@@ -81,7 +81,7 @@ def report_of_text(text: str, kind: str, study: Sequence[Section] = ()) -> bytes
 
     Raises
     ------
-    DesignError
+    InputError
         If the text is not a design.
     """
     return report_bytes([analyse(parse_design(text))], kind, studies=[study])
@@ -92,7 +92,7 @@ def report_of_texts(texts: Sequence[str], kind: str, added: Sequence[Section] = 
 
     Raises
     ------
-    DesignError
+    InputError
         If a text is not a design.
     """
     return report_bytes([analyse(parse_design(text)) for text in texts], kind, added=added)
@@ -103,10 +103,10 @@ def kind_of(target: Path) -> str:
 
     Raises
     ------
-    DesignError
+    InputError
         For another suffix.
     """
     kind = target.suffix.lower()
     if kind not in SUFFIXES:
-        raise DesignError("-o", f"{str(target)!r} does not end in {' or '.join(SUFFIXES)}")
+        raise InputError("-o", f"{str(target)!r} does not end in {' or '.join(SUFFIXES)}")
     return kind

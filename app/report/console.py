@@ -14,8 +14,8 @@ from app.report import kind_of, report_bytes
 from app.report.studies import KINDS, study_sections
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design
+from nav_model.errors import InputError
 
 _SETTLED = 400.0  # s with fixes before the design's outage: most filters have settled
 _SAR_RUNS, _SIMULATION_RUNS = 200, 100
@@ -27,7 +27,7 @@ def write_report_with(designs: Sequence[Design], options: argparse.Namespace) ->
 
     Raises
     ------
-    DesignError
+    InputError
         For an option or a key of a design that cannot be used, or a file that cannot be written.
     """
     kind = kind_of(options.output)
@@ -45,7 +45,7 @@ def _wanted(text: str) -> list[str]:
     wanted = [name.strip() for name in text.split(",") if name.strip()]
     for name in wanted:
         if name not in KINDS:
-            raise DesignError("--with", f"{name!r} is not a study; {', '.join(KINDS)}")
+            raise InputError("--with", f"{name!r} is not a study; {', '.join(KINDS)}")
     return wanted
 
 
@@ -83,13 +83,13 @@ def _sar(design: Design, options: argparse.Namespace) -> Any:
 
     runs = _SAR_RUNS if options.runs is None else options.runs
     if options.seed < 0:
-        raise DesignError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+        raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
     try:
         study = design_study(design, runs, options.seed, lambda done, of: _say(f"SAR: {done} of {of} runs"))
-    except DesignError:
+    except InputError:
         raise
     except ValueError as error:
-        raise DesignError("--runs", str(error).removeprefix("runs: ")) from error
+        raise InputError("--runs", str(error).removeprefix("runs: ")) from error
     points, scene = pictures_of_text(format_design(design), study.typical)
     return SarResult(design_case(study.budget), study, points, scene)
 
@@ -111,10 +111,10 @@ def _suborbital(design: Design, options: argparse.Namespace) -> Any:
 
     try:
         survey = run_survey(settings, progress=progress)
-    except DesignError:
+    except InputError:
         raise
     except ValueError as error:
-        raise DesignError("suborbital", str(error)) from error
+        raise InputError("suborbital", str(error)) from error
     return Finding(Shown(survey, survey.study, "all"), settings)
 
 

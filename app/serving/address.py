@@ -11,7 +11,7 @@ from typing import Any
 from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.rules import Rules
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 _BACKLOG = 128  # visitors that may wait to be let in
 _STEP_BACK = 0.015  # seconds: another process needs less, unless it is busy
@@ -23,14 +23,14 @@ def listen(rules: Rules) -> tuple[socket.socket, int]:
 
     Raises
     ------
-    DesignError
+    InputError
         If that cannot be listened on.
     """
     family = socket.AF_INET6 if ":" in rules.address else socket.AF_INET
     try:
         listening = socket.create_server((rules.address, rules.port), family=family, backlog=_BACKLOG)
     except OSError as error:
-        raise DesignError("--address", f"cannot listen on {rules.address}:{rules.port}: {error.strerror}") from error
+        raise InputError("--address", f"cannot listen on {rules.address}:{rules.port}: {error.strerror}") from error
     listening.setblocking(False)
     return listening, int(listening.getsockname()[1])
 

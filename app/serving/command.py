@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 _OAUTH = ("auth0", "azure", "azurev2", "bitbucket", "generic", "gitlab", "github", "google", "okta")
 
@@ -110,7 +110,7 @@ def _password(options: argparse.Namespace) -> int:
     if sys.stdin.isatty():
         password = getpass.getpass("Password: ")
         if getpass.getpass("Again: ") != password:
-            raise DesignError("password", "the two differ")
+            raise InputError("password", "the two differ")
     else:
         password = sys.stdin.readline().rstrip("\r\n")
     print(password_line(options.name, password))

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 _COST, _BLOCK, _LANES = 2**14, 8, 1  # 16 MiB and some 50 ms a try
 _MOST_COST, _MOST_BLOCK, _MOST_LANES = 2**18, 16, 4  # a file must not stop the server
@@ -30,15 +30,15 @@ def password_line(name: str, password: str) -> str:
 
     Raises
     ------
-    DesignError
+    InputError
         If the name or the password cannot be used.
     """
     if not name or len(name) > MAX_NAME or not name.isprintable() or ":" in name or name != name.strip():
-        raise DesignError("NAME", f"{name!r} is not a name: 1 to {MAX_NAME} printable characters without a colon")
+        raise InputError("NAME", f"{name!r} is not a name: 1 to {MAX_NAME} printable characters without a colon")
     if name.startswith("#"):
-        raise DesignError("NAME", f"{name!r} would be a comment in the file; # must not come first")
+        raise InputError("NAME", f"{name!r} would be a comment in the file; # must not come first")
     if not SHORTEST <= len(password) <= MAX_PASSWORD:
-        raise DesignError("password", f"must have {SHORTEST} to {MAX_PASSWORD} characters")
+        raise InputError("password", f"must have {SHORTEST} to {MAX_PASSWORD} characters")
     salt = secrets.token_bytes(_SALT_BYTES)
     key = _key(password, salt, _COST, _BLOCK, _LANES)
     return f"{name}:scrypt${_COST}${_BLOCK}${_LANES}${_text(salt)}${_text(key)}"
@@ -96,14 +96,14 @@ def read_passwords(path: Path) -> Mapping[str, _Hash]:
 
     Raises
     ------
-    DesignError
+    InputError
         If the file cannot be read, a line is not ``name:hash``, a name comes twice, or nobody is in it.
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise DesignError("--password-file", f"{path}: {reason}") from error
+        raise InputError("--password-file", f"{path}: {reason}") from error
     people: dict[str, _Hash] = {}
     for number, line in enumerate(lines, start=1):
         if not line.strip() or line.startswith("#"):
@@ -112,14 +112,14 @@ def read_passwords(path: Path) -> Mapping[str, _Hash]:
         found = _parsed(text)
         if not colon or not name or found is None:
             # The line itself stays out of the message: somebody may have written a password in clear.
-            raise DesignError(
+            raise InputError(
                 "--password-file", f"{path} line {number} is not name:hash; `navbudget password NAME` prints one"
             )
         if name in people:
-            raise DesignError("--password-file", f"{path} line {number} names {name!r} a second time")
+            raise InputError("--password-file", f"{path} line {number} names {name!r} a second time")
         people[name] = found
     if not people:
-        raise DesignError("--password-file", f"{path} names nobody; `navbudget password NAME` prints a line for it")
+        raise InputError("--password-file", f"{path} names nobody; `navbudget password NAME` prints a line for it")
     return people
 
 
@@ -150,7 +150,7 @@ class Passwords:
         if stamp != self._stamp:
             try:
                 self._people = read_passwords(self.path)
-            except DesignError:
+            except InputError:
                 self._people = {}
             self._stamp = stamp
         return self._people

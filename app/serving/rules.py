@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 _SHORTEST_SECRET = 32
 _ENOUGH = 4  # processes of pages unless more are asked for
@@ -70,7 +70,7 @@ class Rules:
 
         Raises
         ------
-        DesignError
+        InputError
             Naming the option, what was given and what is allowed.
         """
         _within("--port", self.port, 0, 65535)
@@ -84,13 +84,13 @@ class Rules:
             _within("--workers", self.workers, 1, 256)
         for origin in self.allow_origin:
             if not origin or "/" in origin or "*" in origin or not origin.isprintable() or " " in origin:
-                raise DesignError("--allow-origin", f"{origin!r} is not HOST or HOST:PORT")
+                raise InputError("--allow-origin", f"{origin!r} is not HOST or HOST:PORT")
         if self.open and self.protected:
-            raise DesignError("--open", "contradicts --password-file or --oauth-provider; give one of them")
+            raise InputError("--open", "contradicts --password-file or --oauth-provider; give one of them")
         if self.password_file is not None and self.oauth is not None:
-            raise DesignError("--password-file", "does not go together with --oauth-provider; give one of them")
+            raise InputError("--password-file", "does not go together with --oauth-provider; give one of them")
         if not (is_loopback(self.address) or self.protected or self.open):
-            raise DesignError(
+            raise InputError(
                 "--address",
                 f"{self.address} can be reached from other machines: give --password-file FILE or "
                 "--oauth-provider NAME, or --open to let everybody in",
@@ -99,7 +99,7 @@ class Rules:
 
 def _within(option: str, value: float, least: float, most: float) -> None:
     if not least <= value <= most:
-        raise DesignError(option, f"{value:g} is outside {least:g} to {most:g}")
+        raise InputError(option, f"{value:g} is outside {least:g} to {most:g}")
 
 
 def is_loopback(address: str) -> bool:
@@ -122,9 +122,9 @@ def cookie_secret(path: Path | None) -> str:
         text = path.read_text(encoding="utf-8").strip()
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise DesignError("--cookie-secret-file", f"{path}: {reason}") from error
+        raise InputError("--cookie-secret-file", f"{path}: {reason}") from error
     if len(text) < _SHORTEST_SECRET:
-        raise DesignError(
+        raise InputError(
             "--cookie-secret-file", f"{path} holds {len(text)} characters; at least {_SHORTEST_SECRET} are needed"
         )
     return text
@@ -141,7 +141,7 @@ def oauth_from(
 
     Raises
     ------
-    DesignError
+    InputError
         If a part is missing, or nobody is allowed.
     """
     if provider is None:
@@ -151,15 +151,15 @@ def oauth_from(
             ("--oauth-allow", allow),
         ):
             if given:
-                raise DesignError(option, "needs --oauth-provider")
+                raise InputError(option, "needs --oauth-provider")
         return None
     if not key:
-        raise DesignError("--oauth-key", "missing: the client id the provider gave you")
+        raise InputError("--oauth-key", "missing: the client id the provider gave you")
     secret = environment.get("PANEL_OAUTH_SECRET", "")
     if not secret:
-        raise DesignError("PANEL_OAUTH_SECRET", "missing in the environment: the client secret of the provider")
+        raise InputError("PANEL_OAUTH_SECRET", "missing in the environment: the client secret of the provider")
     if not allow:
-        raise DesignError(
+        raise InputError(
             "--oauth-allow",
             "missing: every account of the provider could sign in; name users or @domains, or '*' for all",
         )

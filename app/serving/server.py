@@ -38,9 +38,9 @@ from app.upstream.defaults import remember_defaults
 from app.upstream.writes import closed_is_no_fault, repair
 from app.work import pool as workers
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import parse_design
 from nav_model.design.link import from_query, split_link
+from nav_model.errors import InputError
 
 _TITLE = "NavBudget"
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
@@ -66,11 +66,11 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
     if of_design and not is_review_link(query):
         try:
             design = from_query(of_design)
-        except DesignError as error:
+        except InputError as error:
             notice = f"The link was not used. {error}"
     try:
         session = Session(design)
-    except DesignError as error:
+    except InputError as error:
         session, notice = Session(first_design()), f"The link was not used. {error}"
     session.study_link = of_study
     if changed is not None:
@@ -83,7 +83,7 @@ def serve(rules: Rules) -> None:
 
     Raises
     ------
-    DesignError
+    InputError
         If the rules contradict each other, or the address cannot be listened on.
     """
     rules.check()
@@ -105,7 +105,7 @@ def serve_on(
 
     Raises
     ------
-    DesignError
+    InputError
         If the password file cannot be read or is wrong.
     """
     pn.extension(exception_handler=caught)

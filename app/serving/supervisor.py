@@ -37,7 +37,7 @@ def supervise(rules: Rules, library: str) -> int:
 
     Raises
     ------
-    DesignError
+    InputError
         If the address cannot be listened on, or the password file is wrong.
     """
     if rules.password_file is not None:

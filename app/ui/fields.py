@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import math
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 
 def whole_number(name: str, text: str, low: int, high: int) -> int:
-    """The whole number in `text`, or a DesignError that names the field and what is allowed."""
+    """The whole number in `text`, or a InputError that names the field and what is allowed."""
     if not (text.strip().isdecimal() and low <= int(text) <= high):
-        raise DesignError(name, f"{text[:30]!r} is not a whole number from {low} to {high}")
+        raise InputError(name, f"{text[:30]!r} is not a whole number from {low} to {high}")
     return int(text)
 
 
 def number(name: str, text: str, low: float, high: float) -> float:
-    """The number in `text`, or a DesignError that names the field and what is allowed."""
+    """The number in `text`, or a InputError that names the field and what is allowed."""
     try:
         value = float(text)
     except ValueError:
         value = math.nan
     if not low <= value <= high:
-        raise DesignError(name, f"{text[:30]!r} is not a number from {low:g} to {high:g}")
+        raise InputError(name, f"{text[:30]!r} is not a number from {low:g} to {high:g}")
     return value

@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from app.work import pool as workers
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.processes import end_with_parent
 
 WAITING = "waiting for another run to finish"
@@ -33,7 +33,7 @@ async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Cal
     Raises
     ------
     ValueError
-        As the function raises it, a DesignError with its key: the message is for the person.
+        As the function raises it, a InputError with its key: the message is for the person.
     RunLost
         When the process died.
     """
@@ -74,7 +74,7 @@ def _work(sender: Connection, function: Callable[..., Any], arguments: tuple[Any
     workers.step_back()
     try:
         result = function(*arguments, progress=lambda share, what: sender.send(("progress", share, what)))
-    except DesignError as error:
+    except InputError as error:
         sender.send(("refused", error))
     except ValueError as error:
         sender.send(("refused", ValueError(str(error))))  # not every kind of it survives the way

@@ -12,8 +12,9 @@ from typing import Final
 from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis
 from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, Provenance, triad_random_walk
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
+from nav_model.errors import InputError
 from nav_model.units import format_quantity, from_si
 
 WALK_KEYS: Final = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
@@ -87,7 +88,7 @@ def noted_origin(design: Design, key: str) -> str | None:
         text, _, origin = line.removeprefix(f"{key} = ").partition(": ")
         try:
             quoted = _quantity(key).read(text).value
-        except DesignError:
+        except InputError:
             continue
         if quoted == design[key]:
             return origin

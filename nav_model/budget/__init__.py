@@ -29,7 +29,7 @@ from nav_model.budget.figures import (
 from nav_model.budget.shares import Shares, coast_shares, steady_shares, velocity_shares
 from nav_model.budget.verdict import Verdict, judge
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.sar import geometry, phase
 from nav_model.sar.impulse_response import ImpulseResponse, quadratic_response
 
@@ -163,7 +163,7 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
 
     Raises
     ------
-    DesignError
+    InputError
         If `times` are not finite, negative or beyond the bounds of ``coast.duration``, if the aperture that
         follows from the radar's figures is longer than ``radar.aperture_time`` may be, or if the design's
         figures are so far apart that double precision cannot hold them together.
@@ -173,7 +173,7 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     except ArithmeticError as error:
         key = "gnss.correlated_noise" if design.gnss.correlated else "imu.angle_random_walk"
         reason = f"{design[key]:.3g} (SI) gives no figure beside the other noises: {error}"
-        raise DesignError(key, reason) from error
+        raise InputError(key, reason) from error
 
 
 def _analyse(design: Design, times: ArrayLike | None) -> Budget:
@@ -194,7 +194,7 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
 
 def _refuse_hidden_target(squint: float, grazing: float) -> None:
     if math.cos(squint) < math.sin(grazing) - 1e-12:
-        raise DesignError(
+        raise InputError(
             "radar.squint_angle",
             f"{math.degrees(squint):.4g}° leaves no line of sight at a grazing angle of "
             f"{math.degrees(grazing):.4g}°; at most {90 - math.degrees(grazing):.4g}° goes, or less grazing angle",
@@ -203,7 +203,7 @@ def _refuse_hidden_target(squint: float, grazing: float) -> None:
 
 def _refuse_long_aperture(aperture: float) -> None:
     if aperture > LONGEST_APERTURE:
-        raise DesignError(
+        raise InputError(
             "radar.azimuth_resolution",
             f"needs an aperture of {aperture:.4g} s at this range and speed; at most {LONGEST_APERTURE:g} s go",
         )
@@ -215,7 +215,7 @@ def _times(design: Design, times: ArrayLike | None) -> Array:
     time = np.atleast_1d(np.asarray(times, float))
     longest = design.coast.param["duration"].bounds[1]
     if time.ndim != 1 or not np.all(np.isfinite(time) & (time >= 0) & (time <= longest)):
-        raise DesignError("times", f"{times!r} is not allowed; seconds from 0 to {longest:g}")
+        raise InputError("times", f"{times!r} is not allowed; seconds from 0 to {longest:g}")
     return time
 
 

@@ -21,8 +21,9 @@ from nav_model.analytic.discrete import Cycle, Sawtooth, SlowError, cycle
 from nav_model.analytic.refined_coast import refined_growth
 from nav_model.analytic.steady_state import Array, Horizontal, as_numbers
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, SPEED_OF_LIGHT, Radar
+from nav_model.errors import InputError
 from nav_model.sar import geometry, phase
 
 SETTLED = ("horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt")
@@ -100,13 +101,13 @@ def inputs_of(design: Design, changes: Mapping[str, Value] | None = None) -> Inp
 
     Raises
     ------
-    DesignError
+    InputError
         For a key that is not one of `VARIABLES`.
     """
     changed = changes or {}
     for key in changed:
         if key not in VARIABLES:
-            raise DesignError(key, f"no figure depends on it as a number; allowed are {', '.join(VARIABLES)}")
+            raise InputError(key, f"no figure depends on it as a number; allowed are {', '.join(VARIABLES)}")
 
     def value(key: str) -> Array:
         number = changed.get(key, design[key])

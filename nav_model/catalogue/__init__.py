@@ -9,8 +9,9 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Literal
 
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS
+from nav_model.errors import InputError
 from nav_model.units import QuantityError, parse_quantity
 
 Kind = Literal["imu", "radar", "gnss"]
@@ -86,15 +87,15 @@ def read_catalogue(text: str, kind: Kind) -> Mapping[str, Entry]:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the entry and the key that is wrong.
     """
     try:
         tables = tomllib.loads(text).get(kind, [])
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise DesignError(f"{kind} catalogue", f"not TOML: {error}") from error
+        raise InputError(f"{kind} catalogue", f"not TOML: {error}") from error
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        raise DesignError(f"{kind} catalogue", f"entries must be [[{kind}]] tables")
+        raise InputError(f"{kind} catalogue", f"entries must be [[{kind}]] tables")
     entries = (_entry(kind, table) for table in tables)
     return {entry.name: entry for entry in entries}
 
@@ -102,7 +103,7 @@ def read_catalogue(text: str, kind: Kind) -> Mapping[str, Entry]:
 def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
     name = table.get("name")
     if not isinstance(name, str) or not name:
-        raise DesignError(f"{kind} catalogue", "an entry has no name")
+        raise InputError(f"{kind} catalogue", "an entry has no name")
     values: dict[str, SourcedValue] = {}
     extra: dict[str, SourcedValue] = {}
     for key, item in table.items():
@@ -110,16 +111,16 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
             continue
         where = f"{kind}.{name}.{key}"
         if not isinstance(item, dict) or not isinstance(item.get("value"), str):
-            raise DesignError(where, 'must be a table such as { value = "1 m", status = ..., source = ... }')
+            raise InputError(where, 'must be a table such as { value = "1 m", status = ..., source = ... }')
         if item.get("status") not in STATUSES:
-            raise DesignError(where, f"status {item.get('status')!r} is not one of {', '.join(STATUSES)}")
+            raise InputError(where, f"status {item.get('status')!r} is not one of {', '.join(STATUSES)}")
         if not isinstance(item.get("source"), str) or not item["source"]:
-            raise DesignError(where, "has no source")
+            raise InputError(where, "has no source")
         if key in _EXTRA[kind]:
             try:
                 parsed, target = parse_quantity(item["value"], _EXTRA[kind][key]), extra
             except QuantityError as error:
-                raise DesignError(where, str(error)) from error
+                raise InputError(where, str(error)) from error
         else:
             name_of_input, declaration = _input(kind, key, where)
             parsed, target = declaration.read(item["value"], key), values
@@ -136,7 +137,7 @@ def _input(kind: Kind, key: str, where: str) -> tuple[str, BaseQuantity[Any]]:
             name == key or (declaration.alternative and declaration.alternative.key == key)
         ):
             return name, declaration
-    raise DesignError(where, "unknown key")
+    raise InputError(where, "unknown key")
 
 
 def find(kind: Kind, name: str) -> Entry:
@@ -144,11 +145,11 @@ def find(kind: Kind, name: str) -> Entry:
 
     Raises
     ------
-    DesignError
+    InputError
         Listing the names there are.
     """
     entries = catalogue(kind)
     for entry in entries.values():
         if entry.name.casefold() == name.strip().casefold():
             return entry
-    raise DesignError(f"{kind}.preset", f"{name!r} is not in the catalogue; it has {', '.join(entries)}")
+    raise InputError(f"{kind}.preset", f"{name!r} is not in the catalogue; it has {', '.join(entries)}")

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, cast
 
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import (
     INPUTS,
     PARTS,
@@ -29,6 +29,7 @@ from nav_model.design.parts import (
     all_keys,
     declaration_of,
 )
+from nav_model.errors import InputError
 
 Value = float | int | bool | str | None
 
@@ -61,7 +62,7 @@ class Design:
 
         Raises
         ------
-        DesignError
+        InputError
             For an unknown key or a value out of bounds.
         """
         given = dict(values or {})
@@ -106,7 +107,7 @@ class Design:
 
         Raises
         ------
-        DesignError
+        InputError
             For an unknown key or a value out of bounds.
         """
         given = dict(changes)
@@ -154,6 +155,6 @@ def _by_part(values: Mapping[str, Value]) -> list[tuple[type[Part], dict[str, An
     for key, value in values.items():
         section, _, name = key.rpartition(".")
         if key not in PRESET_KEYS and name not in INPUTS.get(section, {}):
-            raise DesignError(key, f"unknown key; allowed are {', '.join(all_keys())}")
+            raise InputError(key, f"unknown key; allowed are {', '.join(all_keys())}")
         own[section][name] = value
     return [(part, own[part.section]) for part in PARTS]

@@ -12,6 +12,7 @@ from typing import Any, TypeVar, cast
 
 import param
 
+from nav_model.errors import InputError, shown
 from nav_model.units import (
     DIMENSIONS,
     Parsed,
@@ -23,36 +24,6 @@ from nav_model.units import (
 )
 
 _T = TypeVar("_T")
-
-
-class DesignError(ValueError):
-    """Bad input, with the key it stands under.
-
-    Attributes
-    ----------
-    key : str
-        Dotted key such as ``"imu.angle_random_walk"``, or the file's name when no key is to blame.
-    reason : str
-        What was given and what is allowed.
-    """
-
-    def __init__(self, key: str, reason: str) -> None:
-        super().__init__(f"{key}: {reason}")
-        self.key = key
-        self.reason = reason
-
-    def __reduce__(self) -> tuple[type[DesignError], tuple[str, str]]:
-        """So that it comes back whole from a worker process."""
-        return type(self), (self.key, self.reason)
-
-
-def shown(content: Any) -> str:
-    """What was given, short enough for a one-line message, however long or deep it is."""
-    try:
-        text = repr(content)
-    except (RecursionError, ValueError):  # nested too deeply; an integer with too many digits to print
-        return f"what is given ({type(content).__name__})"
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 @dataclass(frozen=True)
@@ -126,12 +97,12 @@ class BaseQuantity(param.Number[_T]):
         if val is None and self.allow_None:
             return
         if isinstance(val, bool) or not isinstance(val, int | float):
-            raise DesignError(self.key, f"{shown(val)} is not a number")
+            raise InputError(self.key, f"{shown(val)} is not a number")
         low, high = self.limits
         include_low, include_high = self.inclusive_bounds
         inside = (val >= low if include_low else val > low) and (val <= high if include_high else val < high)
         if not inside:  # NaN lands here too
-            raise DesignError(self.key, f"{self.show(float(val))} is not allowed; {self.allowed()}")
+            raise InputError(self.key, f"{self.show(float(val))} is not allowed; {self.allowed()}")
 
     def show(self, value: float) -> str:
         """Value in SI as text in this input's usual unit, to six digits."""
@@ -164,7 +135,7 @@ class BaseQuantity(param.Number[_T]):
 
         Raises
         ------
-        DesignError
+        InputError
             Naming the key, what was given and what is allowed.
         """
         where = self.key
@@ -177,7 +148,7 @@ class BaseQuantity(param.Number[_T]):
         dimension = alternative.dimension if reciprocal and alternative else self.dimension
         if not isinstance(text, str):
             examples = ", ".join(f'"{example}"' for example in DIMENSIONS[dimension].examples)
-            raise DesignError(where, f"{shown(text)} is not a quantity in quotes; write for example {examples}")
+            raise InputError(where, f"{shown(text)} is not a quantity in quotes; write for example {examples}")
         try:
             exact, unit = parse_exact(text, dimension)
             if reciprocal and alternative:
@@ -186,9 +157,9 @@ class BaseQuantity(param.Number[_T]):
             parsed = Parsed(float(exact), unit)
             self._validate(parsed.value)
         except QuantityError as error:
-            raise DesignError(where, str(error)) from error
-        except (DesignError, OverflowError, ZeroDivisionError) as error:
-            raise DesignError(where, f"{text.strip()!r} is not allowed; {self.allowed(reciprocal)}") from error
+            raise InputError(where, str(error)) from error
+        except (InputError, OverflowError, ZeroDivisionError) as error:
+            raise InputError(where, f"{text.strip()!r} is not allowed; {self.allowed(reciprocal)}") from error
         return parsed
 
     def _plain(self, text: Any, where: str) -> float:
@@ -196,9 +167,9 @@ class BaseQuantity(param.Number[_T]):
             try:
                 number = float(text)
             except ValueError as error:
-                raise DesignError(where, f"{shown(text)} is not a number; {self.allowed()}") from error
+                raise InputError(where, f"{shown(text)} is not a number; {self.allowed()}") from error
         elif isinstance(text, bool) or not isinstance(text, int | float):
-            raise DesignError(where, f"{shown(text)} is not a number; {self.allowed()}")
+            raise InputError(where, f"{shown(text)} is not a number; {self.allowed()}")
         else:
             number = math.inf if abs(text) >= 1e300 else float(text)  # no float holds a huge integer
         self._validate(number)
@@ -271,14 +242,14 @@ class Choice(param.Selector[Any]):
 
     def _validate(self, val: Any) -> None:
         if not any(val == option and type(val) is type(option) for option in self.objects):
-            raise DesignError(self.key, f"{shown(val)} is not one of {', '.join(map(_spelled, self.objects))}")
+            raise InputError(self.key, f"{shown(val)} is not one of {', '.join(map(_spelled, self.objects))}")
 
     def read(self, text: Any) -> Any:
         """The option `text` names.
 
         Raises
         ------
-        DesignError
+        InputError
             Listing the options.
         """
         options = list(self.objects)
@@ -287,7 +258,7 @@ class Choice(param.Selector[Any]):
                 return option
             if isinstance(text, str) and not isinstance(option, str) and text.strip().lower() == _spelled(option):
                 return option
-        raise DesignError(self.key, f"{shown(text)} is not one of {', '.join(map(_spelled, options))}")
+        raise InputError(self.key, f"{shown(text)} is not one of {', '.join(map(_spelled, options))}")
 
 
 def _spelled(option: Any) -> str:

@@ -16,8 +16,9 @@ import tomli_w
 
 from nav_model.catalogue import Kind, find
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity, Choice, DesignError, shown
+from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+from nav_model.errors import InputError, shown
 
 MAX_BYTES = 1_000_000  # a design is two kilobytes; anything far larger is another kind of file
 _MAX_TEXT = 10_000
@@ -28,7 +29,7 @@ def read_design(path: str | Path) -> Design:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the file or key, what was given and what is allowed.
     """
     return parse_design(read_bytes(path), str(path))
@@ -39,7 +40,7 @@ def read_bytes(path: str | Path, most: int = MAX_BYTES) -> bytes:
 
     Raises
     ------
-    DesignError
+    InputError
         If the file cannot be read.
     """
     try:
@@ -47,7 +48,7 @@ def read_bytes(path: str | Path, most: int = MAX_BYTES) -> bytes:
             return file.read(most + 1)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         reason = getattr(error, "strerror", None) or str(error)
-        raise DesignError(str(path), f"cannot be read: {reason}") from error
+        raise InputError(str(path), f"cannot be read: {reason}") from error
 
 
 def parse_design(data: bytes | str, where: str = "design", changes: Iterable[str] = ()) -> Design:
@@ -64,7 +65,7 @@ def parse_design(data: bytes | str, where: str = "design", changes: Iterable[str
 
     Raises
     ------
-    DesignError
+    InputError
         As `read_design`.
     """
     return _build(_with_changes(_load(data, where), changes))
@@ -72,26 +73,26 @@ def parse_design(data: bytes | str, where: str = "design", changes: Iterable[str
 
 def _load(data: bytes | str, where: str) -> dict[str, Any]:
     if len(data) > MAX_BYTES:
-        raise DesignError(where, f"larger than {MAX_BYTES} bytes; not a design file")
+        raise InputError(where, f"larger than {MAX_BYTES} bytes; not a design file")
     if isinstance(data, bytes):
         try:
             data = data.decode("utf-8-sig")
         except UnicodeDecodeError as error:
-            raise DesignError(where, f"not a text file (byte {error.start} is not UTF-8)") from error
+            raise InputError(where, f"not a text file (byte {error.start} is not UTF-8)") from error
     try:
         tables = tomllib.loads(data)
     except tomllib.TOMLDecodeError as error:
         raise _toml_error(str(error), data, where) from error
     except RecursionError as error:
-        raise DesignError(where, "not a design file: nested too deeply") from error
+        raise InputError(where, "not a design file: nested too deeply") from error
     except ValueError as error:  # an integer beyond what Python reads
-        raise DesignError(where, f"not a design file: {str(error).partition(';')[0]}") from error
+        raise InputError(where, f"not a design file: {str(error).partition(';')[0]}") from error
     if not tables:
-        raise DesignError(where, f"states nothing; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}")
+        raise InputError(where, f"states nothing; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}")
     return tables
 
 
-def _toml_error(message: str, text: str, where: str) -> DesignError:
+def _toml_error(message: str, text: str, where: str) -> InputError:
     """The parser's message with the line it stumbled on, and the key if one was given twice."""
     place = re.search(r"\(at line (\d+), column \d+\)", message)
     lines = text.splitlines()
@@ -100,9 +101,9 @@ def _toml_error(message: str, text: str, where: str) -> DesignError:
     if message.startswith("Cannot overwrite"):
         headers = [header[1] for header in re.finditer(r"(?m)^\s*\[\s*([\w.]+)\s*\]", "\n".join(lines[:number]))]
         key = line.partition("=")[0].strip()
-        return DesignError(".".join((*headers[-1:], key)), f"is given twice (line {number} of {where})")
+        return InputError(".".join((*headers[-1:], key)), f"is given twice (line {number} of {where})")
     shown = line if len(line) <= 60 else line[:57] + "..."
-    return DesignError(where, f"not a design file (TOML): {message}: {shown!r}")
+    return InputError(where, f"not a design file (TOML): {message}: {shown!r}")
 
 
 def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, Any]:
@@ -110,7 +111,7 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
     for change in changes:
         key, equals, text = change.partition("=")
         if not equals:
-            raise DesignError(change, 'not an assignment; write for example imu.angle_random_walk="0.3 °/√h"')
+            raise InputError(change, 'not an assignment; write for example imu.angle_random_walk="0.3 °/√h"')
         stated[key.strip()] = text.strip()
     # Presets first: a value stated beside a preset comes on top of it, whatever the order.
     for key, text in sorted(stated.items(), key=lambda change: change[0] not in PRESET_KEYS):
@@ -119,10 +120,10 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
             tables[key] = text
             continue
         if section not in INPUTS or not (key in PRESET_KEYS or _input_named(section, name)):
-            raise DesignError(key, _unknown(section if section in INPUTS else ""))
+            raise InputError(key, _unknown(section if section in INPUTS else ""))
         table = tables.setdefault(section, {})
         if not isinstance(table, dict):
-            raise DesignError(section, f"must be a section, [{section}]")
+            raise InputError(section, f"must be a section, [{section}]")
         if key in PRESET_KEYS:  # the new unit's figures replace the file's
             for filled in find(_kind(section), text).values:
                 _drop(table, section, filled)
@@ -147,9 +148,9 @@ def _build(tables: dict[str, Any]) -> Design:
         if key in TOP_KEYS:
             values[key] = _text(key, content)
         elif key not in INPUTS:
-            raise DesignError(key, _unknown(""))
+            raise InputError(key, _unknown(""))
         elif not isinstance(content, dict):
-            raise DesignError(key, f"must be a section, [{key}], not {shown(content)}")
+            raise InputError(key, f"must be a section, [{key}], not {shown(content)}")
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
     return Design(values, written)
@@ -163,10 +164,10 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
             continue
         found = _input_named(section, name)
         if found is None:
-            raise DesignError(key, _unknown(section))
+            raise InputError(key, _unknown(section))
         target, declaration = found
         if target in given:
-            raise DesignError(key, f"says the same as {section}.{given[target]}; give one of them")
+            raise InputError(key, f"says the same as {section}.{given[target]}; give one of them")
         given[target] = name
         if isinstance(declaration, Choice):
             values[f"{section}.{target}"] = declaration.read(content)
@@ -189,7 +190,7 @@ def preset_fill(section: str, name: str) -> tuple[dict[str, Value], dict[str, st
 
     Raises
     ------
-    DesignError
+    InputError
         If the catalogue has no such entry.
     """
     entry = find(_kind(section), name)
@@ -202,7 +203,7 @@ def _refuse_gap(preset: str, values: Mapping[str, Value]) -> None:
     """A sensor whose sheet is silent must not quietly take a default."""
     for name in ("velocity_random_walk", "angle_random_walk"):
         if f"imu.{name}" not in values:
-            raise DesignError(f"imu.{name}", f"the catalogue has none for {preset!r}; state it in the file")
+            raise InputError(f"imu.{name}", f"the catalogue has none for {preset!r}; state it in the file")
 
 
 def _kind(section: str) -> Kind:
@@ -211,13 +212,13 @@ def _kind(section: str) -> Kind:
 
 def _text(key: str, content: Any) -> str:
     if not isinstance(content, str):
-        raise DesignError(key, f"{shown(content)} is not text in quotes")
+        raise InputError(key, f"{shown(content)} is not text in quotes")
     if len(content) > _MAX_TEXT:
-        raise DesignError(key, f"longer than {_MAX_TEXT} characters")
+        raise InputError(key, f"longer than {_MAX_TEXT} characters")
     try:
         content.encode()
     except UnicodeEncodeError as error:  # bytes of a command line that are no text
-        raise DesignError(key, f"{shown(content)} is not Unicode text") from error
+        raise InputError(key, f"{shown(content)} is not Unicode text") from error
     return content
 
 

@@ -10,9 +10,10 @@ from typing import Any
 from urllib.parse import parse_qsl, quote_plus, urlencode
 
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity, Choice, DesignError
+from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.file import preset_fill
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+from nav_model.errors import InputError
 
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
 STUDY_PREFIX = "study."
@@ -55,15 +56,15 @@ def pairs_of(query: str) -> list[tuple[str, str]]:
 
     Raises
     ------
-    DesignError
+    InputError
         If it is too long or no query.
     """
     if len(query) > MAX_QUERY:
-        raise DesignError("link", f"longer than {MAX_QUERY} characters")
+        raise InputError("link", f"longer than {MAX_QUERY} characters")
     try:
         return parse_qsl(query.removeprefix("?"), keep_blank_values=True, strict_parsing=True, errors="strict")
     except (ValueError, UnicodeDecodeError) as error:
-        raise DesignError("link", "not a query of the form key=value&key=value") from error
+        raise InputError("link", "not a query of the form key=value&key=value") from error
 
 
 def from_query(query: str) -> Design:
@@ -71,7 +72,7 @@ def from_query(query: str) -> Design:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the key that is wrong; nothing of a wrong link is used.
     """
     pairs = pairs_of(query)
@@ -80,7 +81,7 @@ def from_query(query: str) -> Design:
     names = [short for short, _ in pairs]
     for short in names:
         if names.count(short) > 1:
-            raise DesignError(short, "is given twice in the link")
+            raise InputError(short, "is given twice in the link")
     for short, text in pairs:
         if short in _PRESET_SHORT:
             filled, units = preset_fill(short, text)
@@ -91,7 +92,7 @@ def from_query(query: str) -> Design:
             values[short] = text
         elif short not in _PRESET_SHORT:
             if short not in _SHORT:
-                raise DesignError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
+                raise InputError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
             _read(_SHORT[short], text, values, written)
     return Design(values, written)
 

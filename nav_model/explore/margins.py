@@ -10,8 +10,9 @@ import numpy as np
 from nav_model.analytic.steady_state import Array
 from nav_model.budget.figures import FIGURES, Inputs, Value, figures, inputs_of
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
+from nav_model.errors import InputError
 
 ALL = "all requirements"
 """Name of the result that is the largest value over limit of every requirement given."""
@@ -73,15 +74,15 @@ def quantity(key: str) -> BaseQuantity[float | None]:
 
     Raises
     ------
-    DesignError
+    InputError
         If there is no such input or it is not a number.
     """
     try:
         declaration = declaration_of(key)
     except KeyError as error:
-        raise DesignError(key, "unknown key") from error
+        raise InputError(key, "unknown key") from error
     if not isinstance(declaration, BaseQuantity):
-        raise DesignError(key, "is a choice, not a number")
+        raise InputError(key, "is a choice, not a number")
     return declaration
 
 

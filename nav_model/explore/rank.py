@@ -18,7 +18,7 @@ import numpy as np
 from nav_model.analytic.steady_state import Array
 from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
 
 _STEP = 1e-20
@@ -56,11 +56,11 @@ def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
 
     Raises
     ------
-    DesignError
+    InputError
         If `figure` is not one of `nav_model.budget.figures.FIGURES`.
     """
     if figure not in FIGURES:
-        raise DesignError("result", f"{figure!r} is not one of {', '.join(FIGURES)}")
+        raise InputError("result", f"{figure!r} is not one of {', '.join(FIGURES)}")
     keys = [key for key in stated(design) if design[key] != 0]
     slopes = log_derivatives(design, keys, (figure,))[figure]
     halved, doubled = (_scaled(design, keys, figure, factor) for factor in (0.5, 2.0))

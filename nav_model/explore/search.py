@@ -10,7 +10,7 @@ import numpy as np
 from nav_model.analytic.steady_state import Array
 from nav_model.catalogue import Entry
 from nav_model.design import Design, Value
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import limits, ratios, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
@@ -50,15 +50,15 @@ def search(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, En
 
     Raises
     ------
-    DesignError
+    InputError
         If the design gives no requirement or no unit can be judged.
     """
     names = list(limits(design))
     if not names:
-        raise DesignError("requirements", "none is given; state at least one limit to search against")
+        raise InputError("requirements", "none is given; state at least one limit to search against")
     known = [entry for entry in imus.values() if not _lacks(entry)]
     if not known:
-        raise DesignError("imu catalogue", "no unit in it states both random walks")
+        raise InputError("imu catalogue", "no unit in it states both random walks")
     pairs = [(imu, receiver) for imu in known for receiver in (None, *receivers.values())]
     changes = [_changes(imu, receiver) for imu, receiver in pairs]
     keys = sorted({key for change in changes for key in change} & set(_numeric(changes)))

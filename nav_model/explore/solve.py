@@ -19,7 +19,7 @@ from nav_model.analytic.steady_state import Array
 from nav_model.budget import analyse
 from nav_model.budget.figures import inputs_of
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import ALL, limits, quantity, ratios
 from nav_model.sar.geometry import WINDOW_WIDTH
 
@@ -86,14 +86,14 @@ def solve(design: Design, verify: Verify = "every") -> tuple[Solution, ...]:
 
     Raises
     ------
-    DesignError
+    InputError
         If the design gives no requirement.
     ArithmeticError
         If an answer put back does not give a margin of zero to 1e-9: a defect.
     """
     names = list(limits(design))
     if not names:
-        raise DesignError("requirements", "none is given; state at least one limit to solve for")
+        raise InputError("requirements", "none is given; state at least one limit to solve for")
     keys = [key for key in SOLVED if key != "gnss.vertical_position_noise" or design[key] is not None]
     roots, outcomes, depends = _roots(design, keys, names)
     solutions = []

@@ -23,8 +23,8 @@ import numpy as np
 
 from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.design import Design, Value
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import parse_design
+from nav_model.errors import InputError
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
 from nav_model.explore.sweep_plan import Plan
@@ -61,12 +61,12 @@ def run_sweep(
 
     Raises
     ------
-    DesignError
+    InputError
         For another ending, a folder that cannot be written, or parts that belong to another sweep.
     """
     target = Path(output)
     if target.suffix not in SUFFIXES:
-        raise DesignError(str(target), f"must end in {' or '.join(SUFFIXES)}")
+        raise InputError(str(target), f"must end in {' or '.join(SUFFIXES)}")
     if target.suffix == ".parquet":
         _arrow()
     parts = _open_parts(plan, target)
@@ -100,11 +100,11 @@ def _open_parts(plan: Plan, target: Path) -> Path:
         parts.mkdir(exist_ok=True)
         if manifest.exists():
             if json.loads(manifest.read_text()) != stated:
-                raise DesignError(str(parts), "holds parts of another sweep; remove it, or choose another output")
+                raise InputError(str(parts), "holds parts of another sweep; remove it, or choose another output")
         else:
             _write(manifest, json.dumps(stated).encode())
     except OSError as error:
-        raise DesignError(str(parts), f"cannot be written: {error.strerror}") from error
+        raise InputError(str(parts), f"cannot be written: {error.strerror}") from error
     return parts
 
 
@@ -128,7 +128,7 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Executor | 
             try:
                 pool, threads = stack.enter_context(cluster_pool(scheduler))
             except (ImportError, OSError, RuntimeError, ValueError) as error:
-                raise DesignError("--scheduler", str(error)) from error
+                raise InputError("--scheduler", str(error)) from error
             yield pool, 4 * threads
     elif workers > 1:
         with worker_pool(workers) as executor:
@@ -250,7 +250,7 @@ def _arrow() -> tuple[Any, Any]:
         import pyarrow
         import pyarrow.parquet
     except ImportError as error:
-        raise DesignError("output", 'Parquet needs pyarrow; install "navbudget[sweep]", or write .csv') from error
+        raise InputError("output", 'Parquet needs pyarrow; install "navbudget[sweep]", or write .csv') from error
     return pyarrow, pyarrow.parquet
 
 

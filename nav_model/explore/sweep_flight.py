@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, refusal, specification
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
 from nav_model.units import QuantityError, parse_quantity
@@ -54,7 +54,7 @@ class Flight:
 
         Raises
         ------
-        DesignError
+        InputError
             As `nav_model.simulation.design_study.specification`.
         """
         return specification(
@@ -74,17 +74,15 @@ def read_flight(table: Any, folder: Path) -> Flight:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the key, what was given and what is allowed. What only a design can be refused for is left to
         `Flight.specification`.
     """
     if not isinstance(table, dict):
-        raise DesignError("simulate", "must be a section, such as [simulate] with runs = 100")
+        raise InputError("simulate", "must be a section, such as [simulate] with runs = 100")
     unknown = set(table) - {*_READ, "trajectory"}
     if unknown:
-        raise DesignError(
-            f"simulate.{sorted(unknown)[0]}", f"unknown key; it has {', '.join((*_READ, 'trajectory'))}"
-        )
+        raise InputError(f"simulate.{sorted(unknown)[0]}", f"unknown key; it has {', '.join((*_READ, 'trajectory'))}")
     given: dict[str, Any] = {
         key: _READ[key](f"simulate.{key}", value) for key, value in table.items() if key in _READ
     }
@@ -94,7 +92,7 @@ def read_flight(table: Any, folder: Path) -> Flight:
 
 def _whole(key: str, value: Any) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
-        raise DesignError(key, f"{value!r} is not a whole number")
+        raise InputError(key, f"{value!r} is not a whole number")
     return value
 
 
@@ -104,12 +102,12 @@ def _time(key: str, value: Any) -> float:
             raise QuantityError('a time is written with its unit, such as "500 s"')
         return parse_quantity(value, "time").value
     except QuantityError as error:
-        raise DesignError(key, f"{value!r}: {error}") from error
+        raise InputError(key, f"{value!r}: {error}") from error
 
 
 def _outages(key: str, value: Any) -> tuple[tuple[float, float], ...]:
     if not isinstance(value, list) or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
-        raise DesignError(key, f'{value!r} is not a list of pairs such as [["400 s", "500 s"]]')
+        raise InputError(key, f'{value!r} is not a list of pairs such as [["400 s", "500 s"]]')
     return tuple((_time(key, start), _time(key, stop)) for start, stop in value)
 
 
@@ -127,16 +125,16 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
     if value in NAMED_TRAJECTORIES:
         return str(value)
     if not isinstance(value, str):
-        raise DesignError("simulate.trajectory", f"{value!r} is not a name or a file")
+        raise InputError("simulate.trajectory", f"{value!r} is not a name or a file")
     from nav_model.simulation.trajectory_file import read_trajectory
 
     try:
         return read_trajectory(folder / value)
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
-        raise DesignError("simulate.trajectory", f"{value!r} is neither one of {known} nor a file to read") from error
+        raise InputError("simulate.trajectory", f"{value!r} is neither one of {known} nor a file to read") from error
     except ValueError as error:
-        raise DesignError("simulate.trajectory", str(error)) from error
+        raise InputError("simulate.trajectory", str(error)) from error
 
 
 def check_flight(flight: Flight, design: Design) -> None:
@@ -144,14 +142,14 @@ def check_flight(flight: Flight, design: Design) -> None:
 
     Raises
     ------
-    DesignError
+    InputError
         Under "simulate", for an option; a design that cannot be flown is its row's affair.
     """
     try:
         flight.specification(design)
-    except DesignError as error:
+    except InputError as error:
         if "." not in error.key:
-            raise DesignError(f"simulate.{error.key}", error.reason) from error
+            raise InputError(f"simulate.{error.key}", error.reason) from error
 
 
 def fly(flight: Flight, design: Design) -> dict[str, float | str]:

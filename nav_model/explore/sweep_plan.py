@@ -31,9 +31,10 @@ import tomli_w
 
 from nav_model.budget.figures import FIGURES
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity, Choice, DesignError
+from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.file import format_design, parse_design, preset_fill, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
+from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import Flight, check_flight, read_flight
 
@@ -108,7 +109,7 @@ def read_plan(path: str | Path) -> Plan:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the file or key, what was given and what is allowed.
     """
     where = Path(path)
@@ -120,29 +121,29 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
     try:
         tables = tomllib.loads(data.decode("utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise DesignError(where, f"not a sweep file (TOML): {error}") from error
+        raise InputError(where, f"not a sweep file (TOML): {error}") from error
     unknown = set(tables) - set(_KEYS)
     if unknown:
-        raise DesignError(sorted(unknown)[0], f"unknown key; a sweep file has {', '.join(_KEYS)}")
+        raise InputError(sorted(unknown)[0], f"unknown key; a sweep file has {', '.join(_KEYS)}")
     design = _design(tables.get("design"), folder)
     combine = tables.get("combine", "grid")
     if combine not in ("grid", "together"):
-        raise DesignError("combine", f"{combine!r} is not one of grid, together")
+        raise InputError("combine", f"{combine!r} is not one of grid, together")
     vary = tables.get("vary")
     if not isinstance(vary, dict) or not vary:
-        raise DesignError("vary", 'gives no input; write for example gnss.position_noise = ["2 cm", "1 m"]')
+        raise InputError("vary", 'gives no input; write for example gnss.position_noise = ["2 cm", "1 m"]')
     axes = tuple(_axis(key, spec) for key, spec in _flat(vary))
     for i, axis in enumerate(axes):
         if axis.key in {other.key for other in axes[:i]}:
-            raise DesignError(axis.key, "is varied twice; give it one list or range")
+            raise InputError(axis.key, "is varied twice; give it one list or range")
     lengths = {axis.key: len(axis.shown) for axis in axes}
     if combine == "together" and len(set(lengths.values())) > 1:
-        raise DesignError("combine", f"together needs lists of one length; they have {lengths}")
+        raise InputError("combine", f"together needs lists of one length; they have {lengths}")
     flight = read_flight(tables["simulate"], folder) if "simulate" in tables else None
     size = _part_size(tables, _FLIGHTS_PER_PART if flight else _ROWS_PER_PART)
     plan = Plan(format_design(design), axes, combine == "together", _results(tables), size, flight)
     if plan.rows > MOST_ROWS:
-        raise DesignError("vary", f"asks for {plan.rows} designs; at most {MOST_ROWS} go in one sweep")
+        raise InputError("vary", f"asks for {plan.rows} designs; at most {MOST_ROWS} go in one sweep")
     if flight is not None:
         check_flight(flight, design)
     return plan
@@ -153,23 +154,23 @@ def _design(content: Any, folder: Path) -> Design:
         return parse_design(read_bytes(folder / content), content)
     if isinstance(content, dict):
         return parse_design(tomli_w.dumps(content), "design")
-    raise DesignError("design", "must name a design file, or hold a design's sections")
+    raise InputError("design", "must name a design file, or hold a design's sections")
 
 
 def _results(tables: Mapping[str, Any]) -> tuple[str, ...]:
     given = tables.get("results", list(FIGURES))
     if not isinstance(given, list) or not given:
-        raise DesignError("results", f"must be a list out of {', '.join(FIGURES)}")
+        raise InputError("results", f"must be a list out of {', '.join(FIGURES)}")
     for name in given:
         if name not in FIGURES:
-            raise DesignError("results", f"{name!r} is not one of {', '.join(FIGURES)}")
+            raise InputError("results", f"{name!r} is not one of {', '.join(FIGURES)}")
     return tuple(name for name in FIGURES if name in given)
 
 
 def _part_size(tables: Mapping[str, Any], usual: int) -> int:
     size = tables.get("rows_per_part", usual)
     if not isinstance(size, int) or isinstance(size, bool) or not 1 <= size <= 100_000:
-        raise DesignError("rows_per_part", f"{size!r} is not a whole number from 1 to 100000")
+        raise InputError("rows_per_part", f"{size!r} is not a whole number from 1 to 100000")
     return size
 
 
@@ -188,7 +189,7 @@ def _axis(key: str, spec: Any) -> Axis:
     if isinstance(spec, dict):
         return _numbers(key, _range(key, spec))
     if not isinstance(spec, list) or not spec:
-        raise DesignError(key, "must be a list of values, or { from = ..., to = ..., points = ... }")
+        raise InputError(key, "must be a list of values, or { from = ..., to = ..., points = ... }")
     if key in PRESET_KEYS:
         fills = [preset_fill(key.partition(".")[0], str(name))[0] for name in spec]
         return Axis(key, tuple(fill[key] for fill in fills), tuple(fills))
@@ -203,7 +204,7 @@ def _declaration(key: str) -> BaseQuantity[Any] | Choice:
     try:
         return declaration_of(key)
     except KeyError as error:
-        raise DesignError(key, "unknown key; an input is named as in a design file, section.name") from error
+        raise InputError(key, "unknown key; an input is named as in a design file, section.name") from error
 
 
 def _numbers(key: str, values: list[float]) -> Axis:
@@ -213,15 +214,15 @@ def _numbers(key: str, values: list[float]) -> Axis:
 def _range(key: str, spec: Mapping[str, Any]) -> list[float]:
     wrong = set(spec) - {"from", "to", "points", "spacing"}
     if wrong or not {"from", "to", "points"} <= set(spec):
-        raise DesignError(key, 'a range is { from = ..., to = ..., points = ..., spacing = "log" or "linear" }')
+        raise InputError(key, 'a range is { from = ..., to = ..., points = ..., spacing = "log" or "linear" }')
     declaration = quantity(key)
     low, high = declaration.read(spec["from"]).value, declaration.read(spec["to"]).value
     points, spacing = spec["points"], spec.get("spacing", "linear")
     if not isinstance(points, int) or isinstance(points, bool) or not 2 <= points <= MOST_POINTS:
-        raise DesignError(key, f"points = {points!r} is not a whole number from 2 to {MOST_POINTS}")
+        raise InputError(key, f"points = {points!r} is not a whole number from 2 to {MOST_POINTS}")
     if spacing not in ("log", "linear"):
-        raise DesignError(key, f"spacing {spacing!r} is not one of log, linear")
+        raise InputError(key, f"spacing {spacing!r} is not one of log, linear")
     if spacing == "log" and min(low, high) <= 0:
-        raise DesignError(key, "a log range must stay above zero")
+        raise InputError(key, "a log range must stay above zero")
     space = np.geomspace if spacing == "log" else np.linspace
     return [float(value) for value in space(low, high, points)]

@@ -10,7 +10,7 @@ from nav_model.analytic.steady_state import Array
 from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.catalogue import Entry, catalogue
 from nav_model.design import Design, Value
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, worst
 
 SIZE = 200
@@ -63,11 +63,11 @@ def axis(design: Design, key: str, count: int) -> Array:
 
     Raises
     ------
-    DesignError
+    InputError
         If no figure depends on the input as a number.
     """
     if key not in VARIABLES:
-        raise DesignError(key, f"cannot be an axis; allowed are {', '.join(VARIABLES)}")
+        raise InputError(key, f"cannot be an axis; allowed are {', '.join(VARIABLES)}")
     declaration = quantity(key)
     low, high = usual_range(key)
     here = _here(design, key)
@@ -94,15 +94,15 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
 
     Raises
     ------
-    DesignError
+    InputError
         For inputs or a result that cannot be mapped, or `ALL` without any requirement.
     """
     if x_key == y_key:
-        raise DesignError(y_key, "is on both axes; choose two different inputs")
+        raise InputError(y_key, "is on both axes; choose two different inputs")
     if result not in RESULTS:
-        raise DesignError("result", f"{result!r} is not one of {', '.join(RESULTS)}")
+        raise InputError("result", f"{result!r} is not one of {', '.join(RESULTS)}")
     if result == ALL and not limits(design):
-        raise DesignError("requirements", "none is given; state at least one limit, or map a single figure")
+        raise InputError("requirements", "none is given; state at least one limit, or map a single figure")
     count = size or SIZE
     x, y = axis(design, x_key, count), axis(design, y_key, count)
     z = np.broadcast_to(_value(design, {x_key: x[None, :], y_key: y[:, None]}, result), (count, count))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from nav_model.analytic.steady_state import Array
 from nav_model.budget.figures import VARIABLES
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import limits, quantity, ratios, worst
 
 SCRAMBLINGS = 10
@@ -87,27 +87,27 @@ def read_uncertain(key: str, text: str) -> Uncertain:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the key, what was given and what is allowed.
     """
     declaration = quantity(key)
     if key not in VARIABLES:
-        raise DesignError(key, f"cannot be uncertain; allowed are {', '.join(VARIABLES)}")
+        raise InputError(key, f"cannot be uncertain; allowed are {', '.join(VARIABLES)}")
     if "*/" in text:
         middle, _, factor = text.partition("*/")
         spread = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*", factor)
         if not spread or not 1 < float(spread[1]) <= 10:
-            raise DesignError(key, f"{text!r}: the factor behind */ must be a number above 1 and at most 10")
+            raise InputError(key, f"{text!r}: the factor behind */ must be a number above 1 and at most 10")
         return Uncertain("lognormal", declaration.read(middle.strip()).value, float(spread[1]))
     body, log, _ = text.partition(" log")
     low, dots, high = body.partition("..")
     if not dots:
-        raise DesignError(key, f"{text!r} is not a range; write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR")
+        raise InputError(key, f"{text!r} is not a range; write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR")
     ends = declaration.read(low.strip()).value, declaration.read(high.strip()).value
     if not ends[0] < ends[1]:
-        raise DesignError(key, f"{text!r}: the lower end must be below the upper")
+        raise InputError(key, f"{text!r}: the lower end must be below the upper")
     if log and ends[0] <= 0:
-        raise DesignError(key, f"{text!r}: a log range must start above zero")
+        raise InputError(key, f"{text!r}: a log range must start above zero")
     return Uncertain("log-uniform" if log else "uniform", *ends)
 
 
@@ -128,14 +128,14 @@ def uncertain_verdict(
 
     Raises
     ------
-    DesignError
+    InputError
         If no input or no requirement is given, or a distribution leaves its input's bounds.
     """
     if not inputs:
-        raise DesignError("uncertainty", "no input is uncertain; give at least one range")
+        raise InputError("uncertainty", "no input is uncertain; give at least one range")
     names = list(limits(design))
     if not names:
-        raise DesignError("requirements", "none is given; state at least one limit to hold designs against")
+        raise InputError("requirements", "none is given; state at least one limit to hold designs against")
     columns = _samples(inputs, seed, points)
     total = SCRAMBLINGS * points
     found = {name: np.broadcast_to(ratio, total) for name, ratio in ratios(design, columns).items()}
@@ -163,7 +163,7 @@ def _samples(inputs: Mapping[str, Uncertain], seed: int, points: int) -> dict[st
         values = uncertain.at(np.clip(fraction, 2.0**-40, 1 - 2.0**-40))
         low, high = quantity(key).limits
         if values.min() < low or values.max() > high:
-            raise DesignError(key, f"the distribution leaves what the input may be; {quantity(key).allowed()}")
+            raise InputError(key, f"the distribution leaves what the input may be; {quantity(key).allowed()}")
         columns[key] = values
     return columns
 

@@ -11,7 +11,7 @@ import numpy as np
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.budget import Budget
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import Flight, flight_of
 from nav_model.sar.impulse_response import Window
@@ -56,7 +56,7 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
 
     Raises
     ------
-    DesignError
+    InputError
         For a line of sight straight down or behind the horizon of the flight line, and for more fixes in the
         aperture or in the coast before it than are simulated (5000 each), and as `flight_of` for the simulator.
     """
@@ -66,13 +66,13 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
     for key, span in (("coast.before_aperture", coast), ("gnss.interval", sar.aperture_time)):
         if span / interval > _MOST_FIXES:
             held = f"{span:.4g} s hold {span / interval:.4g} fixes"
-            raise DesignError(key, f"{held}; strategies are simulated with {_MOST_FIXES} at most")
+            raise InputError(key, f"{held}; strategies are simulated with {_MOST_FIXES} at most")
     if radar.grazing_angle >= math.radians(89.9):
-        raise DesignError("radar.grazing_angle", "strategies are simulated below 89.9°; straight down has no image")
+        raise InputError("radar.grazing_angle", "strategies are simulated below 89.9°; straight down has no image")
     try:
         geometry = ApertureGeometry(radar.slant_range, design.flight.speed, radar.grazing_angle, radar.squint_angle)
     except ValueError as error:
-        raise DesignError("radar.squint_angle", str(error)) from error
+        raise InputError("radar.squint_angle", str(error)) from error
     wanted = max(sar.aperture_time * _RATE_HZ, 8 * sar.aperture_time / interval)
     samples = min(max(math.ceil(wanted), _LEAST_SAMPLES), _MOST_SAMPLES)
     level, down = (

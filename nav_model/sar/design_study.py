@@ -213,7 +213,7 @@ def design_study(
 
     Raises
     ------
-    DesignError
+    InputError
         See `design_case`.
     ValueError
         See `chunks`.

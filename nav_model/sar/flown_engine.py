@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.fast_engine import weight_of
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
@@ -52,7 +52,7 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Flight
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the key of the design that makes a flight too long or cannot be flown.
     """
     interval, rate = design.gnss.interval, design.imu.rate
@@ -60,7 +60,7 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Flight
     count = math.ceil((before + coast_time) / interval)
     length = count * interval + aperture_time + 2 / rate
     if length * rate > _MOST_SAMPLES:
-        raise DesignError(
+        raise InputError(
             "imu.rate",
             f"{rate:g} Hz over {length:.4g} s, in which the filter settles ({before:.4g} s), are more than the "
             f"simulator flies for a strategy; at most {_MOST_SAMPLES / length:.4g} Hz go, or the fast engine",

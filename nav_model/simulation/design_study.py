@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from nav_model.analytic.steady_state import yaw_variance
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.parts import declaration_of
+from nav_model.errors import InputError
 from nav_model.simulation.specification import (
     TRAJECTORY_KINDS,
     GnssModel,
@@ -80,13 +81,13 @@ def specification(
     duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases, or 21 for one that
     tells two kinds of bias apart. more: sensor errors, receiver and tuning beyond the design.
 
-    Raises DesignError naming the key of the design, or the option, that cannot be flown.
+    Raises InputError naming the key of the design, or the option, that cannot be flown.
     """
     imu, gnss = design.imu, design.gnss
     settled = analyse(design).steady_state.closed
     longest = max((stop - start for start, stop in outages), default=0.0)
     if longest > LONGEST_OUTAGE:
-        raise DesignError("outage", f"{longest:g} s long; at most {LONGEST_OUTAGE:g} s go")
+        raise InputError("outage", f"{longest:g} s long; at most {LONGEST_OUTAGE:g} s go")
     slow = gnss.correlated_noise if gnss.correlated else 0.0
     try:
         return SimulationSpec(
@@ -125,25 +126,25 @@ def specification(
         raise refusal(error, design) from error
 
 
-def refusal(error: ValueError, design: Design) -> DesignError:
+def refusal(error: ValueError, design: Design) -> InputError:
     """What the simulator refused, under the key of the design or the option it was given as."""
-    if isinstance(error, DesignError):
+    if isinstance(error, InputError):
         return error
     name, found, rest = str(error).partition(" = ")
     if not found:
-        return DesignError("trajectory", str(error).removeprefix("trajectory: "))
+        return InputError("trajectory", str(error).removeprefix("trajectory: "))
     key = _GIVEN_AS.get(name, name.rpartition(".")[2])
     value, _, allowed = rest.partition(": ")
     if "." in key:
         quantity = declaration_of(key)
         assert isinstance(quantity, BaseQuantity)
         value = quantity.show(float(design[key]))  # type: ignore[arg-type]  # a required quantity is a number
-    return DesignError(key, f"{value} cannot be simulated; {allowed}")
+    return InputError(key, f"{value} cannot be simulated; {allowed}")
 
 
 def _flight(design: Design, kind: str) -> TrajectorySpec:
     if kind not in NAMED_TRAJECTORIES:
-        raise DesignError("trajectory", f"{kind!r} is not known; {', '.join(NAMED_TRAJECTORIES)}, or a CSV file")
+        raise InputError("trajectory", f"{kind!r} is not known; {', '.join(NAMED_TRAJECTORIES)}, or a CSV file")
     flight = design.flight
     return TrajectorySpec(
         kind=kind,  # type: ignore[arg-type]  # checked above

@@ -11,8 +11,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
-from nav_model.design.declaration import BaseQuantity, DesignError, OptionalQuantity, Quantity
+from nav_model.design.declaration import BaseQuantity, OptionalQuantity, Quantity
 from nav_model.design.parts import Part
+from nav_model.errors import InputError
 from nav_model.simulation.specification import (
     FilterModel,
     GnssModel,
@@ -166,7 +167,7 @@ _RENAMED: Final[Mapping[str, str]] = {"quantization": "quantisation"}
 class StudyInputs:
     """What was given, as (key, value in SI) in the order of `STUDY_KEYS`; hashable and picklable.
 
-    Raises DesignError for an unknown key or a value out of bounds.
+    Raises InputError for an unknown key or a value out of bounds.
     """
 
     given: tuple[tuple[str, float], ...] = ()
@@ -209,7 +210,7 @@ def read_study_inputs(texts: Mapping[str, str]) -> StudyInputs:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the key, what was given and what is allowed.
     """
     values = {key: _declared(key).read(text).value for key, text in texts.items() if text.strip()}
@@ -231,7 +232,7 @@ def split_changes(changes: Iterable[str]) -> tuple[list[str], dict[str, str]]:
 
 def _declared(key: str) -> BaseQuantity[Any]:
     if key not in STUDY_KEYS:
-        raise DesignError(key, f"unknown key; a study takes {', '.join(STUDY_KEYS)}")
+        raise InputError(key, f"unknown key; a study takes {', '.join(STUDY_KEYS)}")
     return STUDY_KEYS[key]
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from nav_model.design.declaration import DesignError, shown
+from nav_model.errors import InputError, shown
 from nav_model.units import QuantityError, format_quantity, join_quantity, parse_quantity
 
 Value = float | str | tuple[float, ...] | tuple[tuple[float, float], ...] | None
@@ -43,12 +43,12 @@ class Setting:
     choices: tuple[str, ...] = ()
 
     def check(self, value: Value) -> Value:
-        """The value itself; DesignError with the key, the value and what is allowed."""
+        """The value itself; InputError with the key, the value and what is allowed."""
         if value is None and self.optional:
             return value
         if self.kind == "choice":
             if value not in self.choices:
-                raise DesignError(self.key, f"{value!r} is not allowed; it must be one of {', '.join(self.choices)}")
+                raise InputError(self.key, f"{value!r} is not allowed; it must be one of {', '.join(self.choices)}")
             return value
         if self.kind == "intervals":
             assert isinstance(value, tuple)
@@ -56,18 +56,18 @@ class Setting:
                 assert isinstance(pair, tuple)
                 if not (0 <= pair[0] < pair[1] < math.inf):
                     said = f"{pair[0]:g}-{pair[1]:g} s"
-                    raise DesignError(self.key, f"{said} must start at 0 or later, and before it stops")
+                    raise InputError(self.key, f"{said} must start at 0 or later, and before it stops")
             return value
         numbers = value if isinstance(value, tuple) else (value,)
         if self.kind == "axes" and len(numbers) != self._count:
-            raise DesignError(self.key, f"{shown(value)} is not {_COUNTS[self._count]} numbers")
+            raise InputError(self.key, f"{shown(value)} is not {_COUNTS[self._count]} numbers")
         for number in numbers:
             assert isinstance(number, float | int)
             size = abs(number) if self.kind == "axes" else number
             if not self.low <= size <= self.high:  # NaN lands here too
-                raise DesignError(self.key, f"{self._one(number, 6)} is not allowed; {self.allowed()}")
+                raise InputError(self.key, f"{self._one(number, 6)} is not allowed; {self.allowed()}")
             if self.kind == "whole" and number != round(number):
-                raise DesignError(self.key, f"{number:g} is not a whole number")
+                raise InputError(self.key, f"{number:g} is not a whole number")
         return value
 
     def allowed(self) -> str:
@@ -82,7 +82,7 @@ class Setting:
 
         Raises
         ------
-        DesignError
+        InputError
             Naming the key, what was given and what is allowed.
         """
         stripped = text.strip()
@@ -94,7 +94,7 @@ class Setting:
             return self.check(_read_intervals(self.key, stripped))
         parts = [part.strip() for part in re.split(r"[,;]", stripped)] if self.kind == "axes" else [stripped]
         if self.kind == "axes" and len(parts) not in (1, self._count):
-            raise DesignError(
+            raise InputError(
                 self.key,
                 f"{shown(stripped)} has {len(parts)} values; give one for all axes, or {_COUNTS[self._count]}",
             )
@@ -102,7 +102,7 @@ class Setting:
         try:
             numbers = [self._number(part, last) for part in parts]
         except QuantityError as error:
-            raise DesignError(self.key, str(error)) from error
+            raise InputError(self.key, str(error)) from error
         if self.kind != "axes":
             return self.check(numbers[0])
         return self.check(tuple(numbers if len(numbers) > 1 else numbers * self._count))
@@ -112,7 +112,7 @@ class Setting:
 
         Raises
         ------
-        DesignError
+        InputError
             As `read`.
         """
         plain = isinstance(content, int | float) and not isinstance(content, bool)
@@ -120,7 +120,7 @@ class Setting:
             return self.check(math.inf if abs(content) >= 1e300 else float(content))
         if not isinstance(content, str):
             example = self.show(self.default)
-            raise DesignError(self.key, f"{shown(content)} is not text in quotes; write for example {example!r}")
+            raise InputError(self.key, f"{shown(content)} is not text in quotes; write for example {example!r}")
         return self.read(content)
 
     @property
@@ -170,6 +170,6 @@ def _read_intervals(key: str, text: str) -> tuple[tuple[float, float], ...]:
     for part in filter(None, (piece.strip() for piece in re.split(r"[,;]", text))):
         match = _INTERVAL.fullmatch(part)
         if match is None:
-            raise DesignError(key, f'{part[:40]!r} is not an interval; write for example "200-260 s, 400-410 s"')
+            raise InputError(key, f'{part[:40]!r} is not an interval; write for example "200-260 s, 400-410 s"')
         pairs.append((float(match[1]), float(match[2])))
     return tuple(pairs)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.suborbital.aiding import Aiding
 from nav_model.suborbital.errors import ErrorSet, InitialErrors, SensorErrors, Triple, scale_matrix
 from nav_model.suborbital.flight import FlightParameters
@@ -40,18 +40,18 @@ class Settings:
         return SETTINGS[key].show(self[key])
 
     def change(self, changes: Mapping[str, Value], origin: str) -> Settings:
-        """Other settings with some values replaced. DesignError for an unknown key or a value not allowed, and
+        """Other settings with some values replaced. InputError for an unknown key or a value not allowed, and
         for values that do not fit together."""
         for key, value in changes.items():
             if key not in SETTINGS:
-                raise DesignError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
+                raise InputError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
             SETTINGS[key].check(value)
         changed = Settings({**self.values, **changes}, {**self.origin, **dict.fromkeys(changes, origin)})
         try:
             changed.study_inputs()
             changed.camera()
         except ValueError as error:
-            raise DesignError(_blamed(str(error), changes), str(error)) from error
+            raise InputError(_blamed(str(error), changes), str(error)) from error
         return changed
 
     def study_inputs(self) -> StudyInputs:
@@ -184,11 +184,11 @@ def from_design(settings: Settings, design: Design) -> Settings:
 
 
 def read_changes(settings: Settings, changes: Mapping[str, str], origin: str) -> Settings:
-    """Settings with text values put in, as the command line gives them. DesignError as `Settings.change`."""
+    """Settings with text values put in, as the command line gives them. InputError as `Settings.change`."""
     values: dict[str, Value] = {}
     for key, text in changes.items():
         if key not in SETTINGS:
-            raise DesignError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
+            raise InputError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
         values[key] = SETTINGS[key].read(text)
     return settings.change(values, origin)
 

@@ -21,8 +21,8 @@ from urllib.parse import urlencode
 
 import tomli_w
 
-from nav_model.design.declaration import DesignError, shown
 from nav_model.design.link import STUDY_PREFIX, pairs_of
+from nav_model.errors import InputError, shown
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.setting import Value
 from nav_model.suborbital.settings import DEFAULTS, Settings
@@ -55,13 +55,13 @@ def parse_study(data: bytes, where: str = "study") -> StudyFile:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the file or key, what was given and what is allowed.
     """
     tables = _load(data, where)
     if tables.get("study") != KIND:
         said = "is missing" if "study" not in tables else f"{shown(tables['study'])} is not allowed"
-        raise DesignError("study", f'{said}; a study of a suborbital flight says study = "{KIND}"')
+        raise InputError("study", f'{said}; a study of a suborbital flight says study = "{KIND}"')
     values: dict[str, Value] = {}
     for key, content in tables.items():
         if key in ("study", "trajectory"):
@@ -70,14 +70,14 @@ def parse_study(data: bytes, where: str = "study") -> StudyFile:
             values[key] = SETTINGS[key].take(content)
             continue
         if key not in _SECTIONS:
-            raise DesignError(key, f"unknown key; a study has seed, {_sections()} and [trajectory]")
+            raise InputError(key, f"unknown key; a study has seed, {_sections()} and [trajectory]")
         if not isinstance(content, dict):
-            raise DesignError(key, f"must be a section, [{key}], not {shown(content)}")
+            raise InputError(key, f"must be a section, [{key}], not {shown(content)}")
         for name, inner in content.items():
             full = f"{key}.{name}"
             if full not in SETTINGS:
                 allowed = (k.rpartition(".")[2] for k in SETTINGS if k.rpartition(".")[0] == key)
-                raise DesignError(full, f"unknown key; [{key}] has {', '.join(allowed)}")
+                raise InputError(full, f"unknown key; [{key}] has {', '.join(allowed)}")
             values[full] = SETTINGS[full].take(inner)
     return StudyFile(_settings(values, f"file {where}"), _trajectory(tables.get("trajectory")))
 
@@ -93,15 +93,15 @@ def _sections() -> str:
 
 def _load(data: bytes, where: str) -> dict[str, Any]:
     if len(data) > MAX_BYTES:
-        raise DesignError(where, f"larger than {MAX_BYTES // 1_000_000} MB; not a study")
+        raise InputError(where, f"larger than {MAX_BYTES // 1_000_000} MB; not a study")
     try:
         tables = tomllib.loads(data.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
-        raise DesignError(where, f"not a text file (byte {error.start} is not UTF-8)") from error
+        raise InputError(where, f"not a text file (byte {error.start} is not UTF-8)") from error
     except RecursionError as error:
-        raise DesignError(where, "not a study file: nested too deeply") from error
+        raise InputError(where, "not a study file: nested too deeply") from error
     except ValueError as error:  # also an integer beyond what Python reads
-        raise DesignError(where, f"not a study file (TOML): {str(error).partition(';')[0]}") from error
+        raise InputError(where, f"not a study file (TOML): {str(error).partition(';')[0]}") from error
     return tables
 
 
@@ -109,14 +109,14 @@ def _trajectory(content: Any) -> tuple[str, bytes] | None:
     if content is None:
         return None
     if not isinstance(content, dict):
-        raise DesignError("trajectory", f"must be a section, [trajectory], not {shown(content)}")
+        raise InputError("trajectory", f"must be a section, [trajectory], not {shown(content)}")
     unknown = [key for key in content if key not in ("name", "csv")]
     if unknown:
-        raise DesignError(f"trajectory.{unknown[0]}", "unknown key; [trajectory] has name, csv")
+        raise InputError(f"trajectory.{unknown[0]}", "unknown key; [trajectory] has name, csv")
     for key in ("name", "csv"):
         if not isinstance(content.get(key), str) or not content[key].strip():
             said = "is missing" if key not in content else f"{shown(content[key])} is not text in quotes"
-            raise DesignError(f"trajectory.{key}", said)
+            raise InputError(f"trajectory.{key}", said)
     return content["name"][:200], content["csv"].encode("utf-8")
 
 
@@ -125,7 +125,7 @@ def format_study(settings: Settings, trajectory: tuple[str, bytes] | None = None
 
     Raises
     ------
-    DesignError
+    InputError
         If the trajectory is not text, which no run would have taken either.
     """
     tables: dict[str, Any] = {"study": KIND}
@@ -140,7 +140,7 @@ def format_study(settings: Settings, trajectory: tuple[str, bytes] | None = None
         try:
             tables["trajectory"] = {"name": name, "csv": content.decode("utf-8-sig")}
         except UnicodeDecodeError as error:
-            raise DesignError(name, f"not a text file (byte {error.start} is not UTF-8)") from error
+            raise InputError(name, f"not a text file (byte {error.start} is not UTF-8)") from error
     return tomli_w.dumps(tables, multiline_strings=True)
 
 
@@ -164,15 +164,15 @@ def from_link(query: str) -> Settings:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the key that is wrong; nothing of a wrong link is used.
     """
     values: dict[str, Value] = {}
     for name, text in pairs_of(query):
         key = name.removeprefix(STUDY_PREFIX)
         if key not in SETTINGS:
-            raise DesignError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
+            raise InputError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
         if key in values:
-            raise DesignError(key, "is given twice in the link")
+            raise InputError(key, "is given twice in the link")
         values[key] = SETTINGS[key].read(text)
     return _settings(values, "link")

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from nav_model.catalogue import STATUSES, catalogue, find, read_catalogue
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 # name: ARW °/√h, VRW m/s/√h, gyro bias °/h, accelerometer bias mg; None where the page gives none.
 IMUS = {
@@ -138,7 +138,7 @@ def test_every_value_has_a_unit_a_source_and_an_honest_status(kind):
 
 def test_names_are_found_whatever_the_case_and_others_refused_with_the_list():
     assert find("imu", " stim300 ").name == "STIM300"
-    with pytest.raises(DesignError, match=r"radar\.preset: 'F-SAR Z' is not in the catalogue; it has F-SAR X"):
+    with pytest.raises(InputError, match=r"radar\.preset: 'F-SAR Z' is not in the catalogue; it has F-SAR X"):
         find("radar", "F-SAR Z")
 
 
@@ -161,6 +161,6 @@ def test_names_are_found_whatever_the_case_and_others_refused_with_the_list():
     ],
 )
 def test_a_users_catalogue_is_refused_by_name_and_key(text, key):
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         read_catalogue(text, "imu")
     assert caught.value.key == key

@@ -13,9 +13,10 @@ from bokeh.models import CustomJSTickFormatter
 from app.session import Session
 from nav_model.catalogue import find
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import preset_of
 from nav_model.design.parts import declaration_of
+from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS, format_quantity, from_si, to_si
 
 _SLIDERS = {
@@ -204,7 +205,7 @@ class QuantityControl:
             return
         try:
             value, unit = self._declaration.read(_with_unit(text, self.unit.value if self.unit else ""))
-        except DesignError as error:
+        except InputError as error:
             self._error = error.reason
             self._help(self._session.design)
             return
@@ -242,7 +243,7 @@ def _with_unit(text: str, unit: str) -> str:
     return f"{text} {unit}".strip()
 
 
-def _message(error: DesignError, key: str) -> str:
+def _message(error: InputError, key: str) -> str:
     return error.reason if error.key == key else str(error)
 
 

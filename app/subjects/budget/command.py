@@ -11,8 +11,8 @@ from app.console.arguments import design_arguments, paths_of, read_design, refus
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.catalogue import catalogue
-from nav_model.design.declaration import DesignError
 from nav_model.design.parts import declaration_of
+from nav_model.errors import InputError
 from nav_model.units import format_quantity
 
 
@@ -47,7 +47,7 @@ def _times(text: str | None) -> list[float] | None:
     try:
         return [float(part) for part in text.split(",")]
     except ValueError as error:
-        raise DesignError("--times", f"{text!r} is not a list of seconds such as 0,10,20") from error
+        raise InputError("--times", f"{text!r} is not a list of seconds such as 0,10,20") from error
 
 
 def _check(options: argparse.Namespace) -> int:
@@ -55,7 +55,7 @@ def _check(options: argparse.Namespace) -> int:
     for path in paths_of(options):
         try:
             budget = analyse(read_design(path, options.changes))
-        except DesignError as error:
+        except InputError as error:
             worst = refuse(error)
             continue
         print("\n".join(check_lines(path, budget)))

@@ -14,8 +14,8 @@ from typing import Any
 from nav_model.budget.figures import FIGURES
 from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import read_bytes
+from nav_model.errors import InputError
 from nav_model.explore.margins import ALL, label_of, limits
 from nav_model.explore.rank import rank, sentence, silent
 from nav_model.explore.search import left_out, search
@@ -121,7 +121,7 @@ def _entries(kind: Kind, files: Iterable[str]) -> Mapping[str, Entry]:
         try:
             entries |= read_catalogue(read_bytes(path).decode("utf-8-sig"), kind)
         except UnicodeDecodeError as error:
-            raise DesignError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
+            raise InputError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
     return entries
 
 
@@ -131,7 +131,7 @@ def doubted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     for text in options.vary:
         key, equals, spec = text.partition("=")
         if not equals:
-            raise DesignError(text, 'not a range; write for example imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h"')
+            raise InputError(text, 'not a range; write for example imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h"')
         inputs[key.strip()] = read_uncertain(key.strip(), spec)
     found = uncertain_verdict(design, inputs, options.seed)
     rows = [

@@ -20,7 +20,7 @@ from app.ui.theme import FRAME
 from app.ui.upload import LimitedFileInput
 from nav_model.budget import Budget
 from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import label_of
 from nav_model.explore.search import Candidate, left_out, search
 
@@ -142,12 +142,12 @@ class SearchPanel:
             found = {kind: dict(read_catalogue(text, kind)) for kind in _KINDS}
             names = [name for entries in found.values() for name in entries]
             if not names:
-                raise DesignError("file", "has neither [[imu]] nor [[gnss]] entries")
+                raise InputError("file", "has neither [[imu]] nor [[gnss]] entries")
             self._own = found
             self._say(f"Added {', '.join(names)}.")
         except UnicodeDecodeError as error:
             self._say(f"Not opened. Byte {error.start} is not UTF-8 text.")
-        except DesignError as error:
+        except InputError as error:
             self._say(f"Not opened. {error}")
         self.show(self._session.budget)
 

@@ -13,8 +13,8 @@ from app.ui.chart_pane import html_pane, prose
 from app.ui.theme import FRAME
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design, parse_design
+from nav_model.errors import InputError
 from nav_model.explore.margins import label_of, quantity
 from nav_model.explore.uncertainty import Probability, UncertainVerdict, read_uncertain, uncertain_verdict
 from nav_model.units import format_quantity
@@ -43,7 +43,7 @@ def verdict_of_text(design: str, ranges: Mapping[str, str]) -> UncertainVerdict:
 
     Raises
     ------
-    DesignError
+    InputError
         As `uncertain_verdict`.
     """
     return uncertain_verdict(parse_design(design), {key: read_uncertain(key, text) for key, text in ranges.items()})
@@ -132,7 +132,7 @@ class UncertaintyPanel:
                 try:
                     found = await elsewhere(verdict_of_text, format_design(self._session.design), self._ranges())
                     self._answer.object = _said(found)
-                except DesignError as error:
+                except InputError as error:
                     self._answer.object = f'<p role="status">{escape(str(error))}</p>'
                 if not self._again or not self._ranges():
                     return
@@ -148,7 +148,7 @@ def _problem(key: str, text: str) -> str:
         return ""
     try:
         read_uncertain(key, text)
-    except DesignError as error:
+    except InputError as error:
         return error.reason
     return ""
 

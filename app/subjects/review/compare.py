@@ -21,7 +21,7 @@ from app.subjects.review.desk import BUTTON, LOOK, Desk
 from app.ui.chart_pane import described, html_pane, prose
 from app.ui.theme import FRAME
 from app.work.pool import elsewhere
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 _EMPTY = "<p>Nothing to compare yet. Tick two to six designs or revisions in the library, then <i>Compare</i>.</p>"
 
@@ -51,7 +51,7 @@ class CompareView:
         """Set revisions side by side; whether all of them could be worked out."""
         try:
             budgets = [revision.budget() for revision in revisions]
-        except DesignError as error:
+        except InputError as error:
             self._desk.say(f"Not compared. {error}", wrong=True)
             return False
         labels = [f"D{i}" for i in range(1, len(budgets) + 1)]

@@ -16,7 +16,7 @@ from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
 from app.session import Session
 from app.ui.chart_pane import html_pane
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 _T = TypeVar("_T")
 
@@ -72,7 +72,7 @@ class Desk(param.Parameterized):
         said, with ``before`` in front, and None comes back."""
         try:
             return await asyncio.to_thread(lambda: work(library()))
-        except DesignError as error:
+        except InputError as error:
             self.say(f"{before}{error}", wrong=True)
             return None
 

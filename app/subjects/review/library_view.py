@@ -21,8 +21,8 @@ from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button
 from app.ui.chart_pane import html_pane
 from app.ui.upload import LimitedFileInput
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import parse_design
+from nav_model.errors import InputError
 
 _SHOWN = 25  # designs listed at once; a search narrows
 _ANY = "any tag"
@@ -50,7 +50,7 @@ class LibraryView:
         self._archived = pmui.Switch(label="Archived", description="", margin=(12, 8))
         self._rows = pn.Column(html_pane(_OPENING), sizing_mode="stretch_width", margin=(2, 0))
         self._asked: object = None
-        self._listed: _Listing | DesignError | None = None
+        self._listed: _Listing | InputError | None = None
         self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
         self._bring = LimitedFileInput(
             lambda why: self._desk.say(f"Not imported. {why}", wrong=True),
@@ -112,15 +112,15 @@ class LibraryView:
         tag = "" if self._tag.value == _ANY else self._tag.value
         search, archived, unfolded = self._search.value or "", self._archived.value, frozenset(self._open_designs)
         try:
-            listing: _Listing | DesignError = await asyncio.to_thread(
+            listing: _Listing | InputError = await asyncio.to_thread(
                 lambda: _listing(library(), search, tag, archived, unfolded)
             )
-        except DesignError as error:
+        except InputError as error:
             listing = error
         if self._asked is not asked or listing == self._listed:  # rows that stay keep the pointer and the focus
             return
         self._listed = listing
-        if isinstance(listing, DesignError):
+        if isinstance(listing, InputError):
             self._rows.objects = [html_pane(f"<p>The library is not at hand. {escape(str(listing))}</p>")]
             return
         self._ticks = []
@@ -226,7 +226,7 @@ class LibraryView:
         last = self._desk.picked[-1]
         try:
             problem = self._desk.session.adopt(parse_design(last.text, f"revision {last.number}"))
-        except DesignError as error:
+        except InputError as error:
             problem = error
         if problem is not None:
             self._desk.say(f"Not opened. {problem}", wrong=True)

@@ -18,7 +18,7 @@ from app.subjects.review.desk import Desk
 from app.subjects.review.library_view import LibraryView
 from app.subjects.review.room import ReviewRoom
 from nav_model.budget import Budget
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 _LIBRARY, _COMPARE, _REVIEWS = range(3)
 
@@ -93,5 +93,5 @@ class ReviewPage:
 
 def _revisions(place: Library, keys: list[str]) -> tuple[Revision, ...]:
     if not 2 <= len(set(keys)) <= MAX_ITEMS:
-        raise DesignError("link", f"names {len(set(keys))} revisions; a comparison takes 2 to {MAX_ITEMS}")
+        raise InputError("link", f"names {len(set(keys))} revisions; a comparison takes 2 to {MAX_ITEMS}")
     return tuple(place.revision(key) for key in dict.fromkeys(keys))

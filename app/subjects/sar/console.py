@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_study import DesignStudy, chunks, design_study
 from nav_model.sar.study_json import to_json
@@ -17,16 +17,16 @@ from nav_model.sar.study_json import to_json
 def sar(design: Design, options: argparse.Namespace) -> dict[str, Any]:
     """The study asked for; with the simulator the fast engine's stands beside it.
 
-    Raises DesignError naming the option or the key of the design.
+    Raises InputError naming the option or the key of the design.
     """
     if options.seed < 0:
-        raise DesignError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+        raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
     if options.workers is not None and options.workers < 1:
-        raise DesignError("--workers", f"{options.workers} is not allowed; 1 or more")
+        raise InputError("--workers", f"{options.workers} is not allowed; 1 or more")
     try:
         chunks(options.runs)
     except ValueError as error:
-        raise DesignError("--runs", str(error)) from error
+        raise InputError("--runs", str(error)) from error
     if options.engine == "fast":
         return to_json(design_study(design, options.runs, options.seed))
     flown = _flown(design, options)
@@ -46,4 +46,4 @@ def _flown(design: Design, options: argparse.Namespace) -> DesignStudy:
             with local_pool(workers) as pool:
                 return design_study(design, options.runs, options.seed, progress, engine="simulator", pool=pool)
     except ArithmeticError as error:
-        raise DesignError("--engine", str(error)) from error
+        raise InputError("--engine", str(error)) from error

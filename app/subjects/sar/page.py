@@ -37,7 +37,7 @@ from app.ui.chart_pane import ChartView, chart_cells, html_pane
 from app.ui.fields import whole_number
 from app.ui.grid import grid
 from nav_model.budget import Budget
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
 from nav_model.sar.study_json import to_json
@@ -165,7 +165,7 @@ class SarPage:
     async def _begin(self, _: Any = None) -> None:
         try:
             seed = whole_number("Seed", self._seed.value or "", 0, 2**31)
-        except DesignError as error:
+        except InputError as error:
             self._state.object = f'<p role="status">Not run. {escape(str(error))}</p>'
             return
         self._run.start(self._session.budget, self._runs.value, seed, self._engine.value)

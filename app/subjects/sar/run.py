@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from app.charts.kinds import PictureChart
 from app.work.pool import elsewhere
 from nav_model.budget import Budget, analyse
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design, parse_design
+from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
 from nav_model.sar.design_study import DesignStudy, chunks, gather, run_chunk, typical_history, typical_place
@@ -40,7 +40,7 @@ class SarResult:
         """Whether the ensemble no longer matches the design; a name or a requirement does not matter to it."""
         try:
             return design_case(budget, self.case.engine) != self.case
-        except DesignError:
+        except InputError:
             return True
 
 
@@ -81,7 +81,7 @@ class SarRun:
         except asyncio.CancelledError:
             self._told("Cancelled.")
             raise
-        except (DesignError, ValueError, ArithmeticError) as error:
+        except (InputError, ValueError, ArithmeticError) as error:
             self._told(f"Not run. {error}")
         except BrokenProcessPool:
             self._told("The worker process ended before its time; run again.")

@@ -20,7 +20,7 @@ from app.ui.chart_pane import html_pane
 from app.ui.fields import number
 from app.ui.upload import LimitedFileInput
 from app.work.pool import elsewhere
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.sar.pictures import uploaded_pictures
 from nav_model.sar.strategies import STRATEGY_KEYS
 
@@ -91,7 +91,7 @@ class UploadedPicture:
         residual = result.study.typical[[STRATEGY_KEYS.index(key)]]
         try:
             half = number("Half width [m]", self._half.value or "", 1.0, 5000.0)
-        except DesignError as error:
+        except InputError as error:
             self._say(f"Not formed. {error}")
             return
         self._session.running = True

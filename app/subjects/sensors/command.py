@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from app.console.arguments import put_json
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
+from nav_model.errors import InputError
 
 
 def add_to(commands: Any) -> None:
@@ -59,5 +60,5 @@ def _bench(option: str, key: str, text: str | None) -> float | None:
     assert isinstance(declaration, BaseQuantity)
     try:
         return declaration.read(text).value
-    except DesignError as error:
-        raise DesignError(option, error.reason) from error
+    except InputError as error:
+        raise InputError(option, error.reason) from error

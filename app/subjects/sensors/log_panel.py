@@ -33,7 +33,7 @@ from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibrati
 from nav_model.allan.log_file import Limits
 from nav_model.allan.motion import BenchNoise, MotionAnalysis
 from nav_model.allan.result import LogAnalysis
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
 _HELP = (
@@ -141,7 +141,7 @@ class LogPanel:
         bench = bench_of(self._session.design)
         try:
             request = self._request(bench)
-        except DesignError as error:
+        except InputError as error:
             self._say(f"Not analysed. {error}")
             return
         self._task = asyncio.current_task()
@@ -149,7 +149,7 @@ class LogPanel:
         self._run(True)
         try:
             study: Study = await run_alone(study_log, request, progress=self._follow)
-        except (DesignError, RunLost) as error:
+        except (InputError, RunLost) as error:
             self._say(f"Not analysed. {error}. Nothing else has changed; correct the boxes above and press Analyse.")
         except asyncio.CancelledError:
             self._say(f"{self._name}: cancelled.", "info")
@@ -167,7 +167,7 @@ class LogPanel:
             try:
                 rate = float(texts["rate"])
             except ValueError as error:
-                raise DesignError("Rate [Hz]", f"{texts['rate']!r} is not a number") from error
+                raise InputError("Rate [Hz]", f"{texts['rate']!r} is not a number") from error
         return LogRequest(
             source=self._path(),
             file_name=self._name,

@@ -14,7 +14,7 @@ from nav_model.allan.log_file import Limits, LogOptions, read_log
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, analyse_motion, motion_to_json
 from nav_model.allan.result import LogAnalysis, to_json
 from nav_model.allan.static_log import analyse_log
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 Study = LogAnalysis | MotionAnalysis
 Progress = Callable[[float, str], None]
@@ -45,14 +45,14 @@ def read_options(
 
     Raises
     ------
-    DesignError
+    InputError
         If `arrays` is not a list of assignments.
     """
     chosen = {}
     for part in (arrays or "").split(","):
         role, equals, name = part.partition("=")
         if part.strip() and not (equals and name.strip()):
-            raise DesignError("arrays", f"{part.strip()!r} is not an assignment such as gyro=w")
+            raise InputError("arrays", f"{part.strip()!r} is not an assignment such as gyro=w")
         if part.strip():
             chosen[role.strip()] = name.strip()
     names = [name.strip() for name in columns.split(",")] if columns and columns.strip() else None
@@ -66,7 +66,7 @@ def study_log(request: LogRequest, progress: Progress) -> Study:
 
     Raises
     ------
-    DesignError
+    InputError
         Naming the file, and where in it, when it cannot be opened, read or analysed as asked.
     """
     progress(0.0, READING)
@@ -76,7 +76,7 @@ def study_log(request: LogRequest, progress: Progress) -> Study:
         raise _refusal(error, _name(request)) from error
     except OSError as error:
         where = request.file_name or str(request.source)
-        raise DesignError(where, f"cannot be read: {error.strerror or error}") from error
+        raise InputError(where, f"cannot be read: {error.strerror or error}") from error
     try:
         if request.motion:
             return analyse_motion(log, request.bench, progress=progress)
@@ -94,7 +94,7 @@ def _name(request: LogRequest) -> str:
     return request.file_name or (Path(request.source).name if not isinstance(request.source, bytes) else "upload")
 
 
-def _refusal(error: ValueError, name: str) -> DesignError:
+def _refusal(error: ValueError, name: str) -> InputError:
     """The message under the file's name, which most messages of the reader already begin with."""
     text = str(error)
-    return DesignError(name, text.removeprefix(name).removeprefix(":").lstrip(", ").strip())
+    return InputError(name, text.removeprefix(name).removeprefix(":").lstrip(", ").strip())

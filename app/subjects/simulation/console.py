@@ -16,7 +16,7 @@ import numpy as np
 
 from app.console.files import whole_file
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.simulation.design_study import (
     NAMED_TRAJECTORIES,
     DesignStudy,
@@ -51,7 +51,7 @@ def simulate_design(design: Design, more: StudyInputs, options: argparse.Namespa
 
     Raises
     ------
-    DesignError
+    InputError
         For an option or a key of the design that cannot be flown, or a file that cannot be written.
     """
     kind = _kind(options)
@@ -69,7 +69,7 @@ def fly_design(design: Design, options: argparse.Namespace) -> DesignStudy:
 
     Raises
     ------
-    DesignError
+    InputError
         For an option or a key of the design that cannot be flown.
     """
     return _fly(design, _specification(design, NOTHING_ADDED, options, keep_runs=False), options)
@@ -80,7 +80,7 @@ def _kind(options: argparse.Namespace) -> str:
         return ".json"
     kind: str = options.output.suffix.lower()
     if kind not in _KINDS:
-        raise DesignError("-o", f"{str(options.output)!r} does not end in {', '.join(_KINDS)}")
+        raise InputError("-o", f"{str(options.output)!r} does not end in {', '.join(_KINDS)}")
     return kind
 
 
@@ -88,7 +88,7 @@ def _specification(design: Design, more: StudyInputs, options: argparse.Namespac
     for name in ("workers", "runs"):
         value = getattr(options, name)
         if value is not None and value < 1:
-            raise DesignError(f"--{name}", f"{value} is not allowed; 1 or more")
+            raise InputError(f"--{name}", f"{value} is not allowed; 1 or more")
     trajectory = _trajectory(options.trajectory)
     outages = [_outage(text) for text in options.outages]
     from nav_model.simulation.trajectory import plan_trajectory
@@ -111,15 +111,13 @@ def _specification(design: Design, more: StudyInputs, options: argparse.Namespac
         raise _as_option(refusal(error, design)) from error
     kept = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
     if keep_runs and kept > _LARGEST_KEPT:
-        raise DesignError(
-            "-o", f"every run's errors would take {kept / 1e9:.3g} GB; fewer --runs or a longer --every"
-        )
+        raise InputError("-o", f"every run's errors would take {kept / 1e9:.3g} GB; fewer --runs or a longer --every")
     return spec
 
 
-def _as_option(error: DesignError) -> DesignError:
+def _as_option(error: InputError) -> InputError:
     """A refusal under the option's name; a key of the design keeps its own."""
-    return error if "." in error.key else DesignError(f"--{error.key}", error.reason)
+    return error if "." in error.key else InputError(f"--{error.key}", error.reason)
 
 
 def _trajectory(name: str) -> str | TrajectorySpec:
@@ -131,11 +129,11 @@ def _trajectory(name: str) -> str | TrajectorySpec:
         return read_trajectory(name)
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
-        raise DesignError("--trajectory", f"{name!r} is neither one of {known} nor a file to read") from error
+        raise InputError("--trajectory", f"{name!r} is neither one of {known} nor a file to read") from error
     except UnicodeDecodeError as error:
-        raise DesignError("--trajectory", f"{name!r} is not a text file") from error
+        raise InputError("--trajectory", f"{name!r} is not a text file") from error
     except ValueError as error:
-        raise DesignError("--trajectory", str(error)) from error
+        raise InputError("--trajectory", str(error)) from error
 
 
 def _duration(trajectory: str | TrajectorySpec) -> float:
@@ -150,7 +148,7 @@ def _outage(text: str) -> tuple[float, float]:
     try:
         start, stop = (float(part) for part in text.split(","))
     except ValueError as error:
-        raise DesignError("--outage", f"{text!r} is not START,STOP in seconds, such as 400,500") from error
+        raise InputError("--outage", f"{text!r} is not START,STOP in seconds, such as 400,500") from error
     return start, stop
 
 
@@ -172,7 +170,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
         except ValueError as error:
             raise _as_option(refusal(error, design)) from error
         except (ArithmeticError, ImportError, OSError, RuntimeError) as error:
-            raise DesignError("simulate", str(error)) from error
+            raise InputError("simulate", str(error)) from error
     print(result.verdict, file=sys.stderr)
     return study_of(design, result)
 

@@ -12,7 +12,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.ui.chart_pane import html_pane
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, StudyInputs, read_study_inputs
 
 _TITLE = "Beyond the design: sensor errors, receiver, tuning"
@@ -63,7 +63,7 @@ class StudyControls:
         box, error = self.boxes[key], ""
         try:
             read_study_inputs({key: text})
-        except DesignError as refused:
+        except InputError as refused:
             kept = self._texts.get(key, "") or box.placeholder
             error = f"{refused.reason}; still {kept}"
         else:

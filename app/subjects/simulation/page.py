@@ -33,7 +33,7 @@ from app.ui.grid import grid
 from app.ui.upload import LimitedFileInput
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.simulation.design_study import specification, to_document
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 
@@ -204,7 +204,7 @@ class SimulatePage:
     async def _begin(self, _: Any = None) -> None:
         try:
             spec = self._specification()
-        except DesignError as error:
+        except InputError as error:
             self._say(f"Not flown. {error}")
             return
         self._busy(True)
@@ -216,7 +216,7 @@ class SimulatePage:
         flight: str | TrajectorySpec = self._flight.value
         if flight == "file":
             if self._file is None:
-                raise DesignError("Trajectory file", "none given yet")
+                raise InputError("Trajectory file", "none given yet")
             flight = TrajectorySpec(kind="file", samples=self._file[1])
         spec = specification(
             self._session.design,
@@ -230,7 +230,7 @@ class SimulatePage:
             more=self._more.inputs,
         )
         if spec.steps > _LONGEST_RUN or spec.steps * spec.runs > _MOST_SAMPLES:
-            raise DesignError(
+            raise InputError(
                 "Length",
                 f"{runs} runs of {length:g} s at {spec.imu.rate:g} Hz are more than a server flies for one; fewer, "
                 "or `navbudget simulate`",
@@ -309,7 +309,7 @@ class SimulatePage:
 
 def _whole(name: str, text: str, low: int, high: int) -> int:
     if not (text.strip().isdecimal() and low <= int(text) <= high):
-        raise DesignError(name, f"{text[:30]!r} is not a whole number from {low} to {high}")
+        raise InputError(name, f"{text[:30]!r} is not a whole number from {low} to {high}")
     return int(text)
 
 
@@ -319,5 +319,5 @@ def _seconds(text: str) -> float:
     except ValueError:
         length = math.nan
     if not 1.0 <= length <= 1e6:
-        raise DesignError("Length", f"{text[:30]!r} is not a number of seconds, 1 or more, such as 300")
+        raise InputError("Length", f"{text[:30]!r} is not a number of seconds, 1 or more, such as 300")
     return length

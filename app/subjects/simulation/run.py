@@ -15,8 +15,8 @@ from typing import Any, TypeVar
 
 from app.work.pool import elsewhere, size
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design
+from nav_model.errors import InputError
 from nav_model.simulation.design_study import DesignStudy, conclude, refusal
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.warm import warm_up
@@ -181,7 +181,7 @@ def outages_of(text: str) -> tuple[tuple[float, float], ...]:
 
     Raises
     ------
-    DesignError
+    InputError
         Under "outages".
     """
     try:
@@ -189,5 +189,5 @@ def outages_of(text: str) -> tuple[tuple[float, float], ...]:
     except ValueError:
         pairs = [()]
     if any(len(pair) != 2 for pair in pairs):
-        raise DesignError("outages", f"{text[:60]!r} is not start,stop in seconds, such as 200,300 or 50,80; 200,300")
+        raise InputError("outages", f"{text[:60]!r} is not start,stop in seconds, such as 200,300 or 50,80; 200,300")
     return tuple((pair[0], pair[1]) for pair in pairs)

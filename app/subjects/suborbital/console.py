@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from app.console.files import put_file
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import parse_design, read_bytes
+from nav_model.errors import InputError
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.noise_ensemble import MOST_RUNS, fly_noise
 from nav_model.suborbital.settings import DEFAULTS, from_design, read_changes
@@ -40,19 +40,17 @@ def run(
     noise_runs: int,
     save: Path | None,
 ) -> int:
-    """Run the study and write its JSON; DesignError for bad input.
+    """Run the study and write its JSON; InputError for bad input.
 
     data, where: a design or a study file and its name, or None; of_design: assignments to keys of the design;
     changes: inputs of the study that come on top; save: where to write the study as a file.
     """
     if not 0 <= noise_runs <= MOST_RUNS:
-        raise DesignError("--noise-runs", f"{noise_runs} is not allowed; it must be 0 to {MOST_RUNS}")
+        raise InputError("--noise-runs", f"{noise_runs} is not allowed; it must be 0 to {MOST_RUNS}")
     settings, design, flown = DEFAULTS, None, None
     if of_design and (data is None or is_study(data)):
         key = of_design[0].partition("=")[0]
-        raise DesignError(
-            key, f"is a key of a design, and no DESIGN is given{'' if data is None else ' but a study'}"
-        )
+        raise InputError(key, f"is a key of a design, and no DESIGN is given{'' if data is None else ' but a study'}")
     if data is not None and is_study(data):
         study = parse_study(data, where)
         settings, flown = study.settings, study.trajectory
@@ -78,10 +76,10 @@ def run(
         answer["design"] = None if design is None else design.name
         if noise_runs:
             answer["white_noise_monte_carlo"] = _noise(survey, noise_runs, progress)
-    except DesignError:
+    except InputError:
         raise
     except ValueError as error:
-        raise DesignError("suborbital", str(error)) from error
+        raise InputError("suborbital", str(error)) from error
     json.dump(answer, sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
     sys.stdout.write("\n")
     return 0

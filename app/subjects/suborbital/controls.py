@@ -17,7 +17,7 @@ import panel_material_ui as pmui
 from bokeh.models import CustomJSTickFormatter
 
 from app.dashboard.controls.quantity import LogSlider
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.setting import Setting, Value
 from nav_model.suborbital.settings import Settings
@@ -25,7 +25,7 @@ from nav_model.units import from_si, to_si
 
 _STEP = 0.02  # decades: 4.7 % a key press
 
-Put = Callable[[str, Value], DesignError | None]
+Put = Callable[[str, Value], InputError | None]
 
 
 class SettingControl:
@@ -128,7 +128,7 @@ class SettingControl:
             return
         try:
             value = self.setting.read(event.new, self.setting.unit)
-        except DesignError as error:
+        except InputError as error:
             self._refuse(error)
             return
         self._put(value)
@@ -159,7 +159,7 @@ class SettingControl:
         if error is not None:
             self._refuse(error)
 
-    def _refuse(self, error: DesignError) -> None:
+    def _refuse(self, error: InputError) -> None:
         self.box.helper_text = error.reason if error.key == self.setting.key else str(error)
         if self.setting.kind != "choice":
             self.box.error_state = True

@@ -15,8 +15,8 @@ from app.subjects.suborbital.controls import SettingControl, setting_controls
 from app.ui.chart_pane import html_pane
 from app.ui.theme import FRAME
 from app.ui.upload import LimitedFileInput
-from nav_model.design.declaration import DesignError
 from nav_model.design.link import MAX_QUERY
+from nav_model.errors import InputError
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.setting import Value
 from nav_model.suborbital.settings import DEFAULTS, Settings, from_design
@@ -48,7 +48,7 @@ class InputPanel:
         if session.study_link:
             try:
                 self.settings = from_link(session.study_link)
-            except DesignError as error:
+            except InputError as error:
                 self.say(f"The link's study was not used. {error}")
         session.param.watch(self._follow_link, "study_link")
         self.view = self._layout()
@@ -132,15 +132,15 @@ class InputPanel:
 
     # --- what a person does ------------------------------------------------------------------------------
 
-    def put(self, key: str, value: Value) -> DesignError | None:
+    def put(self, key: str, value: Value) -> InputError | None:
         """Put one input in force; returns what is wrong with it, if anything."""
         return self.adopt(lambda: self.settings.change({key: value}, "you"))
 
-    def adopt(self, make: Callable[[], Settings]) -> DesignError | None:
+    def adopt(self, make: Callable[[], Settings]) -> InputError | None:
         """Put settings in force; returns what is wrong with them, if anything."""
         try:
             settings = make()
-        except DesignError as error:
+        except InputError as error:
             return error
         with pn.io.hold():
             self._show(settings)
@@ -164,7 +164,7 @@ class InputPanel:
         """Put a study file in force, whole or not at all."""
         try:
             study = parse_study(content, name)
-        except DesignError as error:
+        except InputError as error:
             self.say(f"Not opened. {error}")
             return
         self.say("")

@@ -12,8 +12,8 @@ import pytest
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.store import Library
 from nav_model.budget import Budget
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design, parse_design
+from nav_model.errors import InputError
 
 
 def _zip(files: dict[str, bytes | str]) -> bytes:
@@ -71,25 +71,25 @@ def test_loose_design_files_become_designs(other: Library, mems: Budget) -> None
 )
 def test_paths_that_lead_outside_are_refused(library: Library, mems: Budget, name: str) -> None:
     good = format_design(mems.design)
-    with pytest.raises(DesignError, match=r"archive: "):
+    with pytest.raises(InputError, match=r"archive: "):
         import_archive(library, _zip({"good.toml": good, name: good}), "Zoe")
     assert library.designs() == ()
 
 
 def test_bombs_are_refused_by_what_they_unpack_to(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(DesignError, match=r"x\.toml: unpacks to more than 1000000 bytes"):
+    with pytest.raises(InputError, match=r"x\.toml: unpacks to more than 1000000 bytes"):
         import_archive(library, _zip({"x.toml": b"#" * 60_000_000}), "Zoe")
     lying = bytearray(_zip({"x.toml": b"#" * 5_000_000}))
     size = (5_000_000).to_bytes(4, "little")
     assert lying.count(size) == 2
-    with pytest.raises(DesignError):  # headers that state ten bytes
+    with pytest.raises(InputError):  # headers that state ten bytes
         import_archive(library, bytes(lying.replace(size, (10).to_bytes(4, "little"))), "Zoe")
     many = {f"{i}.toml": b"#" * 900_000 for i in range(60)}
-    with pytest.raises(DesignError, match="unpacks to more than"):
+    with pytest.raises(InputError, match="unpacks to more than"):
         import_archive(library, _zip(many), "Zoe")
-    with pytest.raises(DesignError, match="2001 files"):
+    with pytest.raises(InputError, match="2001 files"):
         import_archive(library, _zip({f"{i}.toml": "" for i in range(2001)}), "Zoe")
-    with pytest.raises(DesignError, match="larger than"):
+    with pytest.raises(InputError, match="larger than"):
         import_archive(library, b"x" * (MAX_ARCHIVE + 1), "Zoe")
     assert library.designs() == ()
 
@@ -111,7 +111,7 @@ def _listed(mems: Budget, **changes: object) -> bytes:
 )
 def test_a_forged_list_is_refused_whole(library: Library, mems: Budget, changes: dict[str, str], said: str) -> None:
     assert import_archive(library, _listed(mems), "Zoe").designs == 1
-    with pytest.raises(DesignError, match=said):
+    with pytest.raises(InputError, match=said):
         import_archive(library, _listed(mems, **changes), "Zoe")
     assert len(library.designs()) == 1
 
@@ -132,6 +132,6 @@ def test_an_archive_cannot_write_under_anothers_design(library: Library, mems: B
      _zip({"library.json": '{"format": 2, "designs": []}'})],
 )  # fmt: skip
 def test_what_is_no_archive_of_designs_is_refused(library: Library, data: bytes) -> None:
-    with pytest.raises(DesignError):
+    with pytest.raises(InputError):
         import_archive(library, data, "Zoe")
     assert library.designs() == ()

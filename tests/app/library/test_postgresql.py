@@ -23,8 +23,8 @@ from app.library.reviews import add_comment, decide, load_review, open_review, s
 from app.library.schema import STEPS
 from app.library.store import Conflict, Library
 from nav_model.budget import Budget
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import parse_design
+from nav_model.errors import InputError
 
 _TABLES = (
     "review_decisions", "review_comments", "review_items", "reviews",
@@ -115,12 +115,12 @@ def test_designs_reviews_and_archives_work_alike(shared: Library, library: Libra
         review = decide(shared, review.id, item, name, True, "Bob")
     review = sign(shared, review.id, "Chief", review.version)
     assert review.intact
-    with pytest.raises(DesignError, match="never changes"):
+    with pytest.raises(InputError, match="never changes"):
         add_comment(shared, review.id, 1, "", "Eve", "late")
     with shared.write() as connection:
         connection.execute(text("UPDATE review_comments SET comment = 'fine'"))
     assert not load_review(shared, review.id).intact
-    with pytest.raises(DesignError, match="no design"):
+    with pytest.raises(InputError, match="no design"):
         shared.revisions("x\0y")
 
 
@@ -170,7 +170,7 @@ def test_a_crash_of_the_database_loses_nothing_that_was_answered(
         while not over.is_set():
             try:
                 answered.add(shared.save(mems, "Ann", "n" * 4000).key)
-            except DesignError as error:
+            except InputError as error:
                 refused.append(str(error))
 
     threads = [threading.Thread(target=save) for _ in range(3)]
@@ -210,7 +210,7 @@ def test_several_processes_that_open_an_old_library_migrate_it_once(shared: Libr
     def open_it() -> None:
         try:
             Library(server).close()
-        except DesignError as error:
+        except InputError as error:
             failed.append(error)
 
     threads = [threading.Thread(target=open_it) for _ in range(4)]
@@ -224,7 +224,7 @@ def test_several_processes_that_open_an_old_library_migrate_it_once(shared: Libr
 
 
 def test_a_server_that_is_not_there_is_said_without_its_password() -> None:
-    with pytest.raises(DesignError, match="cannot be opened") as refused:
+    with pytest.raises(InputError, match="cannot be opened") as refused:
         Library("postgresql://nav:sesame@127.0.0.1:9/x?connect_timeout=2")
     assert "sesame" not in str(refused.value)
 

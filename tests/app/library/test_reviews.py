@@ -23,7 +23,7 @@ from app.library.reviews import (
 from app.library.store import Conflict, Library
 from app.subjects.review.overview import overview
 from nav_model.budget import Budget
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 
 @pytest.fixture
@@ -79,31 +79,31 @@ def test_a_decision_nobody_has_seen_is_not_overruled(library: Library, review: R
 
 def test_what_makes_no_sense_is_refused(library: Library, review: Review) -> None:
     name = review.open_points()[0][1]
-    with pytest.raises(DesignError, match="reason: is empty"):
+    with pytest.raises(InputError, match="reason: is empty"):
         decide(library, review.id, 1, name, False, "Eve")
-    with pytest.raises(DesignError, match="none that"):
+    with pytest.raises(InputError, match="none that"):
         decide(library, review.id, 1, "colour", True, "Eve")
-    with pytest.raises(DesignError, match="no design number 3"):
+    with pytest.raises(InputError, match="no design number 3"):
         decide(library, review.id, 3, name, True, "Eve")
-    with pytest.raises(DesignError, match="neither an input nor a result"):
+    with pytest.raises(InputError, match="neither an input nor a result"):
         add_comment(library, review.id, 1, "imu.colour", "Eve", "x")
-    with pytest.raises(DesignError, match="comment: 4001"):
+    with pytest.raises(InputError, match="comment: 4001"):
         add_comment(library, review.id, 1, "", "Eve", "x" * 4001)
-    with pytest.raises(DesignError, match="author: is empty"):
+    with pytest.raises(InputError, match="author: is empty"):
         add_comment(library, review.id, 1, "", "", "x")
-    with pytest.raises(DesignError, match="takes 1 to 6"):
+    with pytest.raises(InputError, match="takes 1 to 6"):
         open_review(library, "t", "Ann", [])
-    with pytest.raises(DesignError, match="no revision"):
+    with pytest.raises(InputError, match="no revision"):
         open_review(library, "t", "Ann", ["nothing.1"])
     for forged in ("nothing", "\0", "' OR 1=1 --"):
-        with pytest.raises(DesignError, match="not in the library"):
+        with pytest.raises(InputError, match="not in the library"):
             add_comment(library, forged, 1, "", "Eve", "x")
     assert load_review(library, review.id) == review
     assert len(list_reviews(library)) == 1
 
 
 def test_a_signed_review_never_changes(library: Library, review: Review) -> None:
-    with pytest.raises(DesignError, match="not decided"):
+    with pytest.raises(InputError, match="not decided"):
         sign(library, review.id, "Chief", review.version)
     review = _decided(library, review)
     with pytest.raises(Conflict, match="after you opened it"):
@@ -118,7 +118,7 @@ def test_a_signed_review_never_changes(library: Library, review: Review) -> None
         lambda: decide(library, review.id, 1, name, False, "Eve", "too late"),
         lambda: sign(library, review.id, "Eve", signed.version),
     ):
-        with pytest.raises(DesignError, match=r"signed by Chief, .* never changes"):
+        with pytest.raises(InputError, match=r"signed by Chief, .* never changes"):
             attempt()
     assert load_review(library, review.id) == signed
 

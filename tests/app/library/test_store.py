@@ -15,8 +15,8 @@ from app.library.store import Conflict, Library
 from app.library.texts import LIMITS
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design, parse_design
+from nav_model.errors import InputError
 
 HOSTILE = "<script>alert(1)</script> '; DROP TABLE designs; -- \" ${7*7} {{7*7}} =cmd|'/c calc'!A0 ../../etc/passwd"
 
@@ -89,11 +89,11 @@ def test_hostile_texts_are_kept_as_text(library: Library, mems: Budget, text: st
 @pytest.mark.parametrize("field", ["author", "note", "name"])
 def test_huge_or_broken_texts_are_refused(library: Library, mems: Budget, field: str) -> None:
     texts = {"author": "Ann", "note": "", "name": ""}
-    with pytest.raises(DesignError, match=rf"{field}: {LIMITS[field] + 1} characters"):
+    with pytest.raises(InputError, match=rf"{field}: {LIMITS[field] + 1} characters"):
         library.save(mems, **{**texts, field: "x" * (LIMITS[field] + 1)})
-    with pytest.raises(DesignError, match="not Unicode"):
+    with pytest.raises(InputError, match="not Unicode"):
         library.save(mems, **{**texts, field: "\ud800"})
-    with pytest.raises(DesignError, match="author: is empty"):
+    with pytest.raises(InputError, match="author: is empty"):
         library.save(mems, " \n")
     assert library.designs() == ()
 
@@ -101,11 +101,11 @@ def test_huge_or_broken_texts_are_refused(library: Library, mems: Budget, field:
 @pytest.mark.parametrize("key", ["", ".", "x.1", "x.99999999999999999999", "\0.1", "1' OR '1'='1.1", "x" * 10_000])
 def test_a_forged_key_finds_nothing(library: Library, mems: Budget, key: str) -> None:
     library.save(mems, "Ann")
-    with pytest.raises(DesignError, match="no revision"):
+    with pytest.raises(InputError, match="no revision"):
         library.revision(key)
-    with pytest.raises(DesignError, match="no design"):
+    with pytest.raises(InputError, match="no design"):
         library.revisions(key)
-    with pytest.raises(DesignError, match="no design"):
+    with pytest.raises(InputError, match="no design"):
         library.save(mems, "Ann", design=key or "-", base=1)
 
 
@@ -215,7 +215,7 @@ def test_a_library_that_another_program_holds_is_said_so(library: Library, mems:
         connection.exec_driver_sql("PRAGMA busy_timeout = 50")
     raw = sqlite3.connect(tmp_path / "library.db", isolation_level=None)
     raw.execute("BEGIN EXCLUSIVE")
-    with pytest.raises(DesignError, match="did not confirm this: database is locked"):
+    with pytest.raises(InputError, match="did not confirm this: database is locked"):
         library.save(mems, "Ann")
     raw.execute("ROLLBACK")
     raw.close()
@@ -288,7 +288,7 @@ def test_a_migration_that_fails_leaves_the_old_library(tmp_path: Path, monkeypat
     monkeypatch.setattr(
         "app.library.schema.STEPS", (*STEPS, ("CREATE TABLE extra (x TEXT)", "CREATE TABLE tags (x)"))
     )
-    with pytest.raises(DesignError, match="already exists"):
+    with pytest.raises(InputError, match="already exists"):
         Library(tmp_path / "library.db")
     raw = sqlite3.connect(tmp_path / "library.db")
     assert raw.execute("SELECT version FROM schema_version").fetchall() == [(1,)]
@@ -302,16 +302,16 @@ def test_a_newer_or_foreign_file_is_refused(tmp_path: Path) -> None:
     raw.execute("UPDATE schema_version SET version = 99")
     raw.commit()
     raw.close()
-    with pytest.raises(DesignError, match="schema version 99"):
+    with pytest.raises(InputError, match="schema version 99"):
         Library(tmp_path / "library.db")
     (tmp_path / "photo.db").write_bytes(b"\xff\xd8\xff" * 1000)
-    with pytest.raises(DesignError, match="not a database"):
+    with pytest.raises(InputError, match="not a database"):
         Library(tmp_path / "photo.db")
-    with pytest.raises(DesignError, match="cannot be used"):
+    with pytest.raises(InputError, match="cannot be used"):
         Library(tmp_path / "photo.db" / "below.db")
 
 
 @pytest.mark.parametrize("address", ["mysql://h/x", "sqlite://", "nonsense://x", "sqlite:///:memory:"])
 def test_an_address_of_another_kind_is_refused(address: str) -> None:
-    with pytest.raises(DesignError, match="library"):
+    with pytest.raises(InputError, match="library"):
         Library(address)

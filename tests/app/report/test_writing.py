@@ -10,7 +10,7 @@ import pytest
 from app import cli
 from app.report import write_report
 from app.report.content import report_of
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -24,16 +24,16 @@ def test_the_date_is_told_in_utc(mems):
 
 @pytest.mark.parametrize("name", ["r.txt", "r", "r.html.gz", ".pdf"])
 def test_another_suffix_is_refused(name, mems, tmp_path):
-    with pytest.raises(DesignError, match=r"^-o: .*does not end in \.html or \.pdf"):
+    with pytest.raises(InputError, match=r"^-o: .*does not end in \.html or \.pdf"):
         write_report([mems], tmp_path / name)
     assert not list(tmp_path.iterdir())
 
 
 def test_a_missing_folder_and_a_folder_in_place_of_a_file_are_refused(mems, tmp_path):
-    with pytest.raises(DesignError, match=r"^-o: .*is not a folder"):
+    with pytest.raises(InputError, match=r"^-o: .*is not a folder"):
         write_report([mems], tmp_path / "none" / "r.html")
     (tmp_path / "r.pdf").mkdir()
-    with pytest.raises(DesignError, match=r"^-o: .*is a folder"):
+    with pytest.raises(InputError, match=r"^-o: .*is a folder"):
         write_report([mems], tmp_path / "r.pdf")
 
 
@@ -42,7 +42,7 @@ def test_a_folder_that_refuses_gives_one_message(mems, tmp_path, monkeypatch):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(Path, "open", refuse)  # root may write anywhere, so the refusal is acted
-    with pytest.raises(DesignError, match=r"^-o: .*cannot be written: Permission denied$"):
+    with pytest.raises(InputError, match=r"^-o: .*cannot be written: Permission denied$"):
         write_report([mems], tmp_path / "r.html")
 
 
@@ -54,7 +54,7 @@ def test_a_failure_leaves_the_old_file_and_no_litter(mems, tmp_path, monkeypatch
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "replace", full)
-    with pytest.raises(DesignError, match="No space left"):
+    with pytest.raises(InputError, match="No space left"):
         write_report([mems], target)
     assert [path.name for path in tmp_path.iterdir()] == ["r.html"]
     assert target.read_text() == "old"

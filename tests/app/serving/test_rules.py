@@ -11,7 +11,7 @@ import pytest
 from app.cli import main
 from app.serving.passwords import Passwords, password_line, read_passwords
 from app.serving.rules import OAuth, Rules, cookie_secret, is_loopback, oauth_from
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 PASSWORD = "correct horse battery"
 
@@ -52,7 +52,7 @@ def test_wrong_options(capsys: pytest.CaptureFixture[str], options: list[str], s
 
 
 def test_open_contradicts_a_password_file(people: Path) -> None:
-    with pytest.raises(DesignError, match="contradicts"):
+    with pytest.raises(InputError, match="contradicts"):
         Rules(open=True, password_file=people).check()
 
 
@@ -64,7 +64,7 @@ def test_open_contradicts_a_password_file(people: Path) -> None:
 def test_a_wrong_password_file_is_refused_without_quoting_it(tmp_path: Path, text: str) -> None:
     path = tmp_path / "people"
     path.write_text(text, encoding="latin-1")
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         read_passwords(path)
     assert "secret" not in str(caught.value).replace(str(tmp_path), "")
 
@@ -72,7 +72,7 @@ def test_a_wrong_password_file_is_refused_without_quoting_it(tmp_path: Path, tex
 def test_a_name_twice_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "people"
     path.write_text(f"{password_line('ada', PASSWORD)}\n{password_line('ada', PASSWORD)}")
-    with pytest.raises(DesignError, match="second time"):
+    with pytest.raises(InputError, match="second time"):
         read_passwords(path)
 
 
@@ -89,7 +89,7 @@ def test_password_command(tmp_path: Path) -> None:
     assert Passwords(path).fits("ada", PASSWORD)
     assert PASSWORD not in path.read_text()
     for name, password in (("a:b", PASSWORD), ("#a", PASSWORD), ("ada", "short"), ("a\nb", PASSWORD)):
-        with pytest.raises(DesignError):
+        with pytest.raises(InputError):
             password_line(name, password)
 
 
@@ -125,9 +125,9 @@ def test_loopback() -> None:
 
 def test_oauth_needs_its_parts_and_says_who_may_enter() -> None:
     environment = {"PANEL_OAUTH_SECRET": "s"}
-    with pytest.raises(DesignError, match="PANEL_OAUTH_SECRET"):
+    with pytest.raises(InputError, match="PANEL_OAUTH_SECRET"):
         oauth_from("github", "id", None, ("ada",), {})
-    with pytest.raises(DesignError, match="--oauth-allow"):
+    with pytest.raises(InputError, match="--oauth-allow"):
         oauth_from("github", "id", None, (), environment)
     oauth = oauth_from("github", "id", None, ("ada", "@example.org"), environment)
     assert isinstance(oauth, OAuth)

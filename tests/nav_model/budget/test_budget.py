@@ -11,8 +11,8 @@ from nav_model.budget import COAST_POINTS, analyse
 from nav_model.budget.provenance import cautions
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import parse_design
+from nav_model.errors import InputError
 
 DEGREE = math.pi / 180
 BASE = Design(
@@ -107,7 +107,7 @@ def test_times_are_taken_exactly_and_in_order():
 
 @pytest.mark.parametrize("times", [[-1.0], [math.nan], [math.inf], [[1.0, 2.0]], [1.0, 7201.0]])
 def test_other_times_are_refused(times):
-    with pytest.raises(DesignError, match="times"):
+    with pytest.raises(InputError, match="times"):
         analyse(BASE, times)
 
 
@@ -246,7 +246,7 @@ def test_no_image_beyond_a_thousand_radians():
 
 
 def test_an_aperture_beyond_an_hour_is_refused_by_key():
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         analyse(Design({"radar.azimuth_resolution": 1e-3, "radar.frequency": 1e9, "flight.speed": 10.0}))
     assert caught.value.key == "radar.azimuth_resolution"
 
@@ -274,5 +274,5 @@ def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refuse
     longer = (squinted.sar.aperture_time / broad.sar.aperture_time) ** 2
     turned = longer * math.cos(math.radians(40)) ** 2
     assert squinted.sar.along_track_quadratic == pytest.approx(turned * broad.sar.along_track_quadratic)
-    with pytest.raises(DesignError, match=r"radar\.squint_angle.*at most 55°"):
+    with pytest.raises(InputError, match=r"radar\.squint_angle.*at most 55°"):
         analyse(Design({"radar.squint_angle": math.radians(-56)}))

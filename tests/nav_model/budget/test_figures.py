@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from nav_model.budget import analyse
 from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import ratios, worst
 from nav_model.explore.solve import SOLVED
 
@@ -59,12 +59,12 @@ def test_every_figure_grows_with_every_noise_interval_and_time(data, designs):
 def test_an_aperture_beyond_the_bound_has_no_phase(closed_design):
     found = figures(inputs_of(closed_design, {"radar.azimuth_resolution": np.array([0.3, 1e-4])}))
     assert np.isnan(found["quadratic_phase"]).tolist() == [False, True]
-    with pytest.raises(DesignError, match="azimuth_resolution"):
+    with pytest.raises(InputError, match="azimuth_resolution"):
         analyse(closed_design.replace({"radar.azimuth_resolution": 1e-3, "radar.slant_range": 1e6}))
 
 
 def test_what_is_no_number_of_a_figure_is_refused(closed_design):
     for key in ("radar.window", "imu.rate", "requirements.tilt", "nothing.here"):
-        with pytest.raises(DesignError, match="no figure depends"):
+        with pytest.raises(InputError, match="no figure depends"):
             inputs_of(closed_design, {key: 1.0})
     assert "imu.angle_random_walk" in VARIABLES

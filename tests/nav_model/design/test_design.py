@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 import nav_model
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import parse_design
 from nav_model.design.parts import INPUTS, declaration_of
+from nav_model.errors import InputError
 
 QUANTITIES = [
     f"{section}.{name}"
@@ -63,7 +64,7 @@ def test_every_input_is_documented_and_has_bounds_around_its_default(key):
 @pytest.mark.parametrize("key", QUANTITIES)
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e301, -1e301, "1", True, [1.0]], ids=repr)
 def test_what_is_no_number_or_out_of_bounds_is_refused_by_key(key, bad):
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         Design({key: bad})
     assert caught.value.key == key
     assert str(caught.value).startswith(key)
@@ -72,7 +73,7 @@ def test_what_is_no_number_or_out_of_bounds_is_refused_by_key(key, bad):
 @pytest.mark.parametrize("key", NOISES)
 @pytest.mark.parametrize("bad", [0.0, -1.0, 5e-324])
 def test_what_must_be_positive_is(key, bad):
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         Design({key: bad})
     assert caught.value.key == key
 
@@ -80,7 +81,7 @@ def test_what_must_be_positive_is(key, bad):
 @pytest.mark.parametrize("key", ["imu.accelerometer_bias", "imu.gyro_bias", "coast.before_aperture"])
 def test_what_may_be_zero_may_but_not_less(key):
     assert Design({key: 0.0})[key] == 0
-    with pytest.raises(DesignError):
+    with pytest.raises(InputError):
         Design({key: -1e-12})
 
 
@@ -91,14 +92,14 @@ def test_what_may_be_zero_may_but_not_less(key):
      ("requirements.steady_state", "worst")],
 )  # fmt: skip
 def test_choices(key, bad):
-    with pytest.raises(DesignError, match="is not one of") as caught:
+    with pytest.raises(InputError, match="is not one of") as caught:
         Design({key: bad})
     assert caught.value.key == key
 
 
 @pytest.mark.parametrize("key", ["imu.bias", "bogus", "imu", "imu.", ".imu", "gnss.rate", "", "imu.imu.rate"])
 def test_unknown_keys(key):
-    with pytest.raises(DesignError):
+    with pytest.raises(InputError):
         Design({key: 1.0})
 
 
@@ -136,7 +137,7 @@ def test_replace_changes_one_value_and_leaves_the_original(key):
 
 def test_replace_refuses_what_the_constructor_refuses():
     for changes in ({"imu.bogus": 1.0}, {"imu.rate": math.nan}, {"radar.window": "hann"}):
-        with pytest.raises(DesignError):
+        with pytest.raises(InputError):
             Design().replace(changes)
     assert Design().replace({"name": "b"}).name == "b"
 

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 import nav_model
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import deviations, format_design, parse_design, preset_fill, read_design
 from nav_model.design.parts import INPUTS
+from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS
 
 EXAMPLES = sorted((Path(nav_model.__file__).parent.parent / "examples").glob("*.toml"))
@@ -98,7 +99,7 @@ def test_an_inertial_preset_fills_its_random_walks_and_nothing_else(name):
 
 @pytest.mark.parametrize("name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" not in e.values])
 def test_a_silent_data_sheet_takes_no_default(name):
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         parse_design(f'[imu]\npreset = "{name}"')
     assert caught.value.key == "imu.velocity_random_walk"
     design = parse_design(f'[imu]\npreset = "{name}"\nvelocity_random_walk = "0.01 m/s/√h"')
@@ -182,7 +183,7 @@ def test_changes_override_the_file(changes, key, value):
     ],
 )
 def test_a_wrong_change_is_refused_by_its_key(change, key):
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         parse_design(CHANGED, changes=[change])
     assert caught.value.key == key
 

@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity, DesignError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import preset_fill
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import INPUTS
+from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS, parse_quantity
 
 
@@ -80,6 +81,6 @@ def test_a_link_needs_no_escaping_beyond_letters_and_marks_of_an_address() -> No
     ],
 )
 def test_a_forged_link_is_refused_by_name(query: str, named: str) -> None:
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         from_query(query)
     assert caught.value.key == named

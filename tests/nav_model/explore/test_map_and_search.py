@@ -5,7 +5,7 @@ import pytest
 
 from nav_model.budget import analyse
 from nav_model.catalogue import catalogue, read_catalogue
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import ALL
 from nav_model.explore.search import OWN_GNSS, left_out, search
 from nav_model.explore.trade_map import SIZE, changes_at, place, trade_map
@@ -67,7 +67,7 @@ def test_a_slow_error_takes_the_same_grid(open_design):
     [(ARW, ARW, ALL, "both axes"), (ARW, "radar.window", ALL, "axis"), (ARW, GNSS, "weight", "not one of")],
 )
 def test_maps_that_make_no_sense(open_design, x, y, result, message):
-    with pytest.raises(DesignError, match=message):
+    with pytest.raises(InputError, match=message):
         trade_map(open_design, x, y, result)
 
 
@@ -91,7 +91,7 @@ def test_own_sensors_in_the_same_format(open_design):
     row = next(r for r in search(open_design, own, {}) if r.gnss == OWN_GNSS)
     assert row.imu == "Ours"
     assert row.doubts == ()
-    with pytest.raises(DesignError, match="both random walks"):
+    with pytest.raises(InputError, match="both random walks"):
         search(open_design, {"KVH": catalogue("imu")["KVH FOG (SPAN-CPT)"]}, {})
 
 

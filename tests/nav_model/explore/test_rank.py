@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from nav_model.analytic.sensitivity import horizontal_shares
 from nav_model.budget import analyse
 from nav_model.budget.figures import FIGURES, figures, inputs_of
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.rank import Sensitivity, log_derivatives, rank, sentence, silent, stated
 
 
@@ -90,5 +90,5 @@ def test_words():
 
 
 def test_unknown_figure(open_design):
-    with pytest.raises(DesignError, match="is not one of"):
+    with pytest.raises(InputError, match="is not one of"):
         rank(open_design, "weight")

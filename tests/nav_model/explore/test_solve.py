@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nav_model.budget import analyse
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import ALL, quantity, ratios
 from nav_model.explore.solve import SOLVED, remedies, resolution_for, round_down, solve
 
@@ -112,7 +112,7 @@ def test_slow_error_and_missing_requirements(closed_design):
     slow = closed_design.replace({"gnss.correlated": True})
     assert {s.key for s in solve(slow)} <= set(SOLVED)
     keys = [k for k, v in slow.items() if k.startswith("requirements.") and isinstance(v, float) and "conf" not in k]
-    with pytest.raises(DesignError, match="at least one limit"):
+    with pytest.raises(InputError, match="at least one limit"):
         solve(slow.replace(dict.fromkeys(keys)))
 
 

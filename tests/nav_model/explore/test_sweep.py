@@ -11,8 +11,8 @@ import pyarrow.parquet
 import pytest
 
 from nav_model.budget import analyse
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design, parse_design, preset_fill
+from nav_model.errors import InputError
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
 
@@ -109,7 +109,7 @@ def test_parts_of_another_sweep_are_not_taken(plan_file, tmp_path):
     parts = tmp_path / "out.csv.parts"
     parts.mkdir()
     (parts / "plan.json").write_text('{"identity": "another"}')
-    with pytest.raises(DesignError, match="another sweep"):
+    with pytest.raises(InputError, match="another sweep"):
         run_sweep(read_plan(plan_file), out)
 
 
@@ -164,13 +164,13 @@ name = "inline"
     ],
 )  # fmt: skip
 def test_refused_plans(text, message):
-    with pytest.raises(DesignError, match=message):
+    with pytest.raises(InputError, match=message):
         parse_plan(text.encode())
 
 
 def test_refused_outputs_and_schedulers(plan_file, tmp_path):
     plan = read_plan(plan_file)
-    with pytest.raises(DesignError, match=r"must end in \.csv or \.parquet"):
+    with pytest.raises(InputError, match=r"must end in \.csv or \.parquet"):
         run_sweep(plan, tmp_path / "out.xls")
-    with pytest.raises(DesignError, match="cannot be written"):
+    with pytest.raises(InputError, match="cannot be written"):
         run_sweep(plan, tmp_path / "no" / "out.csv")

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design
+from nav_model.errors import InputError
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
 from nav_model.simulation.design_study import specification, study_of, to_document
@@ -126,7 +126,7 @@ def test_the_example_that_ships_is_a_sweep():
 def test_a_trajectory_file_is_part_of_the_sweep(tmp_path, open_design):
     (tmp_path / "design.toml").write_text(format_design(open_design), encoding="utf-8")
     text = FLOWN.replace("[simulate]", '[simulate]\ntrajectory = "flight.csv"')
-    with pytest.raises(DesignError, match="neither one of"):
+    with pytest.raises(InputError, match="neither one of"):
         parse_plan(text.encode(), folder=tmp_path)
     lines = ["time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg"]
     lines += [f"{t / 10},45,{t / 10 * 80 / 78846.8:.9f},3000,0,0,90" for t in range(1000)]
@@ -153,5 +153,5 @@ def test_a_trajectory_file_is_part_of_the_sweep(tmp_path, open_design):
 )
 def test_refused_flights(line, message):
     text = f"[design]\nname='x'\n[simulate]\n{line}\n[vary]\ngnss.interval=['1 s']"
-    with pytest.raises(DesignError, match=message):
+    with pytest.raises(InputError, match=message):
         parse_plan(text.encode())

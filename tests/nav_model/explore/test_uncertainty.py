@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.explore.margins import ratios, worst
 from nav_model.explore.solve import solve
 from nav_model.explore.uncertainty import Uncertain, read_uncertain, uncertain_verdict
@@ -70,16 +70,16 @@ def test_certainty_still_has_an_error_bar(closed_design):
     ],
 )
 def test_refused_ranges(text, message):
-    with pytest.raises(DesignError, match=message):
+    with pytest.raises(InputError, match=message):
         read_uncertain(ARW, text)
 
 
 def test_refused_inputs(closed_design):
-    with pytest.raises(DesignError, match="cannot be uncertain"):
+    with pytest.raises(InputError, match="cannot be uncertain"):
         read_uncertain("imu.rate", "1 Hz .. 2 Hz")
-    with pytest.raises(DesignError, match="choice"):
+    with pytest.raises(InputError, match="choice"):
         read_uncertain("radar.window", "a .. b")
-    with pytest.raises(DesignError, match="no input"):
+    with pytest.raises(InputError, match="no input"):
         uncertain_verdict(closed_design, {})
-    with pytest.raises(DesignError, match="leaves what the input may be"):
+    with pytest.raises(InputError, match="leaves what the input may be"):
         uncertain_verdict(closed_design, {"imu.vibration_factor": Uncertain("lognormal", 500.0, 3.0)})

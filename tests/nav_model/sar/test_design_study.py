@@ -8,7 +8,7 @@ import pytest
 
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.sar.decomposition import decompose
 from nav_model.sar.design_case import conditions, design_case, study_cautions
 from nav_model.sar.design_map import arw_map, gnss_map
@@ -164,7 +164,7 @@ def test_autofocus_rescores_ensemble_and_forms_alike():
     ],
 )
 def test_what_cannot_be_simulated_is_refused_by_name(changes, key):
-    with pytest.raises(DesignError, match=key):
+    with pytest.raises(InputError, match=key):
         design_case(analyse(design(**changes)))
 
 

@@ -8,7 +8,7 @@ from scipy.linalg import expm, solve_discrete_are
 
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import decompose
 from nav_model.sar.design_case import design_case
@@ -154,7 +154,7 @@ def test_a_slow_error_of_the_fixes_is_flown():
 
 def test_too_long_a_flight_is_refused_by_key():
     slow = Design(X_BAND | {"imu.velocity_random_walk": 1e-7, "gnss.position_noise": 5.0, "imu.rate": 2000.0})
-    with pytest.raises(DesignError, match=r"imu\.rate.*settles"):
+    with pytest.raises(InputError, match=r"imu\.rate.*settles"):
         flight_of(slow, 6.0, 0.0)
     case = design_case(analyse(Design(X_BAND)), "simulator")
     assert case.engine == "simulator"

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.simulation.conditions import conditions
 from nav_model.simulation.design_study import (
     LONGEST_OUTAGE,
@@ -118,14 +118,14 @@ def test_the_closed_form_gives_the_theory_pages_figures() -> None:
     ],
 )
 def test_what_cannot_be_flown_is_refused_under_its_own_name(changes, options, key) -> None:
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         specification(PAPER.replace(changes), **options)
     assert caught.value.key == key
     assert "\n" not in str(caught.value)
 
 
 def test_a_refusal_speaks_in_the_designs_units_and_survives_the_way_from_a_worker() -> None:
-    with pytest.raises(DesignError, match=r"flight\.latitude: 89° cannot be simulated; must be within 85") as caught:
+    with pytest.raises(InputError, match=r"flight\.latitude: 89° cannot be simulated; must be within 85") as caught:
         specification(PAPER.replace({"flight.latitude": math.radians(89)}))
     again = pickle.loads(pickle.dumps(caught.value))
     assert (again.key, again.reason) == (caught.value.key, caught.value.reason)

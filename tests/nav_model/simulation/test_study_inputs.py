@@ -7,7 +7,7 @@ import math
 import pytest
 
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.simulation.conditions import conditions
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.study_inputs import (
@@ -85,11 +85,11 @@ def test_nothing_added_is_the_study_of_the_design_alone() -> None:
     ],
 )
 def test_what_cannot_be_is_refused_under_its_key(key: str, text: str, reason: str) -> None:
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         read_study_inputs({key: text})
     assert caught.value.key == key
     assert reason in caught.value.reason
-    with pytest.raises(DesignError):
+    with pytest.raises(InputError):
         StudyInputs(((key, math.nan),))
 
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import parse_design
+from nav_model.errors import InputError
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.settings import DEFAULTS, from_design, output_every, read_changes
 from nav_model.suborbital.study import StudyInputs
@@ -64,7 +64,7 @@ def test_dropouts_are_intervals():
     ],
 )
 def test_refusals_name_the_field(key, text, said):
-    with pytest.raises(DesignError, match=said) as caught:
+    with pytest.raises(InputError, match=said) as caught:
         read_changes(DEFAULTS, {key: text}, "test")
     assert caught.value.key == key
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import split_link
+from nav_model.errors import InputError
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.settings import DEFAULTS, read_changes
 from nav_model.suborbital.study_file import (
@@ -96,9 +96,9 @@ def test_a_study_and_a_design_are_told_apart():
     assert is_study(format_study(DEFAULTS).encode())
     assert not is_study(design)
     assert not is_study(b"\xff\xfe")
-    with pytest.raises(DesignError, match="study: is missing"):
+    with pytest.raises(InputError, match="study: is missing"):
         parse_study(design)
-    with pytest.raises(DesignError, match="study"):
+    with pytest.raises(InputError, match="study"):
         parse_design(format_study(DEFAULTS).encode())
 
 
@@ -136,7 +136,7 @@ def test_a_study_and_a_design_are_told_apart():
     ],
 )
 def test_refusals_name_the_field(text, key, said):
-    with pytest.raises(DesignError, match=said) as caught:
+    with pytest.raises(InputError, match=said) as caught:
         parse_study(b'study = "suborbital"\n' + text.encode(), "mine.toml")
     assert caught.value.key == key
 
@@ -152,7 +152,7 @@ def test_refusals_name_the_field(text, key, said):
     ],
 )
 def test_other_files_are_refused(content, said):
-    with pytest.raises(DesignError, match=said):
+    with pytest.raises(InputError, match=said):
         parse_study(content, "mine.toml")
 
 
@@ -168,7 +168,7 @@ def test_other_files_are_refused(content, said):
     ],
 )
 def test_wrong_links_are_refused(query, key):
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(InputError) as caught:
         from_link(query)
     assert caught.value.key == key
 

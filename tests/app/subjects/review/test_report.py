@@ -20,8 +20,8 @@ from app.subjects.review.compare import comparison_link
 from app.subjects.review.comparison import difference_tables
 from app.subjects.review.report import audit_sections, audit_table, status_table
 from nav_model.budget import Budget, analyse
-from nav_model.design.declaration import DesignError
 from nav_model.design.file import read_design
+from nav_model.errors import InputError
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
 HOSTILE = "<script>alert(1)</script> #panic() $x$ {{7*7}}"
@@ -103,7 +103,7 @@ def test_the_library_is_opened_only_when_asked_for_and_a_failure_is_not_final(tm
     blocked.write_text("")
     try:
         use_library(str(blocked / "library.db"))  # says nothing: nobody has asked
-        with pytest.raises(DesignError, match="cannot be used"):
+        with pytest.raises(InputError, match="cannot be used"):
             library()
         blocked.unlink()
         assert library() is library()

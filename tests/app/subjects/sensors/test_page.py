@@ -25,7 +25,7 @@ from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import LogOptions
 from nav_model.allan.static_log import analyse_log
 from nav_model.catalogue import catalogue
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 
 # The Material download button passes both names of one argument to its own base class.
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
@@ -136,7 +136,7 @@ def test_cancel_ends_the_process_at_once(tmp_path: Path):
 def test_a_refusal_comes_back_with_its_key(tmp_path: Path):
     for path, reason in ((tmp_path / "none.csv", "no such file"), (tmp_path / "bad.csv", "no numbers found")):
         (tmp_path / "bad.csv").write_text("a,b\nx,y\n")
-        with pytest.raises(DesignError) as caught:
+        with pytest.raises(InputError) as caught:
             asyncio.run(run_alone(study_log, LogRequest(path), progress=lambda fraction, what: None))
         assert path.name in caught.value.key
         assert reason in caught.value.reason

@@ -23,7 +23,7 @@ from app.subjects.simulation.page import SimulatePage
 from app.subjects.simulation.run import Compiling, News, Progress, Result, SimulationRun, outages_of, same_subject
 from app.subjects.simulation.tables import answer, under_way
 from nav_model.design import Design
-from nav_model.design.declaration import DesignError
+from nav_model.errors import InputError
 from nav_model.simulation.design_study import DesignStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
 
@@ -130,7 +130,7 @@ def test_outages_as_people_write_them(text: str, outages: tuple[tuple[float, flo
 
 @pytest.mark.parametrize("text", ["200", "a,b", "1,2,3", "200-300", "<b>"])
 def test_other_outages_are_refused(text: str) -> None:
-    with pytest.raises(DesignError, match=r"^outages: "):
+    with pytest.raises(InputError, match=r"^outages: "):
         outages_of(text)
 
 
@@ -214,7 +214,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Desi
         before = {name: getattr(page, name).value for name in change}
         for name, value in change.items():
             getattr(page, name).value = value
-        with pytest.raises(DesignError, match=f"^{said}"):
+        with pytest.raises(InputError, match=f"^{said}"):
             page._specification()
         for name, value in before.items():
             getattr(page, name).value = value
