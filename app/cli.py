@@ -14,17 +14,11 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from app.console.arguments import BAD_INPUT, refuse
-from app.report import command as report
-from app.serving import command as serve
-from app.subjects.budget import command as budget
-from app.subjects.explore import command as explore
-from app.subjects.sar import command as sar
-from app.subjects.sensors import command as allan
-from app.subjects.simulation import command as simulate
-from app.subjects.suborbital import command as suborbital
+from app.subjects import SUBJECTS, load
 from nav_model.errors import InputError
 
-_COMMANDS = (serve, budget, report, simulate, sar, suborbital, allan, explore)
+_COMMANDS = ("app.serving.command", "app.report.command", *(s.command for s in SUBJECTS if s.command))
+"""Modules that declare commands, in the order of the help."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -52,7 +46,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="navbudget", description="Navigation error budgets for airborne SAR.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for module in _COMMANDS:
-        module.add_to(commands)
+        load(module).add_to(commands)
     return parser
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.document.blocks import Cell
+from app.document.blocks import Cell, Column, Table
 from app.document.numbers import number
 from app.document.wording import printable
 from nav_model.allan.adoption import noted_origin
@@ -12,7 +12,7 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import deviations, preset_of
 from nav_model.design.parts import INPUTS, PARTS
 
-MARKS_EXPLAINED = (
+_MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
     "unconfirmed: from memory, no source reached. changed: not the value of the preset. noted: the description says "
     "where it comes from, such as a log. Biases and platform figures "
@@ -26,8 +26,8 @@ _EXTRA_LABELS = {
 }
 
 
-def input_rows(design: Design, aperture_time: float) -> tuple[tuple[Cell, ...], ...]:
-    """Rows of name, value and origin for every input, headed by section."""
+def input_table(design: Design, aperture_time: float, key: str) -> Table:
+    """Name, value and origin of every input, headed by section; aperture_time [s] is the one in force."""
     rows: list[tuple[Cell, ...]] = []
     for part in PARTS:
         entry = preset_entry(design, part.section)
@@ -40,7 +40,13 @@ def input_rows(design: Design, aperture_time: float) -> tuple[tuple[Cell, ...], 
             )
             if entry.note:
                 rows.append((Cell("Note"), Cell(""), Cell(entry.note)))
-    return tuple(rows)
+    return Table(
+        f"{key}-inputs-table",
+        "Every input, with its origin",
+        (Column("Input", width=1.25), Column("Value", width=1), Column("Origin", width=1.9)),
+        tuple(rows),
+        _MARKS_EXPLAINED,
+    )
 
 
 def doubtful_inputs(design: Design) -> list[str]:

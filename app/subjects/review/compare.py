@@ -16,8 +16,8 @@ from app.document.pane import html_of
 from app.document.prose import prose
 from app.library.store import Revision
 from app.report import report_of_texts
-from app.subjects.review.charts import phase_comparison, position_comparison
-from app.subjects.review.comparison import difference_tables
+from app.report.comparison import closing_words, difference_tables
+from app.report.comparison_charts import phase_comparison, position_comparison
 from app.subjects.review.desk import BUTTON, LOOK, Desk
 from app.ui.chart_pane import described
 from app.ui.html_pane import html_pane
@@ -68,8 +68,7 @@ class CompareView:
         self._charts.objects = charts
         self._link.value = comparison_link(revisions)
         self._tools.visible = True
-        closing = sum(budget.verdict.closes for budget in budgets)
-        self._desk.say(f"{len(budgets)} revisions side by side, {closing} of which close.")
+        self._desk.say(f"{closing_words(budgets)}.")
         return True
 
     async def _report(self, kind: str) -> io.BytesIO:

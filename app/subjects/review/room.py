@@ -14,7 +14,8 @@ import param
 
 from app.document.numbers import signed_percent
 from app.document.pane import html_of
-from app.document.wording import requirement_quantity, shortened
+from app.document.verdict import check_words
+from app.document.wording import shortened
 from app.library.reviews import (
     RESULTS,
     Review,
@@ -275,8 +276,8 @@ class ReviewRoom:
         place, name = self._about.value
         budget = self._review.revisions[place - 1].budget()
         check = next(check for check in budget.verdict.checks if check.name == name)
-        value, limit = (requirement_quantity(budget.design, name, x) for x in (check.value, check.limit))
-        return place, check, f"{value} against {limit} at {budget.verdict.confidence:g}σ"
+        words = check_words(budget.design, check)
+        return place, check, f"{words.value} against {words.limit} at {budget.verdict.confidence:g}σ"
 
     def _draw_slide(self) -> None:
         point = self._point() if self._present.value else None
