@@ -75,7 +75,7 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
     session.study_link = of_study
     if changed is not None:
         session.param.watch(changed, "budget")
-    return Frame(session, notice).view
+    return Frame(session, notice).__panel__()
 
 
 def serve(rules: Rules) -> None:
