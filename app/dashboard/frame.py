@@ -17,8 +17,8 @@ from app.dashboard.lifeline import THEME_COOKIE, Lifeline
 from app.dashboard.shell import Shell
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
-from app.serving.faults import tell_here
 from app.session import Lineage, Session
+from app.ui.faults import tell_here
 from app.ui.paper import fit_to_paper
 from app.ui.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.upstream import mends

@@ -37,7 +37,9 @@ class LogSlider(pmui.FloatSlider):
     _priority_changes: ClassVar[list[str]] = ["value"]
     _busy__ignore: ClassVar[list[str]] = ["value"]
 
-    def __init__(self, label: str, low: float, high: float, unit: str, dimension: str, zero: bool, value: float) -> None:
+    def __init__(
+        self, label: str, low: float, high: float, unit: str, dimension: str, zero: bool, value: float
+    ) -> None:
         self._lowest = math.log10(low)
         start = self._lowest - (_ZERO if zero else 0.0)
         factor = to_si(1.0, unit, dimension) if dimension else 1.0
