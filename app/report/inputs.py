@@ -51,12 +51,17 @@ def input_table(design: Design, aperture_time: float, key: str) -> Table:
 
 def doubtful_inputs(design: Design) -> list[str]:
     """Inputs in force whose catalogue value is not confirmed, with their status."""
-    return [
-        f"{INPUTS[section][name].label.lower()} ({sourced.status})"
-        for section in INPUTS
-        for name in INPUTS[section]
-        if (sourced := sourced_value(design, section, name)) is not None and not sourced.confirmed
-    ]
+    doubtful = []
+    for section, names in INPUTS.items():
+        entry = preset_entry(design, section)
+        if entry is not None:
+            changed = deviations(design, section)
+            doubtful += [
+                f"{names[name].label.lower()} ({sourced.status})"
+                for name in names
+                if (sourced := entry.values.get(name)) is not None and not sourced.confirmed and name not in changed
+            ]
+    return doubtful
 
 
 def preset_entry(design: Design, section: str) -> Entry | None:
