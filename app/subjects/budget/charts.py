@@ -237,7 +237,7 @@ def regime_chart(budget: Budget) -> Chart:
     names, kappas, ratios = regime.catalogue_points(budget.design)
     return Chart(
         key="regime",
-        title="What limits horizontal position: gyro or accelerometer?",
+        title="What limits horizontal position: gyro or accelerometer",
         x_label="gyro dominance κ [1]",
         y_label="variance, horizontal / vertical [1]",
         lines=(

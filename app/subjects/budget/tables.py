@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
-from app.document.numbers import NONE, degrees, millimetres, number, percent, show
+from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
 from app.document.verdict import check_words, met_cell, requirement_quantity
 from app.document.wording import AFTER_AUTOFOCUS, best_of
 from nav_model.budget import Budget, analyse
@@ -231,22 +232,20 @@ def image_table(budget: Budget, key: str) -> Table:
     sar, sources = budget.sar, provenance(budget)
     response = to_json(budget)["sar"]["impulse_response"]
 
-    def image(name: str, unit: str) -> str:
-        if response is None:
-            return "no image: more than 1000 rad"
-        return f"{number(float(response[name]))} {unit}"
+    def image(name: str, show_value: Callable[[float], str]) -> str:
+        return "no image: more than 1000 rad" if response is None else show_value(float(response[name]))
 
     rows = (
-        ("Wavelength", f"{number(100 * sar.wavelength)} cm", "sar.wavelength_m"),
-        ("Aperture time", f"{number(sar.aperture_time)} s", "sar.aperture_time_s"),
-        ("Aperture length", f"{number(sar.aperture_length)} m", "sar.aperture_length_m"),
+        ("Wavelength", show(sar.wavelength, "length"), "sar.wavelength_m"),
+        ("Aperture time", show(sar.aperture_time, "time"), "sar.aperture_time_s"),
+        ("Aperture length", show(sar.aperture_length, "length"), "sar.aperture_length_m"),
         ("Quadratic phase, 1σ", f"{degrees(sar.quadratic)}°", "sar.quadratic_phase_sigma_rad"),
         ("Cubic phase, 1σ", f"{degrees(sar.cubic)}°", "sar.cubic_phase_sigma_rad"),
         ("Rms phase after autofocus, 1σ", f"{degrees(sar.detrended)}°", "sar.detrended_phase_sigma_rad"),
-        ("Response width", image("width_m", "m"), "sar.impulse_response"),
-        ("Peak side-lobe ratio", image("pslr_db", "dB"), "sar.impulse_response"),
-        ("Integrated side-lobe ratio", image("islr_db", "dB"), "sar.impulse_response"),
-        ("Peak loss", image("peak_loss_db", "dB"), "sar.impulse_response"),
+        ("Response width", image("width_m", lambda width: show(width, "length")), "sar.impulse_response"),
+        ("Peak side-lobe ratio", image("pslr_db", decibels), "sar.impulse_response"),
+        ("Integrated side-lobe ratio", image("islr_db", decibels), "sar.impulse_response"),
+        ("Peak loss", image("peak_loss_db", decibels), "sar.impulse_response"),
     )
 
     def origin(name: str) -> str:

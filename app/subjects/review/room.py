@@ -65,8 +65,7 @@ class ReviewRoom(pn.viewable.Viewer):
         super().__init__(desk=desk)
         presenting = desk.session.param.presenting
         self._asked: object = None
-        self._title = pmui.TextInput(label="Title of a new review", max_length=200, width=240, **LOOK)
-        self._choice = pmui.Select(label="Review", options={_NONE: ""}, value="", width=340, **LOOK)
+        self._wanted = ""  # id of the review to show
         self._about = pmui.Select(label="Requirement", options={}, width=330, **LOOK)
         self._reason = pmui.TextInput(label="Reason (needed to reject)", max_length=1000, width=300, **LOOK)
         self._design = pmui.Select(label="Design", options={}, width=200, **LOOK)
@@ -76,16 +75,13 @@ class ReviewRoom(pn.viewable.Viewer):
         self._all = SortableTable(visible=self.param.review.rx.is_(None), sizing_mode="stretch_width", margin=(4, 10))
         self._status = html_pane(_EMPTY)
         self._status.visible = presenting.rx.not_()
-        self._tools = pn.FlexBox(
+        shown = {"visible": presenting.rx.not_()}
+        self._choice = pmui.Select(label="Review", options={_NONE: ""}, value="", width=340, **LOOK, **shown)
+        self._title = pmui.TextInput(label="Title of a new review", max_length=200, width=240, **LOOK, **shown)
+        self._of_review = [
             button("All reviews", self._leave, visible=False),
-            self._choice,
-            self._title,
-            button("Open a review of the picked", self._begin),
             *desk.report_buttons("review", "Review report", self._report, visible=False),
-            align_items="center",
-            visible=presenting.rx.not_(),
-            margin=0,
-        )
+        ]
         self._deciding = [
             self._reason,
             button("Accept", functools.partial(self._judge, True), variant="contained"),
@@ -106,7 +102,16 @@ class ReviewRoom(pn.viewable.Viewer):
         )  # fmt: skip
         switch = pmui.Switch.from_param(presenting, label="Presenter view", description="", margin=(12, 8))
         self._view = pn.Column(
-            pn.FlexBox(self._tools, switch, align_items="center", margin=(6, 4)),
+            pn.FlexBox(
+                self._of_review[0],
+                self._choice,
+                self._title,
+                button("Open a review of the picked", self._begin, **shown),
+                switch,
+                *self._of_review[1:],
+                align_items="center",
+                margin=(6, 4),
+            ),
             self._slide,
             self._decide,
             self._talk,
@@ -139,24 +144,23 @@ class ReviewRoom(pn.viewable.Viewer):
         if self._choice.options != options:
             self._choice.options = options
         self._all.html = table
-        self.review = next((own for own in reviews if self.review is not None and own.id == self.review.id), None)
+        self.review = next((own for own in reviews if own.id == self._wanted), None)
 
     async def open(self, review: str) -> None:
         """Show a review by its id; an unknown one is said so."""
         found = await self.desk.ask(lambda place: load_review(place, review))
         if found is not None:
-            self.review = found
+            self._wanted = found.id
             await self.refresh()
 
     async def _chosen(self, _: param.parameterized.Event) -> None:
-        if not self._choice.value and self.review is not None:
-            await self._leave()
-        elif self._choice.value and (self.review is None or self._choice.value != self.review.id):
-            await self.open(self._choice.value)
+        chosen = self._choice.value or ""
+        if chosen != self._wanted:
+            await (self.open(chosen) if chosen else self._leave())
 
     async def _leave(self) -> None:
         self.desk.say("")
-        self.review = None
+        self._wanted = ""
         await self.refresh()
 
     async def _pressed(self, event: param.parameterized.Event) -> None:
@@ -173,8 +177,7 @@ class ReviewRoom(pn.viewable.Viewer):
         title, author = self._title.value or "", self.desk.who
         review = await self.desk.ask(lambda place: open_review(place, title, author, keys))
         if review is not None:
-            self._title.value = ""
-            self.review = review
+            self._title.value, self._wanted = "", review.id
             await self.refresh()
             self.desk.say(f"Review {review.title} is open; {len(keys)} revisions are frozen.")
 
@@ -188,9 +191,8 @@ class ReviewRoom(pn.viewable.Viewer):
         review, presenting = self.review, self.desk.session.presenting
         open_ = review is not None and review.signed is None
         with pn.io.hold():
-            back, *_, html, pdf = self._tools.objects
-            for part in (back, html, pdf):
-                part.visible = review is not None
+            for part in self._of_review:
+                part.visible = review is not None and not presenting
             self._decide.visible = review is not None and (open_ or presenting)
             self._talk.visible = open_ and not presenting
             for part in self._deciding:
@@ -234,7 +236,6 @@ class ReviewRoom(pn.viewable.Viewer):
         changed = await self.desk.ask(lambda place: work(place, review.id, author))
         if changed is not None:
             self.desk.say("")
-            self.review = changed
         await self.refresh()  # after a refusal as well: it may be of what somebody else did meanwhile
         return changed is not None
 
