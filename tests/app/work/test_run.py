@@ -22,7 +22,7 @@ def test_the_time_left_is_the_time_spent_over_the_share_done():
     now[0] += 4.0
     assert clock.progress("flying", 0.25) == Progress("flying", 0.25, pytest.approx(12.0))
     now[0] += 12.0
-    assert clock.progress("flying", 1.0).left == 0.0
+    assert clock.progress("flying", 1.0).left is None
     assert clock.progress("flying", 0.001).left is None
 
 
