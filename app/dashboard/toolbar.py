@@ -18,7 +18,7 @@ from app.document.wording import chapter_key
 from app.report import report_of_text
 from app.report.studies import study_sections
 from app.session import Session
-from app.ui.run_download import run_download
+from app.ui.downloads import run_download
 from app.ui.theme import PRINT_NOTHING
 from app.ui.tour import Tour
 from app.ui.upload import LimitedFileInput

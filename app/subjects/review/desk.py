@@ -18,8 +18,8 @@ from app.library.place import library
 from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
 from app.session import Session
+from app.ui.downloads import run_download
 from app.ui.html_pane import html_pane
-from app.ui.run_download import run_download
 from nav_model.errors import InputError
 
 _T = TypeVar("_T")
