@@ -14,11 +14,10 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from app.console.arguments import BAD_INPUT, refuse
-from app.subjects import SUBJECTS, load
+from app.report import command as report
+from app.serving import command as serve
+from app.subjects import SUBJECTS
 from nav_model.errors import InputError
-
-_COMMANDS = ("app.serving.command", "app.report.command", *(s.command for s in SUBJECTS if s.command))
-"""Modules that declare commands, in the order of the help."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -45,8 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="navbudget", description="Navigation error budgets for airborne SAR.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in _COMMANDS:
-        load(module).add_to(commands)
+    for module in (serve, report, *(subject.load("command") for subject in SUBJECTS if subject.command)):
+        module.add_to(commands)
     return parser
 
 

@@ -17,7 +17,7 @@ from app.dashboard.shell import Shell
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.session import Lineage, Session
-from app.subjects import SUBJECTS, load
+from app.subjects import SUBJECTS
 from app.ui.faults import tell_here
 from app.ui.paper import fit_to_paper
 from app.ui.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
@@ -162,7 +162,7 @@ class Frame(pn.viewable.Viewer):
 
     def _open_page(self, index: int) -> None:
         if index not in self._pages:
-            page: Page = load(SUBJECTS[index].page)(self.session)
+            page: Page = SUBJECTS[index].load("page")(self.session)
             self._pages[index] = page
             self._places[index].append(getattr(page, "view", page))
 

@@ -11,7 +11,7 @@ from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.files import whole_file
 from app.document.wording import chapter_key, design_labels
 from app.report import kind_of, report_bytes
-from app.subjects import STUDIES, load
+from app.subjects import STUDIES
 from nav_model.budget import analyse
 from nav_model.errors import InputError
 
@@ -55,7 +55,7 @@ def _report(options: argparse.Namespace) -> int:
     with whole_file(options.output) as file:  # refused now, not after the studies
         studies = []
         for design, label in zip(designs, design_labels(len(designs)), strict=True):
-            findings = {key: load(STUDIES[key].report).study(design, options) for key in wanted}
+            findings = {key: STUDIES[key].load("report").study(design, options) for key in wanted}
             studies.append(study_sections(findings, design, chapter_key(label)))
         file.write(report_bytes(budgets, kind, studies=studies))
     print(f"wrote {options.output}", file=sys.stderr)

@@ -13,7 +13,7 @@ from app.document.wording import chapter_key, design_labels, labelled, printable
 from app.report.cautions import assumption_list, caution_list
 from app.report.comparison import comparison_chapter
 from app.report.inputs import input_table
-from app.subjects import part
+from app.subjects import BY_KEY
 from nav_model.budget import Budget
 from nav_model.design.file import format_design
 from nav_model.equations import REFERENCES, with_cited
@@ -74,7 +74,7 @@ def _chapter(budget: Budget, label: str, facts: tuple[tuple[str, str], ...], stu
             ("Content hash (SHA-256)", design.content_hash),
         ),
         sections=(
-            *part("budget", "report").sections(budget, key),
+            *BY_KEY["budget"].load("report").sections(budget, key),
             *studies,
             Section(f"{key}-inputs", "Inputs", (input_table(design, budget.sar.aperture_time, key),)),
             Section(f"{key}-cautions", "Assumptions and cautions", (caution_list(budget), assumption_list(budget))),

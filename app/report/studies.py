@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from app.document.blocks import Bullets, Section
-from app.subjects import STUDIES, load
+from app.subjects import STUDIES
 from nav_model.design import Design
 
 
@@ -25,7 +25,7 @@ def study_sections(findings: Mapping[str, Any], design: Design, key: str) -> tup
     for kind, subject in STUDIES.items():
         if kind not in findings:
             continue
-        report = load(subject.report)
+        report = subject.load("report")
         if report.belongs(findings[kind], design):
             told += report.sections(findings[kind], key)
         else:
@@ -41,7 +41,7 @@ def study_sections(findings: Mapping[str, Any], design: Design, key: str) -> tup
 def belonging(findings: Mapping[str, Any], design: Design) -> dict[str, bool]:
     """Key of each finding at hand, and whether the report of a design would tell it."""
     return {
-        kind: load(subject.report).belongs(findings[kind], design)
+        kind: subject.load("report").belongs(findings[kind], design)
         for kind, subject in STUDIES.items()
         if kind in findings
     }

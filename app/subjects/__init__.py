@@ -1,7 +1,7 @@
 """The subjects a person comes for, a room each, and the one registry of them.
 
-The registry is data: modules are named in it and loaded when somebody needs them, so that reading it costs nothing
-and whoever goes by it (tabs, command line, report) imports no subject. No subject imports another.
+The registry is data: parts are named in it and loaded when somebody needs them, so that reading it costs nothing and
+whoever goes by it (tabs, command line, report) imports no subject. No subject imports another.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Subject:
-    """A subject and where its parts are; a part that it does not have is empty.
+    """A subject and its parts, named within its room; a part that it does not have is empty.
 
     Attributes
     ----------
@@ -39,61 +39,25 @@ class Subject:
     report: str = ""
     study: str = ""
 
+    def load(self, part: str) -> Any:
+        """A part of the subject, such as "report", imported: a module, or what is in it behind a colon."""
+        module, _, attribute = getattr(self, part).partition(":")
+        loaded = import_module(f"{__name__}.{self.key}.{module}")
+        return getattr(loaded, attribute) if attribute else loaded
+
 
 SUBJECTS: tuple[Subject, ...] = (
-    Subject(
-        "budget",
-        "Budget",
-        "app.subjects.budget.page:BudgetPage",
-        "app.subjects.budget.command",
-        "app.subjects.budget.report",
-    ),
-    Subject(
-        "simulation",
-        "Simulate",
-        "app.subjects.simulation.page:SimulatePage",
-        "app.subjects.simulation.command",
-        "app.subjects.simulation.report",
-        "Simulation",
-    ),
-    Subject(
-        "sar",
-        "SAR",
-        "app.subjects.sar.page:SarPage",
-        "app.subjects.sar.command",
-        "app.subjects.sar.report",
-        "SAR",
-    ),
-    Subject(
-        "suborbital",
-        "Suborbital",
-        "app.subjects.suborbital.page:SuborbitalPage",
-        "app.subjects.suborbital.command",
-        "app.subjects.suborbital.report",
-        "Suborbital flight",
-    ),
-    Subject("explore", "Explore", "app.subjects.explore.page:ExplorePage", "app.subjects.explore.command"),
-    Subject("sensors", "Sensors", "app.subjects.sensors.page:SensorsPage", "app.subjects.sensors.command"),
-    Subject("review", "Review", "app.subjects.review.page:ReviewPage"),
-    Subject("theory", "Theory", "app.subjects.theory.page:TheoryPage"),
+    Subject("budget", "Budget", "page:BudgetPage", "command", "report"),
+    Subject("simulation", "Simulate", "page:SimulatePage", "command", "report", "Simulation"),
+    Subject("sar", "SAR", "page:SarPage", "command", "report", "SAR"),
+    Subject("suborbital", "Suborbital", "page:SuborbitalPage", "command", "report", "Suborbital flight"),
+    Subject("explore", "Explore", "page:ExplorePage", "command"),
+    Subject("sensors", "Sensors", "page:SensorsPage", "command"),
+    Subject("review", "Review", "page:ReviewPage"),
+    Subject("theory", "Theory", "page:TheoryPage"),
 )
 """Every subject, in the order of the tabs, of the commands and of a report's sections."""
 
+BY_KEY: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS}
 STUDIES: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS if subject.study}
-"""The subjects with a study to run, by key."""
-
-
-def load(name: str) -> Any:
-    """What a dotted name of the registry names: a module, or ``module:attribute``."""
-    module, _, attribute = name.partition(":")
-    loaded = import_module(module)
-    return getattr(loaded, attribute) if attribute else loaded
-
-
-def part(key: str, name: str) -> Any:
-    """A part of a subject, loaded.
-
-    >>> part("budget", "report").__name__
-    'app.subjects.budget.report'
-    """
-    return load(getattr(next(subject for subject in SUBJECTS if subject.key == key), name))
+"""The subjects with a study to run."""

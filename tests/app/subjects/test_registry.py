@@ -7,24 +7,22 @@ import subprocess
 import sys
 from pathlib import Path
 
-import panel as pn
 import pytest
 
 import app.subjects
-from app.subjects import STUDIES, SUBJECTS, Subject, load, part
+from app.subjects import BY_KEY, STUDIES, SUBJECTS, Subject
 
 
 @pytest.mark.parametrize("subject", SUBJECTS, ids=lambda subject: subject.key)
 def test_what_a_subject_names_is_there(subject: Subject) -> None:
-    assert callable(load(subject.page))
-    assert callable(load(subject.page).show)
+    assert callable(subject.load("page").show)
     if subject.command:
         commands = argparse.ArgumentParser().add_subparsers()
-        load(subject.command).add_to(commands)
+        subject.load("command").add_to(commands)
         assert commands.choices
     if subject.report:
         named = ("sections", "belongs", "of_design", "study") if subject.study else ("sections",)
-        assert all(callable(getattr(load(subject.report), name)) for name in named)
+        assert all(callable(getattr(subject.load("report"), name)) for name in named)
 
 
 def test_every_room_is_registered_and_no_other() -> None:
@@ -48,5 +46,5 @@ def test_reading_the_registry_loads_no_subject() -> None:
 
 
 def test_a_part_is_loaded_by_name() -> None:
-    assert part("budget", "report") is load("app.subjects.budget.report")
-    assert issubclass(part("budget", "page"), pn.viewable.Viewer)
+    assert BY_KEY["budget"].load("report").__name__ == "app.subjects.budget.report"
+    assert BY_KEY["budget"].load("page").__name__ == "BudgetPage"
