@@ -67,6 +67,7 @@ SHEET = """
 .num { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .nw { white-space: nowrap; }
 .quiet { opacity: .78; }
+.tone.good, .tone.bad { font-weight: 600; }
 .hidden { position: absolute; width: 1px; height: 1px; margin: 0; overflow: hidden; clip-path: inset(50%); }
 a { color: inherit; text-underline-offset: 2px; }
 a.eq { white-space: nowrap; text-decoration: underline dotted; }
