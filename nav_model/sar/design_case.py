@@ -177,6 +177,10 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
         "seeds for the least residual of this design."
     )
     said.append(
+        "The RTS smoother uses fixes up to the aperture's end: it is the bound for causal and in-aperture methods. "
+        "In post-processing, a smoother that also uses fixes after the aperture does about twice as well."
+    )
+    said.append(
         "The closed form of 5 takes the quadratic fit as continuous: with few fixes in the aperture its inertial "
         "part is low, by up to 6 % with a fix at both ends, by more where the aperture ends well after its last fix "
         "[T-16]."

@@ -91,7 +91,10 @@ class DesignStudy:
         return STRATEGIES
 
     def best(self, *, causal: bool) -> Strategy:
-        """The causal (or the off-line) strategy with the least median residual; the ideal is not one of them."""
+        """The causal strategy, or the one that waits for the aperture's end, with the least median residual.
+
+        The ideal is not one of them.
+        """
         residual = self.parts["residual_rms"].median
         able = [i for i, strategy in enumerate(STRATEGIES) if strategy.causal is causal and strategy.key != "1"]
         return STRATEGIES[min(able, key=lambda i: float(residual[i]))]
@@ -100,12 +103,12 @@ class DesignStudy:
     def sentence(self) -> str:
         """What the runs add to the advice of the closed forms."""
         residual = dict(zip(STRATEGY_KEYS, self.parts["residual_rms"].median, strict=True))
-        causal, offline = self.best(causal=True), self.best(causal=False)
+        causal, waiting = self.best(causal=True), self.best(causal=False)
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
         said = (
             f"In {self.runs} {what} the least median residual is {_millimetres(residual[causal.key])} for a causal "
             f"strategy ({causal.key}, {causal.name}{', a reconstruction' if causal.reconstruction else ''}) and "
-            f"{_millimetres(residual[offline.key])} off-line ({offline.key}, {offline.name})."
+            f"{_millimetres(residual[waiting.key])} with all fixes of the aperture ({waiting.key}, {waiting.name})."
         )
         advised = self.closed.advice.strategy
         if residual[causal.key] < 0.95 * residual[advised] and causal.key != advised:

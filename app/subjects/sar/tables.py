@@ -179,7 +179,7 @@ def _degrees(study: DesignStudy) -> float:
 def _kind(strategy: Strategy) -> str:
     if strategy.key == "1":
         return "reference"
-    return ("causal" if strategy.causal else "off-line") + (", reconstruction" if strategy.reconstruction else "")
+    return strategy.timing + (", reconstruction" if strategy.reconstruction else "")
 
 
 def _number(value: float) -> str:

@@ -168,7 +168,7 @@ def _table(title: str, note: str, head: tuple[str, ...], rows: list[tuple[str, l
 def _kind(strategy: Strategy) -> str:
     if strategy.key == "1":
         return "reference"
-    return ("causal" if strategy.causal else "off-line") + (", reconstruction" if strategy.reconstruction else "")
+    return strategy.timing + (", reconstruction" if strategy.reconstruction else "")
 
 
 def _number(value: float) -> str:
