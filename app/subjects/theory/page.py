@@ -114,7 +114,7 @@ def validation() -> str:
     """What each result was compared with, and how many of the comparisons are independent of this product."""
     rows = record().rows
     kinds = Counter(row.kind for row in rows)
-    counts = [f"{kinds[kind]} {name}" for kind, name in INDEPENDENT.items() if kinds[kind]]
+    counts = [f"{kinds[kind]} against {name}" for kind, name in INDEPENDENT.items() if kinds[kind]]
     independent = sum(kinds[kind] for kind in INDEPENDENT)
     said = (
         f"{independent} of {len(rows)} results are checked against independent references: {', '.join(counts[:-1])} "

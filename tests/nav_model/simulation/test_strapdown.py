@@ -134,7 +134,7 @@ def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset, comp
         "Strapdown INS through turns, 600 s",
         "",
         "solver written by others",
-        "SciPy's DOP853 on Newton's equation in Earth-centred axes, written out in the test",
+        "SciPy's DOP853 on Newton's equation in Earth-centred axes, written out in the test; same sensor inputs",
         np.linalg.norm(earth_centred(found[-1, :3]) - solution.y[:3, -1]),
         1e-3,
         "distance at the end, m",

@@ -95,7 +95,7 @@ def test_decoupled_channels_fail_on_the_long_arc(study, differs):
     assert study.pure.position_m[k, -1, 2] == pytest.approx(13.6e3, rel=0.005)
     differs(
         "Height error from the gyros at the end of the worked flight", "B-5",
-        f"{study.channels.position_m[k, -1, 2] / 1e3:.1f} km by decoupled channels, as in [B]",
+        f"{study.channels.position_m[k, -1, 2] / 1e3:.1f} km by decoupled channels",
         f"{study.pure.position_m[k, -1, 2] / 1e3:.1f} km by the integrated INS", "the integrated INS",
         "the local frame turns by more than half a radian on the arc, which the decoupled channels leave out; DOP853 "
         "confirms the integrated INS",
