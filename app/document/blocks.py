@@ -73,7 +73,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Bullets:
-    """A list; ``caption`` names it for who cannot see it."""
+    """A list under its caption, if it has one."""
 
     items: tuple[str, ...]
     caption: str = ""

@@ -122,9 +122,10 @@ def _text(text: Text, said: Said) -> str:
 
 
 def _bullets(bullets: Bullets, said: Said) -> str:
+    name = f'<p class="name">{said(bullets.caption)}</p>' if bullets.caption else ""
     label = f' aria-label="{escape(bullets.caption)}"' if bullets.caption else ""
     items = "".join(f"<li>{said(item)}</li>" for item in bullets.items)
-    return f'<ul class="cautions quiet"{label}>{items}</ul>'
+    return f'{name}<ul class="cautions quiet"{label}>{items}</ul>'
 
 
 _RENDERERS: dict[type, Callable[..., str]] = {
