@@ -139,7 +139,7 @@ def test_the_search_judges_every_pair_by_its_own_sheet(design, compared):
 
 def test_the_probability_is_the_integral(design, compared):
     """Gyro noise lognormal, fix noise log-uniform: over the fixes, the chance that the gyro is good enough."""
-    low, high, factor = 0.6, 1.2, 1.6
+    low, high, factor = 0.8, 1.4, 1.6
     found = uncertain_verdict(
         design, {ARW: Uncertain("lognormal", OWN[ARW], factor), FIX: Uncertain("log-uniform", low, high)}
     ).closes
@@ -150,7 +150,7 @@ def test_the_probability_is_the_integral(design, compared):
 
     span = math.log(high / low)
     exact = quad(good_enough, math.log(low), math.log(high), epsabs=1e-6, limit=20)[0] / span
-    assert 0.2 < exact < 0.8
+    assert 0.1 < exact < 0.3  # off the middle, where every symmetrical distribution gives a half
     assert found.low <= exact <= found.high
     compared(
         "Uncertainty: probability that a design closes, two uncertain inputs",
