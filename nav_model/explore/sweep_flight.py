@@ -126,7 +126,7 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
         return str(value)
     if not isinstance(value, str):
         raise InputError("simulate.trajectory", f"{value!r} is not a name or a file")
-    from nav_model.simulation.trajectory_file import read_trajectory
+    from nav_model.simulation.trajectory import read_trajectory
 
     try:
         return read_trajectory(folder / value)

@@ -9,15 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nav_model.earth.rotation import FloatArray, matrix_from_vector, vector_from_matrix
+from nav_model.suborbital.checks import require, require_finite
 from nav_model.suborbital.errors import Triple
 from nav_model.suborbital.flight import Flight
-from nav_model.suborbital.frames import (
-    Array,
-    require,
-    require_finite,
-    rotation_from_vector,
-    vector_from_rotation,
-)
 from nav_model.suborbital.mechanisation import AttitudeFrames
 
 
@@ -82,14 +77,14 @@ def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
     return used
 
 
-def attitude_at(flight: Flight, time_s: Array) -> Array:
+def attitude_at(flight: Flight, time_s: FloatArray) -> FloatArray:
     """True body to inertial attitude at any times of the flight, (..., 3, 3): turn at constant rate in a
     step."""
     position = np.clip(np.asarray(time_s, dtype=np.float64) / (0.5 * flight.step_s), 0.0, 2.0 * flight.steps)
     low = np.minimum(position.astype(np.int64), 2 * flight.steps - 1)
     start, stop = flight.half_attitude_bi[low], flight.half_attitude_bi[low + 1]
-    turn = vector_from_rotation(np.swapaxes(start, -1, -2) @ stop)
-    return np.asarray(start @ rotation_from_vector((position - low)[..., None] * turn))
+    turn = vector_from_matrix(np.swapaxes(start, -1, -2) @ stop)
+    return np.asarray(start @ matrix_from_vector((position - low)[..., None] * turn))
 
 
 def perfect_frames(flight: Flight, aiding: Aiding) -> AttitudeFrames:
@@ -124,5 +119,5 @@ def camera_frames(
         attitude, used = measured.attitude_bi[source], used & measured.used[source]
         covariance = None if measured.covariance is None else measured.covariance[source]
     if any(aiding.misalignment_rad):
-        attitude = attitude @ rotation_from_vector(np.array(aiding.misalignment_rad))
+        attitude = attitude @ matrix_from_vector(np.array(aiding.misalignment_rad))
     return AttitudeFrames(used, np.ascontiguousarray(attitude), covariance)

@@ -1,6 +1,6 @@
 """The decoupled height and horizontal channels [B-5]: closed forms [B-6] and where they stop holding.
 
-    x'' + w^2 x = a_x horizontally,   z'' - 2 w^2 z = a_z vertically,   w^2 = KM / r^3
+    x'' + w^2 x = a_x horizontally,   z'' - 2 w^2 z = a_z vertically,   w^2 = GM / r^3
 They explain the Schuler oscillation and the unstable height, and hold only for a local frame that does not
 rotate. On a long arc they are wrong: displayed numbers come from the integrated INS.
 """
@@ -8,22 +8,27 @@ rotate. On a long arc they are wrong: displayed numbers come from the integrated
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.compiled import kernel
+from nav_model.constants import GRAVITATIONAL_PARAMETER, SPHERE_RADIUS
+from nav_model.earth.rotation import FloatArray
+from nav_model.earth.sphere import local_axes
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import ErrorSet
 from nav_model.suborbital.flight import Flight
-from nav_model.suborbital.frames import EARTH_RADIUS, KM, Array, local_axes, require
 from nav_model.suborbital.mechanisation import oscillations
 
 
-def schuler_rate(height_m: ArrayLike) -> Array:
-    """w = sqrt(KM / r^3), rad/s, at a height above the sphere, m [B-5]."""
-    return np.asarray(np.sqrt(KM / (EARTH_RADIUS + np.asarray(height_m, dtype=np.float64)) ** 3))
+def schuler_rate(height_m: ArrayLike) -> FloatArray:
+    """w = sqrt(GM / r^3), rad/s, at a height above the sphere, m [B-5]."""
+    return np.asarray(
+        np.sqrt(GRAVITATIONAL_PARAMETER / (SPHERE_RADIUS + np.asarray(height_m, dtype=np.float64)) ** 3)
+    )
 
 
-def height_e_folding_time(height_m: ArrayLike) -> Array:
+def height_e_folding_time(height_m: ArrayLike) -> FloatArray:
     """Time 1/k = 1/(sqrt(2) w) in which the height error grows by e, s [B-6]."""
     return np.asarray(1.0 / (np.sqrt(2.0) * schuler_rate(height_m)))
 
@@ -38,7 +43,7 @@ def horizontal_error(
     velocity: ArrayLike = 0.0,
     amplitude: ArrayLike = 0.0,
     frequency: ArrayLike = 1e-3,
-) -> Array:
+) -> FloatArray:
     """Horizontal position error, m [B-6]; broadcasts over every argument.
 
     bias: accelerometer, m/s²; tilt_rate: f e, specific force times gyro bias, m/s³; position (m) and velocity
@@ -70,7 +75,7 @@ def vertical_error(
     velocity: ArrayLike = 0.0,
     amplitude: ArrayLike = 0.0,
     frequency: ArrayLike = 1e-3,
-) -> Array:
+) -> FloatArray:
     """Height error, m [B-6]; the arguments are those of `horizontal_error`."""
     t = np.asarray(time_s, dtype=np.float64)
     k = 1.0 / height_e_folding_time(height_m)
@@ -85,7 +90,7 @@ def vertical_error(
     )
 
 
-def height_growth(flight: Flight) -> Array:
+def height_growth(flight: Flight) -> FloatArray:
     """exp of the integral of k along a flight, (n+1,): the factor by which the unstable height grows a start
     error, whose slope on a log plot is 1/(e-folding time) at the height of the moment [B-6]."""
     k = 1.0 / height_e_folding_time(flight.height_m)
@@ -98,13 +103,15 @@ class ChannelErrors:
     """Errors the decoupled channels predict for c cases: time_s (m,), position_m north, east, up (c, m,
     3)."""
 
-    time_s: Array
-    position_m: Array = field(repr=False)
+    time_s: FloatArray
+    position_m: FloatArray = field(repr=False)
     source: str = "decoupled channels [B-5] in local axes, for comparison: they fail on a long arc"
 
 
-@numba.njit(cache=True)
-def _channels(x, v, force, w2, h, every, out):  # type: ignore[no-untyped-def]
+@kernel
+def _channels(
+    x: FloatArray, v: FloatArray, force: FloatArray, w2: FloatArray, h: float, every: int, out: FloatArray
+) -> None:
     """Exact step of each channel under the mean forcing of the step; x, v (c, 3), force (n, c, 3)."""
     n, cases = force.shape[0], x.shape[0]
     for i in range(n + 1):
@@ -131,20 +138,20 @@ class _Forcing:
     """Forcing of the channels in the middle of every step, north, east, up (n, c, 3), m/s²: of the accelerometers'
     constant and (before its sine) oscillating errors, of attitude, and all together; the path there (n, 3)."""
 
-    constant: Array
-    amplitude: Array
-    tilt: Array
-    total: Array
-    middle: Array
+    constant: FloatArray
+    amplitude: FloatArray
+    tilt: FloatArray
+    total: FloatArray
+    middle: FloatArray
 
 
-def _forcing(flight: Flight, p: Array, errors: ErrorSet, used: np.ndarray | None) -> _Forcing:
+def _forcing(flight: Flight, p: FloatArray, errors: ErrorSet, used: np.ndarray | None) -> _Forcing:
     n, h = flight.steps, flight.step_s
     force, rate = flight.specific_force_b[:, 1], flight.angular_rate_b[:, 1]
     s = oscillations(flight, errors)[1::2]
     c = flight.half_attitude_bi[1::2]
 
-    def triad(start: int, measured: Array, slow: Array | None, fast: Array | None) -> Array:
+    def triad(start: int, measured: FloatArray, slow: FloatArray | None, fast: FloatArray | None) -> FloatArray:
         """C times the constant part of [B-1] (no sines), or the oscillating one."""
         offset = 0 if slow is None else 1
         bias, first = start + 3 * offset, start + 6 + 9 * offset
@@ -165,7 +172,7 @@ def _forcing(flight: Flight, p: Array, errors: ErrorSet, used: np.ndarray | None
     middle = 0.5 * (flight.position_i[1:] + flight.position_i[:-1])
     turn = local_axes(middle) * np.array([1.0, 1.0, -1.0])
 
-    def local(inertial: Array) -> Array:
+    def local(inertial: FloatArray) -> FloatArray:
         return np.asarray(np.einsum("tji,tcj->tci", turn, inertial))
 
     constant, one = triad(0, force, None, None), np.ones(n)
@@ -180,7 +187,7 @@ def _forcing(flight: Flight, p: Array, errors: ErrorSet, used: np.ndarray | None
 
 
 def decoupled_errors(
-    flight: Flight, parameters: Array, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
+    flight: Flight, parameters: FloatArray, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
 ) -> ChannelErrors:
     """[B-5] driven along a real flight by the parameter vectors (c, 61), for comparison with the INS.
 
@@ -197,7 +204,7 @@ def decoupled_errors(
         p[:, 48:51] * up,
         p[:, 51:54] * up,
         np.ascontiguousarray(forcing.total),
-        KM / np.linalg.norm(forcing.middle, axis=1) ** 3,
+        GRAVITATIONAL_PARAMETER / np.linalg.norm(forcing.middle, axis=1) ** 3,
         h,
         every,
         out,
@@ -205,7 +212,7 @@ def decoupled_errors(
     return ChannelErrors(time_s=flight.time_s[::every], position_m=out)
 
 
-def closed_form_errors(flight: Flight, parameters: Array, errors: ErrorSet, every: int = 10) -> ChannelErrors:
+def closed_form_errors(flight: Flight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> ChannelErrors:
     """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for.
 
     They want one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A
@@ -234,7 +241,7 @@ def closed_form_errors(flight: Flight, parameters: Array, errors: ErrorSet, ever
     t = flight.time_s[::every]
     frequency = 2.0 * np.pi / errors.accelerometers.bias_period_s
 
-    def form(closed: Callable[..., Array], part: slice) -> Array:
+    def form(closed: Callable[..., FloatArray], part: slice) -> FloatArray:
         given = {name: value[:, None, part] for name, value in constants.items()}
         return closed(t[:, None], height, frequency=frequency, **given)
 

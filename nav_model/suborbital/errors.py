@@ -13,7 +13,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from nav_model.suborbital.frames import Array, require, require_finite
+from nav_model.earth.rotation import FloatArray
+from nav_model.suborbital.checks import require, require_finite
 from nav_model.units import to_si
 
 Triple = tuple[float, float, float]
@@ -128,10 +129,12 @@ class ErrorSet:
     initial: InitialErrors = GP1_INITIAL
 
 
-def parameter_vector(errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0) -> Array:
+def parameter_vector(
+    errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0
+) -> FloatArray:
     """The deterministic errors as one vector, (61,), in the order of `PARAMETERS`; star tracker entries
     last."""
-    parts: list[Array] = []
+    parts: list[FloatArray] = []
     for sensor in (errors.accelerometers, errors.gyros):
         parts += [
             np.array(sensor.constant_bias),
@@ -196,7 +199,7 @@ CLASSES: dict[str, tuple[slice, ...]] = {
 noise, which is random, is reported beside it as a standard deviation)."""
 
 
-def mask(group: tuple[slice, ...]) -> Array:
+def mask(group: tuple[slice, ...]) -> FloatArray:
     """Ones at the entries of a group, zeros elsewhere, (61,)."""
     out = np.zeros(len(PARAMETERS))
     for part in group:

@@ -23,13 +23,13 @@ import tomli_w
 
 from nav_model.design.link import STUDY_PREFIX, pairs_of
 from nav_model.errors import InputError, shown
+from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.setting import Value
 from nav_model.suborbital.settings import DEFAULTS, Settings
-from nav_model.suborbital.trajectory_file import MAX_BYTES as MAX_TRAJECTORY
 
 KIND = "suborbital"
-MAX_BYTES = MAX_TRAJECTORY + 1_000_000
+MAX_BYTES = BOUNDS.most_bytes + 1_000_000
 
 _SECTIONS = tuple(dict.fromkeys(key.rpartition(".")[0] for key in SETTINGS if "." in key))
 

@@ -6,7 +6,8 @@ import math
 import shlex
 from typing import Any
 
-from nav_model.suborbital.frames import ARCSEC, Array
+from nav_model.constants import ARCSECOND
+from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.noise_ensemble import LEVEL, NoiseEnsemble
 from nav_model.suborbital.settings import DEFAULTS, Settings
@@ -46,8 +47,8 @@ def survey_json(survey: Survey, study: Study | None = None, settings: Settings |
         "attitude_methods": [
             {
                 "method": score.method,
-                "mean_error_arcsec": score.mean_error_rad / ARCSEC,
-                "axis_rms_arcsec": [rms / ARCSEC for rms in score.axis_rms_rad],
+                "mean_error_arcsec": score.mean_error_rad / ARCSECOND,
+                "axis_rms_arcsec": [rms / ARCSECOND for rms in score.axis_rms_rad],
                 "mean_nees": score.mean_nees,
                 "scenes": score.scenes,
                 "source": score.source,
@@ -83,7 +84,7 @@ def noise_json(ensemble: NoiseEnsemble) -> dict[str, Any]:
     """A white-noise ensemble: final rms, the predicted sigma beside it, and the interval it is judged by."""
     channels = ("north", "east", "up")
 
-    def named(values: Array) -> dict[str, float]:
+    def named(values: FloatArray) -> dict[str, float]:
         return dict(zip(channels, map(float, values), strict=True))
 
     return {

@@ -123,15 +123,13 @@ def _as_option(error: InputError) -> InputError:
 def _trajectory(name: str) -> str | TrajectorySpec:
     if name in NAMED_TRAJECTORIES:
         return name
-    from nav_model.simulation.trajectory_file import read_trajectory
+    from nav_model.simulation.trajectory import read_trajectory
 
     try:
         return read_trajectory(name)
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
         raise InputError("--trajectory", f"{name!r} is neither one of {known} nor a file to read") from error
-    except UnicodeDecodeError as error:
-        raise InputError("--trajectory", f"{name!r} is not a text file") from error
     except ValueError as error:
         raise InputError("--trajectory", str(error)) from error
 
@@ -139,9 +137,9 @@ def _trajectory(name: str) -> str | TrajectorySpec:
 def _duration(trajectory: str | TrajectorySpec) -> float:
     if isinstance(trajectory, str):
         return _DURATION
-    from nav_model.simulation.trajectory_file import file_duration
+    from nav_model.simulation.trajectory import file_duration
 
-    return file_duration(trajectory.samples)
+    return file_duration(trajectory)
 
 
 def _outage(text: str) -> tuple[float, float]:

@@ -71,7 +71,7 @@ class SimulatePage:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._result: Result | None = None
-        self._file: tuple[str, bytes] | None = None
+        self._file: TrajectorySpec | None = None
         self._charts: list[ChartView] = []
         self._run = SimulationRun(self._told)
         self._more = StudyControls()
@@ -217,7 +217,7 @@ class SimulatePage:
         if flight == "file":
             if self._file is None:
                 raise InputError("Trajectory file", "none given yet")
-            flight = TrajectorySpec(kind="file", samples=self._file[1])
+            flight = self._file
         spec = specification(
             self._session.design,
             trajectory=flight,
@@ -273,16 +273,14 @@ class SimulatePage:
             return
         name = str(self._upload.filename or "file")
         # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
-        files = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.trajectory_file")
+        files = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.trajectory")
         try:
-            samples = await elsewhere(files.parse_trajectory, event.new.decode("utf-8"), name)
-        except UnicodeDecodeError:
-            self._say(f"Not used. {name}: not a text file.")
-        except ValueError as error:
+            flight = await elsewhere(files.parse_trajectory, event.new, name)
+        except InputError as error:
             self._say(f"Not used. {error}")
         else:
-            self._file = (name, samples)
-            length = files.file_duration(samples)
+            self._file = flight
+            length = files.file_duration(flight)
             self._say(f"{name}: a flight of {length:.4g} s.")
             self._length.value = f"{math.floor(10 * length) / 10:.1f}"
 

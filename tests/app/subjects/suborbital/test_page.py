@@ -21,11 +21,11 @@ from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.tabs import TABS
 from app.work.alone import run_alone
+from nav_model.suborbital.flight_file import format_flight
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.settings import DEFAULTS
 from nav_model.suborbital.study_file import format_study, to_link
 from nav_model.suborbital.survey import Survey, run_survey
-from nav_model.suborbital.trajectory_file import save_trajectory
 
 # Panel Material UI warns of its own widgets.
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
@@ -170,7 +170,7 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
 def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
     here.inputs.trajectory = ("mine.csv", b"a,b\n1,2\n")
     asyncio.run(here.run_exactly())
-    assert "mine.csv: columns time_s" in here._state.object
+    assert "mine.csv: line 1: columns time_s" in here._state.object
     assert here.shown is not None
 
 
@@ -178,7 +178,7 @@ def test_a_study_is_saved_opened_and_linked_without_loss(
     here: SuborbitalPage, survey: Survey, tmp_path: Path
 ) -> None:
     flown = tmp_path / "flown.csv"
-    save_trajectory(survey.study.flight, flown, every=10)
+    flown.write_bytes(format_flight(survey.study.flight, every=10))
     here.inputs.put("gyros.bias", SETTINGS["gyros.bias"].read("6.1, 8, -4 °/h"))
     here.inputs.take(("flown.csv", flown.read_bytes()))
     text = format_study(here.inputs.settings, here.inputs.trajectory).encode()
