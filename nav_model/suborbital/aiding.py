@@ -60,6 +60,7 @@ def frame_stride(aiding: Aiding, step_s: float) -> int:
     require(
         stride >= 1 and abs(ratio - stride) < 1e-6,
         f"frame_interval_s = {aiding.frame_interval_s!r}: must be a whole number of steps of {step_s!r} s",
+        *("frame_interval_s", "step_s"),
     )
     return stride
 

@@ -68,6 +68,7 @@ class FlightParameters:
             f"pitch_program_start_s = {self.pitch_program_start_s!r}, pitch_program_end_s = "
             f"{self.pitch_program_end_s!r}, burn_time_s = {self.burn_time_s!r}, duration_s = "
             f"{self.duration_s!r}: must rise in this order",
+            *("pitch_program_start_s", "pitch_program_end_s", "burn_time_s", "duration_s"),
         )
         for name in ("burn_time_s", "duration_s"):
             steps = getattr(self, name) / self.step_s
@@ -75,12 +76,14 @@ class FlightParameters:
                 abs(steps - round(steps)) < 1e-6,
                 f"{name} = {getattr(self, name)!r}: must be a whole number of steps of {self.step_s!r} s "
                 "(burn-out inside a step would be smeared over it)",
+                *(name, "step_s"),
             )
         steps = self.duration_s / self.step_s
         require(
             steps <= MAX_STEPS,
             f"duration_s = {self.duration_s!r}, step_s = {self.step_s!r}: {steps:.0f} steps; at most {MAX_STEPS} "
             "are flown",
+            *("duration_s", "step_s"),
         )
         zonals(self.gravity)
 

@@ -44,6 +44,7 @@ class StarCamera:
         require(
             self.brightest >= self.least_stars,
             f"brightest = {self.brightest!r}: must not be below least_stars = {self.least_stars!r}",
+            *("brightest", "least_stars"),
         )
 
     @property

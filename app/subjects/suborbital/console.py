@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from app.console.files import put_file
+from nav_model.design.declaration import Choice
 from nav_model.design.file import parse_design, read_bytes
 from nav_model.errors import InputError
 from nav_model.suborbital.flight_file import BOUNDS
@@ -25,9 +26,9 @@ def list_inputs() -> int:
     """Print every input of the study with its default and what it is."""
     for title, group in GROUPS.items():
         print(title)
-        for setting in group:
-            choices = f" ({', '.join(setting.choices)})" if setting.choices else ""
-            print(f"  {setting.key:40} {setting.show(setting.default) or 'none':22} {setting.doc}{choices}")
+        for declared in group:
+            choices = f" ({', '.join(declared.objects)})" if isinstance(declared, Choice) else ""
+            print(f"  {declared.key:40} {DEFAULTS.show(declared.key) or 'none':22} {declared.doc}{choices}")
     return 0
 
 

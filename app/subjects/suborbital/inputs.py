@@ -11,7 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.session import Session
-from app.subjects.suborbital.controls import SettingControl, setting_controls
+from app.subjects.suborbital.controls import InputControl, input_controls
 from app.ui.chart_pane import html_pane
 from app.ui.theme import FRAME
 from app.ui.upload import LimitedFileInput
@@ -19,8 +19,7 @@ from nav_model.design.link import MAX_QUERY
 from nav_model.errors import InputError
 from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import GROUPS
-from nav_model.suborbital.setting import Value
-from nav_model.suborbital.settings import DEFAULTS, Settings, from_design
+from nav_model.suborbital.settings import DEFAULTS, Settings, Value, from_design
 from nav_model.suborbital.study_file import MAX_BYTES as MAX_STUDY
 from nav_model.suborbital.study_file import format_study, from_link, parse_study, to_link
 
@@ -43,7 +42,7 @@ class InputPanel:
         self._session, self._changed, self._flown = session, changed, flown
         self.settings: Settings = DEFAULTS
         self.trajectory: Trajectory = None
-        self.controls: list[SettingControl] = []
+        self.controls: list[InputControl] = []
         self.notice = pmui.Alert(object="", severity="error", closeable=True, visible=False, margin=(4, 14))
         if session.study_link:
             try:
@@ -125,8 +124,8 @@ class InputPanel:
     def _fill(self, index: int) -> None:
         if self._sections[index].objects:
             return
-        keys = [setting.key for setting in list(GROUPS.values())[index]]
-        controls = setting_controls(keys, self.settings, self.put)
+        keys = [declared.key for declared in list(GROUPS.values())[index]]
+        controls = input_controls(keys, self.settings, self.put)
         self.controls += controls
         self._sections[index].objects = [control.view for control in controls]
 
