@@ -7,24 +7,19 @@ the last good value in force.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 import panel as pn
 import panel_material_ui as pmui
-from bokeh.models import CustomJSTickFormatter
 
-from app.dashboard.controls.quantity import LogSlider
+from app.ui.log_slider import LogSlider
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.several import Axes
 from nav_model.errors import InputError
-from nav_model.suborbital.input_table import INPUTS, Input
+from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, Settings, Value, read_value
-from nav_model.units import from_si, to_si
-
-_STEP = 0.02  # decades: 4.7 % a key press
 
 Slid = BaseQuantity | Axes
 Put = Callable[[str, Value], InputError | None]
@@ -55,35 +50,15 @@ class InputControl:
                 value=_text(settings, key), placeholder="from lift-off" if optional else "none", **look
             )
         self.box.param.watch(self._typed, "value")
-        self.slider = self._make_slider(declared) if _has_slider(declared) else None
+        self.slider: LogSlider | None = None
+        # A slider where a narrower range than the bounds is declared for one.
+        if isinstance(declared, Slid) and declared.softbounds != declared.limits:
+            self.slider = LogSlider(
+                str(declared.label), *declared.softbounds, declared.unit, declared.dimension,
+                zero=declared.limits[0] == 0, value=_size(self._shown),
+            )  # fmt: skip
+            self.slider.param.watch(self._slid, "value")
         self._help(settings)
-
-    def _make_slider(self, declared: Slid) -> LogSlider:
-        low, high = declared.softbounds
-        self._low, self._high = math.log10(low), math.log10(high)
-        self._takes_zero = declared.limits[0] == 0
-        start = self._low - (10 * _STEP if self._takes_zero else 0.0)
-        factor = to_si(1.0, declared.unit, declared.dimension)
-        said = "0 " + declared.unit if self._takes_zero else ""
-        zero = f'if (tick < {self._low - _STEP / 2}) return "{said}";' if said else ""
-        slider = LogSlider(
-            label=str(declared.label),
-            description="",
-            show_value=False,
-            format=CustomJSTickFormatter(
-                code=f'{zero} return String(Number((10 ** tick / {factor!r}).toPrecision(3))) + " {declared.unit}"'
-            ),
-            start=start,
-            end=self._high,
-            step=_STEP,
-            value=self._place(self._shown, start),
-            size="small",
-            margin=(0, 16, 2, 16),
-            sizing_mode="stretch_width",
-            sx={"& > .MuiFormLabel-root": {"display": "none"}},  # the box above names it
-        )
-        slider.param.watch(self._slid, "value")
-        return slider
 
     @property
     def view(self) -> pn.viewable.Viewable:
@@ -100,9 +75,7 @@ class InputControl:
         if self.box.value != text:
             self.box.value = text
         if self.slider is not None:
-            place = self._place(self._shown, float(self.slider.start))
-            if abs(place - self.slider.value) > _STEP / 2:
-                self.slider.value = place
+            self.slider.follow(_size(self._shown))
         self._help(settings)
         self._writing = False
 
@@ -116,10 +89,6 @@ class InputControl:
             self.box.helper_text = text
         if not isinstance(self._declared, Choice) and self.box.error_state != bool(error):
             self.box.error_state = bool(error)
-
-    def _place(self, value: Value, start: float) -> float:
-        size = _size(value)
-        return start if size <= 0 else min(max(math.log10(size), self._low), self._high)
 
     def _typed(self, event: Any) -> None:
         if self._writing:
@@ -136,11 +105,8 @@ class InputControl:
             return
         declared = self._declared
         assert isinstance(declared, Slid)
-        if self._takes_zero and event.new < self._low - _STEP / 2:
-            size = 0.0
-        else:  # three digits in the unit shown: a value one can quote
-            number = from_si(10**event.new, declared.unit, declared.dimension)
-            size = to_si(float(f"{number:.3g}"), declared.unit, declared.dimension)
+        assert self.slider is not None
+        size = self.slider.amount(declared.unit, declared.dimension)
         if not isinstance(declared, Axes):
             self._put(declared.step * max(1, round(size / declared.step)) if declared.step else size)
             return
@@ -159,11 +125,6 @@ class InputControl:
         self.box.helper_text = error.reason if error.key == self.key else str(error)
         if not isinstance(self._declared, Choice):
             self.box.error_state = True
-
-
-def _has_slider(declared: Input) -> TypeGuard[Slid]:
-    """Whether a narrower range than the bounds is declared for one."""
-    return isinstance(declared, Slid) and declared.softbounds != declared.limits
 
 
 def _text(settings: Settings, key: str) -> str:
