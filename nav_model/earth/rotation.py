@@ -30,9 +30,9 @@ def matrix_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> Floa
     sp, cp = np.sin(pitch), np.cos(pitch)
     sy, cy = np.sin(yaw), np.cos(yaw)
     return matrix_of(
-        cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,
-        sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,
-        -sp, cp * sr, cp * cr,
+        cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy,
+        cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy,
+        -sp, sr * cp, cr * cp,
     )  # fmt: skip
 
 
