@@ -18,6 +18,18 @@ from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import ErrorSet
 from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.layout import (
+    ACCELEROMETERS,
+    ATTITUDE,
+    BIAS,
+    GYROS,
+    MATRIX,
+    POSITION,
+    SENSORS,
+    SLOW_BIAS,
+    SLOW_MATRIX,
+    VELOCITY,
+)
 from nav_model.suborbital.mechanisation import oscillations
 
 
@@ -153,8 +165,8 @@ def _forcing(flight: Flight, p: FloatArray, errors: ErrorSet, used: np.ndarray |
 
     def triad(start: int, measured: FloatArray, slow: FloatArray | None, fast: FloatArray | None) -> FloatArray:
         """C times the constant part of [B-1] (no sines), or the oscillating one."""
-        offset = 0 if slow is None else 1
-        bias, first = start + 3 * offset, start + 6 + 9 * offset
+        bias, first = (BIAS, MATRIX) if slow is None else (SLOW_BIAS, SLOW_MATRIX)
+        bias, first = start + bias, start + first
         turned = np.einsum("cab,tb->tca", p[:, first : first + 9].reshape(-1, 3, 3), measured)
         both = p[:, bias : bias + 3]
         if slow is not None and fast is not None:
@@ -162,8 +174,8 @@ def _forcing(flight: Flight, p: FloatArray, errors: ErrorSet, used: np.ndarray |
         return np.asarray(np.einsum("tij,tcj->tci", c, both + turned))
 
     launch = local_axes(flight.position_i[0])
-    step_turn = (triad(24, rate, None, None) + triad(24, rate, s[:, 2], s[:, 3])) * h
-    psi = np.concatenate([np.broadcast_to(p[:, 54:57] @ launch.T, (1, len(p), 3)), step_turn])
+    step_turn = (triad(GYROS, rate, None, None) + triad(GYROS, rate, s[:, 2], s[:, 3])) * h
+    psi = np.concatenate([np.broadcast_to(p[:, ATTITUDE] @ launch.T, (1, len(p), 3)), step_turn])
     psi = np.cumsum(psi, axis=0)[:-1]
     if used is not None and np.any(used):
         last = np.maximum.accumulate(np.where(used[:-1], np.arange(n), -1))
@@ -175,13 +187,13 @@ def _forcing(flight: Flight, p: FloatArray, errors: ErrorSet, used: np.ndarray |
     def local(inertial: FloatArray) -> FloatArray:
         return np.asarray(np.einsum("tji,tcj->tci", turn, inertial))
 
-    constant, one = triad(0, force, None, None), np.ones(n)
+    constant, one = triad(ACCELEROMETERS, force, None, None), np.ones(n)
     tilt = np.cross(psi + 0.5 * step_turn, force_i[:, None])
     return _Forcing(
         constant=local(constant),
-        amplitude=local(triad(0, force, one, one)),
+        amplitude=local(triad(ACCELEROMETERS, force, one, one)),
         tilt=local(tilt),
-        total=local(constant + triad(0, force, s[:, 0], s[:, 1]) + tilt),
+        total=local(constant + triad(ACCELEROMETERS, force, s[:, 0], s[:, 1]) + tilt),
         middle=middle,
     )
 
@@ -201,8 +213,8 @@ def decoupled_errors(
     up = np.array([1.0, 1.0, -1.0])
     out = np.empty((len(p), n // every + 1, 3))
     _channels(
-        p[:, 48:51] * up,
-        p[:, 51:54] * up,
+        p[:, POSITION] * up,
+        p[:, VELOCITY] * up,
         np.ascontiguousarray(forcing.total),
         GRAVITATIONAL_PARAMETER / np.linalg.norm(forcing.middle, axis=1) ** 3,
         h,
@@ -227,15 +239,15 @@ def closed_form_errors(flight: Flight, parameters: FloatArray, errors: ErrorSet,
     burning = felt > _BURNING if np.any(felt > _BURNING) else np.ones(flight.steps, dtype=np.bool_)
     time = flight.time_s[:-1][burning] + 0.5 * flight.step_s
     still = p.copy()
-    still[:, 24:48] = 0.0  # the attitude error the flight starts with, without what the gyros add
+    still[:, GYROS : SENSORS.stop] = 0.0  # the attitude error the flight starts with, without what the gyros add
     first = _forcing(flight, still, errors, None).tilt[burning]
     grown = forcing.tilt[burning] - first
     constants = {
         "bias": np.mean(forcing.constant[burning] + first, axis=0),
         "tilt_rate": np.einsum("t,tci->ci", time, grown) / np.sum(time**2),
         "amplitude": np.mean(forcing.amplitude[burning], axis=0),
-        "position": p[:, 48:51] * np.array([1.0, 1.0, -1.0]),
-        "velocity": p[:, 51:54] * np.array([1.0, 1.0, -1.0]),
+        "position": p[:, POSITION] * np.array([1.0, 1.0, -1.0]),
+        "velocity": p[:, VELOCITY] * np.array([1.0, 1.0, -1.0]),
     }
     height = float(np.mean(flight.height_m))
     t = flight.time_s[::every]

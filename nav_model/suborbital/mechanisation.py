@@ -22,6 +22,7 @@ from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, 
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
 from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.layout import ATTITUDE, BIAS, GYROS, MATRIX, POSITION, SLOW_BIAS, SLOW_MATRIX, VELOCITY
 
 
 class Cancelled(Exception):
@@ -84,12 +85,12 @@ def _measured(
 ) -> None:
     """Specific force and angular rate a faulty unit measures, into f and w [B-1]."""
     for a in range(3):
-        fa = force[a] + noise[a] + p[a] + p[3 + a] * sines[0]
-        wa = rate[a] + noise[3 + a] + p[24 + a] + p[27 + a] * sines[2]
+        fa = force[a] + noise[a] + p[BIAS + a] + p[SLOW_BIAS + a] * sines[0]
+        wa = rate[a] + noise[3 + a] + p[GYROS + BIAS + a] + p[GYROS + SLOW_BIAS + a] * sines[2]
         for b in range(3):
             k = 3 * a + b
-            fa += (p[6 + k] + p[15 + k] * sines[1]) * force[b]
-            wa += (p[30 + k] + p[39 + k] * sines[3]) * rate[b]
+            fa += (p[MATRIX + k] + p[SLOW_MATRIX + k] * sines[1]) * force[b]
+            wa += (p[GYROS + MATRIX + k] + p[GYROS + SLOW_MATRIX + k] * sines[3]) * rate[b]
         f[a] = fa
         w[a] = wa
 
@@ -237,9 +238,9 @@ def oscillations(flight: Flight, errors: ErrorSet) -> FloatArray:
 
 def _initial_states(flight: Flight, parameters: FloatArray, local: bool) -> FloatArray:
     launch = local_axes(flight.position_i[0])
-    position = flight.position_i[0] + parameters[:, 48:51] @ launch.T
-    velocity = flight.velocity_i[0] + parameters[:, 51:54] @ launch.T
-    attitude = matrix_from_vector(parameters[:, 54:57] @ launch.T) @ flight.attitude_bi[0]
+    position = flight.position_i[0] + parameters[:, POSITION] @ launch.T
+    velocity = flight.velocity_i[0] + parameters[:, VELOCITY] @ launch.T
+    attitude = matrix_from_vector(parameters[:, ATTITUDE] @ launch.T) @ flight.attitude_bi[0]
     if local:
         latitude, longitude, height = spherical_position(position)
         axes = ned_to_inertial(latitude, longitude)

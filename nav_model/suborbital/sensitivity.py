@@ -19,6 +19,18 @@ from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
 from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.layout import (
+    ATTITUDE,
+    BIAS,
+    CAMERA,
+    GYROS,
+    LATENCY,
+    MATRIX,
+    POSITION,
+    SLOW_BIAS,
+    SLOW_MATRIX,
+    VELOCITY,
+)
 from nav_model.suborbital.mechanisation import oscillations
 
 
@@ -68,16 +80,16 @@ def _forcing(c: FloatArray, f: FloatArray, w: FloatArray, s: FloatArray, acc: Fl
     """Columns of C df and C domega for a unit of each sensor parameter, into acc and turn (3, 61)."""
     for a in range(3):
         for b in range(3):
-            acc[a, b] = c[a, b]
-            acc[a, 3 + b] = c[a, b] * s[0]
-            turn[a, 24 + b] = c[a, b]
-            turn[a, 27 + b] = c[a, b] * s[2]
+            acc[a, BIAS + b] = c[a, b]
+            acc[a, SLOW_BIAS + b] = c[a, b] * s[0]
+            turn[a, GYROS + BIAS + b] = c[a, b]
+            turn[a, GYROS + SLOW_BIAS + b] = c[a, b] * s[2]
             for d in range(3):
                 k = 3 * b + d
-                acc[a, 6 + k] = c[a, b] * f[d]
-                acc[a, 15 + k] = c[a, b] * f[d] * s[1]
-                turn[a, 30 + k] = c[a, b] * w[d]
-                turn[a, 39 + k] = c[a, b] * w[d] * s[3]
+                acc[a, MATRIX + k] = c[a, b] * f[d]
+                acc[a, SLOW_MATRIX + k] = c[a, b] * f[d] * s[1]
+                turn[a, GYROS + MATRIX + k] = c[a, b] * w[d]
+                turn[a, GYROS + SLOW_MATRIX + k] = c[a, b] * w[d] * s[3]
 
 
 @kernel
@@ -105,8 +117,8 @@ def _propagate(
             c, w = attitude[2 * i], rate[i, 0]
             for a in range(3):
                 for b in range(3):
-                    state[a, 57 + b] = c[a, b]
-                    state[a, 60] -= c[a, b] * w[b]
+                    state[a, CAMERA + b] = c[a, b]
+                    state[a, LATENCY] -= c[a, b] * w[b]
         if i % every == 0:
             out[i // every] = state
         for node in range(3):
@@ -140,8 +152,8 @@ def _propagate(
         c, w = attitude[2 * n], rate[n - 1, 2]
         for a in range(3):
             for b in range(3):
-                state[a, 57 + b] = c[a, b]
-                state[a, 60] -= c[a, b] * w[b]
+                state[a, CAMERA + b] = c[a, b]
+                state[a, LATENCY] -= c[a, b] * w[b]
     if n % every == 0:
         out[n // every] = state
 
@@ -168,9 +180,9 @@ def sensitivity(flight: Flight, errors: ErrorSet, used: np.ndarray | None = None
     require(taken.shape == (n + 1,), f"used has shape {taken.shape}: must be ({n + 1},)")
     launch = local_axes(flight.position_i[0])
     state = np.zeros((9, len(PARAMETERS)))
-    state[6:, 48:51] = launch
-    state[3:6, 51:54] = launch
-    state[:3, 54:57] = launch
+    state[6:, POSITION] = launch
+    state[3:6, VELOCITY] = launch
+    state[:3, ATTITUDE] = launch
     out = np.empty((n // every + 1, 9, len(PARAMETERS)))
     _propagate(
         state,

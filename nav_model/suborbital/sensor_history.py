@@ -8,6 +8,7 @@ from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
 from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.layout import ACCELEROMETERS, GYROS, MATRIX, SLOW_BIAS, SLOW_MATRIX
 from nav_model.suborbital.mechanisation import oscillations
 
 
@@ -39,13 +40,15 @@ def sensor_history(flight: Flight, parameters: FloatArray, errors: ErrorSet, eve
     slow = oscillations(flight, errors)[:: 2 * every]
 
     def triad(start: int, measured: FloatArray, bias: FloatArray, matrix: FloatArray) -> FloatArray:
-        part = p[:, start : start + 24]
-        constant, slowly = part[:, 6:15].reshape(-1, 3, 3), part[:, 15:24].reshape(-1, 3, 3)
-        moving = part[:, None, 3:6] * bias[:, None] + np.einsum("cij,t,tj->cti", slowly, matrix, measured)
-        return np.asarray(part[:, None, :3] + np.einsum("cij,tj->cti", constant, measured) + moving)
+        part = p[:, start : start + GYROS]
+        constant = part[:, MATRIX:SLOW_MATRIX].reshape(-1, 3, 3)
+        slowly = part[:, SLOW_MATRIX:].reshape(-1, 3, 3)
+        moving = part[:, None, SLOW_BIAS:MATRIX] * bias[:, None]
+        moving = moving + np.einsum("cij,t,tj->cti", slowly, matrix, measured)
+        return np.asarray(part[:, None, :SLOW_BIAS] + np.einsum("cij,tj->cti", constant, measured) + moving)
 
     return SensorHistory(
         time_s=flight.time_s[::every],
-        specific_force_m_s2=triad(0, at_steps(flight.specific_force_b), slow[:, 0], slow[:, 1]),
-        angular_rate_rad_s=triad(24, at_steps(flight.angular_rate_b), slow[:, 2], slow[:, 3]),
+        specific_force_m_s2=triad(ACCELEROMETERS, at_steps(flight.specific_force_b), slow[:, 0], slow[:, 1]),
+        angular_rate_rad_s=triad(GYROS, at_steps(flight.angular_rate_b), slow[:, 2], slow[:, 3]),
     )
