@@ -173,7 +173,7 @@ _RENAMED: Final[Mapping[str, str]] = {"quantization": "quantisation"}
 
 
 @dataclass(frozen=True)
-class StudyInputs:
+class SimulationInputs:
     """What was given, as (key, value in SI) in the order of `STUDY_KEYS`; hashable and picklable.
 
     Raises InputError for an unknown key or a value out of bounds.
@@ -211,10 +211,10 @@ class StudyInputs:
         return FilterModel(states=states, **tuning)
 
 
-NOTHING_ADDED: Final = StudyInputs()
+NOTHING_ADDED: Final = SimulationInputs()
 
 
-def read_study_inputs(texts: Mapping[str, str]) -> StudyInputs:
+def read_study_inputs(texts: Mapping[str, str]) -> SimulationInputs:
     """Values written with units, by dotted key; an empty text is not given.
 
     Raises
@@ -223,7 +223,7 @@ def read_study_inputs(texts: Mapping[str, str]) -> StudyInputs:
         Naming the key, what was given and what is allowed.
     """
     values = {key: _declared(key).read(text).value for key, text in texts.items() if text.strip()}
-    return StudyInputs(tuple((key, values[key]) for key in STUDY_KEYS if key in values))
+    return SimulationInputs(tuple((key, values[key]) for key in STUDY_KEYS if key in values))
 
 
 def split_changes(changes: Iterable[str]) -> tuple[list[str], dict[str, str]]:

@@ -12,7 +12,7 @@ import numpy as np
 from nav_model.earth.rotation import FloatArray, matrix_from_vector, vector_from_matrix
 from nav_model.suborbital.checks import require, require_finite
 from nav_model.suborbital.errors import Triple
-from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames
 
 
@@ -65,7 +65,7 @@ def frame_stride(aiding: Aiding, step_s: float) -> int:
     return stride
 
 
-def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
+def frame_steps(flight: TrueFlight, aiding: Aiding) -> np.ndarray:
     """Steps at which a frame reaches the INS, (n+1,) bool. ValueError if frames fall between steps."""
     stride = frame_stride(aiding, flight.step_s)
     used = np.zeros(flight.steps + 1, dtype=np.bool_)
@@ -78,7 +78,7 @@ def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
     return used
 
 
-def attitude_at(flight: Flight, time_s: FloatArray) -> FloatArray:
+def attitude_at(flight: TrueFlight, time_s: FloatArray) -> FloatArray:
     """True body to inertial attitude at any times of the flight, (..., 3, 3): turn at constant rate in a
     step."""
     position = np.clip(np.asarray(time_s, dtype=np.float64) / (0.5 * flight.step_s), 0.0, 2.0 * flight.steps)
@@ -88,13 +88,13 @@ def attitude_at(flight: Flight, time_s: FloatArray) -> FloatArray:
     return np.asarray(start @ matrix_from_vector((position - low)[..., None] * turn))
 
 
-def perfect_frames(flight: Flight, aiding: Aiding) -> AttitudeFrames:
+def perfect_frames(flight: TrueFlight, aiding: Aiding) -> AttitudeFrames:
     """Frames at the aiding's instants, each the true attitude."""
     return AttitudeFrames(frame_steps(flight, aiding), np.ascontiguousarray(flight.attitude_bi))
 
 
 def camera_frames(
-    flight: Flight,
+    flight: TrueFlight,
     aiding: Aiding,
     measured: AttitudeFrames | None = None,
 ) -> AttitudeFrames:

@@ -17,7 +17,7 @@ from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import ErrorSet
-from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import (
     ACCELEROMETERS,
     ATTITUDE,
@@ -102,7 +102,7 @@ def vertical_error(
     )
 
 
-def height_growth(flight: Flight) -> FloatArray:
+def height_growth(flight: TrueFlight) -> FloatArray:
     """exp of the integral of k along a flight, (n+1,): the factor by which the unstable height grows a start
     error, whose slope on a log plot is 1/(e-folding time) at the height of the moment [B-6]."""
     k = 1.0 / height_e_folding_time(flight.height_m)
@@ -157,7 +157,7 @@ class _Forcing:
     middle: FloatArray
 
 
-def _forcing(flight: Flight, p: FloatArray, errors: ErrorSet, used: np.ndarray | None) -> _Forcing:
+def _forcing(flight: TrueFlight, p: FloatArray, errors: ErrorSet, used: np.ndarray | None) -> _Forcing:
     n, h = flight.steps, flight.step_s
     force, rate = flight.specific_force_b[:, 1], flight.angular_rate_b[:, 1]
     s = oscillations(flight, errors)[1::2]
@@ -199,7 +199,7 @@ def _forcing(flight: Flight, p: FloatArray, errors: ErrorSet, used: np.ndarray |
 
 
 def decoupled_errors(
-    flight: Flight, parameters: FloatArray, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
+    flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
 ) -> ChannelErrors:
     """[B-5] driven along a real flight by the parameter vectors (c, 61), for comparison with the INS.
 
@@ -224,7 +224,9 @@ def decoupled_errors(
     return ChannelErrors(time_s=flight.time_s[::every], position_m=out)
 
 
-def closed_form_errors(flight: Flight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> ChannelErrors:
+def closed_form_errors(
+    flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10
+) -> ChannelErrors:
     """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for.
 
     They want one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A

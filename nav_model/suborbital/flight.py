@@ -89,7 +89,7 @@ class FlightParameters:
 
 
 @dataclass(frozen=True)
-class Flight:
+class TrueFlight:
     """True flight of n steps, SI.
 
     time_s (n+1,); position_i, velocity_i (n+1, 3) in inertial axes; half_attitude_bi (2n+1, 3, 3) at every
@@ -242,7 +242,7 @@ def attitude_program(parameters: FlightParameters, time_s: FloatArray) -> tuple[
     return np.stack([roll, pitch, yaw], axis=-1), rates
 
 
-def golden_flight(parameters: FlightParameters | None = None) -> Flight:
+def golden_flight(parameters: FlightParameters | None = None) -> TrueFlight:
     """Fly the golden trajectory with RK4 at `step_s`. Raises ValueError when it hits the ground on the
     way."""
     p = parameters or FlightParameters()
@@ -293,7 +293,7 @@ def assemble(
     track_rad: float,
     burnout_s: float | None,
     source: str,
-) -> Flight:
+) -> TrueFlight:
     """Integrate a flight from its start (position, velocity, inertial axes), attitude at half steps and body
     specific force and rate at the nodes. ValueError when it reaches the ground before its end."""
     force_i = np.einsum("tnij,tnj->tni", step_nodes(attitude), force)
@@ -307,7 +307,7 @@ def assemble(
             "must end "
             "before that"
         )
-    return Flight(
+    return TrueFlight(
         name=name,
         step_s=step_s,
         time_s=time,

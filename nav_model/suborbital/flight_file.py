@@ -16,13 +16,13 @@ from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial
 from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table, write_trajectory_table
 from nav_model.errors import InputError
 from nav_model.suborbital.checks import require
-from nav_model.suborbital.flight import MAX_STEPS, Flight, assemble, step_nodes
+from nav_model.suborbital.flight import MAX_STEPS, TrueFlight, assemble, step_nodes
 
 BOUNDS = FileBounds(fewest_rows=4, most_rows=200_000, most_bytes=16_000_000)
 """What a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
 
 
-def format_flight(flight: Flight, every: int = 1) -> bytes:
+def format_flight(flight: TrueFlight, every: int = 1) -> bytes:
     """A flight as a trajectory file that `parse_flight` reads, one row per `every` steps."""
     c_bn = np.swapaxes(local_axes(flight.position_i), -1, -2) @ flight.attitude_bi
     roll, pitch, yaw = euler_from_matrix(c_bn)
@@ -34,7 +34,7 @@ def format_flight(flight: Flight, every: int = 1) -> bytes:
     return write_trajectory_table(np.stack(columns, axis=1)[::every])
 
 
-def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = "spherical") -> Flight:
+def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = "spherical") -> TrueFlight:
     """The flight of a trajectory file (position on the sphere, attitude from the local north-east-down axes).
 
     A cubic spline of the inertial position and a rotation spline of the attitude give specific force and

@@ -20,7 +20,7 @@ from nav_model.suborbital.attitude import METHODS
 from nav_model.suborbital.errors import ErrorSet, SensorErrors, Triple, diagonal, off_diagonal
 from nav_model.suborbital.flight import FlightParameters
 from nav_model.suborbital.star_camera import StarCamera
-from nav_model.suborbital.study import StudyInputs
+from nav_model.suborbital.study import SuborbitalInputs
 
 Input = BaseQuantity[Any] | Choice | Axes | Intervals
 _Row = tuple[str, Input]
@@ -186,7 +186,7 @@ _TABLE: dict[str, tuple[_Row, ...]] = {
                   "time", "s", 0.02, 1.0),
         _choice("flight.gravity", "True gravity", "The field the flight is flown in.", _FLIGHT.gravity,
                 tuple(ZONALS)),
-        _choice("ins.gravity", "INS gravity", "The field the INS believes in.", StudyInputs().ins_gravity,
+        _choice("ins.gravity", "INS gravity", "The field the INS believes in.", SuborbitalInputs().ins_gravity,
                 tuple(ZONALS)),
     ),
 }  # fmt: skip

@@ -21,7 +21,7 @@ from nav_model.earth.rotation import FloatArray, matrix_from_vector, vector_from
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import ATTITUDE, BIAS, GYROS, MATRIX, POSITION, SLOW_BIAS, SLOW_MATRIX, VELOCITY
 
 
@@ -222,7 +222,7 @@ def _run(
         out[n // every] = y
 
 
-def oscillations(flight: Flight, errors: ErrorSet) -> FloatArray:
+def oscillations(flight: TrueFlight, errors: ErrorSet) -> FloatArray:
     """sin(2 pi t / T) at every half step, (2n+1, 4): accelerometer bias, matrix, gyro bias, matrix [B-1]."""
     periods = np.array(
         [
@@ -236,7 +236,7 @@ def oscillations(flight: Flight, errors: ErrorSet) -> FloatArray:
     return np.asarray(np.sin(2.0 * np.pi * half_time[:, None] / periods))
 
 
-def _initial_states(flight: Flight, parameters: FloatArray, local: bool) -> FloatArray:
+def _initial_states(flight: TrueFlight, parameters: FloatArray, local: bool) -> FloatArray:
     launch = local_axes(flight.position_i[0])
     position = flight.position_i[0] + parameters[:, POSITION] @ launch.T
     velocity = flight.velocity_i[0] + parameters[:, VELOCITY] @ launch.T
@@ -251,7 +251,7 @@ def _initial_states(flight: Flight, parameters: FloatArray, local: bool) -> Floa
 
 
 def mechanise(
-    flight: Flight,
+    flight: TrueFlight,
     parameters: FloatArray,
     errors: ErrorSet,
     *,
@@ -339,7 +339,7 @@ def mechanise(
     )
 
 
-def navigation_errors(flight: Flight, run: InsRun) -> NavigationErrors:
+def navigation_errors(flight: TrueFlight, run: InsRun) -> NavigationErrors:
     """Errors of a run against the true flight; the position error is the one star_tracker.md prints."""
     truth = flight.position_i[run.index]
     turn = local_axes(truth)

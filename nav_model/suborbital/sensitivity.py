@@ -18,7 +18,7 @@ from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import (
     ATTITUDE,
     BIAS,
@@ -158,7 +158,7 @@ def _propagate(
         out[n // every] = state
 
 
-def _half_path(flight: Flight) -> FloatArray:
+def _half_path(flight: TrueFlight) -> FloatArray:
     """True position at every half step, (2n+1, 3): Hermite midpoint of position and velocity."""
     r, v = flight.position_i, flight.velocity_i
     path = np.empty((2 * flight.steps + 1, 3))
@@ -167,7 +167,7 @@ def _half_path(flight: Flight) -> FloatArray:
     return path
 
 
-def sensitivity(flight: Flight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10) -> Sensitivity:
+def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10) -> Sensitivity:
     """Sensitivity matrix of a flight [B-4].
 
     errors supplies the oscillation periods only; used (n+1,) bool marks the steps with a star frame (None:
@@ -215,7 +215,7 @@ def _gradient(position: FloatArray) -> FloatArray:
 
 
 def white_noise_spread(
-    flight: Flight,
+    flight: TrueFlight,
     errors: ErrorSet,
     used: np.ndarray | None = None,
     frame_covariance: FloatArray | None = None,
@@ -259,7 +259,7 @@ def white_noise_spread(
     )
 
 
-def along_track_sigma(spread: NoiseSpread, flight: Flight, every: int = 10) -> FloatArray:
+def along_track_sigma(spread: NoiseSpread, flight: TrueFlight, every: int = 10) -> FloatArray:
     """Standard deviation of the position error down-range and cross-range, (m, 2), m; every as in the spread."""
     north, east = np.swapaxes(local_axes(flight.position_i[::every]), -1, -2)[:, :2].swapaxes(0, 1)
     c, s = (f(flight.track_rad[::every])[:, None] for f in (np.cos, np.sin))

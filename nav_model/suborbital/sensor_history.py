@@ -7,7 +7,7 @@ import numpy as np
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import ACCELEROMETERS, GYROS, MATRIX, SLOW_BIAS, SLOW_MATRIX
 from nav_model.suborbital.mechanisation import oscillations
 
@@ -23,7 +23,7 @@ class SensorHistory:
     source: str = "sensor errors [B-1] at the flight's true specific force and angular rate"
 
 
-def sensor_history(flight: Flight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> SensorHistory:
+def sensor_history(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> SensorHistory:
     """df and domega [B-1] of the parameter vectors (c, 61) or (61,), in the order of `errors.PARAMETERS`.
 
     errors supplies the periods of the oscillating terms; every: spacing in steps, a divisor of their number.

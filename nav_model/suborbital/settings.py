@@ -18,7 +18,7 @@ from nav_model.suborbital.flight import FlightParameters
 from nav_model.suborbital.input_table import INPUTS, Input
 from nav_model.suborbital.sky import Sky, hipparcos_sky, synthetic_sky
 from nav_model.suborbital.star_camera import StarCamera, focal_length
-from nav_model.suborbital.study import StudyInputs
+from nav_model.suborbital.study import SuborbitalInputs
 
 if TYPE_CHECKING:
     from nav_model.design import Design
@@ -60,9 +60,9 @@ class Settings:
             raise InputError(_blamed(error.fields, changes), str(error)) from error
         return changed
 
-    def study_inputs(self) -> StudyInputs:
+    def study_inputs(self) -> SuborbitalInputs:
         """The inputs of `run_study`. Misfit for values that do not fit together."""
-        return StudyInputs(
+        return SuborbitalInputs(
             flight=FlightParameters(
                 latitude_rad=self["flight.latitude"],
                 longitude_rad=self["flight.longitude"],

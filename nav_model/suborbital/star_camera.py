@@ -15,7 +15,7 @@ from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import attitude_at
 from nav_model.suborbital.attitude import COLLINEAR, METHODS, attitude_error, information, nees, solvable
 from nav_model.suborbital.checks import require, require_finite
-from nav_model.suborbital.flight import Flight
+from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames, Cancelled
 from nav_model.suborbital.sky import Sky
 
@@ -178,7 +178,7 @@ class StarFrame:
 
 
 def star_frame(
-    flight: Flight, camera: StarCamera, sky: Sky, time_s: float, seed: int = 1, method: str = "SVD"
+    flight: TrueFlight, camera: StarCamera, sky: Sky, time_s: float, seed: int = 1, method: str = "SVD"
 ) -> StarFrame:
     """The star image at any time of the flight. ValueError for a time outside it or an unknown method."""
     end = float(flight.time_s[-1])
@@ -238,7 +238,7 @@ class StarTrack:
 
 
 def track_stars(
-    flight: Flight,
+    flight: TrueFlight,
     camera: StarCamera,
     sky: Sky,
     *,

@@ -11,7 +11,7 @@ from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, fram
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
-from nav_model.suborbital.flight import Flight, FlightParameters, golden_flight
+from nav_model.suborbital.flight import FlightParameters, TrueFlight, golden_flight
 from nav_model.suborbital.mechanisation import (
     AttitudeFrames,
     NavigationErrors,
@@ -30,7 +30,7 @@ TRACKER_ROWS = ("star tracker misalignment", "star tracker latency")
 
 
 @dataclass(frozen=True)
-class StudyInputs:
+class SuborbitalInputs:
     """What a person can set. The default is the golden flight with GP-1 and a perfect camera.
 
     ins_gravity is what the INS believes; the true field is flight.gravity. output_interval_s must be a
@@ -60,8 +60,8 @@ class Study:
     white noise.
     """
 
-    inputs: StudyInputs
-    flight: Flight = field(repr=False)
+    inputs: SuborbitalInputs
+    flight: TrueFlight = field(repr=False)
     names: tuple[str, ...]
     kinds: tuple[str, ...]
     marks: tuple[str, ...] = field(repr=False)
@@ -110,9 +110,9 @@ def _parameters(errors: ErrorSet, aiding: Aiding) -> tuple[tuple[str, ...], Floa
 
 
 def run_study(
-    inputs: StudyInputs | None = None,
+    inputs: SuborbitalInputs | None = None,
     *,
-    flight: Flight | None = None,
+    flight: TrueFlight | None = None,
     measured: AttitudeFrames | None = None,
     progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
@@ -125,7 +125,7 @@ def run_study(
     a truth with J2 would cost, flying the golden flight again in that field (for a loaded trajectory it is
     then zero). Raises ValueError for bad input, Cancelled when `cancel()` turns true.
     """
-    given = inputs or StudyInputs()
+    given = inputs or SuborbitalInputs()
     truth = flight or golden_flight(given.flight)
     ratio = given.output_interval_s / truth.step_s
     every = round(ratio)
@@ -350,9 +350,9 @@ def matrix_gap(study: Study) -> Gap:
     return position_gap(study.pure_sensitivity.position_m(p), study.aided_sensitivity.position_m(p), study)
 
 
-def gravity_rows(inputs: StudyInputs | None = None) -> tuple[tuple[str, str, FloatArray], ...]:
+def gravity_rows(inputs: SuborbitalInputs | None = None) -> tuple[tuple[str, str, FloatArray], ...]:
     """Final north, east, up error (m) of an otherwise perfect INS for every pair (true model, INS model)."""
-    given = inputs or StudyInputs()
+    given = inputs or SuborbitalInputs()
     rows: list[tuple[str, str, FloatArray]] = []
     for true_model in ZONALS:
         flight = golden_flight(replace(given.flight, gravity=true_model))

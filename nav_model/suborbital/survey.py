@@ -17,7 +17,7 @@ from nav_model.suborbital.aiding import frame_steps
 from nav_model.suborbital.attitude import METHODS, MethodScore, compare_methods
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import Flight, golden_flight
+from nav_model.suborbital.flight import TrueFlight, golden_flight
 from nav_model.suborbital.flight_file import parse_flight
 from nav_model.suborbital.mechanisation import Cancelled, NavigationErrors
 from nav_model.suborbital.sensitivity import NoiseSpread, Sensitivity, white_noise_spread
@@ -37,7 +37,7 @@ from nav_model.suborbital.study import Renewal, Study, gravity_rows, needs_renew
 
 STAR_FRAME_SPACING_S = 2.0
 
-Progress = Callable[[float, str], None]
+ProgressCallback = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def run_survey(
     settings: Settings,
     trajectory: tuple[str, bytes] | None = None,
     *,
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> Survey:
     """Run everything, a few seconds.
@@ -167,7 +167,7 @@ def run_survey(
 
 
 def _noise_parts(
-    flight: Flight, errors: ErrorSet, used: np.ndarray | None, star: FloatArray | None, every: int
+    flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None, star: FloatArray | None, every: int
 ) -> NoiseParts:
     def unit(accelerometer: float, gyro: float, frame: FloatArray | None = None) -> NoiseSpread:
         noisy = replace(
@@ -180,7 +180,7 @@ def _noise_parts(
     return NoiseParts(unit(1.0, 0.0), unit(0.0, 1.0), None if star is None else unit(0.0, 0.0, star))
 
 
-def _scores(flight: Flight, camera: StarCamera, sky: Sky, seed: int) -> tuple[tuple[MethodScore, ...], int]:
+def _scores(flight: TrueFlight, camera: StarCamera, sky: Sky, seed: int) -> tuple[tuple[MethodScore, ...], int]:
     """The five methods on a flight's images, one a second, and how many images the gate refused."""
     attitude = flight.attitude_bi[:: max(1, round(1.0 / flight.step_s))]
     chosen, _ = select_stars(camera, sky, attitude)

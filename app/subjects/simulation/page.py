@@ -39,7 +39,7 @@ from nav_model.simulation.design_study import specification, to_document
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 
 if TYPE_CHECKING:
-    from nav_model.simulation.design_study import DesignStudy
+    from nav_model.simulation.design_study import SimulationStudy
 
 _FLIGHTS = {
     "wandering": "Nearly straight",
@@ -149,7 +149,7 @@ class SimulatePage:
             align_items="center", sizing_mode="stretch_width", margin=(6, 4, 0, 4),
         )  # fmt: skip
 
-    def _layout(self) -> tuple[tuple[Callable[[DesignStudy], Chart], int, int], ...]:
+    def _layout(self) -> tuple[tuple[Callable[[SimulationStudy], Chart], int, int], ...]:
         """Chart, height in pixels, columns of twelve on a wide screen."""
         from app.subjects.simulation import charts
 
@@ -167,7 +167,7 @@ class SimulatePage:
             (charts.designed_attitude_chart, 280, 6),
         )
 
-    def _ensemble(self, study: DesignStudy) -> Chart:
+    def _ensemble(self, study: SimulationStudy) -> Chart:
         from app.subjects.simulation.charts import ensemble_chart
 
         return ensemble_chart(study, self._axis.value)
@@ -186,7 +186,7 @@ class SimulatePage:
         self._place.append(grid(*cells))
 
     @property
-    def _study(self) -> DesignStudy:
+    def _study(self) -> SimulationStudy:
         assert self._result is not None
         return self._result.study
 

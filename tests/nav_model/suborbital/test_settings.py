@@ -9,11 +9,11 @@ from nav_model.design.file import parse_design
 from nav_model.errors import InputError
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, from_design, output_every, read_changes, read_value
-from nav_model.suborbital.study import StudyInputs
+from nav_model.suborbital.study import SuborbitalInputs
 
 
 def test_defaults_are_gp1_on_the_golden_flight():
-    assert DEFAULTS.study_inputs() == StudyInputs()
+    assert DEFAULTS.study_inputs() == SuborbitalInputs()
 
 
 def test_every_default_reads_back_as_itself():
