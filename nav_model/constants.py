@@ -31,7 +31,7 @@ FLATTENING: Final = 1.0 / 298.257223563
 EARTH_RATE: Final = 7.292115e-5
 """Angular rate of the Earth in inertial space [rad/s]."""
 GRAVITATIONAL_PARAMETER: Final = 3.986004418e14
-"""Gravitational constant times the mass of the Earth with its atmosphere, GM [m³/s²]."""
+"""Gravitational constant times the mass of the Earth with its atmosphere, GM [m³/s²]; KM in star_tracker.md."""
 
 # Zonal coefficients of the normal field: TR8350.2, table 3.5 and its recursion.
 J2: Final = 1.08262982e-3
