@@ -59,8 +59,27 @@ field_kernel = kernel(_field)
 
 
 def gravitation(position_i: FloatArray, model: str) -> FloatArray:
-    """Gravitation (without centrifugal part) at inertial positions (..., 3) m, in inertial axes, m/s²
-    [B-3]."""
+    """Gravitation, without the centrifugal part [B-3].
+
+    Parameters
+    ----------
+    position_i : ndarray, shape (..., 3)
+        Inertial positions [m], z along the Earth's spin.
+    model : str
+        A name in `ZONALS`.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        In inertial axes [m/s²].
+
+    Raises
+    ------
+    InputError
+        For another model.
+
+    Source: the gradient of the potential in zonal harmonics to J6.
+    """
     radius = np.linalg.norm(position_i, axis=-1)
     u = position_i / radius[..., None]
     s = u[..., 2]

@@ -4,6 +4,8 @@ A matrix C or quaternion (w, x, y, z) turns body components into those of the ax
 north-east-down in the simulator, inertial axes in the suborbital study. Euler angles are yaw about down, then
 pitch, then roll (aerospace order). Angles in rad. The plain functions broadcast over NumPy arrays; the kernels
 at the end work in place, inside the simulator's loops.
+
+Source: Shuster, A survey of attitude representations, Journal of the Astronautical Sciences 41, 1993.
 """
 
 from __future__ import annotations
@@ -25,7 +27,22 @@ def matrix_of(*elements: ArrayLike) -> FloatArray:
 
 
 def matrix_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
-    """Matrices Rz(yaw) Ry(pitch) Rx(roll), (..., 3, 3), of Euler angles that broadcast to a common shape."""
+    """Matrices Rz(yaw) Ry(pitch) Rx(roll).
+
+    Parameters
+    ----------
+    roll, pitch, yaw : array_like
+        rad, of any shapes that broadcast.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+
+    Examples
+    --------
+    >>> matrix_from_euler(0.0, 0.0, np.pi / 2).round(12)[:2, 0]  # the nose of an aircraft that heads east
+    array([0., 1.])
+    """
     sr, cr = np.sin(roll), np.cos(roll)
     sp, cp = np.sin(pitch), np.cos(pitch)
     sy, cy = np.sin(yaw), np.cos(yaw)
@@ -37,7 +54,7 @@ def matrix_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> Floa
 
 
 def euler_from_matrix(matrix: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Roll, pitch, yaw of matrices (..., 3, 3).
+    """Roll, pitch, yaw [rad], (...), of matrices (..., 3, 3): the inverse of `matrix_from_euler`.
 
     At a pitch of 90° only the sum or difference of roll and yaw is known; what is returned then depends on
     rounding.
@@ -61,10 +78,11 @@ def euler_error_map(pitch: FloatArray, yaw: FloatArray) -> FloatArray:
 
 
 def quaternion_from_matrix(matrix: ArrayLike) -> FloatArray:
-    """Unit quaternions (..., 4) of matrices (..., 3, 3).
+    """Unit quaternions (..., 4) of matrices (..., 3, 3), of either sign.
 
-    Shepperd's method (Journal of Guidance and Control 1, 1978): divides by the largest of the four components,
-    so that no rotation loses digits. The sign is free.
+    Each is divided by the largest of its four components, so that no rotation loses digits.
+
+    Source: Shepperd, Quaternion from rotation matrix, Journal of Guidance and Control 1, 1978.
     """
     r = np.asarray(matrix, dtype=np.float64)
     trace = r[..., 0, 0] + r[..., 1, 1] + r[..., 2, 2]

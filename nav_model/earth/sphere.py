@@ -15,14 +15,26 @@ from nav_model.earth.rotation import FloatArray, matrix_of
 
 
 def ned_to_inertial(latitude: ArrayLike, inertial_longitude: ArrayLike) -> FloatArray:
-    """Rotation from north-east-down to inertial axes; longitude is lon + w_e t. Broadcasts to (..., 3, 3)."""
+    """Matrices from north-east-down to inertial axes [B-2].
+
+    Parameters
+    ----------
+    latitude, inertial_longitude : array_like
+        rad, of any shapes that broadcast; the inertial longitude is longitude + Earth's rate * time.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        Its columns are north, east and down in inertial axes.
+    """
     sl, cl = np.sin(latitude), np.cos(latitude)
     so, co = np.sin(inertial_longitude), np.cos(inertial_longitude)
     return matrix_of(-sl * co, -so, -cl * co, -sl * so, co, -cl * so, cl, 0.0, -sl)
 
 
 def spherical_position(position_i: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Latitude, inertial longitude (rad) and height (m) of inertial positions (..., 3)."""
+    """Latitude [rad], inertial longitude [rad] and height above the sphere [m], (...), of inertial positions (..., 3)
+    [m]."""
     radius = np.linalg.norm(position_i, axis=-1)
     latitude = np.arcsin(position_i[..., 2] / radius)
     longitude = np.arctan2(position_i[..., 1], position_i[..., 0])
@@ -30,13 +42,13 @@ def spherical_position(position_i: FloatArray) -> tuple[FloatArray, FloatArray, 
 
 
 def local_axes(position_i: FloatArray) -> FloatArray:
-    """Rotation from north-east-down at inertial positions (..., 3) to inertial axes, (..., 3, 3)."""
+    """Matrices (..., 3, 3) from north-east-down at inertial positions (..., 3) [m] to inertial axes."""
     latitude, longitude, _ = spherical_position(position_i)
     return ned_to_inertial(latitude, longitude)
 
 
 def earth_velocity(position_i: FloatArray) -> FloatArray:
-    """Velocity w_ie x r of a point at rest on the turning Earth, inertial axes, (..., 3), m/s."""
+    """Velocity w_ie x r (..., 3) [m/s] of points at rest on the turning Earth, at inertial positions (..., 3) [m]."""
     return np.stack(
         [
             -EARTH_RATE * position_i[..., 1],

@@ -23,7 +23,10 @@ CENTRIFUGAL_RATIO: Final = EARTH_RATE**2 * SEMI_MAJOR_AXIS**3 * (1.0 - FLATTENIN
 
 
 def curvature_radii(sin_latitude: Any) -> Any:
-    """Radii of curvature (meridian M, prime vertical N) [m] at the sine of geodetic latitude."""
+    """Radii of curvature [m], meridian M and prime vertical N, at the sine of geodetic latitude.
+
+    Any shape; both are returned in it. Source: the geometry of the ellipse.
+    """
     root = np.sqrt(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude)
     prime_vertical = SEMI_MAJOR_AXIS / root
     return prime_vertical * (1.0 - ECCENTRICITY_SQUARED) / (root * root), prime_vertical
