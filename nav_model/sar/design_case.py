@@ -13,7 +13,7 @@ from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.sar.axis_model import AxisModel
-from nav_model.sar.flown_engine import Flight, flight_of
+from nav_model.sar.flown_engine import ApertureFlight, flight_of
 from nav_model.sar.impulse_response import Window
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.winners import Conditions
@@ -43,7 +43,7 @@ class DesignCase:
     window: Window
     autofocus_order: int
     rate: float
-    flight: Flight | None = None
+    flight: ApertureFlight | None = None
 
     @property
     def engine(self) -> Engine:

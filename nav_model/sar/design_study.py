@@ -56,7 +56,7 @@ class Chunk:
 
 
 @dataclass(frozen=True)
-class DesignStudy:
+class SarStudy:
     """Nine strategies on one noise realisation a run; strategies first, metres of line of sight.
 
     ``parts``, ``responses``: name -> band (9,); a response is NaN where there is no image. ``rms``: root mean
@@ -167,7 +167,7 @@ def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, run
 
 def gather(
     budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk], history: _FloatArray
-) -> DesignStudy:
+) -> SarStudy:
     """The study from all its chunks, in order, and the `typical_history` of its `typical_place`."""
     runs = sum(chunk.runs for chunk in parts)
     values = {name: _joined([c.measures.parts[name] for c in parts]) for name in parts[0].measures.parts}
@@ -179,7 +179,7 @@ def gather(
     first = parts[0].measures
     rms, rms_error = _root_mean_square(values["residual_rms"])
     quadratic, quadratic_error = _root_mean_square(values["quadratic"])
-    return DesignStudy(
+    return SarStudy(
         budget=budget,
         runs=runs,
         seed=seed,
@@ -209,7 +209,7 @@ def design_study(
     *,
     engine: Engine = "fast",
     pool: Executor | None = None,
-) -> DesignStudy:
+) -> SarStudy:
     """The whole study of one design, in this process or with the chunks sent to a `pool`.
 
     ``progress`` is called with runs done and runs in all.

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.sar.image import (
-    SPEED_OF_LIGHT_M_S,
     apply_autofocus,
     back_project,
     point_target_image,
@@ -28,7 +28,7 @@ real_data = pytest.mark.skipif(
 GEOMETRY = ApertureGeometry(6000.0, 100.0, 0.6)
 TIME = np.linspace(-1.0, 1.0, 240)
 FREQUENCY = 9.6e9 + np.linspace(-150e6, 150e6, 128)
-WAVELENGTH = SPEED_OF_LIGHT_M_S / 9.6e9
+WAVELENGTH = SPEED_OF_LIGHT / 9.6e9
 AZIMUTH_CELL = WAVELENGTH * 6000 / (2 * 100 * 2.0)
 
 
@@ -61,7 +61,7 @@ def test_back_projection_is_the_direct_sum():
     pixels = np.array([[3.0, -2.0], [3.3, -2.1], [0.0, 1.0]])
     for x, y in pixels:
         beyond = np.linalg.norm(np.array([x, y, 0.0]) - history.position, axis=1) - history.reference_range
-        turns = np.exp(4j * np.pi / SPEED_OF_LIGHT_M_S * np.outer(FREQUENCY, beyond))
+        turns = np.exp(4j * np.pi / SPEED_OF_LIGHT * np.outer(FREQUENCY, beyond))
         expected = np.mean(history.samples * turns)
         assert back_project(history, [x], [y])[0, 0] == pytest.approx(expected, abs=3e-3)
 
@@ -95,7 +95,7 @@ def test_point_target_image_is_the_back_projected_one():
     cells = np.linspace(-3, 3, 13)
     image = np.abs(back_project(history, cells * AZIMUTH_CELL, [0.0], range_error=error)[0])
     bandwidth = 300e6 * 128 / 127
-    response = point_target_image(error, WAVELENGTH, SPEED_OF_LIGHT_M_S / (2 * bandwidth), cells, [0.0])
+    response = point_target_image(error, WAVELENGTH, SPEED_OF_LIGHT / (2 * bandwidth), cells, [0.0])
     np.testing.assert_allclose(10 ** (response[:, 0] / 20), image, atol=0.02)
 
 
@@ -212,7 +212,7 @@ def test_files_are_read_and_joined(tmp_path, fields):
     with pytest.raises(ValueError, match="no autofocus terms"):
         apply_autofocus(both)
     np.testing.assert_array_equal(both.position[20:], one.position)
-    assert one.unambiguous_range == pytest.approx(SPEED_OF_LIGHT_M_S / (2 * 300e6 / 127))
+    assert one.unambiguous_range == pytest.approx(SPEED_OF_LIGHT / (2 * 300e6 / 127))
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from nav_model.earth.sphere import ned_to_inertial
 from nav_model.suborbital.errors import (
     CLASSES,
     PARAMETERS,
@@ -13,7 +14,6 @@ from nav_model.suborbital.errors import (
     scale_and_misalignment,
 )
 from nav_model.suborbital.flight import FlightParameters, golden_flight
-from nav_model.suborbital.frames import ned_to_inertial
 from nav_model.suborbital.mechanisation import (
     AttitudeFrames,
     Cancelled,
