@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from nav_model.compiled import kernel
+from nav_model.compiled import part
 
 SEMI_MAJOR_AXIS: Final = 6378137.0
 FLATTENING: Final = 1.0 / 298.257223563
@@ -46,5 +46,5 @@ def normal_gravity(sin_latitude: Any, height: Any) -> Any:
     return surface * (1.0 - first * ratio + 3.0 * ratio * ratio)
 
 
-curvature_radii_kernel = kernel(curvature_radii)
-normal_gravity_kernel = kernel(normal_gravity)
+curvature_radii_kernel = part(curvature_radii)
+normal_gravity_kernel = part(normal_gravity)
