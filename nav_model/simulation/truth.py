@@ -105,12 +105,8 @@ def _force_and_rate_at(
             out[k, 2] += m02 * force_n + m12 * force_e + m22 * force_d
             roll_rate, pitch_rate, yaw_rate = first[3], first[4], first[5]
             out[k, 3] += roll_rate - yaw_rate * sp + m00 * frame_n + m10 * frame_e + m20 * frame_d
-            out[k, 4] += weight * (
-                pitch_rate * cr + yaw_rate * sr * cp + m01 * frame_n + m11 * frame_e + m21 * frame_d
-            )
-            out[k, 5] += weight * (
-                -pitch_rate * sr + yaw_rate * cr * cp + m02 * frame_n + m12 * frame_e + m22 * frame_d
-            )
+            out[k, 4] += pitch_rate * cr + yaw_rate * sr * cp + m01 * frame_n + m11 * frame_e + m21 * frame_d
+            out[k, 5] += -pitch_rate * sr + yaw_rate * cr * cp + m02 * frame_n + m12 * frame_e + m22 * frame_d
         for i in range(6):
             out[k, i] *= weight
 
