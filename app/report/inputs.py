@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from app.document.blocks import Cell
 from app.document.wording import number, printable
-from nav_model.allan.adoption import noted_origin
 from nav_model.catalogue import Entry, SourcedValue, find
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
@@ -13,7 +12,7 @@ from nav_model.design.parts import INPUTS, PARTS
 
 MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
-    "unconfirmed: from memory, no source reached. changed: not the value of the preset. noted: the description says "
+    "unconfirmed: from memory, no source reached. changed: not the value of the preset. noted: the design says "
     "where it comes from, such as a log. Biases and platform figures "
     "of the catalogue fill no input; they stand here for information."
 )
@@ -103,9 +102,8 @@ def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_
     text = shown_value(design, section, name)
     if not text:
         return label, Cell("not given", tone="quiet"), Cell(_absent(key, aperture_time), tone="quiet")
-    noted = noted_origin(design, key)
-    if noted is not None:
-        return label, Cell(text, "noted", "good"), Cell(printable(noted))
+    if key in design.origins:
+        return label, Cell(text, "noted", "good"), Cell(printable(design.origins[key]))
     sourced = sourced_value(design, section, name)
     if sourced is not None:
         return label, _valued(text, sourced), Cell(sourced.source)

@@ -17,9 +17,12 @@ import tomli_w
 from nav_model.catalogue import Kind, find
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
 from nav_model.errors import InputError, shown
 
+ORIGINS = "origins"
+"""The table of a design file that says where values came from, each under its dotted key in quotes."""
 MAX_BYTES = 1_000_000  # a design is two kilobytes; anything far larger is another kind of file
 _MAX_TEXT = 10_000
 
@@ -126,19 +129,23 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
             raise InputError(section, f"must be a section, [{section}]")
         if key in PRESET_KEYS:  # the new unit's figures replace the file's
             for filled in find(_kind(section), text).values:
-                _drop(table, section, filled)
+                _drop(tables, section, filled)
         else:
             found = _input_named(section, name)
-            _drop(table, section, found[0] if found else name)
+            _drop(tables, section, found[0] if found else name)
         table[name] = text
     return tables
 
 
-def _drop(table: dict[str, Any], section: str, name: str) -> None:
+def _drop(tables: dict[str, Any], section: str, name: str) -> None:
+    """Forget what the file states for an input, and where it says the value came from."""
     declaration = INPUTS[section][name]
+    table = tables[section]
     table.pop(name, None)
     if isinstance(declaration, BaseQuantity) and declaration.alternative:
         table.pop(declaration.alternative.key, None)
+    if isinstance(tables.get(ORIGINS), dict):
+        tables[ORIGINS].pop(f"{section}.{name}", None)
 
 
 def _build(tables: dict[str, Any]) -> Design:
@@ -147,13 +154,15 @@ def _build(tables: dict[str, Any]) -> Design:
     for key, content in tables.items():
         if key in TOP_KEYS:
             values[key] = _text(key, content)
-        elif key not in INPUTS:
+        elif key not in (*INPUTS, ORIGINS):
             raise InputError(key, _unknown(""))
         elif not isinstance(content, dict):
             raise InputError(key, f"must be a section, [{key}], not {shown(content)}")
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
-    return Design(values, written)
+    design = Design(values, written)
+    origins = tables.get(ORIGINS) or noted_origins(design)
+    return design.replace({}, origins=origins) if origins else design
 
 
 def _read_section(section: str, table: dict[str, Any], values: dict[str, Value], written: dict[str, str]) -> None:
@@ -233,13 +242,13 @@ def _input_named(section: str, name: str) -> tuple[str, BaseQuantity[Any] | Choi
 
 def _unknown(section: str) -> str:
     if not section:
-        return f"unknown key; allowed are {', '.join((*TOP_KEYS, *(f'[{s}]' for s in INPUTS)))}"
+        return f"unknown key; allowed are {', '.join((*TOP_KEYS, *(f'[{s}]' for s in (*INPUTS, ORIGINS))))}"
     preset = ["preset"] if f"{section}.preset" in PRESET_KEYS else []
     return f"unknown key; [{section}] has {', '.join((*preset, *INPUTS[section]))}"
 
 
 def format_design(design: Design) -> str:
-    """TOML text of a design: every value stated, in the unit it was given in."""
+    """TOML text of a design: every value stated, in the unit it was given in, with its origin if it has one."""
     tables: dict[str, Any] = {key: design[key] for key in TOP_KEYS if design[key]}
     for section, declarations in INPUTS.items():
         table: dict[str, Any] = {}
@@ -254,6 +263,8 @@ def format_design(design: Design) -> str:
                 name, value = declaration.write(float(value), design.written.get(f"{section}.{name}", ""))
             table[name] = value
         tables[section] = table
+    if design.origins:
+        tables[ORIGINS] = dict(design.origins)
     return tomli_w.dumps(tables)
 
 

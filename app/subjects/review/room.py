@@ -40,7 +40,7 @@ from app.subjects.review.report import (
 from app.ui.chart_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.work.pool import elsewhere
-from nav_model.budget.verdict import Check
+from nav_model.budget.result import Check
 from nav_model.design.parts import INPUTS
 
 _NONE = "choose a review"

@@ -217,13 +217,13 @@ class LogPanel:
     def _adopt(self, offer: Callable[[], Adoption]) -> None:
         try:
             adoption = offer()
-            problem = self._session.change(adoption.changes, adoption.written)
+            problem = self._session.change(adoption.changes, adoption.written, adoption.origins)
         except ValueError as error:
             problem = error
         if problem:
             self._say(f"Not taken over. {problem}")
         else:
-            self._say("Taken over into the design; its description says where from. Undo takes it back.", "success")
+            self._say("Copied into the design, with the log as its origin. Undo takes it back.", "success")
 
 
 class StaticResult:
@@ -234,7 +234,7 @@ class StaticResult:
         self.analysis: LogAnalysis | None = None
         self.head, self.tables = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
         self.use = _button("Use these in the design", variant="contained")
-        self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(session.design, self._known)))
+        self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(self._known)))
         self.axis = pmui.Select(label="Axis", description="", size="small", width=220, margin=(8, 14), options=[])
         self.axis.param.watch(lambda event: self._feed() if event.new else None, "value")
         self._charts: list[ChartView] = []
@@ -258,7 +258,7 @@ class StaticResult:
         names = [axis.name for axis in analysis.axes]
         with pn.io.hold():
             self.head.object = "<h3>Log at rest</h3>" + provenance_line(analysis.provenance) + offer_strip(analysis)
-            self.use.disabled = not adopt_random_walks(self._session.design, analysis).changes
+            self.use.disabled = not adopt_random_walks(analysis).changes
             self.tables.object = coefficient_tables(analysis) + remedy_list(analysis) + warning_list(analysis)
             self.axis.param.update(options=names, value=self.axis.value if self.axis.value in names else names[0])
             if self._charts:

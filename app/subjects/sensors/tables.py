@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from html import escape
 
 from app.subjects.sensors.charts import TERM_NAMES
-from nav_model.allan.adoption import VIBRATION_KEY, WALK_KEYS, noted_origin
+from nav_model.allan.adoption import VIBRATION_KEY, WALK_KEYS
 from nav_model.allan.motion import BLOCK_S, MOTION_CAVEAT, MotionAnalysis
 from nav_model.allan.noise_terms import TERMS
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance, triad_random_walk
@@ -45,9 +45,8 @@ def _number(value: float, unit: str, dimension: str) -> str:
 
 
 def _origin(design: Design, key: str) -> str:
-    noted = noted_origin(design, key)
-    if noted is not None:
-        return f'<span class="mark">log</span>: {escape(noted)}'
+    if key in design.origins:
+        return f'<span class="mark">noted</span>: {escape(design.origins[key])}'
     if key == VIBRATION_KEY:
         return "bench noise; a log in motion says more" if design[key] == 1 else "set by hand"
     preset = preset_of(design, "imu")

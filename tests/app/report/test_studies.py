@@ -303,13 +303,14 @@ def test_a_report_without_studies_is_what_it_was(design):
 
 
 def test_a_noted_origin_stands_in_the_table_of_inputs(design):
-    note = "imu.angle_random_walk = 0.12 °/√h: rms of gyro x, y, z, from static log bench.csv (sha256 0123)"
+    origin = "rms of gyro x, y, z, from static log bench.csv (sha256 0123)"
     walk = declaration_of("imu.angle_random_walk").read("0.12 °/√h").value
-    noted = design.replace({"imu.angle_random_walk": walk, "description": note}, {"imu.angle_random_walk": "°/√h"})
+    key = "imu.angle_random_walk"
+    noted = design.replace({key: walk}, {key: "°/√h"}, {key: origin})
     report = report_of([analyse(noted)], NOW)
     inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
     row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
-    assert (row[1].mark, row[2].text) == ("noted", note.partition(": ")[2])
+    assert (row[1].mark, row[2].text) == ("noted", origin)
     stale = noted.replace({"imu.angle_random_walk": 2 * walk})
     report = report_of([analyse(stale)], NOW)
     inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
