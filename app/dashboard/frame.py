@@ -20,7 +20,7 @@ from app.dashboard.lifeline import THEME_COOKIE, Lifeline
 from app.dashboard.report_choice import ReportChoice
 from app.dashboard.shell import Shell
 from app.document.wording import chapter_key
-from app.report import report_of_text
+from app.report import report_bytes
 from app.report.studies import study_sections
 from app.serving.faults import tell_here
 from app.session import Lineage, Session
@@ -343,10 +343,10 @@ class Frame:
     async def _report(self, suffix: str) -> io.BytesIO:
         self.session.running = True
         try:
-            text, findings = format_design(self.session.design), self._choice.chosen()
+            budget, findings = self.session.budget, self._choice.chosen()
             # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
-            study = await asyncio.to_thread(study_sections, findings, parse_design(text), chapter_key(""))
-            return io.BytesIO(await elsewhere(report_of_text, text, f".{suffix}", study))
+            study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
+            return io.BytesIO(await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study]))
         finally:
             self.session.running = False
 

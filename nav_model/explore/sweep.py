@@ -23,7 +23,6 @@ import numpy as np
 
 from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.design import Design, Value
-from nav_model.design.file import parse_design
 from nav_model.errors import InputError
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
@@ -214,9 +213,8 @@ def _designs(plan: Plan, start: int, stop: int) -> Iterator[Design]:
 
 
 @functools.lru_cache(maxsize=512)
-def _varied(text: str, changes: tuple[tuple[tuple[str, Value], ...], ...]) -> Design:
+def _varied(design: Design, changes: tuple[tuple[tuple[str, Value], ...], ...]) -> Design:
     """The design with what cannot be an array: choices, presets, limits."""
-    design = parse_design(text)
     for change in changes:
         design = design.replace(dict(change))
     return design

@@ -32,7 +32,7 @@ import tomli_w
 from nav_model.budget.figures import FIGURES
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.file import format_design, parse_design, preset_fill, read_bytes
+from nav_model.design.file import parse_design, preset_fill, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
@@ -59,11 +59,11 @@ class Axis:
 class Plan:
     """A sweep, plain data so that it travels to any worker.
 
-    ``design`` is TOML text. Row n of a grid runs through the last axis fastest. ``flight`` says how every design
+    Row n of a grid runs through the last axis fastest. ``flight`` says how every design
     is flown, None when the closed forms are enough.
     """
 
-    design: str
+    design: Design
     axes: tuple[Axis, ...]
     together: bool
     results: tuple[str, ...]
@@ -86,7 +86,7 @@ class Plan:
         """SHA-256 of everything that decides the output."""
         content = {
             "format": _FORMAT,
-            "design": parse_design(self.design).content_hash,
+            "design": self.design.content_hash,
             "axes": [[axis.key, axis.shown, [dict(change) for change in axis.changes]] for axis in self.axes],
             "together": self.together,
             "results": self.results,
@@ -141,7 +141,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
         raise InputError("combine", f"together needs lists of one length; they have {lengths}")
     flight = read_flight(tables["simulate"], folder) if "simulate" in tables else None
     size = _part_size(tables, _FLIGHTS_PER_PART if flight else _ROWS_PER_PART)
-    plan = Plan(format_design(design), axes, combine == "together", _results(tables), size, flight)
+    plan = Plan(design, axes, combine == "together", _results(tables), size, flight)
     if plan.rows > MOST_ROWS:
         raise InputError("vary", f"asks for {plan.rows} designs; at most {MOST_ROWS} go in one sweep")
     if flight is not None:

@@ -19,7 +19,6 @@ from nav_model.analytic.steady_state import yaw_variance
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import format_design, parse_design
 from nav_model.design.parts import declaration_of
 from nav_model.errors import InputError
 from nav_model.simulation.specification import (
@@ -159,20 +158,19 @@ def _flight(design: Design, kind: str) -> TrajectorySpec:
 class DesignClosedForm:
     """The closed forms of a design as `simulate` takes them; picklable, so it travels to a worker.
 
-    design_file: the design as TOML text. initial_yaw: sigma at the start [rad].
+    initial_yaw: sigma at the start [rad].
     Called with (coast_s, elapsed_s), both (outputs,), it gives the sigmas (outputs, 9) of `result.STATES`:
     [T-3], [T-4] where fixes come, [T-9], [T-10] in an outage, residual biases in quadrature; yaw [T-5].
     """
 
-    design_file: str
+    design: Design
     initial_yaw: float
 
     def __call__(self, coast_s: FloatArray, elapsed_s: FloatArray) -> FloatArray:
-        design = parse_design(self.design_file)
-        coast = analyse(design, coast_s).coast
+        coast = analyse(self.design, coast_s).coast
         level, upright, tilt = coast.position_horizontal, coast.position_vertical, coast.tilt
         speed, sink = coast.velocity_horizontal, coast.velocity_vertical
-        density = design.imu.angle_random_walk * design.imu.vibration_factor
+        density = self.design.imu.angle_random_walk * self.design.imu.vibration_factor
         yaw = np.sqrt(self.initial_yaw**2 + yaw_variance(density, elapsed_s))
         sigmas: FloatArray = np.stack([level, level, upright, speed, speed, sink, tilt, tilt, yaw], axis=1)
         return sigmas
@@ -180,7 +178,7 @@ class DesignClosedForm:
 
 def closed_form(design: Design, spec: SimulationSpec) -> DesignClosedForm:
     """The closed forms of `design` for a study of it."""
-    return DesignClosedForm(format_design(design), spec.initial.yaw)
+    return DesignClosedForm(design, spec.initial.yaw)
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +190,7 @@ class DesignStudy:
     shape (outputs, 3). departures: where filter and closed form part. conditions: what a reader must know.
     """
 
-    design_file: str
+    design: Design
     result: SimulationResult
     refined_sigma: FloatArray
     path: FloatArray
@@ -205,13 +203,12 @@ def study_of(design: Design, result: SimulationResult) -> DesignStudy:
     from nav_model.simulation.conditions import conditions
     from nav_model.simulation.departures import chain, departures
 
-    text = format_design(design)
     return DesignStudy(
-        design_file=text,
+        design=design,
         result=result,
         refined_sigma=_refined(design, result.coast_s),
         path=_path(result),
-        departures=tuple(departures(result, chain(text, result.spec), settling_s=settling(design))),
+        departures=tuple(departures(result, chain(design, result.spec), settling_s=settling(design))),
         conditions=conditions(design, result.spec),
     )
 
@@ -240,7 +237,7 @@ def settling(design: Design) -> float:
 
 
 def conclude(
-    design_file: str, spec: SimulationSpec, total: Statistics, nominal: RunRecord, wall_s: float
+    design: Design, spec: SimulationSpec, total: Statistics, nominal: RunRecord, wall_s: float
 ) -> DesignStudy:
     """The study from the runs summed so far, `spec.runs` of them, for a worker process to make.
 
@@ -248,7 +245,6 @@ def conclude(
     """
     from nav_model.simulation.result import summarise
 
-    design = parse_design(design_file)
     return study_of(design, summarise(spec, total, nominal, closed_form(design, spec), wall_s))
 
 
@@ -304,5 +300,5 @@ def to_document(study: DesignStudy) -> dict[str, Any]:
     ]
     document["conditions"] = list(study.conditions)
     document["added"] = {key: STUDY_KEYS[key].show(value) for key, value in added(study.result.spec).items()}
-    document["design"] = parse_design(study.design_file).name
+    document["design"] = study.design.name
     return document

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from html import escape
 
 import panel as pn
@@ -13,7 +12,6 @@ from app.ui.chart_pane import html_pane, prose
 from app.ui.theme import FRAME
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
-from nav_model.design.file import format_design, parse_design
 from nav_model.errors import InputError
 from nav_model.explore.margins import label_of, quantity
 from nav_model.explore.uncertainty import Probability, UncertainVerdict, read_uncertain, uncertain_verdict
@@ -36,17 +34,6 @@ _KNOWLEDGE = (
     "Ten independent scramblings of 1024 Sobol points through the closed forms of the budget, inputs independent; "
     "the interval (95 %) is Student's over the ten, and never narrower than three designs in all."
 )
-
-
-def verdict_of_text(design: str, ranges: Mapping[str, str]) -> UncertainVerdict:
-    """The uncertain verdict of a design as TOML: what a worker process runs.
-
-    Raises
-    ------
-    InputError
-        As `uncertain_verdict`.
-    """
-    return uncertain_verdict(parse_design(design), {key: read_uncertain(key, text) for key, text in ranges.items()})
 
 
 class UncertaintyPanel:
@@ -130,7 +117,8 @@ class UncertaintyPanel:
             while True:
                 self._again = False
                 try:
-                    found = await elsewhere(verdict_of_text, format_design(self._session.design), self._ranges())
+                    ranges = {key: read_uncertain(key, text) for key, text in self._ranges().items()}
+                    found = await elsewhere(uncertain_verdict, self._session.design, ranges)
                     self._answer.object = _said(found)
                 except InputError as error:
                     self._answer.object = f'<p role="status">{escape(str(error))}</p>'

@@ -26,7 +26,7 @@ from app.library.reviews import (
 )
 from app.library.store import Library
 from app.library.texts import counted
-from app.report import report_of_texts
+from app.report import report_bytes
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button
 from app.subjects.review.overview import overview
 from app.subjects.review.report import (
@@ -303,8 +303,8 @@ class ReviewRoom:
         assert self._review is not None
         self._desk.session.running = True
         try:
-            texts = [revision.text for revision in self._review.revisions]
-            return io.BytesIO(await elsewhere(report_of_texts, texts, f".{kind}", audit_sections(self._review)))
+            budgets = [revision.budget() for revision in self._review.revisions]
+            return io.BytesIO(await elsewhere(report_bytes, budgets, f".{kind}", None, audit_sections(self._review)))
         finally:
             self._desk.session.running = False
 

@@ -20,12 +20,12 @@ from app.report import report_bytes
 from app.report.content import report_of
 from app.report.studies import belonging, study_sections
 from app.session import Session
-from app.subjects.sar.run import SarResult, pictures_of_text
+from app.subjects.sar.run import SarResult, pictures
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.file import format_design, read_design
+from nav_model.design.file import read_design
 from nav_model.design.parts import declaration_of
 from nav_model.equations import SYMBOLS
 from nav_model.sar.design_case import design_case
@@ -54,7 +54,7 @@ def findings(design) -> dict[str, Any]:
     spec = specification(design, runs=20, duration=140.0, outages=((100.0, 140.0),))
     simulation = study_of(design, simulate(spec, workers=1, closed_form=closed_form(design, spec)))
     study = design_study(design, 40, 3)
-    points, scene = pictures_of_text(format_design(design), study.typical)
+    points, scene = pictures(study.budget, study.typical)
     settings = from_design(DEFAULTS, design)
     survey = run_survey(settings)
     return {

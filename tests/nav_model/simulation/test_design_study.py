@@ -167,7 +167,7 @@ def test_a_worker_concludes_the_same_study(study) -> None:
     total = Statistics.empty(nominal.filter_sigma[POSTERIOR])
     total.merge(run_chunk(spec, total.scale, 0, 25))
     total.merge(run_chunk(spec, total.scale, 25, 40))
-    arguments = pickle.loads(pickle.dumps((study.design_file, spec, total, nominal, 1.0)))
+    arguments = pickle.loads(pickle.dumps((study.design, spec, total, nominal, 1.0)))
     found = pickle.loads(pickle.dumps(conclude(*arguments)))
     assert found.result.rms == pytest.approx(study.result.rms, rel=1e-12)
     assert [d.reason for d in found.departures] == [d.reason for d in study.departures]
