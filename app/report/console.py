@@ -85,10 +85,10 @@ def _sar(design: Design, options: argparse.Namespace) -> Any:
         raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
     try:
         study = design_study(design, runs, options.seed, lambda done, of: _say(f"SAR: {done} of {of} runs"))
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError("--runs", str(error).removeprefix("runs: ")) from error
+    except InputError as error:
+        if error.key != "runs":
+            raise
+        raise error.under("--runs") from error
     points, scene = pictures(study.budget, study.typical)
     return SarResult(design_case(study.budget), study, points, scene)
 

@@ -10,6 +10,7 @@ from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, Provenance, 
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
+from nav_model.errors import InputError
 from nav_model.units import format_quantity, from_si
 
 WALK_KEYS: Final = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
@@ -49,14 +50,14 @@ def adopt_random_walks(result: LogAnalysis) -> Adoption:
 def adopt_vibration_factor(design: Design, result: MotionAnalysis, bench: BenchNoise) -> Adoption:
     """The vibration factor of a log in motion over `bench` as a change to `design`.
 
-    Raises ValueError when the result has no factor, or when `bench` is no longer what the design states: the
+    Raises InputError when the result has no factor, or when `bench` is no longer what the design states: the
     factor multiplies the design's own random walks.
     """
     if result.vibration_factor is None:
-        raise ValueError("vibration_factor: the log was analysed without bench noise; there is no factor")
+        raise InputError(VIBRATION_KEY, "the log was analysed without bench noise; there is no factor")
     if bench != bench_of(design):
-        raise ValueError(
-            "vibration_factor: the design's random walks have changed since this log was analysed; analyse it again"
+        raise InputError(
+            VIBRATION_KEY, "the design's random walks have changed since this log was analysed; analyse it again"
         )
     low, high = result.band_hz
     walks = " and ".join(

@@ -73,7 +73,7 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     except ArithmeticError as error:
         key = "gnss.correlated_noise" if design.gnss.correlated else "imu.angle_random_walk"
         reason = f"{design[key]:.3g} (SI) gives no figure beside the other noises: {error}"
-        raise InputError(key, reason) from error
+        raise InputError(key, reason, design[key]) from error
 
 
 def _analyse(design: Design, times: ArrayLike | None) -> Budget:
@@ -115,7 +115,7 @@ def _times(design: Design, times: ArrayLike | None) -> Array:
     time = np.atleast_1d(np.array(times, float))  # a copy: the budget's arrays are read-only, the caller's stay his
     longest = design.coast.param["duration"].bounds[1]
     if time.ndim != 1 or not np.all(np.isfinite(time) & (time >= 0) & (time <= longest)):
-        raise InputError("times", f"{times!r} is not allowed; seconds from 0 to {longest:g}")
+        raise InputError("times", f"{times!r} is not allowed; seconds from 0 to {longest:g}", times)
     return time
 
 

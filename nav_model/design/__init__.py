@@ -182,9 +182,9 @@ class Design:
 def _check_origin(key: str, origin: object) -> None:
     where = f"origins.{key}"
     if key not in all_keys():
-        raise InputError(where, f"unknown key; in quotes, one of {', '.join(all_keys())}")
+        raise InputError(where, f"unknown key; in quotes, one of {', '.join(all_keys())}", origin)
     if not isinstance(origin, str) or not origin.strip() or len(origin.splitlines()) != 1:
-        raise InputError(where, f"{shown(origin)} is not a line of text in quotes")
+        raise InputError(where, f"{shown(origin)} is not a line of text in quotes", origin)
     if len(origin) > LONGEST_ORIGIN:
         raise InputError(where, f"longer than {LONGEST_ORIGIN} characters")
 
@@ -195,6 +195,6 @@ def _by_part(values: Mapping[str, Value]) -> list[tuple[type[Part], dict[str, An
     for key, value in values.items():
         section, _, name = key.rpartition(".")
         if key not in PRESET_KEYS and name not in INPUTS.get(section, {}):
-            raise InputError(key, f"unknown key; allowed are {', '.join(all_keys())}")
+            raise InputError(key, f"unknown key; allowed are {', '.join(all_keys())}", value)
         own[section][name] = value
     return [(part, own[part.section]) for part in PARTS]

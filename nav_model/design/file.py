@@ -157,7 +157,7 @@ def _build(tables: dict[str, Any]) -> Design:
         elif key not in (*INPUTS, ORIGINS):
             raise InputError(key, _unknown(""))
         elif not isinstance(content, dict):
-            raise InputError(key, f"must be a section, [{key}], not {shown(content)}")
+            raise InputError(key, f"must be a section, [{key}], not {shown(content)}", content)
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
     design = Design(values, written)
@@ -221,13 +221,13 @@ def _kind(section: str) -> Kind:
 
 def _text(key: str, content: Any) -> str:
     if not isinstance(content, str):
-        raise InputError(key, f"{shown(content)} is not text in quotes")
+        raise InputError(key, f"{shown(content)} is not text in quotes", content)
     if len(content) > _MAX_TEXT:
         raise InputError(key, f"longer than {_MAX_TEXT} characters")
     try:
         content.encode()
     except UnicodeEncodeError as error:  # bytes of a command line that are no text
-        raise InputError(key, f"{shown(content)} is not Unicode text") from error
+        raise InputError(key, f"{shown(content)} is not Unicode text", content) from error
     return content
 
 

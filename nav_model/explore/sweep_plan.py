@@ -128,7 +128,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
     design = _design(tables.get("design"), folder)
     combine = tables.get("combine", "grid")
     if combine not in ("grid", "together"):
-        raise InputError("combine", f"{combine!r} is not one of grid, together")
+        raise InputError("combine", f"{combine!r} is not one of grid, together", combine)
     vary = tables.get("vary")
     if not isinstance(vary, dict) or not vary:
         raise InputError("vary", 'gives no input; write for example gnss.position_noise = ["2 cm", "1 m"]')
@@ -163,14 +163,14 @@ def _results(tables: Mapping[str, Any]) -> tuple[str, ...]:
         raise InputError("results", f"must be a list out of {', '.join(FIGURES)}")
     for name in given:
         if name not in FIGURES:
-            raise InputError("results", f"{name!r} is not one of {', '.join(FIGURES)}")
+            raise InputError("results", f"{name!r} is not one of {', '.join(FIGURES)}", name)
     return tuple(name for name in FIGURES if name in given)
 
 
 def _part_size(tables: Mapping[str, Any], usual: int) -> int:
     size = tables.get("rows_per_part", usual)
     if not isinstance(size, int) or isinstance(size, bool) or not 1 <= size <= 100_000:
-        raise InputError("rows_per_part", f"{size!r} is not a whole number from 1 to 100000")
+        raise InputError("rows_per_part", f"{size!r} is not a whole number from 1 to 100000", size)
     return size
 
 
@@ -219,9 +219,9 @@ def _range(key: str, spec: Mapping[str, Any]) -> list[float]:
     low, high = declaration.read(spec["from"]).value, declaration.read(spec["to"]).value
     points, spacing = spec["points"], spec.get("spacing", "linear")
     if not isinstance(points, int) or isinstance(points, bool) or not 2 <= points <= MOST_POINTS:
-        raise InputError(key, f"points = {points!r} is not a whole number from 2 to {MOST_POINTS}")
+        raise InputError(key, f"points = {points!r} is not a whole number from 2 to {MOST_POINTS}", points)
     if spacing not in ("log", "linear"):
-        raise InputError(key, f"spacing {spacing!r} is not one of log, linear")
+        raise InputError(key, f"spacing {spacing!r} is not one of log, linear", spacing)
     if spacing == "log" and min(low, high) <= 0:
         raise InputError(key, "a log range must stay above zero")
     space = np.geomspace if spacing == "log" else np.linspace

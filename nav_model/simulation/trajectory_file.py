@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec
+from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec, refused
 from nav_model.simulation.trajectory import Trajectory, spline_through
 
 FloatArray = NDArray[np.float64]
@@ -84,7 +84,7 @@ def trajectory_from_samples(samples: bytes, duration: float) -> Trajectory:
     """Spline through the samples of `parse_trajectory`; ValueError where they end before `duration`."""
     table = np.frombuffer(samples).reshape(-1, 7)
     if duration > table[-1, 0] + 1e-9:
-        raise ValueError(f"duration = {duration!r}: must be at most the trajectory file's {table[-1, 0]:.3f} s")
+        raise refused("duration", duration, f"must be at most the trajectory file's {table[-1, 0]:.3f} s")
     return spline_through(table[:, 0], table[:, 1:])
 
 

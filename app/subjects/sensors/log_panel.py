@@ -219,7 +219,7 @@ class LogPanel:
         try:
             adoption = offer()
             problem = self._session.change(adoption.changes, adoption.written, adoption.origins)
-        except ValueError as error:
+        except InputError as error:
             problem = error
         if problem:
             self._say(f"Not taken over. {problem}")

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from app.work.pool import elsewhere, size
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.simulation.design_study import DesignStudy, conclude, refusal
+from nav_model.simulation.design_study import DesignStudy, conclude
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.warm import warm_up
 
@@ -102,7 +102,7 @@ class SimulationRun:
         except asyncio.CancelledError:
             last = f"Cancelled after {self._done} of {spec.runs} runs."
         except (ValueError, ArithmeticError) as error:
-            last = f"Not flown. {refusal(error, design) if isinstance(error, ValueError) else error}"
+            last = f"Not flown. {error}"
         except BrokenProcessPool:
             last = "Not flown. A worker process ended before its runs were done; start again."
         self._task = None
