@@ -5,11 +5,11 @@ from __future__ import annotations
 from app.document.blocks import Cell
 from app.document.numbers import number
 from app.document.wording import printable
-from nav_model.catalogue import Entry, SourcedValue, find
+from nav_model.catalogue import Entry, SourcedValue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import deviations, preset_of
 from nav_model.design.parts import INPUTS, PARTS
+from nav_model.design.presets import deviations, entry_of
 
 MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
@@ -29,7 +29,7 @@ def input_rows(design: Design, aperture_time: float) -> tuple[tuple[Cell, ...], 
     """Rows of name, value and origin for every input, headed by section."""
     rows: list[tuple[Cell, ...]] = []
     for part in PARTS:
-        entry = preset_entry(design, part.section)
+        entry = entry_of(design, part.section)
         rows.append((Cell(part.title if entry is None else f"{part.title}: {_preset(entry)}"),))
         rows += (_row(design, part.section, name, entry, aperture_time) for name in INPUTS[part.section])
         if entry is not None:
@@ -52,15 +52,9 @@ def doubtful_inputs(design: Design) -> list[str]:
     ]
 
 
-def preset_entry(design: Design, section: str) -> Entry | None:
-    """The catalogue's entry behind a section."""
-    name = preset_of(design, section)
-    return None if name is None else find("imu" if section == "imu" else "radar", name)
-
-
 def sourced_value(design: Design, section: str, name: str) -> SourcedValue | None:
     """The catalogue's value behind an input, if that is the value in force."""
-    entry = preset_entry(design, section)
+    entry = entry_of(design, section)
     if entry is None or name in deviations(design, section):
         return None
     return entry.values.get(name)

@@ -14,11 +14,11 @@ from typing import Any
 
 import tomli_w
 
-from nav_model.catalogue import Kind, find
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+from nav_model.design.presets import preset_fill, preset_of
 from nav_model.errors import InputError, shown
 
 ORIGINS = "origins"
@@ -127,9 +127,9 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         table = tables.setdefault(section, {})
         if not isinstance(table, dict):
             raise InputError(section, f"must be a section, [{section}]")
-        if key in PRESET_KEYS:  # the new unit's figures replace the file's
-            for filled in find(_kind(section), text).values:
-                _drop(tables, section, filled)
+        if key in PRESET_KEYS:  # the new unit's values replace the file's
+            for filled in preset_fill(section, text)[0].keys() - {key}:
+                _drop(tables, section, filled.rpartition(".")[2])
         else:
             found = _input_named(section, name)
             _drop(tables, section, found[0] if found else name)
@@ -194,29 +194,11 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
         values[f"{section}.preset"] = preset_values[f"{section}.preset"]
 
 
-def preset_fill(section: str, name: str) -> tuple[dict[str, Value], dict[str, str]]:
-    """Dotted keys that a preset fills, in SI, and the units to show them in.
-
-    Raises
-    ------
-    InputError
-        If the catalogue has no such entry.
-    """
-    entry = find(_kind(section), name)
-    values: dict[str, Value] = {f"{section}.preset": entry.name}
-    values |= {f"{section}.{key}": item.value for key, item in entry.values.items()}
-    return values, {f"{section}.{key}": item.unit for key, item in entry.values.items()}
-
-
 def _refuse_gap(preset: str, values: Mapping[str, Value]) -> None:
     """A sensor whose sheet is silent must not quietly take a default."""
     for name in ("velocity_random_walk", "angle_random_walk"):
         if f"imu.{name}" not in values:
             raise InputError(f"imu.{name}", f"the catalogue has none for {preset!r}; state it in the file")
-
-
-def _kind(section: str) -> Kind:
-    return "imu" if section == "imu" else "radar"
 
 
 def _text(key: str, content: Any) -> str:
@@ -266,21 +248,3 @@ def format_design(design: Design) -> str:
     if design.origins:
         tables[ORIGINS] = dict(design.origins)
     return tomli_w.dumps(tables)
-
-
-def preset_of(design: Design, section: str) -> str | None:
-    """Name of the section's preset, if it has one."""
-    key = f"{section}.preset"
-    value = design[key] if key in PRESET_KEYS else None
-    return value if isinstance(value, str) else None
-
-
-def deviations(design: Design, section: str) -> frozenset[str]:
-    """Names of the inputs whose value is not the preset's (empty without a preset)."""
-    name = preset_of(design, section)
-    if name is None:
-        return frozenset()
-    values, _ = preset_fill(section, name)
-    return frozenset(
-        key.rpartition(".")[2] for key, value in values.items() if key not in PRESET_KEYS and design[key] != value
-    )

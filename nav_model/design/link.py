@@ -12,9 +12,9 @@ from urllib.parse import parse_qsl, quote_plus, urlencode
 
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.file import preset_fill
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses

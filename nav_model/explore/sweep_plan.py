@@ -32,8 +32,9 @@ import tomli_w
 from nav_model.budget.figures import FIGURES
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.file import parse_design, preset_fill, read_bytes
+from nav_model.design.file import parse_design, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
+from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import Flight, check_flight, read_flight

@@ -12,11 +12,10 @@ from nav_model.allan.adoption import VIBRATION_KEY, WALK_KEYS
 from nav_model.allan.motion import BLOCK_S, MOTION_CAVEAT, MotionAnalysis
 from nav_model.allan.noise_terms import TERMS
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance, triad_random_walk
-from nav_model.catalogue import find
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import preset_of
 from nav_model.design.parts import declaration_of
+from nav_model.design.presets import entry_of
 
 _TRIADS = {"gyro": "Gyros", "accelerometer": "Accelerometers"}
 
@@ -46,11 +45,11 @@ def _origin(design: Design, key: str) -> Cell:
         return Cell(printable(design.origins[key]), "noted", "good")
     if key == VIBRATION_KEY:
         return Cell("bench value; a log in motion refines it" if design[key] == 1 else "set by hand")
-    preset = preset_of(design, "imu")
-    item = find("imu", preset).values.get(key.rpartition(".")[2]) if preset else None
-    if item is None or item.value != design[key]:
+    entry = entry_of(design, "imu")
+    item = entry.values.get(key.rpartition(".")[2]) if entry else None
+    if entry is None or item is None or item.value != design[key]:
         return Cell("set by hand")
-    text = f"catalogue, {preset}: {item.source}"
+    text = f"catalogue, {entry.name}: {item.source}"
     return Cell(text) if item.confirmed else Cell(text, f"⚠ {item.status}", "warn")
 
 
