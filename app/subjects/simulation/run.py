@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from app.work.pool import elsewhere, size
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.simulation.design_study import DesignStudy, conclude
+from nav_model.simulation.design_study import SimulationStudy, conclude
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.warm import warm_up
 
@@ -64,7 +64,7 @@ class Result:
     """A study of `design`, of all its runs or (``partial``) of those flown so far."""
 
     design: Design
-    study: DesignStudy
+    study: SimulationStudy
     partial: bool
 
 
@@ -108,7 +108,7 @@ class SimulationRun:
         self._task = None
         self._told(last)
 
-    async def _fly(self, design: Design, spec: SimulationSpec) -> DesignStudy:
+    async def _fly(self, design: Design, spec: SimulationSpec) -> SimulationStudy:
         pressed = time.monotonic()
         await self._patiently(prepare(), pressed)
         # Numba and the kernels' modules take a second to import: in a thread, so that others' sliders move on.
