@@ -15,7 +15,7 @@ import param
 
 from app.dashboard.report_choice import ReportChoice
 from app.document.wording import chapter_key
-from app.report import report_of_text
+from app.report import report_bytes
 from app.report.studies import study_sections
 from app.session import Session
 from app.ui.downloads import run_download
@@ -140,10 +140,10 @@ class Toolbar(pn.viewable.Viewer):
 
     def _report(self, suffix: str) -> Callable[[], Awaitable[io.BytesIO]]:
         async def write() -> bytes:
-            text, findings = format_design(self.session.design), self._choice.chosen()
+            budget, findings = self.session.budget, self._choice.chosen()
             # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
-            study = await asyncio.to_thread(study_sections, findings, parse_design(text), chapter_key(""))
-            return await elsewhere(report_of_text, text, f".{suffix}", study)
+            study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
+            return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study])
 
         return run_download(
             self.session.new_run(), write, lambda why: self._say(f"The report was not written. {why}")

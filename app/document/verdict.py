@@ -7,7 +7,8 @@ from typing import NamedTuple
 from app.document.blocks import Answer, Cell
 from app.document.numbers import percent, show_in, signed_percent
 from nav_model.budget import Budget
-from nav_model.budget.verdict import CHECKS, Check
+from nav_model.budget.figures import FIGURES
+from nav_model.budget.result import Check
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 
@@ -37,7 +38,7 @@ def requirement_quantity(design: Design, check: str, value: float) -> str:
 
     The along-track phase has the unit of the quadratic phase, whose limit it is held against.
     """
-    key = f"requirements.{CHECKS[check]}"
+    key = f"requirements.{FIGURES[check]}"
     return show_in(value, design.unit(key), declaration_of(key).dimension)
 
 

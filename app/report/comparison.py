@@ -12,7 +12,7 @@ from app.document.wording import labelled, title_of
 from app.report.comparison_charts import phase_comparison, position_comparison
 from app.report.inputs import shown_value, sourced_value
 from nav_model.budget import Budget
-from nav_model.budget.verdict import CHECKS
+from nav_model.budget.figures import FIGURES
 from nav_model.design.parts import INPUTS, declaration_of
 
 _COLUMNS = 5  # designs that fit side by side on a page
@@ -118,7 +118,7 @@ def _figures(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLU
 
     def cell(figure: int, design: int) -> Cell:
         _, name, value = _FIGURES[figure]
-        declaration = declaration_of(f"requirements.{CHECKS[name]}")
+        declaration = declaration_of(f"requirements.{FIGURES[name]}")
         text = show_in(value(budgets[design]), declaration.unit, declaration.dimension)
         return Cell(text, "best", "good") if marks[figure][design] else Cell(text)
 

@@ -22,7 +22,7 @@ from typing import Any
 
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, refusal, specification
+from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, specification
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
 from nav_model.units import QuantityError, parse_quantity
 
@@ -30,7 +30,7 @@ _NOT_FLOWN = float("nan")
 
 
 @dataclass(frozen=True)
-class Flight:
+class SweepFlight:
     """What is flown for every design: times in seconds, `trajectory` a name or a file's samples."""
 
     runs: int = 100
@@ -69,14 +69,14 @@ class Flight:
         )
 
 
-def read_flight(table: Any, folder: Path) -> Flight:
+def read_flight(table: Any, folder: Path) -> SweepFlight:
     """The section [simulate] of a sweep file; a trajectory's file is looked for in `folder`.
 
     Raises
     ------
     InputError
         Naming the key, what was given and what is allowed. What only a design can be refused for is left to
-        `Flight.specification`.
+        `SweepFlight.specification`.
     """
     if not isinstance(table, dict):
         raise InputError("simulate", "must be a section, such as [simulate] with runs = 100")
@@ -86,28 +86,28 @@ def read_flight(table: Any, folder: Path) -> Flight:
     given: dict[str, Any] = {
         key: _READ[key](f"simulate.{key}", value) for key, value in table.items() if key in _READ
     }
-    flight = Flight(**given)
+    flight = SweepFlight(**given)
     return replace(flight, trajectory=_trajectory(table["trajectory"], folder)) if "trajectory" in table else flight
 
 
 def _whole(key: str, value: Any) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
-        raise InputError(key, f"{value!r} is not a whole number")
+        raise InputError(key, f"{value!r} is not a whole number", value)
     return value
 
 
 def _time(key: str, value: Any) -> float:
     try:
         if not isinstance(value, str):
-            raise QuantityError('a time is written with its unit, such as "500 s"')
+            raise InputError(key, f'{value!r}: a time is written with its unit, such as "500 s"', value)
         return parse_quantity(value, "time").value
     except QuantityError as error:
-        raise InputError(key, f"{value!r}: {error}") from error
+        raise InputError(key, f"{value!r}: {error.reason}", value) from error
 
 
 def _outages(key: str, value: Any) -> tuple[tuple[float, float], ...]:
     if not isinstance(value, list) or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
-        raise InputError(key, f'{value!r} is not a list of pairs such as [["400 s", "500 s"]]')
+        raise InputError(key, f'{value!r} is not a list of pairs such as [["400 s", "500 s"]]', value)
     return tuple((_time(key, start), _time(key, stop)) for start, stop in value)
 
 
@@ -125,19 +125,21 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
     if value in NAMED_TRAJECTORIES:
         return str(value)
     if not isinstance(value, str):
-        raise InputError("simulate.trajectory", f"{value!r} is not a name or a file")
-    from nav_model.simulation.trajectory_file import read_trajectory
+        raise InputError("simulate.trajectory", f"{value!r} is not a name or a file", value)
+    from nav_model.simulation.trajectory import read_trajectory
 
     try:
         return read_trajectory(folder / value)
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
-        raise InputError("simulate.trajectory", f"{value!r} is neither one of {known} nor a file to read") from error
+        raise InputError(
+            "simulate.trajectory", f"{value!r} is neither one of {known} nor a file to read", value
+        ) from error
     except ValueError as error:
-        raise InputError("simulate.trajectory", str(error)) from error
+        raise InputError("simulate.trajectory", str(error), value) from error
 
 
-def check_flight(flight: Flight, design: Design) -> None:
+def check_flight(flight: SweepFlight, design: Design) -> None:
     """Refuse at once what no design could be flown with.
 
     Raises
@@ -149,10 +151,10 @@ def check_flight(flight: Flight, design: Design) -> None:
         flight.specification(design)
     except InputError as error:
         if "." not in error.key:
-            raise InputError(f"simulate.{error.key}", error.reason) from error
+            raise error.under(f"simulate.{error.key}") from error
 
 
-def fly(flight: Flight, design: Design) -> dict[str, float | str]:
+def fly(flight: SweepFlight, design: Design) -> dict[str, float | str]:
     """One row's flight: filter's verdict, NEES with its 95 % band, and the nine errors at the end of the flight.
 
     Of each error the rms over the runs, the filter's own sigma and the closed form's, after the fix. A design
@@ -167,7 +169,7 @@ def fly(flight: Flight, design: Design) -> dict[str, float | str]:
         spec = flight.specification(design)
         result = simulate(spec, closed_form=closed_form(design, spec))
     except (ValueError, ArithmeticError) as error:
-        reason = str(refusal(error, design) if isinstance(error, ValueError) else error)
+        reason = str(error)
         empty = {f"{name}_{kind}_{unit}": _NOT_FLOWN for name, unit in names for kind in _KINDS}
         return {"filter_verdict": "", "nees_mean": _NOT_FLOWN, "nees_low": _NOT_FLOWN, "nees_high": _NOT_FLOWN,
                 **empty, "not_flown": reason}  # fmt: skip

@@ -76,7 +76,7 @@ def check_lines(path: str, budget: Budget) -> list[str]:
         words = check_words(budget.design, check)
         lines.append(
             f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {words.value} (limit {words.limit}, "
-            f"margin {words.margin}, {check.figure} {check.equation}, dominated by {check.sensor} {words.share})"
+            f"margin {words.margin}, {check.basis} {check.equation}, dominated by {check.sensor} {words.share})"
         )
     said = "closes" if verdict.closes else "DOES NOT CLOSE"
     margin = check_words(budget.design, tightest).margin

@@ -14,7 +14,7 @@ from app.document.wording import AFTER_AUTOFOCUS, best_of
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import provenance
-from nav_model.budget.verdict import Check
+from nav_model.budget.result import Check
 from nav_model.sar.geometry import phase_to_metres
 
 ALONG_TRACK = "along-track (separate limit)"
@@ -100,7 +100,7 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
         return (
             *map(Cell, texts),
             met_cell(check),
-            Cell(f"{check.figure} {check.equation}"),
+            Cell(f"{check.basis} {check.equation}"),
             Cell(f"{check.sensor}, {words.share}"),
         )
 

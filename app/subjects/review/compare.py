@@ -9,7 +9,7 @@ import param
 from app.document.pane import html_of
 from app.document.wording import design_labels
 from app.library.store import Revision
-from app.report import report_of_texts
+from app.report import report_bytes
 from app.report.comparison import closing_words, difference_tables
 from app.report.comparison_charts import phase_comparison, position_comparison
 from app.subjects.review.desk import LOOK, Desk, listed
@@ -63,7 +63,7 @@ class CompareView(pn.viewable.Viewer):
         return True
 
     async def _report(self, suffix: str) -> bytes:
-        return await elsewhere(report_of_texts, [revision.text for revision in self._revisions], suffix)
+        return await elsewhere(report_bytes, [revision.budget() for revision in self._revisions], suffix)
 
 
 def comparison_link(revisions: tuple[Revision, ...]) -> str:

@@ -23,7 +23,7 @@ from app.library.reviews import (
     sign,
 )
 from app.library.store import Library
-from app.report import report_of_texts
+from app.report import report_bytes
 from app.subjects.review.desk import LOOK, Desk, button
 from app.subjects.review.overview import overview, state_of
 from app.subjects.review.report import (
@@ -38,7 +38,7 @@ from app.subjects.review.slide import Point, point_of, slide
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.work.pool import elsewhere
-from nav_model.budget.verdict import Check
+from nav_model.budget.result import Check
 from nav_model.design.parts import INPUTS
 
 _NONE = "choose a review"
@@ -291,8 +291,8 @@ class ReviewRoom(pn.viewable.Viewer):
 
     async def _report(self, suffix: str) -> bytes:
         assert self.review is not None  # its button is hidden without one
-        texts = [revision.text for revision in self.review.revisions]
-        return await elsewhere(report_of_texts, texts, suffix, audit_sections(self.review))
+        budgets = [revision.budget() for revision in self.review.revisions]
+        return await elsewhere(report_bytes, budgets, suffix, None, audit_sections(self.review))
 
 
 def _mark(review: Review, place: int, check: Check) -> str:

@@ -7,7 +7,7 @@ from html import escape
 
 from app.document.verdict import check_words
 from app.library.reviews import Review
-from nav_model.budget.verdict import Check
+from nav_model.budget.result import Check
 
 
 @dataclass(frozen=True)

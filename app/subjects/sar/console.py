@@ -10,7 +10,7 @@ from typing import Any
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
-from nav_model.sar.design_study import DesignStudy, chunks, design_study
+from nav_model.sar.design_study import SarStudy, chunks, design_study
 from nav_model.sar.study_json import to_json
 
 
@@ -25,15 +25,15 @@ def sar(design: Design, options: argparse.Namespace) -> dict[str, Any]:
         raise InputError("--workers", f"{options.workers} is not allowed; 1 or more")
     try:
         chunks(options.runs)
-    except ValueError as error:
-        raise InputError("--runs", str(error)) from error
+    except InputError as error:
+        raise error.under("--runs") from error
     if options.engine == "fast":
         return to_json(design_study(design, options.runs, options.seed))
     flown = _flown(design, options)
     return to_json(flown, design_study(design, max(options.runs, LEAST_BESIDE), options.seed))
 
 
-def _flown(design: Design, options: argparse.Namespace) -> DesignStudy:
+def _flown(design: Design, options: argparse.Namespace) -> SarStudy:
     from app.subjects.simulation.console import show_progress
     from nav_model.simulation.monte_carlo import local_pool
 

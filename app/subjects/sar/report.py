@@ -11,10 +11,9 @@ from app.document.chart_block import chart_block
 from app.document.numbers import number
 from app.document.wording import title_of
 from app.subjects.sar import charts
-from app.subjects.sar.run import SarResult, pictures_of_text
+from app.subjects.sar.run import SarResult, pictures
 from app.subjects.sar.tables import agreement_table, error_table, parts_table, response_tables
 from nav_model.design import Design
-from nav_model.design.file import format_design
 from nav_model.errors import InputError
 from nav_model.sar.design_case import design_case, flight_cautions, study_cautions
 from nav_model.sar.design_study import design_study
@@ -46,11 +45,11 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
             found = design_study(
                 design, runs, options.seed, lambda done, of: show(f"SAR: {done} of {of} runs", done / of)
             )
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError("--runs", str(error).removeprefix("runs: ")) from error
-    points, scene = pictures_of_text(format_design(design), found.typical)
+    except InputError as error:
+        if error.key != "runs":
+            raise
+        raise error.under("--runs") from error
+    points, scene = pictures(found.budget, found.typical)
     return SarResult(design_case(found.budget), found, points, scene)
 
 

@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 
 from app.charts.kinds import PictureChart
 from app.work.pool import elsewhere
-from nav_model.budget import Budget, analyse
-from nav_model.design.file import format_design, parse_design
+from nav_model.budget import Budget
 from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
-from nav_model.sar.design_study import DesignStudy, chunks, gather, run_chunk, typical_history, typical_place
+from nav_model.sar.design_study import SarStudy, chunks, gather, run_chunk, typical_history, typical_place
 from nav_model.sar.pictures import Pictures, point_pictures, scene_pictures
 from nav_model.sar.study import choose_tuning
 
@@ -30,10 +29,10 @@ class SarResult:
     and a phase history of the user's with its navigation error, if there is one."""
 
     case: DesignCase
-    study: DesignStudy
+    study: SarStudy
     points: Pictures
     scene: Pictures
-    beside: DesignStudy | None = None
+    beside: SarStudy | None = None
     uploaded: PictureChart | None = None
 
     def stale(self, budget: Budget) -> bool:
@@ -92,12 +91,12 @@ class SarRun:
         beside = None
         if engine == "simulator":
             _, beside = await self._study(budget, max(runs, LEAST_BESIDE), seed, "fast", quiet=True)
-        points, scene = await elsewhere(pictures_of_text, format_design(budget.design), study.typical)
+        points, scene = await elsewhere(pictures, budget, study.typical)
         return SarResult(case, study, points, scene, beside)
 
     async def _study(
         self, budget: Budget, runs: int, seed: int, engine: Engine, *, quiet: bool = False
-    ) -> tuple[DesignCase, DesignStudy]:
+    ) -> tuple[DesignCase, SarStudy]:
         sizes = chunks(runs, engine)
         case = design_case(budget, engine)
         tuning = await elsewhere(choose_tuning, case.models[1], case.aperture_time, seed)
@@ -112,7 +111,6 @@ class SarRun:
         return case, gather(budget, case, tuning, seed, parts, history)
 
 
-def pictures_of_text(text: str, residual: NDArray[np.float64]) -> tuple[Pictures, Pictures]:
-    """Both pictures for a design as text, in a worker."""
-    budget = analyse(parse_design(text, "design"))
+def pictures(budget: Budget, residual: NDArray[np.float64]) -> tuple[Pictures, Pictures]:
+    """Of the points and of the scene, with this residual; in a worker process."""
     return point_pictures(budget, residual), scene_pictures(budget, residual)

@@ -45,7 +45,7 @@ def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):
 
 def test_a_scheduler_that_is_not_there_is_named():
     with (
-        pytest.raises(ValueError, match=r"scheduler = 'tcp://127\.0\.0\.1:1'"),
+        pytest.raises(ValueError, match=r"scheduler: no Dask scheduler answers at 'tcp://127\.0\.0\.1:1'"),
         cluster_pool("tcp://127.0.0.1:1", 1.0),
     ):
         pass

@@ -100,7 +100,7 @@ def test_check_prints_what_the_table_says_with_the_minus_of_scripts(mems: Budget
     for line, row, check in zip(lines, table.rows, mems.verdict.checks, strict=True):
         value, limit, margin = (cell.text.replace("−", "-") for cell in row[1:4])
         met = "met    " if check.met else "NOT MET"
-        assert line.startswith(f"a.toml: {met} {check.name} {value} (limit {limit}, margin {margin}, {check.figure} ")
+        assert line.startswith(f"a.toml: {met} {check.name} {value} (limit {limit}, margin {margin}, {check.basis} ")
         assert line.endswith(f"dominated by {row[6].text.replace(',', '')})")
     assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma; tightest detrended_phase, margin -144 %"
 

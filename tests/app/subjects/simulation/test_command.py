@@ -138,7 +138,7 @@ def test_a_scheduler_that_is_not_there_is_one_line(capsys, monkeypatch) -> None:
     answer = cluster.cluster_pool
     monkeypatch.setattr(cluster, "cluster_pool", lambda address: answer(address, 1.0))
     assert _simulate("--scheduler", "tcp://127.0.0.1:1") == 2
-    assert "--scheduler: 'tcp://127.0.0.1:1'" in capsys.readouterr().err
+    assert "--scheduler: no Dask scheduler answers at 'tcp://127.0.0.1:1'" in capsys.readouterr().err
 
 
 def test_a_failure_leaves_the_old_file(tmp_path, capsys) -> None:
