@@ -10,7 +10,7 @@ import panel_material_ui as pmui
 
 from app.report.studies import KINDS, belonging
 from app.session import Session
-from app.ui.chart_pane import html_pane
+from app.ui.html_pane import html_pane
 
 
 class ReportChoice:

@@ -22,11 +22,15 @@ class Cell:
 
 @dataclass(frozen=True)
 class Column:
-    """A column's head; ``width`` is its weight, 0 for as wide as its content."""
+    """A column's head; ``width`` is its weight, 0 for as wide as its content.
+
+    Neighbours of one ``group`` stand under that as a common head.
+    """
 
     title: str
     numeric: bool = False
     width: float = 0
+    group: str = ""
 
 
 @dataclass(frozen=True)
@@ -58,9 +62,10 @@ class Text:
 
 @dataclass(frozen=True)
 class Bullets:
-    """A list."""
+    """A list; ``caption`` names it for who cannot see it."""
 
     items: tuple[str, ...]
+    caption: str = ""
 
 
 @dataclass(frozen=True)
@@ -106,15 +111,34 @@ class Approval:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """The answer: one word with its sign, and the sentence that explains it."""
+class Answer:
+    """The answer to a question: one word with its sign, how it is set (good, bad, warn, open), and why."""
 
     word: str
     tone: str
-    sentence: str
+    sentences: tuple[str, ...]
 
 
-Block = Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval | Verdict
+@dataclass(frozen=True)
+class KeyFigure:
+    """One figure with its unit; ``detail`` says which, ``met`` whether it keeps its ``limit`` (None: it has none)."""
+
+    label: str
+    value: str
+    detail: str = ""
+    limit: str = ""
+    met: bool | None = None
+
+
+@dataclass(frozen=True)
+class KeyFigures:
+    """The few figures that decide; ``caption`` names them together."""
+
+    caption: str
+    items: tuple[KeyFigure, ...]
+
+
+Block = Answer | KeyFigures | Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval
 
 
 @dataclass(frozen=True)
@@ -140,7 +164,7 @@ class Chapter:
     title: str
     running: str
     description: str
-    verdict: Verdict | None
+    verdict: Answer | None
     facts: tuple[tuple[str, str], ...]
     sections: tuple[Section, ...]
     source: str = ""

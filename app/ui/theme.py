@@ -73,9 +73,9 @@ a.eq { white-space: nowrap; text-decoration: underline dotted; }
 .strip { display: flex; flex-wrap: wrap; gap: 6px 28px; align-items: center; padding: 10px 16px;
   border: 1px solid; border-color: color-mix(in srgb, currentColor 25%, transparent);
   border-left: 8px solid; border-radius: 6px; }
-.strip.closes { border-left-color: #1a7f4b; }
-.strip.fails { border-left-color: #c62f2f; }
-.strip.open { border-left-color: #7b8794; }
+.strip.good { border-left-color: #1a7f4b; }
+.strip.bad { border-left-color: #c62f2f; }
+.strip.open, .strip.warn { border-left-color: #7b8794; }
 .strip h2 { font-size: 22px; margin: 0; font-weight: 600; }
 .strip p { margin: 0; }
 .strip b { font-weight: 600; }

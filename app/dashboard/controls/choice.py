@@ -9,7 +9,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.session import Session
-from app.ui.chart_pane import html_pane
+from app.ui.html_pane import html_pane
 from nav_model.design import Design
 from nav_model.design.declaration import Choice
 from nav_model.design.parts import declaration_of

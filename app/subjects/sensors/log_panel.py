@@ -25,8 +25,9 @@ from app.subjects.sensors.tables import (
     remedy_list,
     warning_list,
 )
-from app.ui.chart_pane import ChartView, html_pane
+from app.ui.chart_pane import ChartView
 from app.ui.grid import cell, grid
+from app.ui.html_pane import html_pane
 from app.ui.upload import LimitedFileInput
 from app.work.alone import WAITING, RunLost, run_alone
 from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibration_factor, bench_of

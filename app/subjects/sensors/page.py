@@ -9,7 +9,7 @@ from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.log_panel import LogPanel
 from app.subjects.sensors.tables import origin_table
-from app.ui.chart_pane import html_pane
+from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from nav_model.budget import Budget
 from nav_model.catalogue import Kind
