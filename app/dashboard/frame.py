@@ -13,12 +13,10 @@ from typing import Any, Protocol
 
 import panel as pn
 import panel_material_ui as pmui
-from panel.util import edit_readonly
 
 from app.dashboard.controls import SECTION_TITLES, Control, section_controls
 from app.dashboard.lifeline import THEME_COOKIE, Lifeline
 from app.dashboard.report_choice import ReportChoice
-from app.dashboard.shell import Shell
 from app.document.wording import chapter_key
 from app.report import report_of_text
 from app.report.studies import study_sections
@@ -27,8 +25,11 @@ from app.session import Lineage, Session
 from app.ui.paper import fit_to_paper
 from app.ui.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.ui.tour import Tour
-from app.ui.upload import LimitedFileInput
-from app.upstream import mends
+from app.upstream.browser import Repairs
+from app.upstream.busy_line import follow_own_work
+from app.upstream.file_input import LimitedFileInput
+from app.upstream.full_height import FULL_HEIGHT
+from app.upstream.page_marks import OwnMarkPage
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -202,7 +203,7 @@ class Frame:
         dark = pn.state.cookies.get(THEME_COOKIE) == "dark"
         mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
         self._tools = self._toolbar()
-        page = Shell(
+        page = OwnMarkPage(
             title="NavBudget",
             sidebar=self._sidebar(),
             main=[
@@ -212,12 +213,10 @@ class Frame:
                     self._examples,
                     self._bar,
                     *self._places,
-                    *mends(),
+                    Repairs(margin=0, width=0, height=0),
                     self._lifeline,
                     sizing_mode="stretch_width",
-                    # Bokeh lets nothing grow over 100 % of what it stands in: here the window, for each table and
-                    # column below. What is taller would hang over the next.
-                    styles={"max-height": "none"},
+                    styles=FULL_HEIGHT,
                 )
             ],
             dark_theme=dark,
@@ -227,10 +226,7 @@ class Frame:
             theme_config={"light": LIGHT, "dark": DARK},
             stylesheets=[PRINT_PAGE],
         )
-        # As shipped, Page follows one busy flag of the whole server: every event of every user would redraw
-        # every page. It follows this session's own long runs instead.
-        with edit_readonly(page):
-            page.busy = self.session.param.running
+        follow_own_work(page, self.session.param.running)
         self._lifeline.dark = dark
         page.param.watch(lambda event: setattr(self._lifeline, "dark", event.new), "dark_theme")
         return page

@@ -27,13 +27,9 @@ def in_turns(pieces: Iterable[Callable[[], None]]) -> None:
     async def run() -> None:
         while waiting and document.session_context is not None and not document.session_context.destroyed:
             until = time.monotonic() + _LONGEST
-            with pn.io.hold():
-                document.models._push_freeze()  # Bokeh walks through the whole document for each change of its parts
-                try:
-                    while waiting and time.monotonic() < until:
-                        waiting.popleft()()
-                finally:
-                    document.models._pop_freeze()
+            with pn.io.hold(freeze=True):  # or Bokeh walks through the whole document for each change of its parts
+                while waiting and time.monotonic() < until:
+                    waiting.popleft()()
             await asyncio.sleep(_BETWEEN)
 
     pn.state.execute(run)

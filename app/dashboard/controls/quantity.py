@@ -4,13 +4,14 @@ by hand a slider on a log scale."""
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 from bokeh.models import CustomJSTickFormatter
 
 from app.session import Session
+from app.upstream.prompt_slider import PromptSlider
 from nav_model.catalogue import find
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
@@ -38,19 +39,6 @@ _EMPTY: dict[str, str] = {
     "gnss.vertical_position_noise": "as horizontal",
     "radar.aperture_time": "from the resolution",
 }
-
-
-class LogSlider(pmui.FloatSlider):
-    """A slider whose steps reach the server without the framework's wait of 50 ms, and without turning the whole
-    server's busy flag on and off, which nothing here shows."""
-
-    _priority_changes: ClassVar[list[str]] = ["value"]
-    _busy__ignore: ClassVar[list[str]] = ["value"]
-
-    @property
-    def _linked_properties(self) -> tuple[str, ...]:
-        """What is heard of the browser: "value_throttled", which comes with every step, would be worked off too."""
-        return ("value",)
 
 
 class QuantityControl:
@@ -88,17 +76,17 @@ class QuantityControl:
                 margin=(10, 10, 0, 0),
             )
             self.unit.param.watch(self._unit_chosen, "value")
-        self.slider: LogSlider | None = None
+        self.slider: PromptSlider | None = None
         if key in _SLIDERS:
             self.slider = self._make_slider()
             self.slider.param.watch(self._slid, "value")
         self.show(session.design)
 
-    def _make_slider(self) -> LogSlider:
+    def _make_slider(self) -> PromptSlider:
         low, high = self._declaration.softbounds  # type: ignore[misc]
         self._low = math.log10(low)
         start = self._low - (10 * _STEP if self._takes_zero else 0)
-        return LogSlider(
+        return PromptSlider(
             label=str(self._declaration.label),
             description="",
             show_value=False,

@@ -28,7 +28,7 @@ from app.subjects.sensors.tables import (
 from app.ui.chart_pane import ChartView
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.alone import WAITING, RunLost, run_alone
 from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibration_factor, bench_of
 from nav_model.allan.log_file import Limits

@@ -16,7 +16,7 @@ import panel as pn
 import panel_material_ui as pmui
 from bokeh.models import CustomJSTickFormatter
 
-from app.dashboard.controls.quantity import LogSlider
+from app.upstream.prompt_slider import PromptSlider
 from nav_model.errors import InputError
 from nav_model.suborbital.input_table import SETTINGS
 from nav_model.suborbital.setting import Setting, Value
@@ -56,7 +56,7 @@ class SettingControl:
         self.slider = self._make_slider() if setting.small is not None else None
         self._help(settings)
 
-    def _make_slider(self) -> LogSlider:
+    def _make_slider(self) -> PromptSlider:
         setting = self.setting
         assert setting.small is not None
         self._low = math.log10(setting.small)
@@ -64,7 +64,7 @@ class SettingControl:
         factor = to_si(1.0, setting.unit, setting.dimension)
         said = "0 " + setting.unit if self._takes_zero else ""
         zero = f'if (tick < {self._low - _STEP / 2}) return "{said}";' if said else ""
-        slider = LogSlider(
+        slider = PromptSlider(
             label=setting.label,
             description="",
             show_value=False,

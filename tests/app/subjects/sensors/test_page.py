@@ -19,7 +19,7 @@ from app.subjects.sensors.log_panel import progress_line
 from app.subjects.sensors.log_study import LogRequest, study_log
 from app.subjects.sensors.page import SensorsPage
 from app.subjects.sensors.tables import coefficient_tables, origin_table
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.alone import RunLost, run_alone
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import LogOptions
