@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterable
 
 import panel as pn
 
+from app.upstream.frozen_models import frozen_models
+
 _LONGEST = 0.1  # seconds of a turn in which another piece is begun; what a turn costs besides is about as much
 _BETWEEN = 0.01  # seconds: the dozen frames of a slider step come in, and it is answered
 
@@ -27,7 +29,7 @@ def in_turns(pieces: Iterable[Callable[[], None]]) -> None:
     async def run() -> None:
         while waiting and document.session_context is not None and not document.session_context.destroyed:
             until = time.monotonic() + _LONGEST
-            with pn.io.hold(freeze=True):  # or Bokeh walks through the whole document for each change of its parts
+            with pn.io.hold(), frozen_models(document):
                 while waiting and time.monotonic() < until:
                     waiting.popleft()()
             await asyncio.sleep(_BETWEEN)

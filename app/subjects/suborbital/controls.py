@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import panel as pn
 import panel_material_ui as pmui
-from bokeh.models import CustomJSTickFormatter
 
+from app.ui.log_slider import spoken
 from app.upstream.prompt_slider import PromptSlider
 from nav_model.errors import InputError
 from nav_model.suborbital.input_table import SETTINGS
@@ -62,15 +62,11 @@ class SettingControl:
         self._low = math.log10(setting.small)
         start = self._low - (10 * _STEP if self._takes_zero else 0.0)
         factor = to_si(1.0, setting.unit, setting.dimension)
-        said = "0 " + setting.unit if self._takes_zero else ""
-        zero = f'if (tick < {self._low - _STEP / 2}) return "{said}";' if said else ""
         slider = PromptSlider(
             label=setting.label,
             description="",
             show_value=False,
-            format=CustomJSTickFormatter(
-                code=f'{zero} return String(Number((10 ** tick / {factor!r}).toPrecision(3))) + " {setting.unit}"'
-            ),
+            format=spoken(self._low - _STEP / 2 if self._takes_zero else -math.inf, factor, setting.unit),
             start=start,
             end=math.log10(setting.high),
             step=_STEP,
