@@ -28,6 +28,7 @@ from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
 from app.session import Session
 from app.ui.faults import caught
+from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.defaults import remember_defaults
 from app.upstream.given_socket import listen_on
 from app.upstream.late_session import page_of, sheets_from_here
@@ -183,8 +184,7 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
     stopping: list[asyncio.Task[None]] = []
 
     async def wind_down() -> None:
-        # Not Bokeh's `unlisten`, which also cuts what is just being answered.
-        server._http.stop()
+        let_nobody_new_in(server)
         close_door()
         deadline = loop.time() + grace
         quiet = 0  # looks in a row that found nothing; not seconds, in which a busy machine may do nothing
