@@ -20,7 +20,7 @@ from app.report.studies import study_sections
 from app.session import Session
 from app.ui.theme import PRINT_NOTHING
 from app.ui.tour import Tour
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
