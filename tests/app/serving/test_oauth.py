@@ -16,6 +16,7 @@ from bokeh.util.token import generate_jwt_token, generate_session_id
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 from tornado.web import Application, RequestHandler
+from waiting import PATIENCE
 
 _SECRET = "secret-of-the-client"
 
@@ -84,11 +85,11 @@ def provider() -> Iterator[Provider]:
 
     thread = threading.Thread(target=lambda: asyncio.run(run()))
     thread.start()
-    assert ready.wait(10)
+    assert ready.wait(PATIENCE)
     yield found
     ((loop, over),) = stop
     loop.call_soon_threadsafe(over.set)
-    thread.join(10)
+    thread.join()
 
 
 def test_oauth_sends_to_the_provider(serving: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,7 +106,7 @@ def test_oauth_sends_to_the_provider(serving: Any, monkeypatch: pytest.MonkeyPat
 def _fetch(address: str) -> str:
     """Where the provider sends a visitor on to."""
     parts = urllib.parse.urlsplit(address)
-    connection = http.client.HTTPConnection(parts.netloc, timeout=20)
+    connection = http.client.HTTPConnection(parts.netloc, timeout=PATIENCE)
     connection.request("GET", f"{parts.path}?{parts.query}")
     answer = connection.getresponse()
     answer.read()
