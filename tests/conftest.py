@@ -14,6 +14,14 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is first impo
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
+
+# No example is wrong for being slow. The same examples every time, so that a verdict is the code's; `make test-slow`
+# searches on among new ones.
+_PATIENT = settings(deadline=None, print_blob=True, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("searching", _PATIENT)
+settings.register_profile("steady", _PATIENT, derandomize=True)
+settings.load_profile("steady")
 
 RECORD = Path(__file__).parents[1] / "app" / "subjects" / "theory" / "validation.json"
 OUTSIDE = ("SciPy", "NumPy", "mpmath", "Stable32", "published:", "real data:")

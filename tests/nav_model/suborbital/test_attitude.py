@@ -156,7 +156,7 @@ def test_stars_of_weight_zero_do_not_count():
         np.testing.assert_allclose(padded.covariance, alone.covariance, rtol=1e-9, atol=1e-22)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 10**6), name=st.sampled_from(list(METHODS)))
 def test_turning_the_sky_turns_the_answer(seed, name):
     """Equivariance: reference turned by Q gives A Q^T, and every answer is a rotation."""
@@ -169,7 +169,7 @@ def test_turning_the_sky_turns_the_answer(seed, name):
     np.testing.assert_allclose(np.linalg.det(plain), 1.0, atol=1e-9)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.floats(-1.8, 1.8), min_size=3, max_size=3))
 def test_rotation_conversions_agree_with_scipy(vector):
     v = np.array(vector)
