@@ -61,7 +61,18 @@ def cluster() -> Iterator[Server]:
     data = str(folder / "data")
     quiet = {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT, "cwd": folder}
     try:
-        initdb = [_program("initdb"), "-D", data, "-U", "nav", "--auth=trust", "-E", "UTF8", "--locale=C", "--no-sync"]
+        initdb = [
+            _program("initdb"),
+            "-D",
+            data,
+            "-U",
+            "nav",
+            "--auth=trust",
+            "-E",
+            "UTF8",
+            "--locale=C",
+            "--no-sync",
+        ]
         subprocess.run([*run, *initdb], **quiet)
         start = [_program("pg_ctl"), "-D", data, "-o", options, "-l", str(folder / "log"), "-w", "start"]
         stop = [_program("pg_ctl"), "-D", data, "-m", "immediate", "-w", "stop"]

@@ -22,6 +22,7 @@ import yaml
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.web import create_signed_value
 from tornado.websocket import websocket_connect
+from waiting import PATIENCE, until
 
 from app.cli import main
 
@@ -106,17 +107,16 @@ def _proxy(folder: Path, upstream: int, *addresses: str) -> Iterator[tuple[int, 
     subprocess.run([*command, "-t"], check=True, capture_output=True)
     with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
         try:
-            deadline = time.monotonic() + 20
-            while True:
-                try:
-                    socket.create_connection(("127.0.0.1", port)).close()
-                    break
-                except OSError:
-                    assert time.monotonic() < deadline
-                    time.sleep(0.05)
+            until(lambda: _answers(port) or process.poll() is not None, "nginx")
+            assert process.poll() is None, "a port was taken between choosing and using it"
             yield port, plain
         finally:
             process.terminate()
+
+
+def _answers(port: int) -> bool:
+    with socket.socket() as visitor:
+        return visitor.connect_ex(("127.0.0.1", port)) == 0
 
 
 def _cookies(jar: dict[str, str]) -> str:
@@ -138,7 +138,7 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
         jar: dict[str, str] = {}
 
         def ask(path: str, body: str | None = None) -> tuple[int, str, Any]:
-            connection = http.client.HTTPSConnection("127.0.0.1", port, context=trusting, timeout=30)
+            connection = http.client.HTTPSConnection("127.0.0.1", port, context=trusting, timeout=PATIENCE)
             headers = {"Cookie": _cookies(jar), "Host": "localhost"}
             if body is not None:
                 headers["Content-Type"] = "application/x-www-form-urlencoded"
@@ -153,7 +153,7 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
             connection.close()
             return answer.status, text, answer.headers
 
-        redirect = http.client.HTTPConnection("127.0.0.1", plain, timeout=30)
+        redirect = http.client.HTTPConnection("127.0.0.1", plain, timeout=PATIENCE)
         redirect.request("GET", "/?f=9GHz", headers={"Host": "localhost"})
         assert redirect.getresponse().headers["Location"] == "https://localhost/?f=9GHz"
         redirect.close()
@@ -175,7 +175,7 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
                 headers={"Origin": origin, "Host": "localhost", "Cookie": _cookies(jar)},
             )  # fmt: skip
             connection = await websocket_connect(request, subprotocols=["bokeh", token[1]])
-            said = str(await asyncio.wait_for(connection.read_message(), 30))
+            said = str(await asyncio.wait_for(connection.read_message(), PATIENCE))
             await served.hang_up(connection)
             return said
 
