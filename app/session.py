@@ -12,6 +12,7 @@ from typing import Any
 
 import param
 
+from app.work.run import Run
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
 from nav_model.design.link import to_query
@@ -53,6 +54,22 @@ class Session(param.Parameterized):
         self._past: list[tuple[Design, Lineage]] = []
         self._future: list[tuple[Design, Lineage]] = []
         self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)
+        self._runs: list[Run] = []
+
+    def new_run(self) -> Run:
+        """A run of this session: `running` follows it, and it ends with the session."""
+        run = Run()
+        self._runs.append(run)
+        run.param.watch(self._follow_runs, "running")
+        return run
+
+    def _follow_runs(self, *_: Any) -> None:
+        self.running = any(run.running for run in self._runs)
+
+    def close(self) -> None:
+        """End every run: the person has left."""
+        for run in self._runs:
+            run.cancel()
 
     def keep(self, kind: str, finding: Any) -> None:
         """Keep a finished study for the report, in place of an earlier one of its kind (`app.report.studies`)."""

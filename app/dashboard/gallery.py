@@ -10,8 +10,8 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.document.numbers import show, signed_percent
-from app.ui.chart_pane import html_pane
 from app.ui.grid import cell, grid
+from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design

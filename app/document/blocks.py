@@ -13,31 +13,46 @@ from app.charts.kinds import Drawing
 
 @dataclass(frozen=True)
 class Cell:
-    """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set."""
+    """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set.
+
+    ``sort`` is what a sorted table goes by in place of the text; an empty text puts the row last. ``value`` is what
+    a person chooses with the row (`Table.choose`).
+    """
 
     text: str
     mark: str = ""
     tone: str = ""
+    sort: float | str | None = None
+    value: str = ""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column's head; ``width`` is its weight, 0 for as wide as its content."""
+    """A column's head; ``width`` is its weight, 0 for as wide as its content.
+
+    Neighbours of one ``group`` stand under that as a common head.
+    """
 
     title: str
     numeric: bool = False
     width: float = 0
+    group: str = ""
+    sortable: bool = False
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table. The first cell of a row heads it; a row of one cell heads the rows that follow."""
+    """A table. The first cell of a row heads it; a row of one cell heads the rows that follow.
+
+    On a page a person can choose a row: by the "radio" or the "button" in its first cell, as ``choose`` says.
+    """
 
     key: str
     caption: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
+    choose: str = ""
 
 
 @dataclass(frozen=True)
@@ -58,9 +73,10 @@ class Text:
 
 @dataclass(frozen=True)
 class Bullets:
-    """A list."""
+    """A list under its caption, if it has one."""
 
     items: tuple[str, ...]
+    caption: str = ""
 
 
 @dataclass(frozen=True)
@@ -106,15 +122,34 @@ class Approval:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """The answer: one word with its sign, and the sentence that explains it."""
+class Answer:
+    """The answer to a question: one word with its sign, how it is set (good, bad, warn, open), and why."""
 
     word: str
     tone: str
-    sentence: str
+    sentences: tuple[str, ...]
 
 
-Block = Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval | Verdict
+@dataclass(frozen=True)
+class KeyFigure:
+    """One figure with its unit; ``detail`` says which, ``met`` whether it keeps its ``limit`` (None: it has none)."""
+
+    label: str
+    value: str
+    detail: str = ""
+    limit: str = ""
+    met: bool | None = None
+
+
+@dataclass(frozen=True)
+class KeyFigures:
+    """The few figures that decide; ``caption`` names them together."""
+
+    caption: str
+    items: tuple[KeyFigure, ...]
+
+
+Block = Answer | KeyFigures | Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval
 
 
 @dataclass(frozen=True)
@@ -140,7 +175,7 @@ class Chapter:
     title: str
     running: str
     description: str
-    verdict: Verdict | None
+    verdict: Answer | None
     facts: tuple[tuple[str, str], ...]
     sections: tuple[Section, ...]
     source: str = ""

@@ -22,6 +22,7 @@ from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, Pict
 from app.charts.legend import legend_html
 from app.charts.screen.figures import to_bokeh
 from app.document.blocks import Equations, Report, Symbols
+from app.document.pane import html_of
 from app.subjects.sar.pictures import picture_gallery
 
 _MARK = re.compile(r"\[([TSB]-\d+)\]")
@@ -48,6 +49,10 @@ def to_html(report: Report) -> str:
             plots[block.key].name = block.key
     script, places = components(plots)
     equations = {item.mark for block in report.blocks() if isinstance(block, Equations) for item in block.items}
+
+    def said(text: str) -> Markup:
+        return _with_links(text, equations)
+
     environment = Environment(
         loader=PackageLoader("app", "document"),
         autoescape=True,
@@ -56,7 +61,8 @@ def to_html(report: Report) -> str:
         lstrip_blocks=True,
     )
     environment.filters.update(
-        said=lambda text: _with_links(text, equations),
+        said=said,
+        told=lambda block: Markup(html_of(block, said=said)),
         rows=lambda chart: _data_rows(chart),
         kind=lambda block: type(block).__name__,
         data=_data_url,

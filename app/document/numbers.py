@@ -1,10 +1,15 @@
-"""Numbers as an engineer reads them: three significant digits, a unit that keeps them near one."""
+"""One digit rule for page, report and command: three significant digits, and the unit that keeps them near one."""
 
 from __future__ import annotations
 
 import math
 
-from nav_model.units import from_si, plain_number
+from nav_model.sar.geometry import phase_to_metres
+from nav_model.units import format_quantity, from_si, plain_number
+
+DIGITS = 3
+NONE = "–"
+"""What a table prints where there is no figure."""
 
 _LADDERS: dict[str, tuple[str, ...]] = {
     "length": ("mm", "cm", "m", "km"),
@@ -15,8 +20,21 @@ _LADDERS: dict[str, tuple[str, ...]] = {
 _SMALL_ANGLE = math.radians(0.001)
 
 
-def show(value: float, dimension: str, digits: int = 3) -> str:
-    """A value in SI with the unit of its ladder that puts it at or above one, or the smallest unit."""
+def number(value: float, digits: int = DIGITS) -> str:
+    """A number to `digits` significant digits, with a minus sign as typeset.
+
+    >>> number(-0.0123456)
+    '−0.0123'
+    """
+    return _signed(plain_number(float(value), digits))
+
+
+def show(value: float, dimension: str, digits: int = DIGITS) -> str:
+    """A value [SI] with the unit of its dimension that puts it at or above one, or the smallest unit.
+
+    >>> show(0.0474565, "length")
+    '4.75 cm'
+    """
     ladder = _LADDERS[dimension]
     if dimension == "angle":
         unit = "arcsec" if 0 < abs(value) < _SMALL_ANGLE else "°"
@@ -24,19 +42,52 @@ def show(value: float, dimension: str, digits: int = 3) -> str:
         unit = next((u for u in reversed(ladder) if abs(from_si(value, u, dimension)) >= 1), ladder[0])
         if value == 0:
             unit = ladder[-2] if dimension == "length" else ladder[-1]
-    return f"{plain_number(from_si(value, unit, dimension), digits)}{'' if unit == '°' else ' '}{unit}"
+    return f"{number(from_si(value, unit, dimension), digits)}{'' if unit == '°' else ' '}{unit}"
 
 
-def percent(fraction: float) -> str:
-    """A fraction as a percentage without decimals, signed minus as typeset."""
-    return f"{100 * fraction:.0f} %".replace("-", "−")
+def show_in(value: float, unit: str, dimension: str) -> str:
+    """A value [SI] in a given unit of its dimension."""
+    return _signed(format_quantity(value, unit, dimension, DIGITS))
 
 
-def signed_percent(fraction: float) -> str:
-    """A margin: its sign always shown."""
-    return f"{100 * fraction:+.0f} %".replace("-", "−")
+def percent(share: float) -> str:
+    """A share: whole percents, a tenth below ten.
+
+    >>> percent(0.783), percent(0.0456), percent(0.0001)
+    ('78 %', '4.6 %', '< 0.1 %')
+    """
+    value = 100 * share
+    if 0 < value < 0.05:
+        return "< 0.1 %"
+    return f"{value:.1f} %" if 0 < value < 9.95 else f"{value:.0f} %"
+
+
+def signed_percent(margin: float) -> str:
+    """A margin or a change, its sign always shown: three significant digits, at most a tenth of a percent.
+
+    >>> signed_percent(0.1421), signed_percent(-1.4437)
+    ('+14.2 %', '−144 %')
+    """
+    value = 100 * margin
+    if abs(value) >= 1e5:
+        return f"{'+' if value > 0 else ''}{number(value)} %"
+    return _signed(f"{value:+.1f} %" if abs(value) < 99.95 else f"{value:+.0f} %")
 
 
 def decibels(value: float) -> str:
     """A level or a ratio, to a hundredth."""
-    return f"{float(value):.2f} dB".replace("-", "−")
+    return _signed(f"{value + 0.0:.2f} dB")
+
+
+def degrees(phase: float) -> str:
+    """A phase [rad] as a number of degrees."""
+    return number(math.degrees(phase))
+
+
+def millimetres(phase: float, wavelength: float) -> str:
+    """A phase [rad] as a number of millimetres along the line of sight."""
+    return number(1000 * float(phase_to_metres(phase, wavelength)))
+
+
+def _signed(text: str) -> str:
+    return text.replace("-", "−")

@@ -1,35 +1,137 @@
-"""A report's table as HTML for a page: one content, shown in the product's own sheet."""
+"""Blocks of a document as HTML: on a page in the product's own sheet, and in an HTML report."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from html import escape
+from itertools import groupby
 
-from app.document.blocks import Cell, Table
+from app.document.blocks import Answer, Block, Bullets, Cell, Column, KeyFigure, KeyFigures, Table, Text
 from app.document.prose import prose
 
+Said = Callable[[str], str]
+"""Literal text -> HTML: escaped, its equation marks as links to where this document has them."""
 
-def table_html(table: Table) -> str:
-    """A table in a region that scrolls by itself; a mark is printed as a word, never by colour alone."""
-    classes = [' class="num"' if column.numeric else "" for column in table.columns]
-    head = "".join(
-        f'<th scope="col"{css}>{prose(column.title)}</th>' for column, css in zip(table.columns, classes, strict=True)
-    )
-    rows = []
-    for row in table.rows:
-        if len(row) == 1:
-            rows.append(f'<tr><th scope="rowgroup" colspan="{len(classes)}"><b>{prose(row[0].text)}</b></th></tr>')
-            continue
-        cells = "".join(f"<td{css}>{_cell(cell)}</td>" for cell, css in zip(row[1:], classes[1:], strict=True))
-        rows.append(f'<tr><th scope="row">{_cell(row[0])}</th>{cells}</tr>')
-    note = f'<p class="know quiet">{prose(table.note)}</p>' if table.note else ""
+
+def html_of(*blocks: Block, said: Said = prose) -> str:
+    """Blocks as HTML, in order.
+
+    Raises
+    ------
+    KeyError
+        For a block that is more than text, such as a chart, which each document draws in its own way.
+    """
+    return "".join(_RENDERERS[type(block)](block, said) for block in blocks)
+
+
+def _answer(answer: Answer, said: Said) -> str:
+    why = "".join(f"<p>{said(sentence)}</p>" for sentence in answer.sentences)
+    return f'<div class="strip {answer.tone}" role="status"><h2>{escape(answer.word)}</h2>{why}</div>'
+
+
+def _key_figures(figures: KeyFigures, said: Said) -> str:
+    cards = "".join(_card(figure, said) for figure in figures.items)
+    return f'<dl class="cards" aria-label="{escape(figures.caption)}">{cards}</dl>'
+
+
+def _card(figure: KeyFigure, said: Said) -> str:
+    limit = ""
+    if figure.met is not None:
+        mark = "✓ within" if figure.met else "✗ over"
+        limit = (
+            f'<dd class="fine"><span class="mark">{mark}</span> the limit '
+            f'<span class="num">{escape(figure.limit)}</span></dd>'
+        )
     return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(table.caption)}"><table class="checks">'
-        f"<caption>{prose(table.caption)}</caption><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
-        f"</table></div>{note}"
+        f'<div class="card"><dt>{escape(figure.label)}</dt><dd class="big num">{escape(figure.value)}</dd>'
+        f'<dd class="fine quiet">{said(figure.detail)}</dd>{limit}</div>'
     )
 
 
-def _cell(cell: Cell) -> str:
-    mark = f' <span class="mark">{escape(cell.mark)}</span>' if cell.mark else ""
-    quiet = ' class="quiet"' if cell.tone == "quiet" else ""
-    return f"<span{quiet}>{prose(cell.text)}</span>{mark}"
+_MANY = 20  # rows of a sorted table beyond which it scrolls by itself
+
+
+def _table(table: Table, said: Said) -> str:
+    """A table in a region that scrolls by itself; a mark is printed as a word, never by colour alone."""
+    body = "".join(_row(row, table, said) for row in table.rows)
+    note = f'<p class="note quiet">{said(table.note)}</p>' if table.note else ""
+    tall = " tall" if len(table.rows) > _MANY and any(column.sortable for column in table.columns) else ""
+    return (
+        f'<div class="scroll{tall}" tabindex="0" role="region" aria-label="{escape(table.caption)}">'
+        f'<table class="checks" id="{escape(table.key)}"><caption>{said(table.caption)}</caption>'
+        f"<thead>{_heads(table.columns, said)}</thead><tbody>{body}</tbody></table></div>{note}"
+    )
+
+
+def _heads(columns: tuple[Column, ...], said: Said) -> str:
+    groups = ""
+    if any(column.group for column in columns):
+        parts = []
+        for name, members in groupby(columns, key=lambda column: column.group):
+            width = len(list(members))
+            parts.append(f'<th scope="colgroup" colspan="{width}">{said(name)}</th>' if name else "<td></td>" * width)
+        groups = f"<tr>{''.join(parts)}</tr>"
+    heads = "".join(f'<th scope="col"{_css(column)}>{_head(column, said)}</th>' for column in columns)
+    return f"{groups}<tr>{heads}</tr>"
+
+
+def _head(column: Column, said: Said) -> str:
+    return f'<button type="button">{said(column.title)}</button>' if column.sortable else said(column.title)
+
+
+def _css(column: Column) -> str:
+    return ' class="num"' if column.numeric else ""
+
+
+def _row(row: tuple[Cell, ...], table: Table, said: Said) -> str:
+    first, *others = row
+    if not others:
+        heading = f'<th scope="rowgroup" colspan="{len(table.columns)}">{said(first.text)}</th>'
+        return f'</tbody><tbody><tr class="group">{heading}</tr>'
+    cells = "".join(
+        f"<td{_css(column)}{_sort(cell)}>{_cell(cell, said)}</td>"
+        for cell, column in zip(others, table.columns[1:], strict=True)
+    )
+    return f'<tr><th scope="row"{_sort(first)}>{_chosen(first, table.choose, said)}</th>{cells}</tr>'
+
+
+def _sort(cell: Cell) -> str:
+    return "" if cell.sort is None else f' data-sort="{escape(str(cell.sort))}"'
+
+
+def _chosen(cell: Cell, choose: str, said: Said) -> str:
+    """The first cell of a row, with what a person chooses the row by."""
+    text, value = _cell(cell, said), escape(cell.value)
+    if choose == "button":
+        return f'<button type="button" value="{value}">{text}</button>'
+    if choose == "radio":
+        radio = f'<input type="radio" name="row" value="{value}" aria-label="{value}">'
+        return f"<label>{radio} <span>{text}</span></label>"
+    return text
+
+
+def _cell(cell: Cell, said: Said) -> str:
+    text = said(cell.text).replace("\n", "<br>")
+    if cell.mark:
+        return f'{text} <span class="mark {cell.tone}">{escape(cell.mark)}</span>'
+    return f'<span class="tone {cell.tone}">{text}</span>' if cell.tone else text
+
+
+def _text(text: Text, said: Said) -> str:
+    return f"<p>{said(text.text)}</p>"
+
+
+def _bullets(bullets: Bullets, said: Said) -> str:
+    name = f'<p class="name">{said(bullets.caption)}</p>' if bullets.caption else ""
+    label = f' aria-label="{escape(bullets.caption)}"' if bullets.caption else ""
+    items = "".join(f"<li>{said(item)}</li>" for item in bullets.items)
+    return f'{name}<ul class="cautions quiet"{label}>{items}</ul>'
+
+
+_RENDERERS: dict[type, Callable[..., str]] = {
+    Answer: _answer,
+    KeyFigures: _key_figures,
+    Table: _table,
+    Text: _text,
+    Bullets: _bullets,
+}

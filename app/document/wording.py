@@ -2,46 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import unicodedata
 from collections.abc import Mapping
 
+from app.document.blocks import Answer
+from app.document.numbers import percent, show_in, signed_percent
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
-from nav_model.sar.geometry import phase_to_metres
-from nav_model.units import format_quantity, plain_number
 
-DIGITS = 4
-
-
-def number(value: float, digits: int = DIGITS) -> str:
-    """A number to `digits` significant digits, with a minus sign."""
-    return plain_number(float(value), digits).replace("-", "−")
-
-
-def percent(share: float) -> str:
-    """A share in percent, to a tenth below ten."""
-    value = 100 * share
-    if 0 < value < 0.05:
-        return "< 0.1 %"
-    return f"{value:.1f} %" if 0 < value < 9.95 else f"{value:.0f} %"
-
-
-def signed_percent(margin: float) -> str:
-    """A margin in percent with its sign."""
-    value = 100 * margin
-    return f"{value:+.1f} %".replace("-", "−") if abs(value) < 1e5 else f"{number(value, 3)} %"
-
-
-def degrees(phase: float) -> str:
-    """A phase [rad] as a number of degrees."""
-    return number(math.degrees(phase))
-
-
-def millimetres(phase: float, wavelength: float) -> str:
-    """A phase [rad] as a number of millimetres along the line of sight."""
-    return number(1000 * float(phase_to_metres(phase, wavelength)))
+AFTER_AUTOFOCUS = {1: "a line", 2: "a quadratic", 3: "a cubic"}
+"""What is removed from the phase before its residual is measured, by the order of the autofocus."""
 
 
 def requirement_key(check: str) -> str:
@@ -52,7 +23,7 @@ def requirement_key(check: str) -> str:
 def requirement_quantity(design: Design, check: str, value: float) -> str:
     """A value [SI] in the unit its requirement is written in."""
     key = requirement_key(check)
-    return format_quantity(value, design.unit(key), declaration_of(key).dimension, DIGITS)
+    return show_in(value, design.unit(key), declaration_of(key).dimension)
 
 
 def best_of(shares: Mapping[str, float]) -> tuple[str, float]:
@@ -92,23 +63,26 @@ def chapter_key(label: str) -> str:
     return label.lower() or "d"
 
 
-def verdict_of(budget: Budget) -> tuple[str, str, str]:
-    """The verdict in a word, how it is set, and in a sentence."""
+def verdict_of(budget: Budget) -> Answer:
+    """The verdict: closes or not, at which confidence, what is tightest and what dominates it."""
     verdict, design = budget.verdict, budget.design
     tightest = verdict.tightest
     if tightest is None:
-        return "Not checked", "warn", "The design states no requirement, so there is nothing it could fail."
-    failed = [check for check in verdict.checks if not check.met]
+        return Answer("Not checked", "open", ("The design states no requirement, so there is nothing to check.",))
+    failed = sum(not check.met for check in verdict.checks)
     count = len(verdict.checks)
-    of_all = (
-        (f"all {count} requirements are met" if count > 1 else "its one requirement is met")
-        if not failed
-        else f"{len(failed)} of {count} requirements {'is' if len(failed) == 1 else 'are'} not met"
-    )
+    if failed:
+        met = f"{failed} of {count} requirements {'is' if failed == 1 else 'are'} not met"
+    else:
+        met = f"all {count} requirements are met" if count > 1 else "its one requirement is met"
     value, limit = (requirement_quantity(design, tightest.name, x) for x in (tightest.value, tightest.limit))
-    sentence = (
-        f"At {verdict.confidence:g}σ {of_all}. Tightest: {tightest.label.lower()}, {value} against {limit}, "
-        f"margin {signed_percent(tightest.margin)}; {tightest.sensor} makes {percent(tightest.sensor_share)} "
-        "of its variance."
+    through = "" if tightest.dominant == tightest.sensor else f", mostly through {tightest.dominant}"
+    return Answer(
+        "✓ Closes" if verdict.closes else "✗ Does not close",
+        "good" if verdict.closes else "bad",
+        (
+            f"At {verdict.confidence:g}σ {met}.",
+            f"Tightest: {tightest.label.lower()}, {value} against {limit}, margin {signed_percent(tightest.margin)}.",
+            f"Dominated by {tightest.sensor}: {percent(tightest.sensor_share)} of the variance{through}.",
+        ),
     )
-    return ("✓ Closes", "good", sentence) if verdict.closes else ("✗ Does not close", "bad", sentence)

@@ -300,7 +300,7 @@ def revision_from_file(data: bytes | str, where: str, author: str, note: str, sa
 def _revision(
     budget: Budget, author: str, note: str, *, name: str, product: str, saved: str, origin: str = ""
 ) -> Revision:
-    word, _, sentence = verdict_of(budget)
+    answer = verdict_of(budget)
     return Revision(
         design="",
         number=0,
@@ -311,7 +311,7 @@ def _revision(
         text=format_design(budget.design),
         content_hash=budget.design.content_hash,
         closes=budget.verdict.closes if budget.verdict.checks else None,
-        verdict=f"{word}. {sentence}",
+        verdict=" ".join((f"{answer.word}.", *answer.sentences)),
         product=product,
         origin=origin,
     )

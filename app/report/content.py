@@ -22,23 +22,18 @@ from app.document.blocks import (
     Symbols,
     Table,
     Text,
-    Verdict,
 )
 from app.document.chart_block import chart_block
 from app.document.citations import marks_in
+from app.document.numbers import degrees, millimetres, number, percent, signed_percent
 from app.document.wording import (
     best_of,
     chapter_key,
-    degrees,
     design_labels,
     labelled,
-    millimetres,
-    number,
-    percent,
     printable,
     requirement_quantity,
     shortened,
-    signed_percent,
     title_of,
     verdict_of,
 )
@@ -101,7 +96,7 @@ def _chapter(budget: Budget, label: str, facts: tuple[tuple[str, str], ...], stu
         title=name,
         running=f"{shortened(name)} · {design.content_hash[:12]}",
         description=printable(design.description),
-        verdict=Verdict(*verdict_of(budget)),
+        verdict=verdict_of(budget),
         facts=(
             ("Design", design.content_hash[:12]),
             *facts,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from app.document.blocks import Cell
-from app.document.wording import number, printable
+from app.document.numbers import number
+from app.document.wording import printable
 from nav_model.allan.adoption import noted_origin
 from nav_model.catalogue import Entry, SourcedValue, find
 from nav_model.design import Design

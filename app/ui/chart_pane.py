@@ -20,27 +20,13 @@ from app.document.prose import prose
 from app.session import Session
 from app.subjects.explore.charts import RankChart, TradeMapChart
 from app.ui.grid import cell
-from app.ui.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE, SHEET
+from app.ui.html_pane import html_pane
+from app.ui.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE
 from app.ui.turns import in_turns
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 
 _T = TypeVar("_T")
-
-
-class TextPane(pn.pane.HTML):
-    """HTML that sends its text alone when the text changes.
-
-    As shipped, the pane works out and sends all of its look again, its sheet included: half of a slider's step.
-    """
-
-    def _update(self, ref: str, model: Any) -> None:
-        model.text = self._transform_object(self.object)["object"]
-
-
-def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> TextPane:
-    """Our own HTML, in the product's sheet."""
-    return TextPane(text, stylesheets=[SHEET], sizing_mode="stretch_width", margin=margin)
 
 
 class ChartPane(Generic[_T]):

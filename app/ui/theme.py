@@ -67,15 +67,16 @@ SHEET = """
 .num { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .nw { white-space: nowrap; }
 .quiet { opacity: .78; }
+.tone.good, .tone.bad { font-weight: 600; }
 .hidden { position: absolute; width: 1px; height: 1px; margin: 0; overflow: hidden; clip-path: inset(50%); }
 a { color: inherit; text-underline-offset: 2px; }
 a.eq { white-space: nowrap; text-decoration: underline dotted; }
 .strip { display: flex; flex-wrap: wrap; gap: 6px 28px; align-items: center; padding: 10px 16px;
   border: 1px solid; border-color: color-mix(in srgb, currentColor 25%, transparent);
   border-left: 8px solid; border-radius: 6px; }
-.strip.closes { border-left-color: #1a7f4b; }
-.strip.fails { border-left-color: #c62f2f; }
-.strip.open { border-left-color: #7b8794; }
+.strip.good { border-left-color: #1a7f4b; }
+.strip.bad { border-left-color: #c62f2f; }
+.strip.open, .strip.warn { border-left-color: #7b8794; }
 .strip h2 { font-size: 22px; margin: 0; font-weight: 600; }
 .strip p { margin: 0; }
 .strip b { font-weight: 600; }
@@ -134,6 +135,7 @@ td.fine { min-width: 130px; }
 table.checks th.source, table.checks td.why { min-width: 260px; }
 .digest { overflow-wrap: anywhere; font-size: 12px; }
 progress { width: min(420px, 100%); height: 8px; accent-color: #2b83c4; }
+p.name { font-weight: 600; margin: 10px 0 0; }
 ul.cautions { padding-left: 18px; font-size: 13px; }
 h3 { font-size: 15px; font-weight: 600; margin: 0; }
 """

@@ -9,6 +9,7 @@ import panel as pn
 
 from app.charts.kinds import BarChart, Chart
 from app.document.numbers import percent, show, signed_percent
+from app.document.prose import prose
 from app.session import Session
 from app.subjects.budget.charts import (
     attitude_chart,
@@ -18,8 +19,9 @@ from app.subjects.budget.charts import (
     response_chart,
     velocity_chart,
 )
-from app.ui.chart_pane import ChartView, html_pane, prose
+from app.ui.chart_pane import ChartView
 from app.ui.grid import cell, grid
+from app.ui.html_pane import html_pane
 from app.ui.turns import in_turns
 from nav_model.budget import Budget
 from nav_model.budget.provenance import cautions
@@ -95,7 +97,7 @@ def verdict_strip(budget: Budget) -> str:
         )
     failed = sum(not check.met for check in verdict.checks)
     total = len(verdict.checks)
-    head, css, mark = ("Closes", "closes", "✓") if verdict.closes else ("Does not close", "fails", "✗")
+    head, css, mark = ("Closes", "good", "✓") if verdict.closes else ("Does not close", "bad", "✗")
     count = f"all {total} requirements met" if verdict.closes else f"{failed} of {total} requirements not met"
     return (
         f'<div class="strip {css}" role="status"><h2><span aria-hidden="true">{mark}</span> {head}</h2>'

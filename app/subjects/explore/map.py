@@ -12,9 +12,11 @@ from bokeh.events import Tap
 
 from app.charts.kinds import to_csv
 from app.charts.screen.maps import MapFigure
+from app.document.prose import prose
 from app.session import Session
 from app.subjects.explore.charts import TradeMapChart, map_chart
-from app.ui.chart_pane import described, html_pane, prose
+from app.ui.chart_pane import described
+from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES, VARIABLES

@@ -13,14 +13,16 @@ import panel_material_ui as pmui
 
 from app.charts.kinds import to_csv
 from app.charts.screen.maps import RankFigure
+from app.document.prose import prose
 from app.session import Session
 from app.subjects.explore.charts import RankChart, rank_chart
 from app.subjects.explore.map import MapPanel, download
 from app.subjects.explore.search import SearchPanel
 from app.subjects.explore.tables import answer, solved_table, unsolved
 from app.subjects.explore.uncertainty import UncertaintyPanel
-from app.ui.chart_pane import described, html_pane, prose
+from app.ui.chart_pane import described
 from app.ui.grid import cell, grid
+from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.ui.turns import in_turns
 from nav_model.budget import Budget

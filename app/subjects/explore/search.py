@@ -12,9 +12,10 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from app.document.prose import prose
 from app.session import Session
 from app.subjects.explore.map import download
-from app.ui.chart_pane import html_pane, prose
+from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME
 from app.ui.upload import LimitedFileInput

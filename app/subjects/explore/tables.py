@@ -73,7 +73,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...]) -> str:
 def unsolved(reason: str) -> str:
     """In place of the answer when solving failed its own check: a defect, said as one."""
     return (
-        '<div class="strip fails" role="status"><h2>Not solved</h2>'
+        '<div class="strip bad" role="status"><h2>Not solved</h2>'
         f"<p>An answer put back did not meet its limit, so none is shown: {escape(reason)}.</p></div>"
     )
 

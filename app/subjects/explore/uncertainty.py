@@ -8,8 +8,9 @@ from html import escape
 import panel as pn
 import panel_material_ui as pmui
 
+from app.document.prose import prose
 from app.session import Session
-from app.ui.chart_pane import html_pane, prose
+from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.work.pool import elsewhere
 from nav_model.budget import Budget

@@ -12,13 +12,15 @@ import panel_material_ui as pmui
 
 from app.charts.legend import legend_html
 from app.charts.screen.figures import to_bokeh
-from app.document.pane import table_html
+from app.document.pane import html_of
+from app.document.prose import prose
 from app.library.store import Revision
 from app.report import report_of_texts
 from app.subjects.review.charts import phase_comparison, position_comparison
 from app.subjects.review.comparison import difference_tables
 from app.subjects.review.desk import BUTTON, LOOK, Desk
-from app.ui.chart_pane import described, html_pane, prose
+from app.ui.chart_pane import described
+from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.work.pool import elsewhere
 from nav_model.errors import InputError
@@ -60,7 +62,7 @@ class CompareView:
             f"<li><b>{label}</b> {escape(r.name)}, revision {r.number}, by {escape(r.author)}</li>"
             for label, r in zip(labels, revisions, strict=True)
         )
-        tables = "".join(map(table_html, difference_tables(budgets, labels)))
+        tables = html_of(*difference_tables(budgets, labels))
         charts = [_chart(draw(budgets, labels)) for draw in (position_comparison, phase_comparison)]
         self._tables.object = f'<ul class="legend" aria-label="Compared">{origin}</ul>{tables}'
         self._charts.objects = charts

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 
 from app.charts.words import in_words
 from app.document.blocks import Cell, Chapter, ChartBlock, Column, Section, Table
-from app.document.wording import DIGITS, labelled, percent, requirement_key, signed_percent, title_of, verdict_of
+from app.document.numbers import DIGITS, percent, signed_percent
+from app.document.wording import labelled, requirement_key, title_of, verdict_of
 from app.report.inputs import shown_value, sourced_value
 from app.subjects.review.charts import phase_comparison, position_comparison
 from nav_model.budget import Budget
@@ -48,12 +49,12 @@ def difference_tables(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple
 
 def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
     def row(budget: Budget, label: str) -> tuple[Cell, ...]:
-        word, tone, _ = verdict_of(budget)
+        answer = verdict_of(budget)
         tightest = budget.verdict.tightest
         return (
             Cell(labelled(label, title_of(budget.design))),
             Cell(budget.design.content_hash[:12]),
-            Cell(word, tone=tone),
+            Cell(answer.word, tone=answer.tone),
             Cell(tightest.label if tightest else "–"),
             Cell(signed_percent(tightest.margin) if tightest else "–"),
             Cell(f"{tightest.sensor}, {percent(tightest.sensor_share)}" if tightest else "–"),

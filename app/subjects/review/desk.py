@@ -15,7 +15,7 @@ from app.library.place import library
 from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
 from app.session import Session
-from app.ui.chart_pane import html_pane
+from app.ui.html_pane import html_pane
 from nav_model.errors import InputError
 
 _T = TypeVar("_T")
@@ -63,7 +63,7 @@ class Desk(param.Parameterized):
 
     def say(self, message: str, *, wrong: bool = False) -> None:
         """Tell the person at the desk; read aloud by screen readers."""
-        css, mark = ("fails", "✗") if wrong else ("closes", "✓")
+        css, mark = ("bad", "✗") if wrong else ("good", "✓")
         said = f'<p><span aria-hidden="true">{mark}</span> {escape(message)}</p>'
         self._said.object = f'<div class="strip {css}" role="status">{said}</div>' if message else ""
 

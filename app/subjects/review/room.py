@@ -12,8 +12,9 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.document.pane import table_html
-from app.document.wording import requirement_quantity, shortened, signed_percent
+from app.document.numbers import signed_percent
+from app.document.pane import html_of
+from app.document.wording import requirement_quantity, shortened
 from app.library.reviews import (
     RESULTS,
     Review,
@@ -37,7 +38,7 @@ from app.subjects.review.report import (
     status_table,
     subject_label,
 )
-from app.ui.chart_pane import html_pane
+from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.work.pool import elsewhere
 from nav_model.budget.verdict import Check
@@ -215,7 +216,7 @@ class ReviewRoom:
                 part.visible = open_
             tables = (status_table(review), comment_table(review), decision_table(review), audit_table(review))
             self._status.visible = not self._present.value
-            self._status.object = _headline(review) + "".join(map(table_html, tables))
+            self._status.object = _headline(review) + html_of(*tables)
             self._draw_slide()
 
     # --- what people do --------------------------------------------------------------------------------
@@ -327,9 +328,9 @@ def _mark(review: Review, place: int, check: Check) -> str:
 def _headline(review: Review) -> str:
     left = len(review.open_points())
     if not review.intact:
-        css, mark, word = "fails", "✗", "Changed outside the program: do not rely on it"
+        css, mark, word = "bad", "✗", "Changed outside the program: do not rely on it"
     elif review.signed:
-        css, mark, word = "closes", "✓", f"Signed off by {review.signed_by}"
+        css, mark, word = "good", "✓", f"Signed off by {review.signed_by}"
     else:
         css, mark, word = "open", "–", f"Open, {left} to decide" if left else "Open, all decided: can be signed"
     return (

@@ -33,9 +33,10 @@ from app.subjects.sar.pictures import picture_gallery
 from app.subjects.sar.run import Progress, SarResult, SarRun
 from app.subjects.sar.upload import UploadedPicture
 from app.subjects.sar.words import agreement_table, answer, caution_list, error_table, response_table
-from app.ui.chart_pane import ChartView, chart_cells, html_pane
+from app.ui.chart_pane import ChartView, chart_cells
 from app.ui.fields import whole_number
 from app.ui.grid import grid
+from app.ui.html_pane import html_pane
 from nav_model.budget import Budget
 from nav_model.errors import InputError
 from nav_model.sar.design_case import Engine

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from app.document.blocks import Block, Bullets, Section, Text, Verdict
+from app.document.blocks import Answer, Block, Bullets, Section, Text
 from app.document.chart_block import chart_block
-from app.document.wording import number, title_of
+from app.document.numbers import number
+from app.document.wording import title_of
 from app.subjects.sar import charts
 from app.subjects.sar.run import SarResult
 from app.subjects.sar.tables import agreement_table, error_table, parts_table, response_tables
@@ -90,13 +91,13 @@ def _answer(result: SarResult) -> tuple[Block, ...]:
     """Which strategy, why, what would change the answer, what the runs add."""
     study = result.study
     closed, advice = study.closed, study.closed.advice
-    word, tone = f"Strategy {advice.strategy}", "quiet"
+    word, tone = f"Strategy {advice.strategy}", "open"
     if closed.required_phase is not None:
         phase = float(metres_to_phase(advice.sigma[advice.strategy], study.budget.sar.wavelength))
         met = phase <= closed.required_phase
         word, tone = (f"✓ {word} meets the limit", "good") if met else (f"✗ {word} misses the limit", "bad")
     return (
-        Verdict(word, tone, advice.sentence),
+        Answer(word, tone, (advice.sentence,)),
         Text(f"Why: {advice.because}"),
         Text(f"What would change it: {advice.would_change}"),
         Text(f"{study.sentence} Seed {study.seed}, {study.fixes} fixes in the aperture."),

@@ -16,8 +16,8 @@ from app.subjects.sar.charts import short_name, uploaded_picture
 from app.subjects.sar.picture_downloads import PictureDownloads
 from app.subjects.sar.pictures import picture_gallery
 from app.subjects.sar.run import SarResult
-from app.ui.chart_pane import html_pane
 from app.ui.fields import number
+from app.ui.html_pane import html_pane
 from app.ui.upload import LimitedFileInput
 from app.work.pool import elsewhere
 from nav_model.errors import InputError

@@ -7,8 +7,8 @@ from html import escape
 
 import numpy as np
 
+from app.document.prose import prose
 from app.subjects.sar.charts import short_name
-from app.ui.chart_pane import prose
 from nav_model.budget import Budget
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
@@ -28,7 +28,7 @@ def answer(budget: Budget, closed: ClosedForms, study: DesignStudy | None, stale
     if closed.required_phase is not None:
         phase = float(metres_to_phase(advice.sigma[advice.strategy], budget.sar.wavelength))
         met = phase <= closed.required_phase
-        css, mark = ("closes", "✓ meets the limit") if met else ("fails", "✗ misses the limit")
+        css, mark = ("good", "✓ meets the limit") if met else ("bad", "✗ misses the limit")
     runs = ""
     if study is not None:
         said = "<span class='stale'>stale: of an earlier design</span> " if stale else ""

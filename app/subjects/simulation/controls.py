@@ -11,7 +11,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from app.ui.chart_pane import html_pane
+from app.ui.html_pane import html_pane
 from nav_model.errors import InputError
 from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, StudyInputs, read_study_inputs
 

@@ -28,8 +28,9 @@ from app.subjects.simulation.run import (
     prepare,
     same_subject,
 )
-from app.ui.chart_pane import ChartView, chart_cells, html_pane
+from app.ui.chart_pane import ChartView, chart_cells
 from app.ui.grid import grid
+from app.ui.html_pane import html_pane
 from app.ui.upload import LimitedFileInput
 from app.work.pool import elsewhere
 from nav_model.budget import Budget

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from app.document.blocks import Block, Bullets, Cell, Column, Section, Table, Text, Verdict
+from app.document.blocks import Answer, Block, Bullets, Cell, Column, Section, Table, Text
 from app.document.chart_block import chart_block
-from app.document.wording import number
+from app.document.numbers import number
 from app.subjects.simulation import charts
 from app.subjects.simulation.tables import DEPARTURES, alike, when
 from nav_model.design import Design
@@ -82,7 +82,7 @@ def _design(study: DesignStudy) -> Design:
     return parse_design(study.design_file)
 
 
-def _verdict(study: DesignStudy) -> Verdict:
+def _verdict(study: DesignStudy) -> Answer:
     result = study.result
     nees = result.nees
     word, tone = ("✓ Consistent", "good")
@@ -101,7 +101,7 @@ def _verdict(study: DesignStudy) -> Verdict:
             f" Mean NIS {nis.mean:.2f} of {nis.states} measured axes, 95 % band {nis.low:.2f} to {nis.high:.2f}: "
             f"{'inside' if nis.inside else 'outside'}."
         )
-    return Verdict(word, tone, sentence)
+    return Answer(word, tone, (sentence,))
 
 
 def _run_table(study: DesignStudy, key: str) -> Table:

@@ -35,7 +35,7 @@ def verdict_strip(result: Result, stale: bool) -> str:
     """Consistent or not, in words first."""
     found = result.study.result
     head, _, figures = found.verdict.partition(": ")
-    css, mark = ("closes", "✓") if found.consistent else ("fails", "✗")
+    css, mark = ("good", "✓") if found.consistent else ("bad", "✗")
     if result.partial:
         css, mark = "open", "…"
     so_far = "; runs so far, more are flying" if result.partial else ""

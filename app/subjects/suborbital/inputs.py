@@ -12,7 +12,7 @@ import panel_material_ui as pmui
 
 from app.session import Session
 from app.subjects.suborbital.controls import SettingControl, setting_controls
-from app.ui.chart_pane import html_pane
+from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.ui.upload import LimitedFileInput
 from nav_model.design.link import MAX_QUERY

@@ -11,7 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.subjects.suborbital.charts import Shown
-from app.ui.chart_pane import html_pane
+from app.ui.html_pane import html_pane
 from app.work.alone import RunLost, run_alone
 from nav_model.suborbital.noise_ensemble import NoiseEnsemble, fly_noise
 

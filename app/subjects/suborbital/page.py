@@ -12,6 +12,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from app.document.prose import prose
 from app.session import Session
 from app.subjects.suborbital.answer import answer, waiting
 from app.subjects.suborbital.charts import Shown
@@ -19,8 +20,8 @@ from app.subjects.suborbital.finding import Finding
 from app.subjects.suborbital.inputs import InputPanel, Trajectory
 from app.subjects.suborbital.noise import NoiseRun
 from app.subjects.suborbital.tabs import StudyTabs
-from app.ui.chart_pane import html_pane, prose
 from app.ui.grid import cell, grid
+from app.ui.html_pane import html_pane
 from app.work.alone import RunLost, run_alone
 from app.work.pool import elsewhere
 from nav_model.budget import Budget

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from app.charts.kinds import Chart
-from app.document.blocks import Block, Cell, Column, Section, Text, Verdict
+from app.document.blocks import Answer, Block, Cell, Column, Section, Text
 from app.document.blocks import Table as ReportTable
 from app.document.chart_block import chart_block
-from app.document.wording import number, percent
+from app.document.numbers import number, percent
 from app.subjects.suborbital import charts, tables
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
@@ -123,7 +123,7 @@ def _answer(finding: Finding) -> tuple[Block, ...]:
     frames = int(study.used.sum())
     images = "star images" if finding.settings["camera.frames"] == "star images" else "a perfect camera"
     return (
-        Verdict("What the star tracker did and did not repair", "quiet", explain(study)),
+        Answer("What the star tracker did and did not repair", "open", (explain(study),)),
         Text(f"{sensors} {exact} {frames} frames from {images}."),
     )
 

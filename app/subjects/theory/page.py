@@ -11,9 +11,9 @@ from typing import Any
 import panel as pn
 
 from app.document.html import mathml
+from app.document.prose import prose
 from app.session import Session
 from app.ui.anchored_text import AnchoredText
-from app.ui.chart_pane import prose
 from nav_model.budget import Budget
 from nav_model.equations import ALL_EQUATIONS, ALL_SYMBOLS, REFERENCES, source_of
 

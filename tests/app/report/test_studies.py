@@ -15,7 +15,7 @@ import pypdf
 import pytest
 
 from app import cli
-from app.document.blocks import Bullets, Cell, ChartBlock, Equations, Section, Symbols, Table, Text, Verdict
+from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Equations, Section, Symbols, Table, Text
 from app.report import report_bytes
 from app.report.content import report_of
 from app.report.studies import belonging, study_sections
@@ -84,9 +84,9 @@ def table(told: tuple[Section, ...], key: str) -> Table:
     return next(b for section in told for b in section.blocks if isinstance(b, Table) and b.key == f"d-{key}")
 
 
-def verdict(told: tuple[Section, ...], key: str) -> Verdict:
+def verdict(told: tuple[Section, ...], key: str) -> Answer:
     section = next(section for section in told if section.key == f"d-{key}")
-    return next(block for block in section.blocks if isinstance(block, Verdict))
+    return next(block for block in section.blocks if isinstance(block, Answer))
 
 
 def value(cell: Cell) -> float:
@@ -126,7 +126,7 @@ def test_the_simulations_verdict_says_nees_nis_and_their_bands(told, findings):
     assert (said.word == "✓ Consistent") == document["consistent"]
     for name in ("nees", "nis"):
         for part in ("mean", "low", "high"):
-            assert f"{document[name][part]:.2f}" in said.sentence
+            assert f"{document[name][part]:.2f}" in said.sentences[0]
     rows = table(told, "simulation-departures").rows
     assert sum(row[0].text.count(",") for row in rows) == len(document["departures"])  # alike ones share a row
     reasons = {found["reason"].lower() for found in document["departures"]}
@@ -170,7 +170,7 @@ def test_the_responses_are_those_of_the_studys_json_both_ways(told, findings):
 
 def test_the_sar_answer_says_which_why_and_what_would_change_it(told, findings):
     advice = sar_json(findings["sar"].study)["advice"]
-    assert verdict(told, "sar").sentence == advice["sentence"]
+    assert verdict(told, "sar").sentences[0] == advice["sentence"]
     assert verdict(told, "sar").tone == "bad"  # the example misses its limit of 20°
     texts = [b.text for s in told if s.key == "d-sar" for b in s.blocks if isinstance(b, Text)]
     assert any(advice["because"] in text for text in texts)
@@ -190,7 +190,7 @@ def test_the_four_suborbital_tables_are_the_studys_json_beside_the_paper(told, f
     assert seen == 8
     gyro_total = next(row for row in table(told, "suborbital-gyros").rows if row[0].text == "gyro total")
     assert [value(cell) for cell in gyro_total[7:]] == [11100, 7500, 20500]  # the paper's readings, [B]
-    assert verdict(told, "suborbital").sentence == document["summary"]
+    assert verdict(told, "suborbital").sentences[0] == document["summary"]
     rows = [row for row in table(told, "suborbital-inputs-table").rows if len(row) > 1]
     for row, found in zip(rows, document["inputs"].values(), strict=True):
         assert row[2].text == found["from"]
@@ -325,10 +325,10 @@ def test_a_session_keeps_the_last_finding_of_each_kind_and_the_choice_follows(fi
 
     session = Session(design)
     choice = ReportChoice(session)
-    assert not choice.view.visible
+    assert not choice.__panel__().visible
     for kind, finding in findings.items():
         session.keep(kind, finding)
-    assert choice.view.visible
+    assert choice.__panel__().visible
     assert choice._boxes.value == ["simulation", "sar", "suborbital"]
     choice._boxes.value = ["sar"]
     assert list(choice.chosen()) == ["sar"]

@@ -2,7 +2,7 @@
 
 from bokeh.document import Document
 
-from app.ui.chart_pane import TextPane, html_pane
+from app.ui.html_pane import TextPane, html_pane
 
 
 def test_new_text_is_all_that_changes():

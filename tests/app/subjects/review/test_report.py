@@ -11,7 +11,7 @@ from pathlib import Path
 import pypdf
 import pytest
 
-from app.document.pane import table_html
+from app.document.pane import html_of
 from app.library.place import library, use_library
 from app.library.reviews import Review, add_comment, decide, open_review, sign
 from app.library.store import Library
@@ -89,7 +89,7 @@ def test_six_designs_stand_in_one_table_with_the_smallest_marked(budgets: list[B
 
 
 def test_a_table_on_the_page_is_escaped(signed: Review) -> None:
-    shown = "".join(table_html(block) for section in audit_sections(signed) for block in section.blocks)
+    shown = "".join(html_of(block) for section in audit_sections(signed) for block in section.blocks)
     assert "<script" not in shown
     assert "&lt;script&gt;" in shown
 

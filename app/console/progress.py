@@ -1,0 +1,35 @@
+"""Progress on standard error: one line rewritten on a terminal, a line now and then elsewhere."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from app.work.run import Clock
+
+_QUIET_SECONDS = 5.0  # between lines where nobody watches a terminal
+
+
+@contextmanager
+def show_progress() -> Iterator[Callable[[str, float], None]]:
+    """A function of what is being done and of the share done (0 to 1), which prints both with the time left."""
+    terminal = sys.stderr.isatty()
+    clock, said = Clock(), -math.inf
+
+    def show(what: str, share: float) -> None:
+        nonlocal said
+        now = time.monotonic()
+        if not terminal and now - said < _QUIET_SECONDS and share < 1:
+            return
+        said = now
+        line = clock.progress(what, share).words
+        print(f"\r\x1b[K{line}" if terminal else line, end="" if terminal else "\n", file=sys.stderr, flush=True)
+
+    try:
+        yield show
+    finally:
+        if terminal:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,31 @@
+"""Our own HTML on a page, in the product's sheet."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+
+from app.document.blocks import Block
+from app.document.pane import html_of
+from app.ui.theme import SHEET
+
+
+class TextPane(pn.pane.HTML):
+    """HTML that sends its text alone when the text changes.
+
+    As shipped, the pane works out and sends all of its look again, its sheet included: half of a slider's step.
+    """
+
+    def _update(self, ref: str, model: Any) -> None:
+        model.text = self._transform_object(self.object)["object"]
+
+
+def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> TextPane:
+    """Our own HTML, in the product's sheet."""
+    return TextPane(text, stylesheets=[SHEET], sizing_mode="stretch_width", margin=margin)
+
+
+def block_pane(*blocks: Block, margin: int | tuple[int, ...] = (4, 10)) -> TextPane:
+    """Blocks of a document on a page; assign ``html_of(...)`` to its object to change them."""
+    return html_pane(html_of(*blocks), margin)

@@ -1,0 +1,68 @@
+"""The bar of a run: start, cancel, how far it is, and why it ended without a result."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from html import escape
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+
+from app.ui.html_pane import html_pane
+from app.work.run import Progress, Run
+
+_LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
+
+
+class RunBar(pn.viewable.Viewer):
+    """Buttons and progress of one `Run`; `start` is called when the person presses its button.
+
+    fields: what the person chooses before a start, in front of the button.
+    """
+
+    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
+    message: str = param.String(default="", doc="What to say between runs, as text; why a run failed comes first.")
+
+    def __init__(self, run: Run, start: Callable[[], object], label: str, *fields: Any) -> None:
+        super().__init__(run=run)
+        self.start = pmui.Button(label=label, icon="play_arrow", variant="contained", **_LOOK)
+        self.cancel = pmui.Button(
+            label="Cancel", icon="stop", variant="outlined", disabled=run.param.running.rx.not_(), **_LOOK
+        )
+
+        async def pressed(_: Any) -> None:
+            begun = start()
+            if isinstance(begun, Awaitable):
+                await begun
+
+        self.start.on_click(pressed)
+        self.cancel.on_click(lambda _: run.cancel())
+        self.state = html_pane("", margin=(2, 10))
+        self._view = pn.FlexBox(
+            *fields, self.start, self.cancel, pn.Column(self.state, width=380),
+            align_items="center", sizing_mode="stretch_width", margin=(0, 4),
+        )  # fmt: skip
+
+    def __panel__(self) -> pn.FlexBox:
+        return self._view
+
+    @param.depends("run.running", "run.progress", "run.message", "message", watch=True)
+    def _say(self) -> None:
+        run = self.run
+        if run.running:
+            self.state.object = progress_html(run.progress or Progress("Starting"))
+        elif run.message:
+            self.state.object = f'<p role="alert"><b>{escape(run.message)}</b></p>'
+        else:
+            self.state.object = f'<p role="status">{escape(self.message)}</p>' if self.message else ""
+
+
+def progress_html(progress: Progress) -> str:
+    """A bar and the words beside it; the bar moves to and fro while nobody knows how far the work is."""
+    value = "" if progress.share is None else f' value="{progress.share:.3f}"'
+    return (
+        f'<p role="status"><progress aria-label="Progress" max="1"{value}></progress> '
+        f'<span class="num">{escape(progress.words)}</span></p>'
+    )
