@@ -11,7 +11,7 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
-PATIENCE = 120.0
+PATIENCE = 300.0
 """Seconds until something that has not happened is taken never to happen. No verdict depends on the number: what
 works is done long before, and what hangs would hang for ever."""
 

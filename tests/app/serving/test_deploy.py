@@ -22,7 +22,7 @@ import yaml
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.web import create_signed_value
 from tornado.websocket import websocket_connect
-from waiting import PATIENCE, until
+from waiting import PATIENCE
 
 from app.cli import main
 
@@ -68,22 +68,23 @@ def test_the_image_starts_with_options_the_program_takes(capsys: pytest.CaptureF
 
 
 @contextmanager
-def _proxy(folder: Path, upstream: int, *addresses: str) -> Iterator[tuple[int, int]]:
+def _proxy(
+    folder: Path, upstream: int, listening: tuple[socket.socket, socket.socket], *addresses: str
+) -> Iterator[tuple[int, int]]:
     """nginx with the file of deploy/, its names and ports made those of this machine: https and http port.
 
+    It is handed the sockets that listen already, as an nginx that replaces a running one: no port is chosen now and
+    taken later, and whoever connects before it is there waits.
     The name ``navbudget`` has several addresses, as where compose runs several containers of one service. Names are
     looked up in a hosts file of our own, which only nginx sees.
     """
-    with socket.socket() as one, socket.socket() as two:
-        one.bind(("127.0.0.1", 0))
-        two.bind(("127.0.0.1", 0))
-        port, plain = one.getsockname()[1], two.getsockname()[1]
     subprocess.run(
         ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost",
          "-keyout", folder / "privkey.pem", "-out", folder / "fullchain.pem"],
         check=True, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     text = (ROOT / "deploy" / "nginx.conf").read_text()
+    port, plain = (one.getsockname()[1] for one in listening)
     for ours, theirs in (
         ("listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
         ("listen 80", f"listen 127.0.0.1:{plain}"),
@@ -105,18 +106,13 @@ def _proxy(folder: Path, upstream: int, *addresses: str) -> Iterator[tuple[int, 
              'mount --bind "$0" /etc/hosts && exec "$@"', folder / "hosts"]  # fmt: skip
     command = [*apart, str(_NGINX), "-c", str(folder / "nginx.conf"), "-p", str(folder)]
     subprocess.run([*command, "-t"], check=True, capture_output=True)
-    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
+    handed = [one.fileno() for one in listening]
+    environment = {**os.environ, "NGINX": "".join(f"{number};" for number in handed)}
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL, pass_fds=handed, env=environment) as process:
         try:
-            until(lambda: _answers(port) or process.poll() is not None, "nginx")
-            assert process.poll() is None, "a port was taken between choosing and using it"
             yield port, plain
         finally:
             process.terminate()
-
-
-def _answers(port: int) -> bool:
-    with socket.socket() as visitor:
-        return visitor.connect_ex(("127.0.0.1", port)) == 0
 
 
 def _cookies(jar: dict[str, str]) -> str:
@@ -133,7 +129,9 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
     with (
         serving(*options, log=tmp_path / "one") as served,
         serving(*options, "--address", "127.0.0.2", "--port", str(served.port), log=tmp_path / "two"),
-        _proxy(tmp_path, served.port, "127.0.0.1", "127.0.0.2") as (port, plain),
+        socket.create_server(("127.0.0.1", 0)) as one,
+        socket.create_server(("127.0.0.1", 0)) as two,
+        _proxy(tmp_path, served.port, (one, two), "127.0.0.1", "127.0.0.2") as (port, plain),
     ):
         jar: dict[str, str] = {}
 
@@ -185,7 +183,7 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
         # A session stays with the server that opened it, whichever of the two that is.
         logins = [
             create_signed_value("c" * 48, "user", "ada", clock=lambda age=age: time.time() - age).decode()
-            for age in range(16)
+            for age in range(24)
         ]
         for number, jar["user"] in enumerate(logins):
             assert ask(f"/try-{number}")[0] == 404

@@ -39,7 +39,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> _Clock:
 def _in_a_session(
     work: Callable[[Document, SimpleNamespace], None], begun: list[Any], other: Callable[[], None] = lambda: None
 ) -> None:
-    """Call it in a session; from when something has `begun`, do another's work in each turn of the loop to the end."""
+    """Call it in a session; from when something has `begun`, do another's work in each turn of the loop."""
 
     async def run() -> None:
         document, context = Document(), SimpleNamespace(destroyed=False)
