@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, BrowserContext, Page, expect
+from waiting import PATIENCE
 
 _FLAGS = [
     "--disable-gpu",
@@ -70,7 +71,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         assert line.startswith("NavBudget on http://"), line
         yield line.split()[-1]
         process.terminate()
-        assert process.wait() is not None
+        assert process.wait(PATIENCE) is not None
 
 
 @pytest.fixture
