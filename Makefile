@@ -3,7 +3,7 @@ PYTHON ?= python3
 PORT ?= 5006
 BIN := .venv/bin
 
-.PHONY: run test test-slow validation bench load lint browser postgresql nginx clean
+.PHONY: run test check test-slow validation bench load lint browser postgresql nginx clean
 .DEFAULT_GOAL := run
 
 .venv/.runtime: pyproject.toml
@@ -43,13 +43,17 @@ lint: .venv/.test
 	$(BIN)/lint-imports
 	$(BIN)/hadolint Dockerfile
 
-test: .venv/.test browser postgresql nginx lint
-	$(BIN)/python -m pytest -n 3 --dist loadfile -p no:benchmark --ignore tests/browser
-	$(BIN)/python -m pytest -n 2 --dist load -p no:benchmark tests/browser
+# Lint and both halves of the tests, each to its end. ORDER=random runs the files, and what is in each, in random order.
+test: .venv/.test browser postgresql nginx
+	$(BIN)/python tests/support/run.py test $(ORDER)
 
+# A minute at most, for while one works: lint and what is quick of the tests without a browser.
+check: .venv/.test
+	$(BIN)/python tests/support/run.py check $(ORDER)
+
+# What is too long for every time: many runs, and the longer ways through the browser.
 test-slow: .venv/.test browser postgresql nginx
-	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark --ignore tests/browser
-	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark tests/browser
+	$(BIN)/python tests/support/run.py slow $(ORDER)
 
 # What the Theory page says results were compared with, from the tests that compare them.
 validation: .venv/.test
