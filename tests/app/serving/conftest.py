@@ -139,14 +139,14 @@ def serving() -> Callable[..., Any]:
     return _serving
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def people(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("people") / "people"
     path.write_text(f"# the team\n\n{password_line('ada', _PASSWORD)}\n{password_line('bob', _PASSWORD + '2')}\n")
     return path
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def guarded(people: Path) -> Iterator[Served]:
     with _serving("--password-file", str(people)) as served:
         yield served

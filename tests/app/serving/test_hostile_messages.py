@@ -89,7 +89,7 @@ def test_hostile_messages_hurt_nobody_else_and_are_told_nothing(serving: Any, tm
 def test_nobody_saves_under_another_name(serving: Any, people: Path, tmp_path: Path) -> None:
     """The field with the name is shown disabled to whoever is logged in; a browser can be made to change it."""
     place = tmp_path / "library.db"
-    with serving("--password-file", str(people), "--library", str(place)) as served:
+    with serving("--password-file", str(people), "--library", str(place), "--processes", "1") as served:
         served.log_in("ada", PASSWORD)
         cookies = "; ".join(f"{key}={value}" for key, value in served.cookies.items())
 

@@ -63,7 +63,8 @@ def test_metrics_are_not_for_a_forwarded_stranger(visitor: Any) -> None:
 
 def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(serving: Any, people: Path, tmp_path: Path) -> None:
     log = tmp_path / "log"
-    with serving("--password-file", str(people), "--behind-proxy", "--log", "json", log=log) as served:
+    options = ("--password-file", str(people), "--behind-proxy", "--log", "json", "--processes", "1")
+    with serving(*options, log=log) as served:
         assert served.ask("/metrics", **{"X-Forwarded-For": "192.0.2.7"})[0] == 403
         found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
         assert found

@@ -94,7 +94,8 @@ def provider() -> Iterator[Provider]:
 
 def test_oauth_sends_to_the_provider(serving: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PANEL_OAUTH_SECRET", _SECRET)
-    with serving("--oauth-provider", "github", "--oauth-key", "the-id", "--oauth-allow", "ada") as served:
+    with serving("--oauth-provider", "github", "--oauth-key", "the-id", "--oauth-allow", "ada",
+                 "--processes", "1") as served:  # fmt: skip
         assert served.ask("/")[2]["Location"].startswith("./login")
         _, _, headers = served.ask("/login")
         assert headers["Location"].startswith("https://github.com/login/oauth/authorize?")
