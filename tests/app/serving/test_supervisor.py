@@ -58,8 +58,19 @@ def pair(serving: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any
     (folder / "patient.py").write_text(_PATIENT)
     options = ("--processes", "2", "--max-sessions", "5", "--session-lifetime", "1",
                "--library", str(folder / "library.db"))  # fmt: skip
-    with serving(*options, program=[str(folder / "patient.py")]) as served:
+    with serving(*options, program=[str(folder / "patient.py")], log=folder / "log") as served:
         yield served
+        family = _page_processes(served.process.pid)
+        assert len(family) == 2
+        port = served.port
+    _nothing_stays(family, port)  # told by SIGTERM, and ended with 0
+    assert "Traceback" not in (folder / "log").read_text()
+
+
+def _nothing_stays(family: set[int], port: int) -> None:
+    until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in family), "the end of the page processes")
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", port), PATIENCE)
 
 
 def test_pages_are_shared_out_and_the_limit_is_of_all_together(pair: Any) -> None:
@@ -117,9 +128,7 @@ async def _visit(address: str, pages: int) -> None:
         await tab.close()
 
 
-@pytest.mark.parametrize(
-    "number", [signal.SIGTERM, signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_when_it_ends_nothing_of_it_stays(number: signal.Signals) -> None:
     command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--processes", "2", "--grace", "0"]
     with ExitStack() as left:
@@ -133,9 +142,7 @@ def test_when_it_ends_nothing_of_it_stays(number: signal.Signals) -> None:
         assert len(family) == 2
         process.send_signal(number)
         assert process.wait(PATIENCE) == (-signal.SIGKILL if number == signal.SIGKILL else 0)
-        until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in family), "the end of the page processes")
-        with pytest.raises(ConnectionRefusedError):
-            socket.create_connection(("127.0.0.1", port), PATIENCE)
+        _nothing_stays(family, port)
         assert process.stderr is not None
         assert "Traceback" not in process.stderr.read()
 

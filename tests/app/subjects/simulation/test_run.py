@@ -6,6 +6,7 @@ import asyncio
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 
 import numpy as np
 import pytest
@@ -43,14 +44,15 @@ CHARTS = (
 )
 
 
-def _study(**options: object) -> DesignStudy:
-    spec = specification(DESIGN, **{"runs": 12, "duration": 60.0, "every": 2.0, **options})  # type: ignore[arg-type]
+@cache
+def _study(outages: tuple[tuple[float, float], ...] = (), runs: int = 12, states: int = 9) -> DesignStudy:
+    spec = specification(DESIGN, runs=runs, duration=60.0, every=2.0, outages=outages, states=states)
     return study_of(DESIGN, simulate(spec, closed_form=closed_form(DESIGN, spec)))
 
 
 @pytest.fixture(scope="module")
 def study() -> DesignStudy:
-    return _study(outages=[(40, 60)])
+    return _study(((40, 60),))
 
 
 def _fly(spec_options: dict[str, object], during: Callable[[SimulationRun, News], None]) -> list[News]:
@@ -72,7 +74,7 @@ def _fly(spec_options: dict[str, object], during: Callable[[SimulationRun, News]
 
 
 def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
-    options: dict[str, object] = {"runs": 80, "duration": 60.0, "every": 2.0, "outages": [(40, 60)]}
+    options: dict[str, object] = {"runs": 80, "duration": 60.0, "every": 2.0, "outages": ((40, 60),)}
     heard = _fly(options, lambda run, news: None)
     done = [news.done for news in heard if isinstance(news, Progress)]
     assert done == sorted(done)
@@ -80,7 +82,7 @@ def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
     last = heard[-1]
     assert isinstance(last, Result)
     assert not last.partial
-    assert np.array_equal(last.study.result.rms, _study(**options).result.rms)
+    assert np.array_equal(last.study.result.rms, _study(((40, 60),), runs=80).result.rms)
 
 
 def _slow_start() -> None:
@@ -152,7 +154,7 @@ def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: DesignStu
     assert len({line.label for line in chart.lines}) == len(chart.lines)
     assert "[" in chart.y_label
     assert "[" in chart.x_label
-    for other in (_study(outages=[(10, 20), (30, 35)], runs=3), _study(runs=2, states=15)):
+    for other in (_study(((10, 20), (30, 35)), runs=3), _study(runs=2, states=15)):
         fed = describe(other)
         figure.feed(fed)
         nothing = chart.key == "sim-outage" and not other.result.spec.outages
