@@ -10,7 +10,7 @@ from typing import Any
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
-from nav_model.sar.design_study import DesignStudy, chunks, design_study
+from nav_model.sar.design_study import SarStudy, chunks, design_study
 from nav_model.sar.study_json import to_json
 
 
@@ -33,7 +33,7 @@ def sar(design: Design, options: argparse.Namespace) -> dict[str, Any]:
     return to_json(flown, design_study(design, max(options.runs, LEAST_BESIDE), options.seed))
 
 
-def _flown(design: Design, options: argparse.Namespace) -> DesignStudy:
+def _flown(design: Design, options: argparse.Namespace) -> SarStudy:
     from app.subjects.simulation.console import show_progress
     from nav_model.simulation.monte_carlo import local_pool
 

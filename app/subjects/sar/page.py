@@ -40,7 +40,7 @@ from app.ui.html_pane import html_pane
 from nav_model.budget import Budget
 from nav_model.errors import InputError
 from nav_model.sar.design_case import Engine
-from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
+from nav_model.sar.design_study import ClosedForms, SarStudy, closed_forms
 from nav_model.sar.study_json import to_json
 
 _RUNS = (100, 200, 500, 1000)
@@ -141,7 +141,7 @@ class SarPage:
         )
 
     @property
-    def _study(self) -> DesignStudy | None:
+    def _study(self) -> SarStudy | None:
         return self._result.study if self._result else None
 
     def _write(self) -> None:
@@ -214,7 +214,7 @@ _PICTURES = (
 )
 
 
-def _standing(study: DesignStudy | None, stale: bool) -> str:
+def _standing(study: SarStudy | None, stale: bool) -> str:
     if study is None:
         return "<p class='quiet'>Closed forms only: the strategies have not been run.</p>"
     mark = (

@@ -19,7 +19,7 @@ from nav_model.design.file import format_design, parse_design
 from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
-from nav_model.sar.design_study import DesignStudy, chunks, gather, run_chunk, typical_history, typical_place
+from nav_model.sar.design_study import SarStudy, chunks, gather, run_chunk, typical_history, typical_place
 from nav_model.sar.pictures import Pictures, point_pictures, scene_pictures
 from nav_model.sar.study import choose_tuning
 
@@ -30,10 +30,10 @@ class SarResult:
     and a phase history of the user's with its navigation error, if there is one."""
 
     case: DesignCase
-    study: DesignStudy
+    study: SarStudy
     points: Pictures
     scene: Pictures
-    beside: DesignStudy | None = None
+    beside: SarStudy | None = None
     uploaded: PictureChart | None = None
 
     def stale(self, budget: Budget) -> bool:
@@ -97,7 +97,7 @@ class SarRun:
 
     async def _study(
         self, budget: Budget, runs: int, seed: int, engine: Engine, *, quiet: bool = False
-    ) -> tuple[DesignCase, DesignStudy]:
+    ) -> tuple[DesignCase, SarStudy]:
         sizes = chunks(runs, engine)
         case = design_case(budget, engine)
         tuning = await elsewhere(choose_tuning, case.models[1], case.aperture_time, seed)

@@ -10,7 +10,7 @@ from app.document.blocks import Cell, Column, Table
 from app.subjects.sar.charts import short_name
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
-from nav_model.sar.design_study import DesignStudy
+from nav_model.sar.design_study import SarStudy
 from nav_model.sar.geometry import metres_to_phase
 from nav_model.sar.strategies import STRATEGIES, Strategy
 from nav_model.units import plain_number
@@ -24,7 +24,7 @@ _FIXED = (
 )
 
 
-def error_table(study: DesignStudy, key: str) -> Table:
+def error_table(study: SarStudy, key: str) -> Table:
     """A row a strategy: closed form beside the runs, in millimetres and in degrees."""
     degrees = _degrees(study)
     rows = []
@@ -64,7 +64,7 @@ def error_table(study: DesignStudy, key: str) -> Table:
     )
 
 
-def parts_table(study: DesignStudy, key: str) -> Table:
+def parts_table(study: SarStudy, key: str) -> Table:
     """What each residual is made of, in degrees; the largest in millimetres; the jumps of the raw filter."""
     degrees = _degrees(study)
     parts = study.parts
@@ -96,7 +96,7 @@ def parts_table(study: DesignStudy, key: str) -> Table:
     )  # fmt: skip
 
 
-def agreement_table(study: DesignStudy, beside: DesignStudy, key: str) -> Table:
+def agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
     """Flights of the simulator beside the error model: the two engines, strategy by strategy."""
     found = agreement(study, beside)
     degrees = _degrees(study)
@@ -124,7 +124,7 @@ def agreement_table(study: DesignStudy, beside: DesignStudy, key: str) -> Table:
     )
 
 
-def response_tables(study: DesignStudy, key: str) -> tuple[Table, Table]:
+def response_tables(study: SarStudy, key: str) -> tuple[Table, Table]:
     """The impulse response of each strategy: lobe, then side lobes integrated, both ways."""
     cell = study.budget.sar.cell_length
     r = study.responses
@@ -171,7 +171,7 @@ def response_tables(study: DesignStudy, key: str) -> tuple[Table, Table]:
     )
 
 
-def _degrees(study: DesignStudy) -> float:
+def _degrees(study: SarStudy) -> float:
     """Two-way phase [°] of a metre of line of sight."""
     return math.degrees(float(metres_to_phase(1.0, study.budget.sar.wavelength)))
 
@@ -179,7 +179,7 @@ def _degrees(study: DesignStudy) -> float:
 def _kind(strategy: Strategy) -> str:
     if strategy.key == "1":
         return "reference"
-    return ("causal" if strategy.causal else "off-line") + (", reconstruction" if strategy.reconstruction else "")
+    return strategy.timing + (", reconstruction" if strategy.reconstruction else "")
 
 
 def _number(value: float) -> str:

@@ -13,7 +13,7 @@ from nav_model.budget import Budget
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
 from nav_model.sar.design_case import flight_cautions, study_cautions
-from nav_model.sar.design_study import ClosedForms, DesignStudy
+from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.geometry import metres_to_phase
 from nav_model.sar.strategies import STRATEGIES, Strategy
 from nav_model.units import plain_number
@@ -21,7 +21,7 @@ from nav_model.units import plain_number
 _NONE = '<span class="quiet" title="no closed form">—</span>'
 
 
-def answer(budget: Budget, closed: ClosedForms, study: DesignStudy | None, stale: bool) -> str:
+def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None, stale: bool) -> str:
     """Which strategy, why, and what would change the answer; then what the runs say."""
     advice = closed.advice
     css, mark = "open", ""
@@ -46,14 +46,14 @@ def phase_of_a_metre(budget: Budget) -> float:
     return math.degrees(float(metres_to_phase(1.0, budget.sar.wavelength)))
 
 
-def caution_list(budget: Budget, study: DesignStudy | None) -> str:
+def caution_list(budget: Budget, study: SarStudy | None) -> str:
     """What a careful reader must know."""
     flown = flight_cautions(study.budget) if study is not None and study.engine == "simulator" else ()
     items = "".join(f"<li>{prose(sentence)}</li>" for sentence in (*study_cautions(budget), *flown))
     return f'<ul class="cautions quiet" aria-label="Assumptions and cautions">{items}</ul>'
 
 
-def error_table(budget: Budget, closed: ClosedForms, study: DesignStudy | None, stale: bool) -> str:
+def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, stale: bool) -> str:
     """A row a strategy: closed form beside the runs, in millimetres and degrees, and the parts of the residual."""
     own = phase_of_a_metre(budget)
     degrees = own if study is None else phase_of_a_metre(study.budget)
@@ -88,7 +88,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: DesignStudy | None, 
     return _table("Errors by strategy", note, head, rows, stale)
 
 
-def response_table(study: DesignStudy | None, stale: bool) -> str:
+def response_table(study: SarStudy | None, stale: bool) -> str:
     """A row a strategy: the impulse response, side lobes both ways; medians and 5 to 95 %."""
     rows = []
     for index, strategy in enumerate(STRATEGIES):
@@ -122,7 +122,7 @@ def response_table(study: DesignStudy | None, stale: bool) -> str:
     return _table("Impulse response by strategy", note, head, rows, stale)
 
 
-def agreement_table(study: DesignStudy | None, beside: DesignStudy | None, stale: bool) -> str:
+def agreement_table(study: SarStudy | None, beside: SarStudy | None, stale: bool) -> str:
     """Flights of the simulator beside the fast engine; nothing where there are no flights."""
     if study is None or beside is None:
         return ""
@@ -168,7 +168,7 @@ def _table(title: str, note: str, head: tuple[str, ...], rows: list[tuple[str, l
 def _kind(strategy: Strategy) -> str:
     if strategy.key == "1":
         return "reference"
-    return ("causal" if strategy.causal else "off-line") + (", reconstruction" if strategy.reconstruction else "")
+    return strategy.timing + (", reconstruction" if strategy.reconstruction else "")
 
 
 def _number(value: float) -> str:

@@ -13,7 +13,7 @@ import panel_material_ui as pmui
 
 from app.ui.html_pane import html_pane
 from nav_model.errors import InputError
-from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, StudyInputs, read_study_inputs
+from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, SimulationInputs, read_study_inputs
 
 _TITLE = "Beyond the design: sensor errors, receiver, tuning"
 
@@ -41,7 +41,7 @@ class StudyControls:
         self.view = pn.Column(accordion, self.given, sizing_mode="stretch_width", margin=0)
 
     @property
-    def inputs(self) -> StudyInputs:
+    def inputs(self) -> SimulationInputs:
         """What is in force, of all boxes the last text that was good."""
         return read_study_inputs(self._texts)
 

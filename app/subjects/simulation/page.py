@@ -39,7 +39,7 @@ from nav_model.simulation.design_study import specification, to_document
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 
 if TYPE_CHECKING:
-    from nav_model.simulation.design_study import DesignStudy
+    from nav_model.simulation.design_study import SimulationStudy
 
 _FLIGHTS = {
     "wandering": "Nearly straight",
@@ -72,7 +72,7 @@ class SimulatePage:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._result: Result | None = None
-        self._file: tuple[str, bytes] | None = None
+        self._file: TrajectorySpec | None = None
         self._charts: list[ChartView] = []
         self._run = SimulationRun(self._told)
         self._more = StudyControls()
@@ -149,7 +149,7 @@ class SimulatePage:
             align_items="center", sizing_mode="stretch_width", margin=(6, 4, 0, 4),
         )  # fmt: skip
 
-    def _layout(self) -> tuple[tuple[Callable[[DesignStudy], Chart], int, int], ...]:
+    def _layout(self) -> tuple[tuple[Callable[[SimulationStudy], Chart], int, int], ...]:
         """Chart, height in pixels, columns of twelve on a wide screen."""
         from app.subjects.simulation import charts
 
@@ -167,7 +167,7 @@ class SimulatePage:
             (charts.designed_attitude_chart, 280, 6),
         )
 
-    def _ensemble(self, study: DesignStudy) -> Chart:
+    def _ensemble(self, study: SimulationStudy) -> Chart:
         from app.subjects.simulation.charts import ensemble_chart
 
         return ensemble_chart(study, self._axis.value)
@@ -186,7 +186,7 @@ class SimulatePage:
         self._place.append(grid(*cells))
 
     @property
-    def _study(self) -> DesignStudy:
+    def _study(self) -> SimulationStudy:
         assert self._result is not None
         return self._result.study
 
@@ -218,7 +218,7 @@ class SimulatePage:
         if flight == "file":
             if self._file is None:
                 raise InputError("Trajectory file", "none given yet")
-            flight = TrajectorySpec(kind="file", samples=self._file[1])
+            flight = self._file
         spec = specification(
             self._session.design,
             trajectory=flight,
@@ -274,16 +274,14 @@ class SimulatePage:
             return
         name = str(self._upload.filename or "file")
         # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
-        files = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.trajectory_file")
+        files = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.trajectory")
         try:
-            samples = await elsewhere(files.parse_trajectory, event.new.decode("utf-8"), name)
-        except UnicodeDecodeError:
-            self._say(f"Not used. {name}: not a text file.")
-        except ValueError as error:
+            flight = await elsewhere(files.parse_trajectory, event.new, name)
+        except InputError as error:
             self._say(f"Not used. {error}")
         else:
-            self._file = (name, samples)
-            length = files.file_duration(samples)
+            self._file = flight
+            length = files.file_duration(flight)
             self._say(f"{name}: a flight of {length:.4g} s.")
             self._length.value = f"{math.floor(10 * length) / 10:.1f}"
 

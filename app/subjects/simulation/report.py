@@ -12,7 +12,7 @@ from app.subjects.simulation import charts
 from app.subjects.simulation.tables import DEPARTURES, alike, when
 from nav_model.design import Design
 from nav_model.design.file import parse_design
-from nav_model.simulation.design_study import DesignStudy, moments
+from nav_model.simulation.design_study import SimulationStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
@@ -45,18 +45,18 @@ REFERENCES = (
 )
 
 
-def belongs(study: DesignStudy, design: Design) -> bool:
+def belongs(study: SimulationStudy, design: Design) -> bool:
     """Whether the study was flown for exactly this design."""
     return _content_hash(study.design_file) == design.content_hash
 
 
-def of_design(study: DesignStudy) -> str:
+def of_design(study: SimulationStudy) -> str:
     """The design it was flown for."""
     design = _design(study)
     return f"{design.name or 'without a name'} ({design.content_hash[:12]})"
 
 
-def sections(study: DesignStudy, key: str) -> tuple[Section, ...]:
+def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
     """What was run and found, then the charts."""
     skipped = () if study.result.spec.outages else (charts.outage_chart,)
     drawn = tuple(chart_block(draw(study), key) for draw in _CHARTS if draw not in skipped)
@@ -78,11 +78,11 @@ def _content_hash(design_file: str) -> str:
     return parse_design(design_file).content_hash
 
 
-def _design(study: DesignStudy) -> Design:
+def _design(study: SimulationStudy) -> Design:
     return parse_design(study.design_file)
 
 
-def _verdict(study: DesignStudy) -> Answer:
+def _verdict(study: SimulationStudy) -> Answer:
     result = study.result
     nees = result.nees
     word, tone = ("✓ Consistent", "good")
@@ -104,7 +104,7 @@ def _verdict(study: DesignStudy) -> Answer:
     return Answer(word, tone, (sentence,))
 
 
-def _run_table(study: DesignStudy, key: str) -> Table:
+def _run_table(study: SimulationStudy, key: str) -> Table:
     spec = study.result.spec
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = spec.runs * spec.duration / 3600
@@ -126,7 +126,7 @@ def _run_table(study: DesignStudy, key: str) -> Table:
     )
 
 
-def _sigma_table(study: DesignStudy, key: str) -> Table:
+def _sigma_table(study: SimulationStudy, key: str) -> Table:
     """Simulated, filter, closed form and refined sigma of every state, at the last fix and at the outage's end."""
     result = study.result
     closed = result.closed_form_sigma
@@ -160,7 +160,7 @@ def _sigma_table(study: DesignStudy, key: str) -> Table:
     )
 
 
-def _departures(study: DesignStudy, key: str) -> tuple[Block, ...]:
+def _departures(study: SimulationStudy, key: str) -> tuple[Block, ...]:
     if not study.departures:
         return (Text("Filter, simulated errors and closed form agree within 10 % in every state at every time."),)
     rows = tuple(

@@ -17,7 +17,7 @@ from app.work.pool import elsewhere, size
 from nav_model.design import Design
 from nav_model.design.file import format_design
 from nav_model.errors import InputError
-from nav_model.simulation.design_study import DesignStudy, conclude, refusal
+from nav_model.simulation.design_study import SimulationStudy, conclude, refusal
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.warm import warm_up
 
@@ -65,7 +65,7 @@ class Result:
     """A study of `design`, of all its runs or (``partial``) of those flown so far."""
 
     design: Design
-    study: DesignStudy
+    study: SimulationStudy
     partial: bool
 
 
@@ -109,7 +109,7 @@ class SimulationRun:
         self._task = None
         self._told(last)
 
-    async def _fly(self, design: Design, spec: SimulationSpec) -> DesignStudy:
+    async def _fly(self, design: Design, spec: SimulationSpec) -> SimulationStudy:
         pressed = time.monotonic()
         await self._patiently(prepare(), pressed)
         # Numba and the kernels' modules take a second to import: in a thread, so that others' sliders move on.

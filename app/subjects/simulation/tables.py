@@ -9,7 +9,7 @@ from app.document.numbers import show
 from app.document.prose import prose
 from app.subjects.simulation.run import Compiling, Progress, Result
 from nav_model.simulation.departures import SMALL, Departure, cause_in_words
-from nav_model.simulation.design_study import DesignStudy, moments
+from nav_model.simulation.design_study import SimulationStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
 
@@ -53,7 +53,7 @@ def verdict_strip(result: Result, stale: bool) -> str:
     )
 
 
-def comparison_table(study: DesignStudy) -> str:
+def comparison_table(study: SimulationStudy) -> str:
     """Simulated, filter and closed-form sigma of every state, at the last fix and at the end of the outage."""
     result = study.result
     closed = result.closed_form_sigma
@@ -86,7 +86,7 @@ def comparison_table(study: DesignStudy) -> str:
     )
 
 
-def departure_table(study: DesignStudy) -> str:
+def departure_table(study: SimulationStudy) -> str:
     """Where filter or simulated errors and the closed form part by more than a tenth, and why."""
     title = '<h3 style="margin-top: 8px">Where closed form and simulation part, and why</h3>'
     if not study.departures:
@@ -115,7 +115,7 @@ def when(found: Sequence[Departure]) -> str:
     return f"{start:g} to {stop:g} s, {_PHASES_IN_WORDS[found[0].phase]}"
 
 
-def alike(study: DesignStudy) -> list[list[Departure]]:
+def alike(study: SimulationStudy) -> list[list[Departure]]:
     """Departures of axes that part in the same phase for the same causes, together."""
     groups: dict[tuple[object, ...], list[Departure]] = {}
     for found in study.departures:
@@ -124,7 +124,7 @@ def alike(study: DesignStudy) -> list[list[Departure]]:
     return list(groups.values())
 
 
-def _why(found: Sequence[Departure], study: DesignStudy) -> str:
+def _why(found: Sequence[Departure], study: SimulationStudy) -> str:
     said = [
         f"{prose(cause_in_words(cause, study.result.spec))} "
         f'<span class="num">({_range([d.steps[place][1] for d in found])})</span>'
@@ -138,7 +138,7 @@ def _range(values: list[float]) -> str:
     return f"×{low}" if low == high else f"×{low} to {high}"
 
 
-def condition_list(study: DesignStudy) -> str:
+def condition_list(study: SimulationStudy) -> str:
     """What of the simulated world differs from the closed forms'."""
     items = "".join(f"<li>{prose(sentence)}</li>" for sentence in study.conditions)
     return f'<ul class="cautions quiet" aria-label="Conditions of the simulation">{items}</ul>'
