@@ -1,4 +1,13 @@
-"""Two decorators for compiled code: `kernel` for what Python calls, `part` for what only kernels call."""
+"""Two decorators for compiled code: `kernel` for what Python calls, `part` for what only kernels call.
+
+Numba compiles a cached kernel again when its own file has changed, but not when a kernel that it calls, in another
+file, has: results would come from code that no longer exists. Each kernel here carries the digest of all their files,
+through two private names of Numba's.
+
+Written for: numba 0.68.1
+Upstream: numba/numba#8396 (open), numba/numba#1833
+Needless when: tests/nav_model/test_compiled.py::test_as_shipped_a_changed_callee_goes_unnoticed fails
+"""
 
 from __future__ import annotations
 
@@ -32,8 +41,6 @@ def room_digest() -> str:
 def kernel(function: F) -> F:
     """Compile `function` with Numba for calls from Python: cached on disk, no interpreter lock, IEEE arithmetic.
 
-    Numba invalidates a cached kernel when its own file changes, but not when a kernel it calls (in
-    another file) does. Stamping every kernel with the digest of these rooms closes that hole.
     Where no directory is writable the kernel is compiled for this process only.
     """
     try:

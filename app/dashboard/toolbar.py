@@ -21,7 +21,7 @@ from app.session import Session
 from app.ui.downloads import run_download
 from app.ui.theme import PRINT_NOTHING
 from app.ui.tour import Tour
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 from nav_model.design import Design

@@ -30,7 +30,7 @@ from app.ui.chart_pane import ChartView
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.alone import run_alone
 from app.work.run import Run
 from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibration_factor, bench_of

@@ -23,6 +23,7 @@ from nav_model.budget import Budget, analyse
 from nav_model.design.file import read_design
 from nav_model.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("charts_drawn_once")
 EXAMPLES = Path(__file__).parents[4] / "examples"
 HOSTILE = "<script>alert(1)</script> #panic() $x$ {{7*7}}"
 
