@@ -96,3 +96,23 @@ def test_a_changed_callee_is_compiled_again(tmp_path, file, old, new, expected):
     assert changed != text
     source.write_text(changed)
     assert abs(fall() - expected) < 0.04
+
+
+def test_as_shipped_a_changed_callee_goes_unnoticed(tmp_path):
+    """Numba without the digest: the caller's cached code still holds the old callee."""
+    (tmp_path / "callee.py").write_text("from numba import njit\n@njit(cache=True)\ndef inner():\n    return 1\n")
+    (tmp_path / "caller.py").write_text(
+        "from numba import njit\nfrom callee import inner\n@njit(cache=True)\ndef outer():\n    return inner()\n"
+    )
+
+    def outer() -> str:
+        code = "from caller import outer; print(outer())"
+        environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+        )
+        return done.stdout.strip()
+
+    assert outer() == "1"
+    (tmp_path / "callee.py").write_text("from numba import njit\n@njit(cache=True)\ndef inner():\n    return 22\n")
+    assert outer() == "1"

@@ -119,3 +119,16 @@ def test_a_choice_reaches_the_design(session: Session) -> None:
     ChoiceControl(session, "gnss.correlated").widget.value = True
     assert session.design.radar.window == "taylor"
     assert session.design.gnss.correlated is True
+
+
+def test_an_explained_input_says_where_its_value_came_from(session: Session) -> None:
+    control = QuantityControl(session, "imu.rate")
+    control.explained = True
+    before, origin = session.design, "data sheet, page 3"
+    session.change({"imu.rate": 250.0}, origins={"imu.rate": origin})
+    assert control.differs(before.replace({"imu.rate": 250.0}), session.design)
+    control.show(session.design)
+    assert control.box.helper_text.startswith(f"From: {origin}.")
+    session.change({"imu.rate": 200.0})
+    control.show(session.design)
+    assert origin not in control.box.helper_text

@@ -103,10 +103,3 @@ def test_heavy_work_steps_back_behind_the_pages(monkeypatch: pytest.MonkeyPatch)
     receiver, sender = multiprocessing.Pipe(duplex=False)
     long_run._work(sender, lambda progress: len(stepped), ())
     assert receiver.recv() == ("done", 1)
-
-
-def test_the_collector_is_left_to_itself_when_a_page_closes() -> None:
-    """Panel collects in full for each closed page; the name it does so by is its own and may change."""
-    from panel.io.document import _destroy_document
-
-    assert "_garbage_collect" in _destroy_document.__code__.co_names

@@ -75,7 +75,7 @@ def test_the_user_chooses_the_moment_of_the_cycle(moment):
 
 def test_prior_is_the_default_and_the_worst():
     budget = analyse(BASE.replace({"requirements.horizontal_position": 1.0}))
-    assert _check(budget, "horizontal_position").figure == "prior"
+    assert _check(budget, "horizontal_position").basis == "prior"
     assert budget.steady_state.prior.position_horizontal > budget.steady_state.closed.position_horizontal
 
 

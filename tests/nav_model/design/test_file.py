@@ -12,8 +12,9 @@ import nav_model
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import deviations, format_design, parse_design, preset_fill, read_design
+from nav_model.design.file import format_design, parse_design, read_design
 from nav_model.design.parts import INPUTS
+from nav_model.design.presets import deviations, preset_fill
 from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS
 

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import preset_fill
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import INPUTS
+from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS, parse_quantity
 

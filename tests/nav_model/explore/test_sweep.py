@@ -6,7 +6,8 @@ import pyarrow.parquet
 import pytest
 
 from nav_model.budget import analyse
-from nav_model.design.file import format_design, parse_design, preset_fill
+from nav_model.design.file import format_design
+from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
@@ -127,7 +128,7 @@ name = "inline"
     )
     assert plan.rows == 3
     assert plan.results == ("tilt",)
-    assert parse_design(plan.design).name == "inline"
+    assert plan.design.name == "inline"
     assert [list(i) for i in plan.indices(0, 3)] == [[0, 1, 2], [0, 1, 2]]
 
 

@@ -47,7 +47,7 @@ def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):
 def test_a_scheduler_that_is_not_there_is_named():
     with (
         refusing_port() as port,
-        pytest.raises(ValueError, match=rf"scheduler = 'tcp://127\.0\.0\.1:{port}'"),
+        pytest.raises(ValueError, match=rf"scheduler: no Dask scheduler answers at 'tcp://127\.0\.0\.1:{port}'"),
         cluster_pool(f"tcp://127.0.0.1:{port}", 1.0),
     ):
         pass

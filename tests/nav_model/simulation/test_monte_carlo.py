@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from nav_model.design import Design
-from nav_model.design.file import format_design
 from nav_model.simulation.departures import chain, departures
 from nav_model.simulation.monte_carlo import SimulationCancelled, chunks, local_pool, run_chunk, simulate
 from nav_model.simulation.result import to_arrays, to_csv, to_json
@@ -157,7 +156,7 @@ def check_against_closed_form(spec: SimulationSpec) -> float:
         columns = [0, 1, 3, 4, 6, 7] + ([2, 5] if after <= 45.0 else [])
         assert np.all((ratio[columns] > low) & (ratio[columns] < high)), after
         seen.append(np.abs(ratio[columns] - 1).max())
-    found = departures(result, chain(format_design(Design({"flight.speed": 50.0})), spec))
+    found = departures(result, chain(Design({"flight.speed": 50.0}), spec))
     assert not any(d.group == "position" and d.axis == "north" and d.start_s > 400.0 for d in found)
     assert all(d.reason for d in found)
     share = result.tilt_share_m[-1, 0] / result.closed_form_sigma[-1, 0]

@@ -20,7 +20,6 @@ from app.subjects.sensors.charts import axis_chart, triad_chart
 from app.subjects.sensors.log_study import LogRequest, study_log
 from app.subjects.sensors.page import SensorsPage
 from app.subjects.sensors.tables import coefficient_tables, origin_table
-from app.ui.upload import LimitedFileInput
 from app.work.alone import RunLost, run_alone
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import LogOptions
@@ -147,33 +146,6 @@ def test_a_process_that_dies_is_an_answer(monkeypatch: pytest.MonkeyPatch, capfd
     with pytest.raises(RunLost, match="without an answer"):
         asyncio.run(run_alone(study_log, "not a request", progress=lambda fraction, what: None))
     assert "Traceback" in capfd.readouterr().err
-
-
-def test_uploads_are_limited_where_they_arrive():
-    refused: list[str] = []
-    taken: list[bytes] = []
-    widget = LimitedFileInput(refused.append, max_file_size=1000)
-    widget.param.watch(lambda event: taken.append(event.new), "value")
-
-    def send(*chunks: bytes) -> None:
-        widget._handle_msg({"status": "initializing"})
-        for number, data in enumerate(chunks, start=1):
-            widget._handle_msg(
-                {"status": "upload_event", "name": "a", "chunk": number, "total_chunks": len(chunks),
-                 "mime_type": "", "data": data}
-            )  # fmt: skip
-        widget._handle_msg({"status": "finished"})
-
-    send(b"x" * 600, b"y" * 400)
-    assert [len(content) for content in taken] == [1000]
-    send(b"x" * 600, b"y" * 401)
-    send()
-    widget._handle_msg({"status": "error", "error": "File too large"})
-    assert refused == ["larger than 0 MB", "the file is empty", "File too large"]
-    assert len(taken) == 1
-    assert not widget._file_buffer
-    send(b"again")
-    assert taken[-1] == b"again"
 
 
 def test_catalogue_marks_what_is_not_confirmed():

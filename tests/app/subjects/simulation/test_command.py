@@ -140,7 +140,7 @@ def test_a_scheduler_that_is_not_there_is_one_line(capsys, monkeypatch) -> None:
     monkeypatch.setattr(cluster, "cluster_pool", lambda address: answer(address, 1.0))
     with refusing_port() as port:
         assert _simulate("--scheduler", f"tcp://127.0.0.1:{port}") == 2
-    assert f"--scheduler: 'tcp://127.0.0.1:{port}'" in capsys.readouterr().err
+    assert f"--scheduler: no Dask scheduler answers at 'tcp://127.0.0.1:{port}'" in capsys.readouterr().err
 
 
 def test_a_failure_leaves_the_old_file(tmp_path, capsys) -> None:
