@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from app.charts.kinds import PictureChart
 from app.work.pool import elsewhere
-from nav_model.budget import Budget, analyse
-from nav_model.design.file import format_design, parse_design
+from nav_model.budget import Budget
 from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
@@ -92,7 +91,7 @@ class SarRun:
         beside = None
         if engine == "simulator":
             _, beside = await self._study(budget, max(runs, LEAST_BESIDE), seed, "fast", quiet=True)
-        points, scene = await elsewhere(pictures_of_text, format_design(budget.design), study.typical)
+        points, scene = await elsewhere(pictures, budget, study.typical)
         return SarResult(case, study, points, scene, beside)
 
     async def _study(
@@ -112,7 +111,6 @@ class SarRun:
         return case, gather(budget, case, tuning, seed, parts, history)
 
 
-def pictures_of_text(text: str, residual: NDArray[np.float64]) -> tuple[Pictures, Pictures]:
-    """Both pictures for a design as text, in a worker."""
-    budget = analyse(parse_design(text, "design"))
+def pictures(budget: Budget, residual: NDArray[np.float64]) -> tuple[Pictures, Pictures]:
+    """Of the points and of the scene, with this residual; in a worker process."""
     return point_pictures(budget, residual), scene_pictures(budget, residual)

@@ -18,7 +18,7 @@ from app.subjects.sar.pictures import picture_gallery
 from app.subjects.sar.run import SarResult
 from app.ui.fields import number
 from app.ui.html_pane import html_pane
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from nav_model.errors import InputError
 from nav_model.sar.pictures import uploaded_pictures

@@ -31,7 +31,7 @@ from app.subjects.simulation.run import (
 from app.ui.chart_pane import ChartView, chart_cells
 from app.ui.grid import grid
 from app.ui.html_pane import html_pane
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 from nav_model.errors import InputError

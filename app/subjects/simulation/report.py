@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 from app.document.blocks import Answer, Block, Bullets, Cell, Column, Section, Table, Text
 from app.document.chart_block import chart_block
@@ -11,7 +10,6 @@ from app.document.numbers import number
 from app.subjects.simulation import charts
 from app.subjects.simulation.tables import DEPARTURES, alike, when
 from nav_model.design import Design
-from nav_model.design.file import parse_design
 from nav_model.simulation.design_study import SimulationStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
@@ -47,13 +45,12 @@ REFERENCES = (
 
 def belongs(study: SimulationStudy, design: Design) -> bool:
     """Whether the study was flown for exactly this design."""
-    return _content_hash(study.design_file) == design.content_hash
+    return study.design.content_hash == design.content_hash
 
 
 def of_design(study: SimulationStudy) -> str:
     """The design it was flown for."""
-    design = _design(study)
-    return f"{design.name or 'without a name'} ({design.content_hash[:12]})"
+    return f"{study.design.name or 'without a name'} ({study.design.content_hash[:12]})"
 
 
 def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
@@ -70,16 +67,6 @@ def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
         ),
         Section(f"{key}-simulation-charts", "Simulation: errors against time", drawn),
     )  # fmt: skip
-
-
-@lru_cache(maxsize=32)
-def _content_hash(design_file: str) -> str:
-    """Asked for at every step of a slider."""
-    return parse_design(design_file).content_hash
-
-
-def _design(study: SimulationStudy) -> Design:
-    return parse_design(study.design_file)
 
 
 def _verdict(study: SimulationStudy) -> Answer:

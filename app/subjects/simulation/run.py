@@ -15,9 +15,8 @@ from typing import Any, TypeVar
 
 from app.work.pool import elsewhere, size
 from nav_model.design import Design
-from nav_model.design.file import format_design
 from nav_model.errors import InputError
-from nav_model.simulation.design_study import SimulationStudy, conclude, refusal
+from nav_model.simulation.design_study import SimulationStudy, conclude
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.warm import warm_up
 
@@ -103,7 +102,7 @@ class SimulationRun:
         except asyncio.CancelledError:
             last = f"Cancelled after {self._done} of {spec.runs} runs."
         except (ValueError, ArithmeticError) as error:
-            last = f"Not flown. {refusal(error, design) if isinstance(error, ValueError) else error}"
+            last = f"Not flown. {error}"
         except BrokenProcessPool:
             last = "Not flown. A worker process ended before its runs were done; start again."
         self._task = None
@@ -116,7 +115,6 @@ class SimulationRun:
         single = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.single_run")
         many = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.monte_carlo")
         sums = importlib.import_module("nav_model.simulation.statistics")
-        text = format_design(design)
         # Compiles once more where nothing could be kept on disk.
         nominal = await self._patiently(elsewhere(single.fly_without_errors, spec), pressed)
         self._told(Progress(0, spec.runs, None))
@@ -139,13 +137,11 @@ class SimulationRun:
                 if flying and now - looked > _LOOK_SECONDS and (looking is None or looking.done()):
                     looked = now
                     # A copy: merging replaces the sums of `total`, and the copy is sent off later.
-                    looking = asyncio.create_task(
-                        self._look(design, text, spec, copy.copy(total), nominal, now - began)
-                    )
+                    looking = asyncio.create_task(self._look(design, spec, copy.copy(total), nominal, now - began))
         finally:
             for task in (*flying, *([looking] if looking else [])):
                 task.cancel()
-        return await elsewhere(conclude, text, spec, total, nominal, time.monotonic() - began)
+        return await elsewhere(conclude, design, spec, total, nominal, time.monotonic() - began)
 
     async def _patiently(self, preparing: Awaitable[_T], began: float) -> _T:
         """What `preparing` gives, with word of how long it has been."""
@@ -160,11 +156,9 @@ class SimulationRun:
             raise
         return task.result()
 
-    async def _look(
-        self, design: Design, text: str, spec: SimulationSpec, total: Any, nominal: Any, wall_s: float
-    ) -> None:
+    async def _look(self, design: Design, spec: SimulationSpec, total: Any, nominal: Any, wall_s: float) -> None:
         so_far = replace(spec, runs=total.runs)
-        self._told(Result(design, await elsewhere(conclude, text, so_far, total, nominal, wall_s), partial=True))
+        self._told(Result(design, await elsewhere(conclude, design, so_far, total, nominal, wall_s), partial=True))
 
 
 def same_subject(one: Design, other: Design) -> bool:
