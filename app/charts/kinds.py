@@ -19,10 +19,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-FLOOR_DB = -40.0
-"""Where the scale of pictures in decibels ends."""
-
-
 @dataclass(frozen=True)
 class Line:
     """A curve. ``source`` says where it comes from: equation and method, shown on hover and in print."""
@@ -255,7 +251,7 @@ class PictureChart:
     names: tuple[str, ...]
     captions: tuple[str, ...]
     reference: str
-    floor_db: float = FLOOR_DB
+    floor_db: float = -40.0
     knowledge: str = ""
 
     @property

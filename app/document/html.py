@@ -20,10 +20,10 @@ from markupsafe import Markup, escape
 
 from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, PictureChart, to_csv
 from app.charts.legend import legend_html
+from app.charts.pictures import picture_gallery
 from app.charts.screen.figures import to_bokeh
 from app.document.blocks import Equations, Report, Symbols
 from app.document.pane import html_of
-from app.subjects.sar.pictures import picture_gallery
 
 _MARK = re.compile(r"\[([TSB]-\d+)\]")
 _MATH = re.compile(r"<math.*?</math>", re.DOTALL)

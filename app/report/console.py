@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from app.console.files import whole_file
+from app.console.progress import count_runs
 from app.document.blocks import Section
 from app.document.wording import chapter_key, design_labels
 from app.report import kind_of, report_bytes
@@ -85,7 +86,8 @@ def _sar(design: Design, options: argparse.Namespace) -> Any:
     if options.seed < 0:
         raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
     try:
-        study = design_study(design, runs, options.seed, lambda done, of: _say(f"SAR: {done} of {of} runs"))
+        with count_runs("SAR: ") as progress:
+            study = design_study(design, runs, options.seed, progress)
     except InputError:
         raise
     except ValueError as error:

@@ -23,7 +23,7 @@ class RunBar(pn.viewable.Viewer):
     """
 
     run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    message: str = param.String(default="", doc="What to say between runs, as text; why a run failed comes first.")
+    message: str = param.String(default="", doc="What to say between runs, as text, until a run says more.")
 
     def __init__(self, run: Run, start: Callable[[], Any], label: str, *fields: Any) -> None:
         super().__init__(run=run)
@@ -42,14 +42,21 @@ class RunBar(pn.viewable.Viewer):
     def __panel__(self) -> pn.FlexBox:
         return self._view
 
-    @param.depends("run.running", "run.progress", "run.message", "message", watch=True)
-    def _say(self) -> None:
+    @param.depends("run.running", "run.progress", "run.message", watch=True)
+    def _follow(self) -> None:
         run = self.run
         if run.running:
             self.state.object = progress_html(run.progress or Progress("Starting"))
         else:
-            said = run.message or self.message
-            self.state.object = f'<p role="status">{escape(said)}</p>' if said else ""
+            self._say(run.message or self.message)
+
+    @param.depends("message", watch=True)
+    def _tell(self) -> None:
+        if not self.run.running:
+            self._say(self.message)
+
+    def _say(self, text: str) -> None:
+        self.state.object = f'<p role="status">{escape(text)}</p>' if text else ""
 
 
 def progress_html(progress: Progress) -> str:

@@ -7,14 +7,12 @@ import io
 import json
 import os
 import sys
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import IO
 
 import numpy as np
 
 from app.console.files import whole_file
+from app.console.progress import COMPILES, count_runs
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.simulation.design_study import (
@@ -32,7 +30,6 @@ from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_P
 _KINDS = (".json", ".npz", ".csv")
 _DURATION = 500.0
 _LARGEST_KEPT = 4e9  # bytes: every run's errors are held in memory until they are written
-_QUIET_SECONDS = 5.0  # between lines of progress where nobody watches a terminal
 
 
 def list_inputs() -> int:
@@ -153,12 +150,12 @@ def _outage(text: str) -> tuple[float, float]:
 
 
 def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> DesignStudy:
-    print("preparing; the first use on a machine compiles the simulator, half a minute", file=sys.stderr, flush=True)
+    print(COMPILES, file=sys.stderr, flush=True)
     from nav_model.simulation.cluster import cluster_pool
     from nav_model.simulation.monte_carlo import chunks, simulate
 
     compare = closed_form(design, spec)
-    with show_progress() as progress:
+    with count_runs() as progress:
         try:
             if options.scheduler:
                 with cluster_pool(options.scheduler) as (pool, threads):
@@ -173,29 +170,6 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
             raise InputError("simulate", str(error)) from error
     print(result.verdict, file=sys.stderr)
     return study_of(design, result)
-
-
-@contextmanager
-def show_progress() -> Iterator[Callable[[int, int], None]]:
-    """Runs done and time left: one line rewritten on a terminal, a line now and then elsewhere."""
-    terminal = sys.stderr.isatty()
-    began = said = time.monotonic()
-
-    def show(done: int, runs: int) -> None:
-        nonlocal said
-        now = time.monotonic()
-        if not terminal and now - said < _QUIET_SECONDS and done < runs:
-            return
-        said = now
-        left = (now - began) * (runs - done) / done
-        line = f"{done} of {runs} runs, {left:.0f} s left"
-        print(f"\r\x1b[K{line}" if terminal else line, end="" if terminal else "\n", file=sys.stderr, flush=True)
-
-    try:
-        yield show
-    finally:
-        if terminal:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
 def _json(study: DesignStudy) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from app.subjects.sar.pictures import gallery
 
 import app.subjects.sar.run as sar_run
 import app.subjects.sar.upload as sar_upload
@@ -19,7 +20,6 @@ from app.serving.server import first_design
 from app.session import Session
 from app.subjects.sar.charts import gnss_winner_chart
 from app.subjects.sar.page import SarPage
-from app.subjects.sar.pictures import gallery
 from app.subjects.sar.report import sections
 from app.subjects.sar.run import Progress, SarResult, SarRun
 from nav_model.budget import analyse
