@@ -46,7 +46,7 @@ _FLIGHTS = {
     "A climb half way": "climb",
     "From a file (CSV)": "file",
 }
-_AXES = ("north", "east", "down")
+_AXES = ["north", "east", "down"]
 _MOST_RUNS = 2000
 _MOST_SAMPLES = 1e9  # of the instrument, over all runs: ten minutes and more of one processor
 _LONGEST_RUN = 2e6  # samples of one run: what a worker holds in memory
@@ -76,10 +76,10 @@ class SimulatePage(pn.viewable.Viewer):
 
     run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
     trajectory: str = param.Selector(default="wandering", objects=_FLIGHTS)
-    runs: str = param.String(default="50", label="Runs")
-    length: str = param.String(default="300", label="Length [s]")
-    outages: str = param.String(default="200,300", label="Outages [s]")
-    seed: str = param.String(default="1", label="Seed")
+    runs = param.String(default="50", label="Runs")
+    length = param.String(default="300", label="Length [s]")
+    outages = param.String(default="200,300", label="Outages [s]")
+    seed = param.String(default="1", label="Seed")
     states: int = param.Selector(
         default=9, objects={f"{count} states": count for count in FILTER_STATES}, label="Filter"
     )
@@ -177,11 +177,11 @@ class SimulatePage(pn.viewable.Viewer):
 
     # --- the run --------------------------------------------------------------------------------------
 
-    def _begin(self) -> asyncio.Task[None]:
+    def _begin(self) -> None:
         async def work(run: Run) -> Flown:
             return await fly(run, self._session.design, self._specification())
 
-        return self.run.start(work)
+        self.run.start(work)
 
     @param.depends("run.result", watch=True)
     def _found(self) -> None:

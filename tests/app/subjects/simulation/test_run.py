@@ -262,7 +262,9 @@ def test_what_the_fields_refuse_is_said_at_the_bar() -> None:
     page.outages = "later"
 
     async def begin() -> None:
-        await page._begin()
+        page._begin()
+        while page.run.running:
+            await asyncio.sleep(0.01)
 
     with ThreadPoolExecutor(1) as thread:
         thread.submit(asyncio.run, begin()).result()
