@@ -30,7 +30,7 @@ def test_runs_go_stale_with_the_design_and_the_closed_forms_follow(visit: Visit)
     page.get_by_role("button", name="Run the strategies").click()
     expect(page.get_by_text("of 1000 runs, about")).to_be_visible(timeout=30_000)
     page.get_by_role("button", name="Cancel").click()
-    expect(page.get_by_text("Cancelled.")).to_be_visible()
+    expect(page.get_by_text("Cancelled: ")).to_be_visible()
 
 
 @pytest.mark.slow
@@ -62,7 +62,7 @@ def test_every_part_is_accessible_and_pictures_are_taken_away(visit: Visit, tmp_
     waiting.value.save_as(tmp_path / "point.npz")
     with np.load(tmp_path / "point.npz") as packed:
         assert packed["power_db"].shape == (9, 61, 121)
-    region = page.get_by_role("region", name="Errors by strategy")
+    region = page.get_by_role("region", name="Line-of-sight error by strategy")
     region.focus()
     region.press("ArrowRight")
     page.wait_for_function("e => e.scrollLeft > 0", arg=region.element_handle())
@@ -82,7 +82,7 @@ def test_the_simulator_flies_and_is_cancelled(visit: Visit) -> None:
     run.press("Enter")
     expect(page.get_by_text("of 100 runs, about")).to_be_visible(timeout=180_000)
     cancel.press("Enter")
-    expect(page.get_by_text("Cancelled.")).to_be_visible()
+    expect(page.get_by_text("Cancelled: ")).to_be_visible()
     expect(page.get_by_text("100 runs of the error model")).to_have_count(0)
     run.press("Enter")
     expect(page.get_by_text("The two engines beside each other")).to_be_visible(timeout=180_000)
