@@ -16,6 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.explore.trade_map import MapPoint, TradeMap
+
 Array = NDArray[np.float64]
 
 
@@ -260,6 +262,81 @@ class PictureChart:
         return f"{_extent(self.x_label, self.x)} across, {_extent(self.y_label, self.y)} upwards"
 
 
+LEVELS = (0.5, 1.0, 2.0)
+"""Contours of a map, as multiples of the limit (or of the design's own value when there is no limit)."""
+
+
+@dataclass(frozen=True)
+class RankBar:
+    """What one change of one input does to a figure: per cent less, and the same in words."""
+
+    label: str
+    percent: float
+    doubled: bool
+    sentence: str
+    slope: float
+
+
+@dataclass(frozen=True)
+class RankChart:
+    """Bars, the strongest first."""
+
+    key: str
+    title: str
+    x_label: str
+    bars: tuple[RankBar, ...]
+    knowledge: str
+
+    def rows(self) -> Iterator[tuple[str, ...]]:
+        """Every bar as a row of a table."""
+        yield ("change", f"{self.x_label}", "d ln(result)/d ln(input)", "in words")
+        for bar in self.bars:
+            yield (bar.label, repr(bar.percent), repr(bar.slope), bar.sentence)
+
+
+@dataclass(frozen=True)
+class TradeMapChart:
+    """A map: ``ratio`` (len(y), len(x)) of the result to its limit, contours, units of the catalogue, the design.
+
+    Axes are in the units shown. ``contours`` holds one curve for each of `LEVELS`, pieces separated by NaN. ``level``
+    is what ``ratio`` is over: the limit, or the design's own value.
+    """
+
+    key: str
+    title: str
+    x_label: str
+    y_label: str
+    x: Array
+    y: Array
+    x_log: bool
+    y_log: bool
+    ratio: np.ndarray
+    contours: tuple[tuple[Array, Array], ...]
+    reference: str
+    points: tuple[MapPoint, ...]
+    points_x: Array
+    points_y: Array
+    here: tuple[float, float]
+    knowledge: str
+    trade: TradeMap
+    scale: tuple[float, float]
+    level: float
+
+    @property
+    def structure(self) -> tuple[str, str, str]:
+        """What the figure is built for; another structure needs another figure."""
+        return self.x_label, self.y_label, self.trade.result
+
+    def rows(self) -> Iterator[tuple[str, ...]]:
+        """Every cell of the map, then the catalogue."""
+        yield (self.x_label, self.y_label, f"{self.trade.result} over {self.reference}", "name")
+        for y, row in zip(self.y, self.ratio, strict=True):
+            for x, value in zip(self.x, row, strict=True):
+                yield (repr(float(x)), repr(float(y)), repr(float(value)), "")
+        for x, y, point in zip(self.points_x, self.points_y, self.points, strict=True):
+            yield (repr(float(x)), repr(float(y)), repr(point.value / self.level), point.name)
+
+
 def _extent(label: str, values: Array) -> str:
     name, _, unit = label.partition(" [")
     return f"{name} {values[0]:.3g} to {values[-1]:.3g} {unit.rstrip(']')}".replace("-", "−")
@@ -270,7 +347,7 @@ Drawing = AnyChart | PictureChart
 """Whatever a report shows as a figure."""
 
 
-def to_csv(chart: AnyChart) -> str:
+def to_csv(chart: AnyChart | RankChart | TradeMapChart) -> str:
     """A chart's data as CSV text, full precision."""
     text = io.StringIO()
     csv.writer(text).writerows(chart.rows())

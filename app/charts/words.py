@@ -8,8 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from app.charts.kinds import Array, BarChart, Chart, DotChart, Drawing, Line, MapChart, PictureChart
-from app.subjects.explore.charts import RankChart, TradeMapChart
+from app.charts.kinds import (
+    Array,
+    BarChart,
+    Chart,
+    DotChart,
+    Drawing,
+    Line,
+    MapChart,
+    PictureChart,
+    RankChart,
+    TradeMapChart,
+)
 
 _MOST = 6  # rows told one by one
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -19,7 +20,7 @@ _QUIET_SECONDS = 5.0  # between lines where nobody watches a terminal
 def show_progress() -> Iterator[Callable[[str, float], None]]:
     """A function of what is being done and of the share done (0 to 1), which prints both with the time left."""
     terminal = sys.stderr.isatty()
-    clock, said = Clock(), time.monotonic()
+    clock, said = Clock(), -math.inf
 
     def show(what: str, share: float) -> None:
         nonlocal said

@@ -7,39 +7,45 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
 from app.report.studies import KINDS, belonging
 from app.session import Session
 from app.ui.html_pane import html_pane
 
 
-class ReportChoice:
-    """Stands beside the report buttons once a study is finished; every study of the design in force is ticked."""
+class ReportChoice(pn.viewable.Viewer):
+    """Boxes beside the report buttons once a study is finished; every study of the design in force is ticked."""
+
+    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
 
     def __init__(self, session: Session) -> None:
-        self._session = session
+        super().__init__(session=session)
         self._unticked: set[str] = set()
         self._boxes = pmui.CheckBoxGroup(
             label="", options={}, value=[], inline=True, description="", size="small", margin=(0, 8)
         )
         self._left = html_pane("", margin=(0, 8))
-        self.view = pn.FlexBox(self._boxes, self._left, align_items="center", visible=False, margin=0)
+        self._view = pn.FlexBox(self._boxes, self._left, align_items="center", visible=False, margin=0)
         self._boxes.param.watch(self._ticked, "value")
-        session.param.watch(lambda _: self._follow(), ["findings", "budget"])
+
+    def __panel__(self) -> pn.FlexBox:
+        return self._view
 
     def chosen(self) -> dict[str, Any]:
         """The findings to tell, by kind; those of another design too, so that the report says it leaves them out."""
-        return {kind: finding for kind, finding in self._session.findings.items() if kind not in self._unticked}
+        return {kind: finding for kind, finding in self.session.findings.items() if kind not in self._unticked}
 
     def _ticked(self, event: Any) -> None:
         offered = set(self._boxes.options.values())
         self._unticked = (self._unticked - offered) | (offered - set(event.new))
 
+    @param.depends("session.findings", "session.budget", watch=True)
     def _follow(self) -> None:
-        findings = self._session.findings
+        findings = self.session.findings
         if not findings:
             return
-        fits = belonging(findings, self._session.design)
+        fits = belonging(findings, self.session.design)
         offered = {f"{title} in the report": kind for kind, (title, _) in KINDS.items() if fits.get(title)}
         if offered != self._boxes.options:
             value = [kind for kind in offered.values() if kind not in self._unticked]
@@ -49,4 +55,4 @@ class ReportChoice:
         shown = f'<span class="quiet">{escape(said)}</span>' if left else ""
         if self._left.object != shown:
             self._left.object = shown
-        self.view.visible = True
+        self._view.visible = True

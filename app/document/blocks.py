@@ -13,11 +13,17 @@ from app.charts.kinds import Drawing
 
 @dataclass(frozen=True)
 class Cell:
-    """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set."""
+    """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set.
+
+    ``sort`` is what a sorted table goes by in place of the text; an empty text puts the row last. ``value`` is what
+    a person chooses with the row (`Table.choose`).
+    """
 
     text: str
     mark: str = ""
     tone: str = ""
+    sort: float | str | None = None
+    value: str = ""
 
 
 @dataclass(frozen=True)
@@ -31,17 +37,22 @@ class Column:
     numeric: bool = False
     width: float = 0
     group: str = ""
+    sortable: bool = False
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table. The first cell of a row heads it; a row of one cell heads the rows that follow."""
+    """A table. The first cell of a row heads it; a row of one cell heads the rows that follow.
+
+    On a page a person can choose a row: by the "radio" or the "button" in its first cell, as ``choose`` says.
+    """
 
     key: str
     caption: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
+    choose: str = ""
 
 
 @dataclass(frozen=True)
@@ -62,7 +73,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Bullets:
-    """A list; ``caption`` names it for who cannot see it."""
+    """A list under its caption, if it has one."""
 
     items: tuple[str, ...]
     caption: str = ""

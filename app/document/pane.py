@@ -48,26 +48,19 @@ def _card(figure: KeyFigure, said: Said) -> str:
     )
 
 
+_SENTENCES = 1.8  # weight of a column beyond which it holds sentences and keeps room where the screen is narrow
+_MANY = 20  # rows of a sorted table beyond which it scrolls by itself
+
+
 def _table(table: Table, said: Said) -> str:
     """A table in a region that scrolls by itself; a mark is printed as a word, never by colour alone."""
-    classes = [_css(column) for column in table.columns]
-    rows, body = [], "<tbody>"
-    for row in table.rows:
-        if len(row) == 1:
-            rows.append(
-                f'{"</tbody>" if rows else ""}<tbody><tr class="group"><th scope="rowgroup" colspan="{len(classes)}">'
-                f"{said(row[0].text)}</th></tr>"
-            )
-            body = ""
-            continue
-        cells = "".join(f"<td{css}>{_cell(cell, said)}</td>" for cell, css in zip(row[1:], classes[1:], strict=True))
-        rows.append(f'{body}<tr><th scope="row">{_cell(row[0], said)}</th>{cells}</tr>')
-        body = ""
+    body = "".join(_row(row, table, said) for row in table.rows)
     note = f'<p class="note quiet">{said(table.note)}</p>' if table.note else ""
+    tall = " tall" if len(table.rows) > _MANY and any(column.sortable for column in table.columns) else ""
     return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(table.caption)}">'
+        f'<div class="scroll{tall}" tabindex="0" role="region" aria-label="{escape(table.caption)}">'
         f'<table class="checks" id="{escape(table.key)}"><caption>{said(table.caption)}</caption>'
-        f"<thead>{_heads(table.columns, said)}</thead>{''.join(rows)}</tbody></table></div>{note}"
+        f"<thead>{_heads(table.columns, said)}</thead><tbody>{body}</tbody></table></div>{note}"
     )
 
 
@@ -79,18 +72,52 @@ def _heads(columns: tuple[Column, ...], said: Said) -> str:
             width = len(list(members))
             parts.append(f'<th scope="colgroup" colspan="{width}">{said(name)}</th>' if name else "<td></td>" * width)
         groups = f"<tr>{''.join(parts)}</tr>"
-    heads = "".join(f'<th scope="col"{_css(column)}>{said(column.title)}</th>' for column in columns)
+    heads = "".join(f'<th scope="col"{_css(column)}>{_head(column, said)}</th>' for column in columns)
     return f"{groups}<tr>{heads}</tr>"
 
 
+def _head(column: Column, said: Said) -> str:
+    return f'<button type="button">{said(column.title)}</button>' if column.sortable else said(column.title)
+
+
 def _css(column: Column) -> str:
-    return ' class="num"' if column.numeric else ""
+    if column.numeric:
+        return ' class="num"'
+    return ' class="wide"' if column.width > _SENTENCES else ""
+
+
+def _row(row: tuple[Cell, ...], table: Table, said: Said) -> str:
+    first, *others = row
+    if not others:
+        heading = f'<th scope="rowgroup" colspan="{len(table.columns)}">{said(first.text)}</th>'
+        return f'</tbody><tbody><tr class="group">{heading}</tr>'
+    cells = "".join(
+        f"<td{_css(column)}{_sort(cell)}>{_cell(cell, said)}</td>"
+        for cell, column in zip(others, table.columns[1:], strict=True)
+    )
+    return f'<tr><th scope="row"{_sort(first)}>{_chosen(first, table.choose, said)}</th>{cells}</tr>'
+
+
+def _sort(cell: Cell) -> str:
+    return "" if cell.sort is None else f' data-sort="{escape(str(cell.sort))}"'
+
+
+def _chosen(cell: Cell, choose: str, said: Said) -> str:
+    """The first cell of a row, with what a person chooses the row by."""
+    text, value = _cell(cell, said), escape(cell.value)
+    if choose == "button":
+        return f'<button type="button" value="{value}">{text}</button>'
+    if choose == "radio":
+        radio = f'<input type="radio" name="row" value="{value}" aria-label="{value}">'
+        return f"<label>{radio} <span>{text}</span></label>"
+    return text
 
 
 def _cell(cell: Cell, said: Said) -> str:
+    text = said(cell.text).replace("\n", "<br>")
     if cell.mark:
-        return f'{said(cell.text)} <span class="mark {cell.tone}">{escape(cell.mark)}</span>'
-    return f'<span class="tone {cell.tone}">{said(cell.text)}</span>' if cell.tone else said(cell.text)
+        return f'{text} <span class="mark {cell.tone}">{escape(cell.mark)}</span>'
+    return f'<span class="tone {cell.tone}">{text}</span>' if cell.tone else text
 
 
 def _text(text: Text, said: Said) -> str:
@@ -98,9 +125,10 @@ def _text(text: Text, said: Said) -> str:
 
 
 def _bullets(bullets: Bullets, said: Said) -> str:
+    name = f'<p class="name">{said(bullets.caption)}</p>' if bullets.caption else ""
     label = f' aria-label="{escape(bullets.caption)}"' if bullets.caption else ""
     items = "".join(f"<li>{said(item)}</li>" for item in bullets.items)
-    return f'<ul class="cautions quiet"{label}>{items}</ul>'
+    return f'{name}<ul class="cautions quiet"{label}>{items}</ul>'
 
 
 _RENDERERS: dict[type, Callable[..., str]] = {

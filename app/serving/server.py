@@ -28,12 +28,12 @@ from app.serving.access import provider_of
 from app.serving.address import announce, listen, origins
 from app.serving.board import Board, Row
 from app.serving.collector import Collector, settle
-from app.serving.faults import caught
 from app.serving.handlers import Surroundings, around, being_sent, close_door
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
 from app.session import Session
+from app.ui.faults import caught
 from app.upstream.defaults import remember_defaults
 from app.upstream.writes import closed_is_no_fault, repair
 from app.work import pool as workers
@@ -75,7 +75,7 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
     session.study_link = of_study
     if changed is not None:
         session.param.watch(changed, "budget")
-    return Frame(session, notice).view
+    return Frame(session, notice).__panel__()
 
 
 def serve(rules: Rules) -> None:

@@ -11,14 +11,13 @@ from typing import Any, Generic, TypeVar
 import panel as pn
 import panel_material_ui as pmui
 
-from app.charts.kinds import AnyChart, to_csv
+from app.charts.kinds import AnyChart, RankChart, TradeMapChart, to_csv
 from app.charts.legend import legend_html
 from app.charts.print.svg import to_svg
 from app.charts.screen.figures import to_bokeh
 from app.charts.words import in_words
 from app.document.prose import prose
 from app.session import Session
-from app.subjects.explore.charts import RankChart, TradeMapChart
 from app.ui.grid import cell
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE
@@ -112,10 +111,12 @@ def _labels(chart: AnyChart) -> tuple[str, str]:
 
 
 def _know(chart: AnyChart) -> str:
-    return (
-        f"{described(chart)}{legend_html(chart)}"
-        f'<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
-    )
+    return f"{described(chart)}{legend_html(chart)}{source_note(chart.knowledge)}"
+
+
+def source_note(knowledge: str) -> str:
+    """Where a figure comes from and by which method, as HTML."""
+    return f'<p class="know quiet"><b>Source and method:</b> {prose(knowledge)}</p>'
 
 
 def described(chart: AnyChart | RankChart | TradeMapChart) -> str:

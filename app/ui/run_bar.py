@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from html import escape
 from typing import Any
 
@@ -25,13 +25,19 @@ class RunBar(pn.viewable.Viewer):
     run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
     message: str = param.String(default="", doc="What to say between runs, as text, until a run says more.")
 
-    def __init__(self, run: Run, start: Callable[[], Any], label: str, *fields: Any) -> None:
+    def __init__(self, run: Run, start: Callable[[], object], label: str, *fields: Any) -> None:
         super().__init__(run=run)
         self.start = pmui.Button(label=label, icon="play_arrow", variant="contained", **_LOOK)
         self.cancel = pmui.Button(
             label="Cancel", icon="stop", variant="outlined", disabled=run.param.running.rx.not_(), **_LOOK
         )
-        self.start.on_click(lambda _: start())
+
+        async def pressed(_: Any) -> None:
+            begun = start()
+            if isinstance(begun, Awaitable):
+                await begun
+
+        self.start.on_click(pressed)
         self.cancel.on_click(lambda _: run.cancel())
         self.state = html_pane("", margin=(2, 10))
         self._view = pn.FlexBox(
@@ -47,16 +53,16 @@ class RunBar(pn.viewable.Viewer):
         run = self.run
         if run.running:
             self.state.object = progress_html(run.progress or Progress("Starting"))
+        elif run.message:
+            self.state.object = f'<p role="alert"><b>{escape(run.message)}</b></p>'
         else:
-            self._say(run.message or self.message)
+            self._tell()
 
     @param.depends("message", watch=True)
     def _tell(self) -> None:
+        """The last word counts: a new message takes the place of why the last run failed."""
         if not self.run.running:
-            self._say(self.message)
-
-    def _say(self, text: str) -> None:
-        self.state.object = f'<p role="status">{escape(text)}</p>' if text else ""
+            self.state.object = f'<p role="status">{escape(self.message)}</p>' if self.message else ""
 
 
 def progress_html(progress: Progress) -> str:

@@ -67,6 +67,7 @@ SHEET = """
 .num { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .nw { white-space: nowrap; }
 .quiet { opacity: .78; }
+.tone.good, .tone.bad { font-weight: 600; }
 .hidden { position: absolute; width: 1px; height: 1px; margin: 0; overflow: hidden; clip-path: inset(50%); }
 a { color: inherit; text-underline-offset: 2px; }
 a.eq { white-space: nowrap; text-decoration: underline dotted; }
@@ -131,9 +132,11 @@ progress { width: 220px; vertical-align: middle; }
 .mark { font-weight: 700; }
 td.fine, .mark.fine { font-size: 12px; }
 td.fine { min-width: 130px; }
-table.checks th.source, table.checks td.why { min-width: 260px; }
+table.checks th.source, table.checks td.wide { min-width: 260px; }
+table.checks th[scope="colgroup"] { text-align: center; }
 .digest { overflow-wrap: anywhere; font-size: 12px; }
 progress { width: min(420px, 100%); height: 8px; accent-color: #2b83c4; }
+p.name { font-weight: 600; margin: 10px 0 0; }
 ul.cautions { padding-left: 18px; font-size: 13px; }
 h3 { font-size: 15px; font-weight: 600; margin: 0; }
 """

@@ -60,7 +60,7 @@ class Clock:
         if not share:
             self._began = now
             return Progress(what, share)
-        left = (now - self._began) * (1 - share) / share if share >= _LEAST_SHARE else None
+        left = (now - self._began) * (1 - share) / share if _LEAST_SHARE <= share < 1 else None
         return Progress(what, share, left)
 
 

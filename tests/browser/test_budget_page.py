@@ -60,7 +60,7 @@ def test_first_screen_gives_the_answer(plain: Page) -> None:
     expect(card(plain, "Position, horizontal")).to_have_text(
         f"{100 * budget.steady_state.prior.position_horizontal:.3g} cm"
     )
-    expect(plain.get_by_text("How do we know:").first).to_be_visible()
+    expect(plain.get_by_text("Source and method:").first).to_be_visible()
 
 
 _TAKES_CSV = ("Position", "Velocity", "Attitude", "Phase budget", "Azimuth impulse", "Regime")

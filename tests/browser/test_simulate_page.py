@@ -53,7 +53,8 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(visit: Vi
     start.click()
     expect(page.locator("progress")).to_be_visible()
     expect(page.get_by_role("status").filter(has_text="NEES")).to_have_text(
-        re.compile(r"(Consistent|Optimistic|Pessimistic).*NEES \d+\.?\d* with 9 states, 95 % band .*, 20 runs"), timeout=_COMPILING
+        re.compile(r"(Consistent|Optimistic|Pessimistic).*NEES \d+\.?\d* with 9 states, 95 % band .*, 20 runs"),
+        timeout=_COMPILING,
     )
     expect(start).to_be_enabled()
     page.wait_for_function(f"() => ({_CURVE})('sim-position-horizontal lines 0').length === 121")

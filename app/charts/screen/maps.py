@@ -17,10 +17,10 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
+from app.charts.kinds import LEVELS, RankChart, TradeMapChart
 from app.charts.screen.figures import TEXT_SIZE
 from app.charts.screen.log_axis import mark_in_powers
 from app.charts.styles import STYLES
-from app.subjects.explore.charts import LEVELS, RankChart, TradeMapChart
 from nav_model.explore.trade_map import MapPoint
 
 # Light meets the limit, dark does not; the steps are told apart in grey too.

@@ -7,6 +7,7 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
 from app.session import Session
 from app.ui.html_pane import html_pane
@@ -25,10 +26,13 @@ _CHOICES: dict[str, dict[Any, str]] = {
 }
 
 
-class ChoiceControl:
+class ChoiceControl(pn.viewable.Viewer):
     """A select, or a switch, for one choice."""
 
+    explained: bool = param.Boolean(default=False, doc="Whether the help line is shown.")
+
     def __init__(self, session: Session, key: str) -> None:
+        super().__init__()
         declaration = declaration_of(key)
         assert isinstance(declaration, Choice)
         self.key = key
@@ -51,9 +55,7 @@ class ChoiceControl:
         self.widget.param.watch(self._chosen, "value")
         self.show(session.design)
 
-    @property
-    def view(self) -> pn.viewable.Viewable:
-        """The control as it stands in the column."""
+    def __panel__(self) -> pn.Column:
         return self._view
 
     def differs(self, old: Design, new: Design) -> bool:
@@ -65,14 +67,14 @@ class ChoiceControl:
         if self.widget.value != design[self.key]:
             self.widget.value = design[self.key]
 
-    def explain(self, explained: bool) -> None:
-        """Show the help line, or not."""
+    @param.depends("explained", watch=True)
+    def _explain(self) -> None:
         if isinstance(self.widget, pmui.Select):
-            self.widget.helper_text = str(self._declaration.doc) if explained else ""
-        elif explained != (len(self._view) > 1):  # a switch has no helper text of its own
+            self.widget.helper_text = str(self._declaration.doc) if self.explained else ""
+        else:  # a switch has no helper text
             note = html_pane(f'<p class="note">{escape(str(self._declaration.doc))}</p>', margin=(0, 14))
-            self._view.objects = [self.widget, note] if explained else [self.widget]
+            self._view.objects = [self.widget, note] if self.explained else [self.widget]
 
-    def _chosen(self, event: Any) -> None:
+    def _chosen(self, event: param.parameterized.Event) -> None:
         if event.new != self._session.design[self.key]:
             self._session.change({self.key: event.new})

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import panel as pn
 import panel_material_ui as pmui
+import param
 
 from app.session import Session
 from nav_model.catalogue import Entry, catalogue, find
@@ -13,15 +12,16 @@ from nav_model.design import Design
 from nav_model.design.file import deviations, preset_fill, preset_of
 
 
-class PresetControl:
+class PresetControl(pn.viewable.Viewer):
     """The catalogue, first in its section, with a button that takes back what deviates from it."""
 
+    explained: bool = param.Boolean(default=False, doc="Whether the catalogue's note is shown.")
+
     def __init__(self, session: Session, section: str) -> None:
+        super().__init__()
         self._session = session
         self.section = section
         self.key = f"{section}.preset"
-        self._writing = False
-        self._explained = False
         entries = catalogue("imu" if section == "imu" else "radar")
         options: dict[str, str] = {"none": ""}
         options |= {_preset_label(entry): entry.name for entry in entries.values()}
@@ -36,13 +36,11 @@ class PresetControl:
         self.restore = pmui.Button(
             label="Take the catalogue's values", size="small", variant="text", margin=(2, 10, 0, 10), visible=False
         )
-        self.select.param.watch(self._chosen, "value")
         self.restore.on_click(lambda _: self._fill(preset_of(self._session.design, self.section) or ""))
         self.show(session.design)
+        self.select.param.watch(self._chosen, "value")
 
-    @property
-    def view(self) -> pn.viewable.Viewable:
-        """The control as it stands in the column."""
+    def __panel__(self) -> pn.Column:
         return pn.Column(self.select, self.restore, margin=0, sizing_mode="stretch_width")
 
     def differs(self, old: Design, new: Design) -> bool:
@@ -53,26 +51,19 @@ class PresetControl:
 
     def show(self, design: Design) -> None:
         """Follow the design in force."""
-        self._writing = True
         name = preset_of(design, self.section) or ""
-        if self.select.value != name:
-            self.select.value = name
         changed = len(deviations(design, self.section))
-        if self.restore.visible != bool(changed):
-            self.restore.visible = bool(changed)
         entry = find("imu" if self.section == "imu" else "radar", name) if name else None
-        text = _entry_help(entry, changed, self._explained) if entry else ""
-        if self.select.helper_text != text:
-            self.select.helper_text = text
-        self._writing = False
+        self.select.value = name
+        self.restore.visible = bool(changed)
+        self.select.helper_text = _entry_help(entry, changed, self.explained) if entry else ""
 
-    def explain(self, explained: bool) -> None:
-        """Show the catalogue's note, or not."""
-        self._explained = explained
+    @param.depends("explained", watch=True)
+    def _explain(self) -> None:
         self.show(self._session.design)
 
-    def _chosen(self, event: Any) -> None:
-        if not self._writing:
+    def _chosen(self, event: param.parameterized.Event) -> None:
+        if event.new != (preset_of(self._session.design, self.section) or ""):
             self._fill(event.new)
 
     def _fill(self, name: str) -> None:

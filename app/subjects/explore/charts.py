@@ -3,52 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
 
 import contourpy
 import numpy as np
 
-from app.charts.kinds import Array
+from app.charts.kinds import LEVELS, Array, RankBar, RankChart, TradeMapChart
 from nav_model.budget.figures import figures, inputs_of
 from nav_model.design import Design
 from nav_model.explore.margins import label_of, quantity
 from nav_model.explore.rank import Sensitivity, rank, sentence, silent
-from nav_model.explore.trade_map import MapPoint, TradeMap, is_log, place, trade_map
+from nav_model.explore.trade_map import is_log, place, trade_map
 from nav_model.units import DIMENSIONS
 
 _SHOWN = 12  # bars of a ranking
 _GIVEN = ("flight.gravity", "flight.latitude")  # nobody chooses these to improve a figure
-LEVELS = (0.5, 1.0, 2.0)
-"""Contours of a map, as multiples of the limit (or of the design's own value when there is no limit)."""
-
-
-@dataclass(frozen=True)
-class RankBar:
-    """What one change of one input does to a figure: per cent less, and the same in words."""
-
-    label: str
-    percent: float
-    doubled: bool
-    sentence: str
-    slope: float
-
-
-@dataclass(frozen=True)
-class RankChart:
-    """Bars, the strongest first."""
-
-    key: str
-    title: str
-    x_label: str
-    bars: tuple[RankBar, ...]
-    knowledge: str
-
-    def rows(self) -> Iterator[tuple[str, ...]]:
-        """Every bar as a row of a table."""
-        yield ("change", f"{self.x_label}", "d ln(result)/d ln(input)", "in words")
-        for bar in self.bars:
-            yield (bar.label, repr(bar.percent), repr(bar.slope), bar.sentence)
 
 
 def rank_chart(design: Design, figure: str) -> RankChart:
@@ -59,14 +27,12 @@ def rank_chart(design: Design, figure: str) -> RankChart:
     )
     zero = silent(design)
     left = (
-        f" At zero, so without a logarithm: {', '.join(str(quantity(key).label).lower() for key in zero)}."
-        if zero
-        else ""
+        f" Not ranked (value is zero): {', '.join(str(quantity(key).label).lower() for key in zero)}." if zero else ""
     )
     return RankChart(
         key="ranking",
-        title=f"What takes most off the {label[0].lower()}{label[1:]}",
-        x_label="less of it [%]",
+        title=f"What reduces {label[0].lower()}{label[1:]} most",
+        x_label="reduction [%]",
         bars=tuple(sorted(bars, key=lambda bar: -bar.percent)[:_SHOWN]),
         knowledge=(
             "Each bar is the whole figure evaluated again with that input halved or doubled; the slopes in the CSV "
@@ -84,49 +50,6 @@ def _bar(item: Sensitivity, figure_label: str) -> RankBar | None:
     return RankBar(
         f"{'2 ×' if doubled else '½ ×'} {name}", -100 * change, doubled, sentence(item, figure_label), item.slope
     )
-
-
-@dataclass(frozen=True)
-class TradeMapChart:
-    """A map: ``ratio`` (len(y), len(x)) of the result to its limit, contours, units of the catalogue, the design.
-
-    Axes are in the units shown. ``contours`` holds one curve for each of `LEVELS`, pieces parted by NaN. ``level``
-    is what ``ratio`` is over: the limit, or the design's own value.
-    """
-
-    key: str
-    title: str
-    x_label: str
-    y_label: str
-    x: Array
-    y: Array
-    x_log: bool
-    y_log: bool
-    ratio: np.ndarray
-    contours: tuple[tuple[Array, Array], ...]
-    reference: str
-    points: tuple[MapPoint, ...]
-    points_x: Array
-    points_y: Array
-    here: tuple[float, float]
-    knowledge: str
-    trade: TradeMap
-    scale: tuple[float, float]
-    level: float
-
-    @property
-    def structure(self) -> tuple[str, str, str]:
-        """What the figure is built for; another structure needs another figure."""
-        return self.x_label, self.y_label, self.trade.result
-
-    def rows(self) -> Iterator[tuple[str, ...]]:
-        """Every cell of the map, then the catalogue."""
-        yield (self.x_label, self.y_label, f"{self.trade.result} over {self.reference}", "name")
-        for y, row in zip(self.y, self.ratio, strict=True):
-            for x, value in zip(self.x, row, strict=True):
-                yield (repr(float(x)), repr(float(y)), repr(float(value)), "")
-        for x, y, point in zip(self.points_x, self.points_y, self.points, strict=True):
-            yield (repr(float(x)), repr(float(y)), repr(point.value / self.level), point.name)
 
 
 def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapChart:
@@ -192,8 +115,3 @@ def _contours(x: Array, y: Array, ratio: Array, x_log: bool, y_log: bool) -> tup
         cx, cy = whole[:, 0], whole[:, 1]
         curves.append((np.exp(cx) if x_log else cx, np.exp(cy) if y_log else cy))
     return tuple(curves)
-
-
-def result_labels(names: tuple[str, ...]) -> dict[str, str]:
-    """Names people read -> figures."""
-    return {label_of(name): name for name in names}

@@ -6,11 +6,11 @@ import argparse
 import csv
 import json
 import sys
-import time
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from app.console.progress import show_progress
 from nav_model.budget.figures import FIGURES
 from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.design import Design
@@ -176,18 +176,11 @@ def explore(design: Design, options: argparse.Namespace) -> int:
 def sweep(options: argparse.Namespace) -> int:
     """Run a sweep file; progress on standard error."""
     plan = read_plan(options.file)
-    start = time.monotonic()
-    first: list[int] = []
-
-    def show(done: int, total: int) -> None:
-        first.append(done)
-        spent = time.monotonic() - start
-        gained = done - first[0]
-        left = f", {spent * (total - done) / gained:.0f} s left" if gained and done < total else ""
-        end = "\n" if done == total or not sys.stderr.isatty() else ""
-        print(f"\r{done} of {total} rows{left}   ", end=end, file=sys.stderr, flush=True)
-
-    kept = run_sweep(plan, options.output, options.workers, options.scheduler, show)
+    with show_progress() as progress:
+        kept = run_sweep(
+            plan, options.output, options.workers, options.scheduler,
+            lambda done, total: progress(f"{done} of {total} rows", done / total),
+        )  # fmt: skip
     again = f" ({kept} kept from an earlier run)" if kept else ""
     print(f"wrote {Path(options.output)}: {plan.rows} rows{again}", file=sys.stderr)
     return 0

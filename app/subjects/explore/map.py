@@ -8,14 +8,15 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 from bokeh.events import Tap
 
-from app.charts.kinds import to_csv
+from app.charts.kinds import TradeMapChart, to_csv
 from app.charts.screen.maps import MapFigure
-from app.document.prose import prose
 from app.session import Session
-from app.subjects.explore.charts import TradeMapChart, map_chart
-from app.ui.chart_pane import described
+from app.subjects.explore.charts import map_chart
+from app.ui.chart_pane import described, source_note
+from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from nav_model.budget import Budget
@@ -35,33 +36,35 @@ def input_labels() -> dict[str, str]:
     return {f"{titles[key.partition('.')[0]]}: {quantity(key).label}": key for key in VARIABLES}
 
 
-def download(label: str, filename: str, make: Any) -> pmui.FileDownload:
-    """A small download under a chart or table."""
-    return pmui.FileDownload(
-        callback=make, filename=filename, label=label, description="", variant="text", size="small", margin=(0, 8)
-    )
+_INPUTS = input_labels()
 
 
-class MapPanel:
+class MapPanel(pn.viewable.Viewer):
     """Three choosers, the map, and what a click did."""
 
+    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    x: str = param.Selector(objects=_INPUTS, default=_X, label="X axis")
+    y: str = param.Selector(objects=_INPUTS, default=_Y, label="Y axis")
+    result: str = param.Selector(objects={label_of(name): name for name in RESULTS}, label="Result")
+
     def __init__(self, session: Session) -> None:
-        self._session = session
-        inputs = input_labels()
-        self._x = _select("Across", inputs, _X)
-        self._y = _select("Up", inputs, _Y)
-        self._result = _select("Result", {label_of(name): name for name in RESULTS}, self._first_result())
+        super().__init__(session=session, result=ALL if limits(session.design) else next(iter(FIGURES)))
         self._said = html_pane("", margin=(0, 14))
         self._title = html_pane("", margin=(10, 14, 0, 14))
         self._know = html_pane("")
         self._place = pn.Column(sizing_mode="stretch_width", margin=0)
         self._drawn: MapFigure | None = None
         self._chart: TradeMapChart | None = None
-        for chooser in (self._x, self._y, self._result):
-            chooser.param.watch(lambda _: self.show(self._session.budget), "value")
-        self.view = pn.Column(
+        self._draw()
+
+    def __panel__(self) -> pn.Column:
+        choosers = (
+            pmui.Select.from_param(parameter, description="", size="small", width=240, margin=(10, 8, 0, 8))
+            for parameter in (self.param.x, self.param.y, self.param.result)
+        )
+        return pn.Column(
             self._title,
-            pn.FlexBox(self._x, self._y, self._result, sizing_mode="stretch_width", margin=(0, 6)),
+            pn.FlexBox(*choosers, sizing_mode="stretch_width", margin=(0, 6)),
             self._said,
             self._place,
             self._know,
@@ -70,21 +73,22 @@ class MapPanel:
             sizing_mode="stretch_width",
             margin=0,
         )
-        self.show(session.budget)
-
-    def _first_result(self) -> str:
-        return ALL if limits(self._session.design) else next(iter(FIGURES))
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force: the cross moves, the map where it must."""
-        if self._x.value == self._y.value:
+        self._draw()
+
+    @param.depends("x", "y", "result", watch=True)
+    def _draw(self) -> None:
+        budget = self.session.budget
+        if self.x == self.y:
             self._say("Choose two different inputs.")
             return
-        if self._result.value == ALL and not budget.verdict.checks:
+        if self.result == ALL and not budget.verdict.checks:
             self._say("No requirement is set: map a single figure, or give a limit under Requirements.")
             return
         self._say("")
-        chart = map_chart(budget.design, self._x.value, self._y.value, self._result.value)
+        chart = map_chart(budget.design, self.x, self.y, self.result)
         if self._drawn is None or self._chart is None or self._chart.structure != chart.structure:
             self._drawn = MapFigure(chart)
             self._drawn.plot.on_event(Tap, self._tapped)
@@ -96,29 +100,28 @@ class MapPanel:
         self._know.object = (
             f"{described(chart)}<p>Orange cross: this design. Red line: {escape(chart.reference)}; dotted: half of "
             "it; dashed: twice. Lighter is better. Click the map to adopt a point.</p>"
-            f'<p class="know quiet"><b>How do we know:</b> {prose(chart.knowledge)}</p>'
+            f"{source_note(chart.knowledge)}"
         )
 
     def _tapped(self, event: Any) -> None:
         chart = self._chart
         if chart is None or event.x is None or event.y is None:
             return
-        design, trade = self._session.design, chart.trade
+        design, trade = self.session.design, chart.trade
         places = [
             _place(key, value, design.unit(key) if _has_unit(quantity(key)) else "")
             for key, value in ((trade.x_key, event.x), (trade.y_key, event.y))
         ]
         changes = changes_at(trade, *places)
         units = {key: design.unit(key) for key in changes if _has_unit(quantity(key))}
-        problem = self._session.change(changes, units)
+        problem = self.session.change(changes, units)
         self._say("" if problem is None else f"Not adopted. {problem}")
 
     def _say(self, text: str) -> None:
         self._said.object = f'<p role="status">{escape(text)}</p>' if text else ""
 
     def _csv(self) -> io.BytesIO:
-        chart = map_chart(self._session.design, self._x.value, self._y.value, self._result.value)
-        return io.BytesIO(to_csv(chart).encode())  # type: ignore[arg-type]
+        return io.BytesIO(to_csv(map_chart(self.session.design, self.x, self.y, self.result)).encode())
 
 
 def _place(key: str, value: float, unit: str) -> float:
@@ -129,9 +132,3 @@ def _place(key: str, value: float, unit: str) -> float:
 
 def _has_unit(declaration: BaseQuantity[float | None]) -> bool:
     return bool(declaration.dimension)
-
-
-def _select(label: str, options: dict[str, str], value: str) -> pmui.Select:
-    return pmui.Select(
-        label=label, description="", options=options, value=value, size="small", width=240, margin=(10, 8, 0, 8)
-    )

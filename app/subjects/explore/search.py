@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import csv
 import io
-from collections import Counter
 from collections.abc import Mapping
 from html import escape
-from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
-from app.document.prose import prose
+from app.document.pane import html_of
 from app.session import Session
-from app.subjects.explore.map import download
+from app.subjects.explore.tables import pair_name, search_table
+from app.ui.chart_pane import source_note
+from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME
@@ -22,7 +23,6 @@ from app.ui.upload import LimitedFileInput
 from nav_model.budget import Budget
 from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.errors import InputError
-from nav_model.explore.margins import label_of
 from nav_model.explore.search import Candidate, left_out, search
 
 MAX_BYTES = 200_000
@@ -49,93 +49,98 @@ interval = { value = "0.2 s", status = "confirmed", source = "manual" }
 _KINDS: tuple[Kind, ...] = ("imu", "gnss")
 
 
-class SearchPanel:
+class SearchPanel(pn.viewable.Viewer):
     """The table, its filter, the user's own sensors, and the button that adopts a row."""
 
+    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    words: str = param.String(label="Show only rows with these words")
+
     def __init__(self, session: Session) -> None:
-        self._session = session
+        super().__init__(session=session)
         self._own: dict[Kind, dict[str, Entry]] = {kind: {} for kind in _KINDS}
         self._found: tuple[Candidate, ...] = ()
         self._head = html_pane("", margin=(10, 14, 0, 14))
         self._said = html_pane("", margin=(0, 14))
-        self._filter = pmui.TextInput(
-            label="Show only rows with these words", description="", placeholder="closes carrier", size="small",
-            max_length=100, width=300, margin=(8, 14),
-        )  # fmt: skip
         self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
-        self._adopt = pmui.Button(
-            label="Adopt the selected row", size="small", variant="outlined", disabled=True, margin=(6, 8, 6, 14)
-        )
         self._file = LimitedFileInput(
             lambda reason: self._say(f"Not opened: {reason}."), label="Your own sensors (TOML)", description="",
             accept=".toml", size="small", variant="text", max_file_size=MAX_BYTES, margin=(6, 8),
         )  # fmt: skip
-        self._adopt.on_click(lambda _: self._adopt_selected())
-        self._filter.param.watch(lambda _: self._fill(), "value_input")
-        self._table.param.watch(self._selected, "chosen")
         self._file.param.watch(self._opened, "value")
-        self.view = pn.Column(
+        self.show(session.budget)
+
+    def __panel__(self) -> pn.Column:
+        words = pmui.TextInput(
+            label=self.param.words.label, placeholder="closes carrier", max_length=100, description="", size="small",
+            width=300, margin=(8, 14),
+        )  # fmt: skip
+        words.link(self, value_input="words")
+        adopt = pmui.Button(
+            label="Adopt the selected row", size="small", variant="outlined", margin=(6, 8, 6, 14),
+            disabled=self._table.param.chosen.rx.not_(), on_click=lambda _: self._adopt_selected(),
+        )  # fmt: skip
+        return pn.Column(
             self._head,
-            self._filter,
+            words,
             self._table,
             pn.FlexBox(
-                self._adopt, self._file,
+                adopt,
+                self._file,
                 download("An example of such a file", "sensors.toml", lambda: io.BytesIO(EXAMPLE.encode())),
                 download("Search: CSV", "search.csv", self._csv),
                 sizing_mode="stretch_width",
             ),
             self._said,
-            html_pane(f'<p class="know quiet"><b>How do we know:</b> {prose(_KNOWLEDGE)}</p>'),
+            html_pane(source_note(_KNOWLEDGE)),
             styles=FRAME,
             sizing_mode="stretch_width",
             margin=0,
-        )  # fmt: skip
-        self.show(session.budget)
+        )
 
     def _entries(self, kind: Kind) -> Mapping[str, Entry]:
         return {**catalogue(kind), **self._own[kind]}
 
     def show(self, budget: Budget) -> None:
         """Judge every pair again."""
+        title = "<h3>Sensors that meet the requirements</h3>"
         if not budget.verdict.checks:
             self._found = ()
-            self._fill()
-            self._head.object = "<h3>Which sensors would do</h3><p>Give a limit under Requirements to search.</p>"
-            return
-        imus = self._entries("imu")
-        self._found = search(budget.design, imus, self._entries("gnss"))
+            self._head.object = f"{title}<p>Give a limit under Requirements to search.</p>"
+        else:
+            imus = self._entries("imu")
+            self._found = search(budget.design, imus, self._entries("gnss"))
+            good = sum(row.closes for row in self._found)
+            silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(imus).items())
+            self._head.object = (
+                f"{title}<p>{good} of {len(self._found)} pairs of inertial unit and receiver close under this radar. "
+                f"Not ranked, data sheet incomplete: {escape(silent) or 'none'}.</p>"
+            )
         self._fill()
-        good = sum(row.closes for row in self._found)
-        silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(imus).items())
-        self._head.object = (
-            f"<h3>Which sensors would do</h3><p>{good} of {len(self._found)} pairs of inertial unit and receiver "
-            f"close under this radar. Left out, their sheet being silent: {escape(silent) or 'none'}.</p>"
-        )
 
+    @param.depends("words", watch=True)
     def _fill(self) -> None:
         """Show the rows that hold every word of the filter."""
-        words = (self._filter.value_input or "").lower().split()
-        shown = [row for row in self._found if all(word in " ".join(_cells(row)).lower() for word in words)]
-        html = _table(shown, len(self._found))
-        if html != self._table.html:
-            self._table.html = html
-        if self._table.chosen not in {_name(row) for row in shown}:
+        words = self.words.lower().split()
+        whole = search_table(list(self._found), len(self._found))
+        texts = (" ".join(cell.text for cell in row).lower() for row in whole.rows)
+        shown = [row for row, text in zip(self._found, texts, strict=True) if all(word in text for word in words)]
+        table = html_of(search_table(shown, len(self._found)))
+        if table != self._table.html:
+            self._table.html = table
+        if self._table.chosen not in map(pair_name, shown):
             self._table.chosen = ""
 
-    def _selected(self, event: Any) -> None:
-        self._adopt.disabled = not event.new
-
     def _adopt_selected(self) -> None:
-        row = next((row for row in self._found if _name(row) == self._table.chosen), None)
+        row = next((row for row in self._found if pair_name(row) == self._table.chosen), None)
         if row is None:
             return
         changes = dict(row.changes)
         if row.imu in self._own["imu"]:  # a unit of the user's own is no preset of the product
             changes["imu.preset"] = None
-        problem = self._session.change(changes, row.written)
-        self._say(f"Not adopted. {problem}" if problem else f"Adopted {row.imu} with {row.gnss}; Undo takes it back.")
+        problem = self.session.change(changes, row.written)
+        self._say(f"Not adopted. {problem}" if problem else f"Adopted {row.imu} with {row.gnss}; You can undo.")
 
-    def _opened(self, event: Any) -> None:
+    def _opened(self, event: param.parameterized.Event) -> None:
         if not event.new:
             return
         try:
@@ -150,7 +155,7 @@ class SearchPanel:
             self._say(f"Not opened. Byte {error.start} is not UTF-8 text.")
         except InputError as error:
             self._say(f"Not opened. {error}")
-        self.show(self._session.budget)
+        self.show(self.session.budget)
 
     def _say(self, text: str) -> None:
         self._said.object = f'<p role="status">{escape(text)}</p>'
@@ -165,56 +170,3 @@ class SearchPanel:
             writer.writerow((row.imu, row.gnss, row.closes, row.margin, row.tightest, row.dominant, row.share,
                              *row.margins.values(), "; ".join(row.doubts)))  # fmt: skip
         return io.BytesIO(text.getvalue().encode())
-
-
-def _doubts(row: Candidate) -> str:
-    """How many values the sources do not confirm, by status."""
-    counts = Counter(doubt.rpartition(" ")[2] for doubt in row.doubts)
-    return ", ".join(f"{count} {status}" for status, count in counts.items())
-
-
-_HEADS = ("IMU", "Receiver", "Verdict", "Margin [%]", "Tightest", "Dominant source", "Not confirmed")
-_MARGIN = _HEADS.index("Margin [%]")
-_NUMBER = " class='num'"
-
-
-def _cells(row: Candidate) -> tuple[str, ...]:
-    return (
-        row.imu,
-        row.gnss,
-        "✓ closes" if row.closes else "✗ does not",
-        f"{100 * row.margin:.1f}",
-        label_of(row.tightest),
-        f"{row.dominant} {100 * row.share:.0f} %",
-        _doubts(row),
-    )
-
-
-def _name(row: Candidate) -> str:
-    return f"{row.imu} with {row.gnss}"
-
-
-def _table(rows: list[Candidate], of: int) -> str:
-    """The rows for `SortableTable`, each with a radio button; as many as there are, in a box that scrolls."""
-    if not rows:
-        return f"<p>{'No pair has these words.' if of else ''}</p>"
-    head = "".join(
-        f"<th scope='col'{_NUMBER if i == _MARGIN else ''}><button>{escape(name)}</button></th>"
-        for i, name in enumerate(_HEADS)
-    )
-    body = "".join(f"<tr>{''.join(_cell(row, i, text) for i, text in enumerate(_cells(row)))}</tr>" for row in rows)
-    return (
-        '<div class="scroll tall" tabindex="0" role="region" aria-label="Pairs of inertial unit and receiver">'
-        f'<table class="checks"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-        f'<p class="quiet" role="status">{len(rows)} of {of} pairs.</p>'
-    )
-
-
-def _cell(row: Candidate, index: int, text: str) -> str:
-    if index == 0:
-        name = escape(_name(row))
-        radio = f'<input type="radio" name="pair" value="{name}" aria-label="{name}">'
-        return f'<th scope="row" data-sort="{escape(text)}"><label>{radio} {escape(text)}</label></th>'
-    if index == _MARGIN:
-        return f'<td class="num" data-sort="{row.margin!r}">{text.replace("-", "−")}</td>'
-    return f"<td>{escape(text)}</td>"

@@ -14,7 +14,6 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import AnyChart
-from app.document.blocks import Table
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
@@ -22,7 +21,8 @@ from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.run import SarResult, run_strategies
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words, runs_said
 from app.subjects.sar.upload import UploadedPicture
-from app.ui.chart_pane import ChartView, chart_cells
+from app.ui.chart_pane import ChartPane, ChartView, chart_cells
+from app.ui.downloads import download
 from app.ui.fields import whole_number
 from app.ui.grid import grid
 from app.ui.html_pane import html_pane, stale_mark
@@ -51,7 +51,9 @@ class SarPage(pn.viewable.Viewer):
         self._session = session
         self._budget = session.budget
         self._closed: ClosedForms = closed_forms(session.budget)
-        self._answer, self._found, self._tables = html_pane(""), html_pane(""), html_pane("")
+        self._answer, self._found, self._errors = html_pane(""), html_pane(""), html_pane("")
+        self._tables, self._cautions = html_pane(""), html_pane("")
+        self._of_runs = ""  # the tables of the runs, which no slider changes
         self._bar = RunBar(
             self.run,
             self._begin,
@@ -64,17 +66,19 @@ class SarPage(pn.viewable.Viewer):
         self._scene = PicturePanel("Eight point targets", "sar-scene")
         self._upload = UploadedPicture(session, lambda: self._result)
         self._charts: list[ChartView] = []
-        self.view = pn.Column(
+        self._run_charts: list[ChartPane[DesignStudy | None]] = []
+        self._view = pn.Column(
             self._answer,
             self._bar,
             self._found,
+            self._errors,
             self._tables,
-            pmui.FileDownload(
-                callback=self._json, filename="sar-study.json", label="All of the study (JSON)", icon="download",
-                variant="text", size="small", description="", margin=(0, 8),
-                visible=self.run.param.result.rx.is_not(None),
+            self._cautions,
+            pn.FlexBox(
+                download("All of the study (JSON)", "sar-study.json", self._json),
+                visible=self.run.param.result.rx.is_not(None), sizing_mode="stretch_width", margin=(0, 4),
             ),
-            grid(*chart_cells(self._layout(), lambda what, high: ChartView(what, session, high), self._charts)),
+            grid(*self._cells()),
             self._points,
             self._scene,
             self._upload,
@@ -85,7 +89,7 @@ class SarPage(pn.viewable.Viewer):
             pn.state.onload(self._begin)
 
     def __panel__(self) -> pn.Column:
-        return self.view
+        return self._view
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
@@ -97,20 +101,24 @@ class SarPage(pn.viewable.Viewer):
 
     # --- the parts ------------------------------------------------------------------------------------
 
-    def _layout(self) -> list[tuple[Callable[[Budget], AnyChart], int, int]]:
-        """Chart, height in pixels, columns of twelve on a wide screen."""
+    def _cells(self) -> list[pn.Column]:
+        """Every chart: those that follow the sliders around those of the runs, which do not."""
 
         def of_strategies(draw: Callable[..., AnyChart], budget: Budget) -> AnyChart:
             return draw(budget, self._closed, self._study)
 
-        def of_run(draw: Callable[..., AnyChart], _: Budget) -> AnyChart:
-            return draw(self._study)
-
-        return [
+        layout = [
             *((partial(of_strategies, draw), 360, 6) for draw in STRATEGY_CHARTS),
-            *((partial(of_run, draw), 320, 6) for draw in RUN_CHARTS),
             *((draw, 400, 6) for draw in WINNER_CHARTS),
         ]
+        moving = chart_cells(layout, lambda what, high: ChartView(what, self._session, high), self._charts)
+        still = chart_cells(
+            [(draw, 320, 6) for draw in RUN_CHARTS],
+            lambda what, high: ChartPane(what, lambda: self._study, high),
+            self._run_charts,
+        )
+        first = len(STRATEGY_CHARTS)
+        return [*moving[:first], *still, *moving[first:]]
 
     @property
     def _result(self) -> SarResult | None:
@@ -122,23 +130,23 @@ class SarPage(pn.viewable.Viewer):
         return self._result.study if self._result else None
 
     def _write(self) -> None:
-        """Words, tables and marks; the texts that do not change are not sent."""
+        """Words, tables and marks; a text that stays the same is not sent."""
         result, study = self._result, self._study
-        self._answer.object = html_of(*answer(self._budget, self._closed))
-        tables: tuple[Table, ...] = (error_table(self._budget, self._closed, study, "page"),)
         mark = ""
         if result is None:
             self._bar.message = "Only the formulas so far: the strategies have not been run."
         else:
-            tables += run_tables(result.study, result.beside, "page")
-            runs, matched = runs_in_words(result.study), "The runs match the design."
+            matched = "The runs match the design."
             if result.stale(self._budget):
                 matched = "The runs are of an earlier design: run again."
                 mark = stale_mark("The runs are of an earlier design.")
-            self._bar.message = f"{matched} {runs}."
+            self._bar.message = f"{matched} {runs_in_words(result.study)}."
             self._found.object = mark + html_of(runs_said(result.study))
+            self._tables.object = mark + self._of_runs
         self._points.stale = self._scene.stale = mark
-        self._tables.object = mark + html_of(*tables, cautions(self._budget, study))
+        self._answer.object = html_of(*answer(self._budget, self._closed))
+        self._errors.object = html_of(error_table(self._budget, self._closed, study, "page"))
+        self._cautions.object = html_of(cautions(self._budget, study))
 
     # --- the run --------------------------------------------------------------------------------------
 
@@ -154,10 +162,13 @@ class SarPage(pn.viewable.Viewer):
         result: SarResult = self.run.result
         self._session.keep("sar", result)
         with pn.io.hold():
+            self._of_runs = html_of(*run_tables(result.study, result.beside, "page"))
             self._write()
             self._points.chart, self._scene.chart = point_picture(result.points), scene_picture(result.scene)
             for chart in self._charts:
                 chart.show(self._budget)
+            for of_run in self._run_charts:
+                of_run.show(result.study)
         if self._upload.file is not None:
             self._upload.form()
 

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import io
 from html import escape
-from typing import Any
 
 import numpy as np
 import panel as pn
-import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import PictureChart
 from app.charts.pictures import picture_gallery
 from app.charts.print.svg import to_svg
+from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.work.pool import elsewhere
-
-_LOOK: dict[str, Any] = {"description": "", "variant": "text", "size": "small", "margin": (0, 8)}
 
 
 class PicturePanel(pn.viewable.Viewer):
@@ -33,9 +30,7 @@ class PicturePanel(pn.viewable.Viewer):
         # Heading and pictures apart: the mark of a stale study must not send the pictures again.
         self._heading, self._pictures = html_pane("", margin=(8, 10, 0, 10)), html_pane("")
         links = (
-            pmui.FileDownload(
-                callback=make, filename=f"{key}.{kind.lower()}", label=f"{title}: {kind}", icon="download", **_LOOK
-            )
+            download(f"{title}: {kind}", f"{key}.{kind.lower()}", make)
             for make, kind in ((self._npz, "NPZ"), (self._csv, "CSV"), (self._svg, "SVG"))
         )
         self._view = pn.Column(

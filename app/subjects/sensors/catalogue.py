@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from html import escape
-
+from app.document.blocks import Cell, Column, Table
+from app.document.numbers import number
 from nav_model.catalogue import Entry, Kind, SourcedValue, catalogue
-from nav_model.units import from_si, plain_number
+from nav_model.units import from_si
 
 # Key, heading, dimension, unit of the column.
 _COLUMNS: dict[Kind, tuple[tuple[str, str, str, str], ...]] = {
@@ -24,64 +23,57 @@ _COLUMNS: dict[Kind, tuple[tuple[str, str, str, str], ...]] = {
         ("altitude", "Altitude", "length", "km"),
     ),
 }
-_CAPTIONS: dict[Kind, str] = {"imu": "Inertial units", "radar": "Radars"}
-_DIGITS = 4
-_MARKS = {"secondary": "", "assumed": "mark", "unconfirmed": "mark"}
+_CAPTIONS: dict[Kind, str] = {"imu": "Inertial units of the catalogue", "radar": "Radars of the catalogue"}
+_DIGITS = 4  # as many as data sheets print
+_STATUS = (
+    "Every value was read in the source beside it. ⚠ secondary: read where another quotes the maker. ⚠ assumed: a "
+    "typical value chosen here. ⚠ unconfirmed: from memory, not verified. Press a heading to sort."
+)
 
 
-def catalogue_table(kind: Kind, chosen: str) -> str:
-    """The catalogue of a kind as HTML for a `SortableTable`; the row named `chosen` is marked."""
+def catalogue_table(kind: Kind, chosen: str) -> Table:
+    """The catalogue of a kind; the row named `chosen` is marked."""
     columns = _COLUMNS[kind]
-    heads = "".join(
-        f'<th scope="col" class="num"><button type="button">{heading}</button>'
-        f'<br><span class="quiet">[{unit}]</span></th>'
-        for _, heading, _, unit in columns
+    graded = (Column("Grade", sortable=True),) if kind == "imu" else ()
+    return Table(
+        f"catalogue-{kind}",
+        _CAPTIONS[kind],
+        (
+            Column("Unit" if kind == "imu" else "Radar", sortable=True),
+            *graded,
+            *(Column(f"{heading} [{unit}]", numeric=True, sortable=True) for _, heading, _, unit in columns),
+            Column("Source and status"),
+        ),
+        tuple(_row(entry, columns, entry.name == chosen) for entry in catalogue(kind).values()),
+        _STATUS,
     )
-    rows = "".join(_row(entry, columns, entry.name == chosen) for entry in catalogue(kind).values())
-    return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{_CAPTIONS[kind]}"><table class="checks">'
-        f'<thead><tr><th scope="col"><button type="button">{"Unit" if kind == "imu" else "Radar"}</button></th>'
-        f"{_grade_head(kind)}{heads}<th scope='col' class='source'>Source and status</th></tr></thead>"
-        f"<tbody>{rows}</tbody></table></div>"
-    )
 
 
-def _grade_head(kind: Kind) -> str:
-    return '<th scope="col"><button type="button">Grade</button></th>' if kind == "imu" else ""
-
-
-def _row(entry: Entry, columns: Iterable[tuple[str, str, str, str]], chosen: bool) -> str:
+def _row(entry: Entry, columns: tuple[tuple[str, str, str, str], ...], chosen: bool) -> tuple[Cell, ...]:
     values = {**entry.values, **entry.extra}
-    cells = "".join(_cell(values.get(key), dimension, unit) for key, _, dimension, unit in columns)
-    grade = f"<td>{escape(entry.grade)}</td>" if entry.kind == "imu" else ""
-    mark = ' <span class="mark">● in the design</span>' if chosen else ""
-    note = f'<br><span class="quiet">{escape(entry.note)}</span>' if entry.note else ""
     return (
-        f'<tr><th scope="row" data-sort="{escape(entry.name)}">{escape(entry.name)}{mark}</th>{grade}{cells}'
-        f"<td>{_sources(values)}{note}</td></tr>"
+        Cell(entry.name, "● in the design" if chosen else "", sort=entry.name),
+        *((Cell(entry.grade),) if entry.kind == "imu" else ()),
+        *(_value(values.get(key), dimension, unit) for key, _, dimension, unit in columns),
+        Cell("\n".join(filter(None, (*_sources(values), entry.note)))),
     )
 
 
-def _cell(item: SourcedValue | None, dimension: str, unit: str) -> str:
+def _value(item: SourcedValue | None, dimension: str, unit: str) -> Cell:
     if item is None:
-        return '<td class="num quiet" data-sort="">not given</td>'
-    number = plain_number(from_si(item.value, unit, dimension), _DIGITS)
-    small = [] if item.unit == unit else [escape(f"printed {item.text}")]
-    small += [escape(item.kind)] if item.kind else []
-    if not item.confirmed:
-        small.append(f'<span class="{_MARKS[item.status]}">⚠ {item.status}</span>')
-    fine = f'<br><span class="quiet">{"<br>".join(small)}</span>' if small else ""
-    return f'<td class="num" data-sort="{item.value!r}">{number}{fine}</td>'
+        return Cell("not given", tone="quiet", sort="")
+    printed = "" if item.unit == unit else f"printed {item.text}"
+    text = "\n".join(filter(None, (number(from_si(item.value, unit, dimension), _DIGITS), printed, item.kind)))
+    return Cell(text, "" if item.confirmed else f"⚠ {item.status}", "" if item.confirmed else "warn", item.value)
 
 
-def _sources(values: dict[str, SourcedValue]) -> str:
+def _sources(values: dict[str, SourcedValue]) -> list[str]:
     """One line per source, with the values read in it when there are several."""
     found: dict[tuple[str, str], list[str]] = {}
     for key, item in values.items():
         found.setdefault((item.status, item.source), []).append(key.replace("_", " "))
-    lines = []
-    for (status, source), keys in found.items():
-        said = escape(status) if status == "confirmed" else f'<span class="mark">⚠ {escape(status)}</span>'
-        which = f' <span class="quiet">({escape(", ".join(keys))})</span>' if len(found) > 1 else ""
-        lines.append(f"{said}: {escape(source)}{which}")
-    return "<br>".join(lines)
+    return [
+        f"{'' if status == 'confirmed' else '⚠ '}{status}: {source}"
+        + (f" ({', '.join(keys)})" if len(found) > 1 else "")
+        for (status, source), keys in found.items()
+    ]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from app.console.arguments import put_json
+from app.console.progress import show_progress
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.errors import InputError
@@ -46,11 +47,9 @@ def _allan(options: argparse.Namespace) -> int:
             _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
         ),
     )
-    return put_json(study_to_json(study_log(request, _say_progress)), options.output)
-
-
-def _say_progress(fraction: float, what: str) -> None:
-    print(f"{100 * fraction:3.0f} % {what}", file=sys.stderr)
+    with show_progress() as progress:
+        study = study_log(request, lambda share, what: progress(what, share))
+    return put_json(study_to_json(study), options.output)
 
 
 def _bench(option: str, key: str, text: str | None) -> float | None:

@@ -5,31 +5,34 @@ from __future__ import annotations
 import asyncio
 import html
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
+from app.document.pane import html_of
 from app.session import Session
 from app.subjects.sensors.charts import axis_chart, triad_chart
-from app.subjects.sensors.log_study import READING, LogRequest, Study, read_options, study_log
+from app.subjects.sensors.log_study import LogRequest, Study, read_options, study_log
 from app.subjects.sensors.tables import (
     coefficient_tables,
-    motion_strip,
+    motion_answer,
     motion_table,
-    offer_strip,
-    provenance_line,
-    remedy_list,
-    warning_list,
+    offer,
+    provenance_text,
+    remedies,
+    warnings,
 )
 from app.ui.chart_pane import ChartView
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
+from app.ui.run_bar import RunBar
 from app.ui.upload import LimitedFileInput
-from app.work.alone import WAITING, RunLost, run_alone
+from app.work.alone import run_alone
+from app.work.run import Run
 from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibration_factor, bench_of
 from nav_model.allan.log_file import Limits
 from nav_model.allan.motion import BenchNoise, MotionAnalysis
@@ -45,7 +48,7 @@ _HELP = (
     "columns are read from the file where it states them, and asked for where it does not.</p>"
 )
 _BOXES = {
-    "rate": ("Rate [Hz]", "if the file is silent", 150),
+    "rate": ("Rate [Hz]", "only if not in the file", 150),
     "gyro_unit": ("Gyro unit", "deg/s; rad; 0.05 deg/s a count", 220),
     "accelerometer_unit": ("Accelerometer unit", "m/s2; g; 0.00333 g a count", 220),
     "columns": ("Columns of a CSV, in order", "time, gyro_x, … ; - ignores one", 240),
@@ -53,17 +56,19 @@ _BOXES = {
 }
 
 
-class LogPanel:
+class LogPanel(pn.viewable.Viewer):
     """Upload, progress, results and offers of the logs of one session.
 
     The last log at rest and the last in motion both stay in view; a log that is refused changes neither.
     """
 
+    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
+    name_of_log: str = param.String(doc="The file uploaded last, which can be analysed again; empty: none.")
+
     def __init__(self, session: Session) -> None:
-        self._session = session
+        super().__init__(session=session, run=session.new_run())
         self._folder: tempfile.TemporaryDirectory[str] | None = None
-        self._name = ""
-        self._task: asyncio.Task[Any] | None = None
         self.boxes = {
             key: pmui.TextInput(
                 label=label, helper_text=example, description="", size="small", width=width, margin=(8, 6)
@@ -84,37 +89,32 @@ class LogPanel:
             variant="contained",
             size="small",
             margin=(12, 6, 8, 6),
+            disabled=self.run.param.running,
         )
-        self.again = _button("Analyse", disabled=True)
-        self.stop = _button("Cancel", visible=False)
         self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14))
-        self.progress = html_pane("", margin=(4, 14))
-        self.progress.visible = False
+        self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self.boxes.values())
+        self.bar.start.disabled = True
         self.file.param.watch(self._uploaded, "value")
-        self.again.on_click(self.analyse)
-        self.stop.on_click(lambda _: self.cancel())
         self.static = StaticResult(session, self._adopt)
         self.moving = MotionResult(session, self._adopt)
-        self.view = pn.Column(self._intake(), self.static.view, self.moving.view, sizing_mode="stretch_width")
         if pn.state.curdoc:
             pn.state.on_session_destroyed(lambda _: self.close())
 
-    def _intake(self) -> pmui.Paper:
-        return pmui.Paper(
+    def __panel__(self) -> pn.Column:
+        intake = pmui.Paper(
             html_pane("<h3>What does my log say?</h3>" + _HELP, margin=(10, 14, 0, 14)),
-            pn.FlexBox(self.file, self.motion, *self.boxes.values(), self.again, self.stop,
-                       align_items="flex-start", sizing_mode="stretch_width", margin=(0, 8)),
-            self.progress,
+            self.bar,
             self.message,
             variant="outlined",
             elevation=0,
             sizing_mode="stretch_width",
             margin=(6, 10),
-        )  # fmt: skip
+        )
+        return pn.Column(intake, self.static, self.moving, sizing_mode="stretch_width")
 
     # --- taking a log in ----------------------------------------------------------------------------------
 
-    async def _uploaded(self, event: Any) -> None:
+    async def _uploaded(self, event: param.parameterized.Event) -> None:
         if not event.new:
             return
         name = str(self.file.filename or "log")
@@ -127,39 +127,37 @@ class LogPanel:
         if self._folder is None:
             self._folder = tempfile.TemporaryDirectory(prefix="navbudget-")
         await asyncio.to_thread(self._path().write_bytes, content)
-        self._name = name
-        self.again.disabled = False
+        self.name_of_log = name
         await self.analyse()
 
     def _path(self) -> Path:
         assert self._folder is not None
         return Path(self._folder.name) / "log"
 
-    async def analyse(self, _: Any = None) -> None:
+    @param.depends("name_of_log", "run.running", watch=True)
+    def _offer(self) -> None:
+        self.bar.start.disabled = self.run.running or not self.name_of_log
+
+    async def analyse(self) -> None:
         """Study the log that was uploaded last, as the boxes now say."""
-        if self._task is not None or not self._name:
+        if self.run.running or not self.name_of_log:
             return
-        bench = bench_of(self._session.design)
+        name, bench = self.name_of_log, bench_of(self.session.design)
         try:
             request = self._request(bench)
         except InputError as error:
             self._say(f"Not analysed. {error}")
             return
-        self._task = asyncio.current_task()
-        self._started = time.monotonic()
-        self._run(True)
-        try:
-            study: Study = await run_alone(study_log, request, progress=self._follow)
-        except (InputError, RunLost) as error:
-            self._say(f"Not analysed. {error}. Nothing else has changed; correct the boxes above and press Analyse.")
-        except asyncio.CancelledError:
-            self._say(f"{self._name}: cancelled.", "info")
-        else:
-            self._say("")
-            self._show(study, bench)
-        finally:
-            self._task = None
-            self._run(False)
+
+        async def study(run: Run) -> Study:
+            return await run_alone(
+                study_log, request, progress=lambda share, what: run.tell(f"{name}: {what}", share)
+            )
+
+        self._say("")
+        await self.run.start(study)
+        if not self.run.message:
+            self._show(self.run.result, bench)
 
     def _request(self, bench: BenchNoise) -> LogRequest:
         texts = {key: box.value.strip() for key, box in self.boxes.items()}
@@ -171,7 +169,7 @@ class LogPanel:
                 raise InputError("Rate [Hz]", f"{texts['rate']!r} is not a number") from error
         return LogRequest(
             source=self._path(),
-            file_name=self._name,
+            file_name=self.name_of_log,
             options=read_options(
                 rate, texts["gyro_unit"], texts["accelerometer_unit"], texts["columns"], texts["arrays"]
             ),
@@ -180,29 +178,13 @@ class LogPanel:
             bench=bench,
         )
 
-    def cancel(self) -> None:
-        """End the study under way, at once."""
-        if self._task is not None:
-            self._task.cancel()
-
     def close(self) -> None:
         """End everything and forget the log: the person has left."""
-        self.cancel()
+        self.run.cancel()
         if self._folder is not None:
             self._folder.cleanup()
             self._folder = None
-            self._name = ""
-
-    def _run(self, running: bool) -> None:
-        with pn.io.hold():
-            self._session.running = running
-            self.again.disabled = self.file.disabled = running
-            self.stop.visible = self.progress.visible = running
-            if running:
-                self._follow(0.0, READING)
-
-    def _follow(self, fraction: float, what: str) -> None:
-        self.progress.object = progress_line(self._name, fraction, what, time.monotonic() - self._started)
+            self.name_of_log = ""
 
     def _say(self, text: str, severity: str = "error") -> None:
         self.message.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
@@ -218,19 +200,20 @@ class LogPanel:
     def _adopt(self, offer: Callable[[], Adoption]) -> None:
         try:
             adoption = offer()
-            problem = self._session.change(adoption.changes, adoption.written)
+            problem = self.session.change(adoption.changes, adoption.written)
         except ValueError as error:
             problem = error
         if problem:
             self._say(f"Not taken over. {problem}")
         else:
-            self._say("Taken over into the design; its description says where from. Undo takes it back.", "success")
+            self._say("Taken over into the design, with its origin. You can undo.", "success")
 
 
-class StaticResult:
+class StaticResult(pn.viewable.Viewer):
     """What a log at rest says."""
 
     def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
+        super().__init__()
         self._session = session
         self.analysis: LogAnalysis | None = None
         self.head, self.tables = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
@@ -240,13 +223,16 @@ class StaticResult:
         self.axis.param.watch(lambda event: self._feed() if event.new else None, "value")
         self._charts: list[ChartView] = []
         self._place = pn.Column(sizing_mode="stretch_width", margin=0)
-        self.view = pn.Column(
+        self._view = pn.Column(
             pmui.Paper(self.head, self.use, self.tables, variant="outlined", elevation=0,
                        sizing_mode="stretch_width", margin=(6, 10)),
             self._place,
             visible=False,
             sizing_mode="stretch_width",
         )  # fmt: skip
+
+    def __panel__(self) -> pn.Column:
+        return self._view
 
     @property
     def _known(self) -> LogAnalysis:
@@ -258,15 +244,15 @@ class StaticResult:
         self.analysis = analysis
         names = [axis.name for axis in analysis.axes]
         with pn.io.hold():
-            self.head.object = "<h3>Log at rest</h3>" + provenance_line(analysis.provenance) + offer_strip(analysis)
+            self.head.object = "<h3>Log at rest</h3>" + html_of(provenance_text(analysis.provenance), offer(analysis))
             self.use.disabled = not adopt_random_walks(self._session.design, analysis).changes
-            self.tables.object = coefficient_tables(analysis) + remedy_list(analysis) + warning_list(analysis)
+            self.tables.object = html_of(*coefficient_tables(analysis), *remedies(analysis), *warnings(analysis))
             self.axis.param.update(options=names, value=self.axis.value if self.axis.value in names else names[0])
             if self._charts:
                 self._feed()
             else:
                 self._build()
-            self.view.visible = True
+            self._view.visible = True
 
     def _build(self) -> None:
         triads, single = [], ChartView(lambda _: axis_chart(self._known, self.axis.value), self._session, 380)
@@ -281,19 +267,23 @@ class StaticResult:
             chart.show(self._session.budget)
 
 
-class MotionResult:
+class MotionResult(pn.viewable.Viewer):
     """What a log in motion says."""
 
     def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
+        super().__init__()
         self.analysis: MotionAnalysis | None = None
         self._bench = BenchNoise()
         self.head, self.table = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
         self.use = _button("Use this factor in the design", variant="contained")
         self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, self._known, self._bench)))
-        self.view = pmui.Paper(
+        self._view = pmui.Paper(
             self.head, self.use, self.table, variant="outlined", elevation=0, visible=False,
             sizing_mode="stretch_width", margin=(6, 10),
         )  # fmt: skip
+
+    def __panel__(self) -> pmui.Paper:
+        return self._view
 
     @property
     def _known(self) -> MotionAnalysis:
@@ -304,25 +294,12 @@ class MotionResult:
         """Show another log's analysis, made against `bench`."""
         self.analysis, self._bench = analysis, bench
         with pn.io.hold():
-            self.head.object = (
-                "<h3>Log in motion</h3>" + provenance_line(analysis.provenance) + motion_strip(analysis)
+            self.head.object = "<h3>Log in motion</h3>" + html_of(
+                provenance_text(analysis.provenance), motion_answer(analysis)
             )
             self.use.disabled = analysis.vibration_factor is None
-            self.table.object = motion_table(analysis)
-            self.view.visible = True
-
-
-def progress_line(name: str, fraction: float, what: str, elapsed: float) -> str:
-    """How far a study is, as HTML: a bar, what is being done, and the time left once it can be told."""
-    if what in (READING, WAITING):
-        bar, left = "", ""
-    else:
-        bar = f' value="{fraction:.3f}"'
-        left = f", about {elapsed * (1 - fraction) / fraction:.0f} s left" if fraction > 0 else ""
-    return (
-        f'<p role="status"><progress max="1"{bar} aria-label="Progress"></progress><br>'
-        f"{html.escape(name)}: {html.escape(what)}{left}</p>"
-    )
+            self.table.object = html_of(motion_table(analysis))
+            self._view.visible = True
 
 
 def _button(label: str, variant: str = "outlined", **params: Any) -> pmui.Button:

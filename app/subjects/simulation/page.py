@@ -23,6 +23,7 @@ from app.session import Session
 from app.subjects.simulation.controls import StudyControls
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.ui.chart_pane import ChartPane, chart_cells
+from app.ui.downloads import download
 from app.ui.fields import number, whole_number
 from app.ui.grid import grid
 from app.ui.html_pane import block_pane, html_pane, stale_mark
@@ -95,24 +96,16 @@ class SimulatePage(pn.viewable.Viewer):
         self._start = block_pane(*_START, margin=(4, 12))
         self._note, self._answer = html_pane("", margin=(2, 10)), html_pane("")
         self._place = pn.Column(sizing_mode="stretch_width", margin=0)
-        takes = (
-            ("Statistics (NPZ)", "npz", self._npz), ("Sigmas (CSV)", "csv", self._csv),
-            ("Everything (JSON)", "json", self._json),
-        )  # fmt: skip
-        self.view = pn.Column(
+        self._view = pn.Column(
             self._bar,
             self._more,
             self._start,
             self._note,
             self._answer,
             pn.FlexBox(
-                *(
-                    pmui.FileDownload(
-                        callback=make, filename=f"simulation.{suffix}", label=label, icon="download", variant="text",
-                        **_LOOK,
-                    )
-                    for label, suffix, make in takes
-                ),
+                download("Statistics (NPZ)", "simulation.npz", self._npz),
+                download("Sigmas (CSV)", "simulation.csv", self._csv),
+                download("Everything (JSON)", "simulation.json", self._json),
                 visible=self.run.param.result.rx.is_not(None), sizing_mode="stretch_width", margin=(0, 4),
             ),
             self._place,
@@ -122,7 +115,7 @@ class SimulatePage(pn.viewable.Viewer):
             prepare()
 
     def __panel__(self) -> pn.Column:
-        return self.view
+        return self._view
 
     def show(self, _: Budget) -> None:
         """Follow the budget in force: a result of other instruments or another flight is marked stale."""

@@ -54,8 +54,7 @@ def findings(study: DesignStudy, key: str) -> tuple[Block, ...]:
         _run_table(study, key),
         _sigma_table(study, key),
         _departures(study, key),
-        Text("How the simulated world differs from that of the formulas:"),
-        Bullets(study.conditions, "Conditions of the simulation"),
+        Bullets(study.conditions, "How the simulated world differs from that of the formulas"),
     )
 
 

@@ -23,7 +23,7 @@ def _models(root: Model) -> list[DataModel]:
 def test_every_component_is_marked_as_the_pages():
     """By this Panel finds what to clear away with a page, whenever it was made."""
     frame = Frame(Session(first_design()))
-    root = frame.view.get_root()
+    root = frame.__panel__().get_root()
     before = _models(root)
     frame._go_to("explore")
     after = _models(root)
@@ -34,7 +34,7 @@ def test_every_component_is_marked_as_the_pages():
 def test_a_run_begins_without_a_walk_through_the_document(monkeypatch: pytest.MonkeyPatch):
     """That walk took 100 ms, at the beginning and the end of each run, in which nobody's slider moved."""
     session = Session(first_design())
-    root = Frame(session).view.get_root()
+    root = Frame(session).__panel__().get_root()
     walked: list[Any] = []
     monkeypatch.setattr(Model, "references", lambda model: walked.append(model) or {model})
     session.running = True

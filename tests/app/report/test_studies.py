@@ -332,10 +332,10 @@ def test_a_session_keeps_the_last_finding_of_each_kind_and_the_choice_follows(fi
 
     session = Session(design)
     choice = ReportChoice(session)
-    assert not choice.view.visible
+    assert not choice.__panel__().visible
     for kind, finding in findings.items():
         session.keep(kind, finding)
-    assert choice.view.visible
+    assert choice.__panel__().visible
     assert choice._boxes.value == ["simulation", "sar", "suborbital"]
     choice._boxes.value = ["sar"]
     assert list(choice.chosen()) == ["sar"]

@@ -64,9 +64,9 @@ def test_closed_forms_are_there_before_any_run(sar: SarPage) -> None:
     assert "misses the limit" in sar._answer.object
     assert "have not been run" in sar._bar.state.object
     assert sar._found.object == ""
-    assert "6 tracking filter ⁽ʳ⁾" in sar._tables.object
-    assert "reconstruction" in sar._tables.object
-    assert sar._tables.object.count("<table") == 1
+    assert "6 tracking filter ⁽ʳ⁾" in sar._errors.object
+    assert "reconstruction" in sar._errors.object
+    assert sar._tables.object == ""
 
 
 def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session: Session) -> None:
@@ -76,7 +76,7 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert "In 100 runs" in sar._found.object
     panels = (sar._points, sar._scene)
     assert [panel._pictures.object.count("<figure") for panel in panels] == [9, 9]
-    assert sar._tables.object.count("<table") == 4
+    assert sar._tables.object.count("<table") == 3
     marked = (sar._found, sar._tables, *(panel._heading for panel in panels))
     assert not any("stale" in pane.object for pane in marked)
     before = sar._answer.object
@@ -249,7 +249,7 @@ def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPa
     run(sar)
     assert "100 flights of the simulator" in sar._bar.state.object
     assert "The two engines beside each other" in sar._tables.object
-    assert "WGS 84" in sar._tables.object
+    assert "WGS 84" in sar._cautions.object
     result = sar._result
     assert result is not None
     assert (result.study.engine, result.beside.engine) == ("simulator", "fast")

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.document.pane import html_of
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.charts import axis_chart, triad_chart
-from app.subjects.sensors.log_panel import progress_line
 from app.subjects.sensors.log_study import LogRequest, study_log
 from app.subjects.sensors.page import SensorsPage
 from app.subjects.sensors.tables import coefficient_tables, origin_table
@@ -49,15 +49,15 @@ def sensors() -> Iterator[SensorsPage]:
 
 def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     panel = sensors.log
-    session = panel._session
+    session = panel.session
     asyncio.run(panel.take(log(), "bench.csv"))
-    assert "give the rate" in panel.message.object  # the file says no rate: asked for, the upload is kept
+    assert "give the rate" in panel.run.message  # the file says no rate: asked for, the upload is kept
     assert panel.static.analysis is None
     panel.boxes["rate"].value = "100"
     asyncio.run(panel.analyse())
     analysis = panel.static.analysis
     assert analysis is not None
-    assert panel.static.view.visible
+    assert panel.static.__panel__().visible
     assert not panel.message.visible
     assert not session.running
     for shown in ("bench.csv", analysis.provenance.sha256, "100 Hz"):
@@ -81,10 +81,10 @@ def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
     asyncio.run(panel.take(log(), "good.csv"))
     shown = panel.static.head.object
     asyncio.run(panel.take(log().replace(b"\n", b"\n<script>,1,1,1,1,1\n", 2), "bad.csv"))
-    assert "bad.csv" in panel.message.object
+    assert "bad.csv" in panel.run.message
     assert "&lt;script&gt;" not in panel.static.head.object
-    assert "<script>" not in panel.message.object
-    assert panel.message.visible
+    assert "&lt;script&gt;" in panel.bar.state.object
+    assert "<script>" not in panel.bar.state.object
     assert panel.static.head.object == shown
 
 
@@ -102,7 +102,7 @@ def test_another_log_feeds_the_same_figures(sensors: SensorsPage):
 
 def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):
     panel = sensors.log
-    session = panel._session
+    session = panel.session
     session.change({"imu.angle_random_walk": ARW, "imu.velocity_random_walk": VRW})
     panel.boxes["rate"].value, panel.motion.value = "100", "motion"
     asyncio.run(panel.take(log(factor=3.0), "drive.csv"))
@@ -178,7 +178,7 @@ def test_uploads_are_limited_where_they_arrive():
 
 def test_catalogue_marks_what_is_not_confirmed():
     for kind in ("imu", "radar"):
-        html = catalogue_table(kind, "STIM300")
+        html = html_of(catalogue_table(kind, "STIM300"))
         rows = re.findall(r"<tr><th scope=\"row\".*?</tr>", html)
         assert len(rows) == len(catalogue(kind))
         for row, entry in zip(rows, catalogue(kind).values(), strict=True):
@@ -186,13 +186,13 @@ def test_catalogue_marks_what_is_not_confirmed():
             doubtful = [item for item in (*entry.values.values(), *entry.extra.values()) if not item.confirmed]
             assert sum("⚠" in cell for cell in cells) == len(doubtful)
             assert all(item.source in unescape(row) for item in entry.values.values())
-    assert "● in the design" in catalogue_table("imu", "STIM300")
+    assert "● in the design" in html_of(catalogue_table("imu", "STIM300"))
 
 
 def test_origin_says_catalogue_hand_or_log():
     design = first_design()
-    assert "catalogue, STIM300" in origin_table(design)
-    assert "set by hand" in origin_table(design.replace({"imu.angle_random_walk": 1e-5}))
+    assert "catalogue, STIM300" in html_of(origin_table(design))
+    assert "set by hand" in html_of(origin_table(design.replace({"imu.angle_random_walk": 1e-5})))
 
 
 def test_charts_carry_confidence_and_fit(sensors: SensorsPage):
@@ -210,7 +210,7 @@ def test_charts_carry_confidence_and_fit(sensors: SensorsPage):
     single = axis_chart(analysis, "gyro_x")
     assert np.isnan(next(line for line in single.lines if line.key == "ramp").y).all()
     assert "ramp" in single.knowledge
-    assert "95 % confidence" not in coefficient_tables(analysis)
+    assert "95 % confidence" not in html_of(*coefficient_tables(analysis))
 
 
 def test_a_reading_at_1_s_stands_beside_its_white_floor():
@@ -218,7 +218,7 @@ def test_a_reading_at_1_s_stands_beside_its_white_floor():
     noise = np.random.default_rng(5).standard_normal((60_000, 3)) * 1e-2
     sway = 2e-3 * np.sin(2 * np.pi * 0.6 * np.arange(60_000) / 100.0)
     result = analyse_log(ImuLog(None, noise + sway[:, None] + [0, 0, 9.8], 100.0))
-    cells = unescape(coefficient_tables(result))
+    cells = unescape(html_of(*coefficient_tables(result)))
     for axis in result.axes:
         walk = axis.coefficients["random_walk"]
         assert walk is not None
@@ -228,9 +228,3 @@ def test_a_reading_at_1_s_stands_beside_its_white_floor():
             assert said in cells
     assert "effective reading about 1 s; white floor" in cells
     assert "not a confidence interval" in cells
-
-
-def test_progress_tells_the_time_left_once_it_can():
-    assert "value=" not in progress_line("a.csv", 0.0, "reading", 1.0)
-    assert "about 4 s left" in progress_line("a.csv", 0.5, "gyro_z", 4.0)
-    assert "&lt;b&gt;" in progress_line("<b>", 0.5, "gyro_z", 4.0)

@@ -6,28 +6,30 @@ from __future__ import annotations
 import logging
 import secrets
 from collections.abc import Callable
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, WeakMethod
 
 import panel as pn
 from bokeh.document import Document
 
-from app.serving.logs import LOGGER
-
-_tellers: WeakKeyDictionary[Document, Callable[[str], None]] = WeakKeyDictionary()
+_LOGGER = logging.getLogger("navbudget")
+_tellers: WeakKeyDictionary[Document, WeakMethod[Callable[[str], None]]] = WeakKeyDictionary()
 
 
 def tell_here(say: Callable[[str], None]) -> None:
-    """Have faults in the current session said by `say`; does nothing outside a session."""
+    """Have faults in the current session said by `say`, a method; does nothing outside a session.
+
+    The method is not kept alive: it belongs to a page, and what is told of faults must not hold pages in memory.
+    """
     if pn.state.curdoc:
-        _tellers[pn.state.curdoc] = say
+        _tellers[pn.state.curdoc] = WeakMethod(say)
 
 
 def caught(fault: BaseException) -> None:
     """What Panel calls with an exception that a callback let through (`pn.config.exception_handler`)."""
     number = secrets.token_hex(3)
-    LOGGER.log(logging.ERROR, "fault", exc_info=fault, extra={"fields": {"fault": number}})
-    say = _tellers.get(pn.state.curdoc) if pn.state.curdoc else None
-    if say is not None:
+    _LOGGER.log(logging.ERROR, "fault", exc_info=fault, extra={"fields": {"fault": number}})
+    teller = _tellers.get(pn.state.curdoc) if pn.state.curdoc else None
+    if teller is not None and (say := teller()) is not None:
         say(
             f"Something failed in NavBudget ({type(fault).__name__}), and this step was not done. The design and "
             f"what was saved are as they were. The server's log has the cause as fault {number}."

@@ -1,0 +1,80 @@
+"""The design on the left: its name, and its inputs section by section."""
+
+from __future__ import annotations
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+
+from app.dashboard.controls import SECTION_TITLES, Control, section_controls
+from app.session import Session
+from nav_model.budget import Budget
+from nav_model.design import Design
+from nav_model.design.parts import INPUTS
+
+_FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with. The second is below the first screen.
+
+
+class Sidebar(pn.viewable.Viewer):
+    """Every input of the design in force; a section's controls are made when it is first opened."""
+
+    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    explained: bool = param.Boolean(default=False, label="Explain every input")
+    name_of_design: str = param.String(label="Design")
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session=session, name_of_design=session.design.name)
+        self._controls: list[Control] = []
+        self._shown: Design = session.design
+        self._sections = [pn.Column(margin=0, sizing_mode="stretch_width") for _ in INPUTS]
+        accordion = pmui.Accordion(
+            *zip((SECTION_TITLES[section] for section in INPUTS), self._sections, strict=True),
+            active=list(_FIRST_OPEN),
+            toggle=False,
+            title_variant="subtitle1",
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+        self._fill(_FIRST_OPEN[0])
+        pn.state.onload(lambda: self._fill(_FIRST_OPEN[1]))
+        accordion.param.watch(lambda event: [self._fill(index) for index in event.new], "active")
+        self.parts = [
+            pmui.TextInput.from_param(
+                self.param.name_of_design, description="", size="small", max_length=200, margin=(14, 10, 0, 10),
+                sizing_mode="stretch_width",
+            ),
+            pmui.Switch.from_param(self.param.explained, description="", margin=(6, 10)),
+            accordion,
+        ]  # fmt: skip
+
+    def __panel__(self) -> pn.Column:
+        return pn.Column(*self.parts, margin=0, sizing_mode="stretch_width")
+
+    def _fill(self, index: int) -> None:
+        """Make a section's controls when it is first opened: a page of closed sections loads faster."""
+        if self._sections[index].objects:
+            return
+        controls = section_controls(self.session, list(INPUTS)[index])
+        for control in controls:
+            control.explained = self.explained
+        self._controls += controls
+        self._sections[index].objects = list(controls)
+
+    @param.depends("explained", watch=True)
+    def _explain(self) -> None:
+        with pn.io.hold():
+            for control in self._controls:
+                control.explained = self.explained
+
+    @param.depends("name_of_design", watch=True)
+    def _rename(self) -> None:
+        if self.name_of_design != self.session.design.name:
+            self.session.change({"name": self.name_of_design})
+
+    def show(self, budget: Budget) -> None:
+        """Follow the budget in force."""
+        before, self._shown = self._shown, budget.design
+        for control in self._controls:
+            if control.differs(before, self._shown):
+                control.show(self._shown)
+        self.name_of_design = self._shown.name

@@ -1,0 +1,144 @@
+"""Runs: how far they are, how they end, and that the newest wins."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from app.session import Session
+from app.ui.run_bar import RunBar, progress_html
+from app.work.run import Clock, Progress, Run
+from nav_model.design import Design
+from nav_model.errors import InputError
+
+
+def test_the_time_left_is_the_time_spent_over_the_share_done():
+    now = [100.0]
+    clock = Clock(lambda: now[0])
+    assert clock.progress("compiling") == Progress("compiling", None, None)
+    now[0] += 30.0  # preparing says nothing of the pace
+    assert clock.progress("flying", 0.0).left is None
+    now[0] += 4.0
+    assert clock.progress("flying", 0.25) == Progress("flying", 0.25, pytest.approx(12.0))
+    now[0] += 12.0
+    assert clock.progress("flying", 1.0).left is None
+    assert clock.progress("flying", 0.001).left is None
+
+
+def test_progress_in_words_and_as_a_bar():
+    assert Progress("reading a.csv").words == "reading a.csv"
+    assert Progress("gyro_z", 0.5, 3.6).words == "gyro_z, about 4 s left"
+    assert "value=" not in progress_html(Progress("reading"))
+    assert 'value="0.500"' in progress_html(Progress("gyro_z", 0.5, 4.0))
+    assert "&lt;b&gt;" in progress_html(Progress("<b>", 0.5))
+
+
+def test_a_run_tells_shows_and_ends_with_its_result():
+    seen: list[tuple[bool, object, object]] = []
+    run = Run()
+    run.param.watch(lambda *_: seen.append((run.running, run.progress and run.progress.what, run.result)),
+                    ["running", "progress", "result"])  # fmt: skip
+
+    async def work(run: Run) -> str:
+        run.tell("half", 0.5)
+        run.show("partial")
+        return "whole"
+
+    async def main() -> None:
+        await run.start(work)
+
+    asyncio.run(main())
+    assert seen == [(True, None, None), (True, "half", None), (True, "half", "partial"), (False, None, "whole")]
+    assert run.message == ""
+
+
+@pytest.mark.parametrize(
+    "error", [InputError("gyro", "is not there"), ValueError("wrong"), ZeroDivisionError("none")]
+)
+def test_what_is_refused_becomes_the_message_and_keeps_the_last_result(error: Exception):
+    run = Run(result="last")
+
+    async def work(_: Run) -> None:
+        raise error
+
+    async def main() -> None:
+        await run.start(work)
+
+    asyncio.run(main())
+    assert (run.running, run.progress, run.result, run.message) == (False, None, "last", str(error))
+
+
+def test_a_fault_of_ours_ends_the_run_and_is_not_swallowed():
+    run = Run()
+
+    async def work(_: Run) -> None:
+        raise KeyError("ours")
+
+    async def main() -> None:
+        with pytest.raises(KeyError):
+            await run.start(work)
+
+    asyncio.run(main())
+    assert not run.running
+
+
+def test_the_newest_run_wins_and_a_cancelled_one_says_how_far_it_was():
+    run = Run()
+    begun = []
+
+    async def endless(run: Run) -> None:
+        begun.append(1)
+        run.tell("3 of 9 runs", 1 / 3)
+        await asyncio.Event().wait()
+
+    async def short(_: Run) -> str:
+        return "second"
+
+    async def main() -> None:
+        first = run.start(endless)
+        while not begun:
+            await asyncio.sleep(0)
+        second = run.start(short)
+        await asyncio.wait({first, second})
+        assert (run.result, run.running, run.message) == ("second", False, "")
+        third = run.start(endless)
+        while len(begun) < 2:
+            await asyncio.sleep(0)
+        run.cancel()
+        await third
+        assert (run.result, run.running, run.message) == ("second", False, "Cancelled: 3 of 9 runs.")
+
+    asyncio.run(main())
+
+
+def test_a_session_is_busy_while_any_of_its_runs_is_and_ends_them_when_it_closes():
+    session = Session(Design())
+    runs = [session.new_run(), session.new_run()]
+
+    async def endless(_: Run) -> None:
+        await asyncio.Event().wait()
+
+    async def main() -> None:
+        tasks = [run.start(endless) for run in runs]
+        await asyncio.sleep(0)
+        runs[0].cancel()
+        await tasks[0]
+        assert session.running
+        session.close()
+        await tasks[1]
+        assert not session.running
+
+    asyncio.run(main())
+
+
+def test_the_bar_follows_its_run():
+    run = Run()
+    bar = RunBar(run, lambda: None, "Start")
+    assert bar.cancel.disabled
+    run.param.update(running=True, progress=Progress("4 of 8 runs", 0.5, 2.0))
+    assert not bar.cancel.disabled
+    assert "4 of 8 runs, about 2 s left" in bar.state.object
+    run.param.update(running=False, progress=None, message="gyro: <is> not there")
+    assert 'role="alert"' in bar.state.object
+    assert "&lt;is&gt;" in bar.state.object
