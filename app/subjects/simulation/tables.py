@@ -137,9 +137,9 @@ def _departures(study: DesignStudy, key: str) -> Block:
         "Where formula and simulation differ, and why",
         columns,
         rows,
-        "Largest differences just after the fix, if above 10 %. Causes are found by flying this design with one "
-        "thing changed at a time; their factors multiply to the whole, omitting factors below 3 % or a quarter of "
-        "the largest. Only differences of the simulated errors that are significant at 0.1 % are listed.",
+        "Largest differences just after the fix, if above 10 %; those of the simulated errors count where they are "
+        "significant at 0.1 %. Causes are found by flying this design with one thing changed at a time; their "
+        "factors multiply to the whole, omitting factors below 3 % or a quarter of the largest.",
     )
 
 
