@@ -29,7 +29,7 @@ def test_runs_go_stale_with_the_design_and_the_closed_forms_follow(visit: Visit)
     page.get_by_text("1000", exact=True).click()
     page.get_by_role("button", name="Run the strategies").click()
     expect(page.get_by_text("of 1000 runs, about")).to_be_visible(timeout=30_000)
-    page.get_by_role("button", name="Cancel").click()
+    page.get_by_role("button", name="Cancel").first.click()
     expect(page.get_by_text("Cancelled: ")).to_be_visible()
 
 
@@ -78,7 +78,7 @@ def test_the_simulator_flies_and_is_cancelled(visit: Visit) -> None:
     page.keyboard.press("ArrowDown")
     page.keyboard.press("Enter")
     expect(page.get_by_role("combobox", name="Engine")).to_have_text("Full simulator")
-    run, cancel = (page.get_by_role("button", name=name) for name in ("Run the strategies", "Cancel"))
+    run, cancel = (page.get_by_role("button", name=name).first for name in ("Run the strategies", "Cancel"))
     run.press("Enter")
     expect(page.get_by_text("of 100 runs, about")).to_be_visible(timeout=180_000)
     cancel.press("Enter")
