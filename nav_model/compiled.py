@@ -12,15 +12,16 @@ from numba import njit
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_ROOMS = ("earth", "simulation")  # whose kernels call each other across files
+_ROOMS = ("earth", "simulation", "suborbital")  # whose kernels call each other across files
 
 
 @cache
 def room_digest() -> str:
-    """SHA-256 over every source file whose kernels call each other: the identity of the compiled code."""
+    """SHA-256 over the constants and every file whose kernels call each other: the identity of the compiled code."""
     digest = hashlib.sha256()
     here = Path(__file__)
-    for path in (here, *(path for room in _ROOMS for path in sorted((here.parent / room).glob("*.py")))):
+    rooms = (path for room in _ROOMS for path in sorted((here.parent / room).glob("*.py")))
+    for path in (here, here.with_name("constants.py"), *rooms):
         digest.update(path.name.encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()

@@ -19,9 +19,11 @@ from decimal import Context, Decimal
 from fractions import Fraction
 from typing import NamedTuple
 
+from nav_model.constants import STANDARD_GRAVITY
+
 _PI = Fraction(math.pi)
 _DEGREE = _PI / 180
-_G = Fraction("9.80665")
+_G = Fraction(str(STANDARD_GRAVITY))
 _FOOT = Fraction("0.3048")
 
 

@@ -16,9 +16,6 @@ import numpy as np
 import pytest
 
 RECORD = Path(__file__).parents[1] / "app" / "subjects" / "theory" / "validation.json"
-OUTSIDE = ("SciPy", "NumPy", "mpmath", "Stable32", "published:", "real data:")
-"""How the name of an oracle begins that is no part of this product: a solver written by others, a published
-figure, a measurement. Only such a comparison is called validated; any other is a cross-check."""
 _rows = {}
 _differences = {}
 
@@ -31,34 +28,38 @@ def pytest_addoption(parser):
 
 def pytest_collection_modifyitems(config, items):
     if config.getoption("--write-validation"):
-        recording = [item for item in items if {"validated", "differs"} & set(getattr(item, "fixturenames", ()))]
+        recording = [item for item in items if {"compared", "differs"} & set(getattr(item, "fixturenames", ()))]
         config.hook.pytest_deselected(items=[item for item in items if item not in recording])
         items[:] = recording
 
 
 @pytest.fixture
-def validated(request):
+def compared(request):
     """Hold a deviation against its limit, as the committed record says it is held.
 
-    ``validated(result, equation, oracle, figure, limit, measure)``: result and oracle in words, the equation's mark
-    or nothing, the largest deviation found (an array: its largest), what it may be, and what is measured. Calls of
-    one result from several cases of a test make one row, of the worst.
+    ``compared(result, equation, kind, oracle, figure, limit, measure)``: the result in words, the equation's mark or
+    nothing, the kind of comparison (see `app.subjects.theory.record`), what the result is compared with in words,
+    the largest deviation found (an array: its largest), what it may be, and what is measured. Calls of one result
+    from several cases of a test make one row, of the worst.
     """
+    from app.subjects.theory.record import INDEPENDENT, OURS, record
+
     writing = request.config.getoption("--write-validation")
 
-    def hold(result, equation, oracle, figure, limit, measure):
+    def hold(result, equation, kind, oracle, figure, limit, measure):
+        assert kind in {*INDEPENDENT, OURS}, f"{result}: {kind!r} is no kind of comparison"
         figure = float(np.max(np.abs(figure)))
         assert figure <= limit, f"{result}: {figure:g} beyond {limit:g} ({measure}) against {oracle}"
         row = {
-            "result": result, "equation": equation, "oracle": oracle, "limit": limit, "measure": measure,
-            "outside": oracle.startswith(OUTSIDE), "test": _name_of(request),
+            "result": result, "equation": equation, "kind": kind, "oracle": oracle, "limit": limit,
+            "measure": measure, "test": _name_of(request),
         }  # fmt: skip
         if writing:
             worst = max(figure, _rows.get((result, row["test"]), {"figure": 0.0})["figure"])
             _rows[result, row["test"]] = {**row, "figure": float(f"{worst:.3g}")}
             return
-        committed = [{k: v for k, v in r.items() if k != "figure"} for r in json.loads(RECORD.read_text())["rows"]]
-        assert row in committed, "app/subjects/theory/validation.json does not have this row: run `make validation`"
+        committed = [{**vars(entry), "figure": 0.0} for entry in record().rows]
+        assert {**row, "figure": 0.0} in committed, f"{RECORD.name} does not have this row: run `make validation`"
 
     return hold
 
@@ -69,6 +70,8 @@ def differs(request):
 
     ``differs(result, equation, printed, ours, holds, why)``, all in words; the test itself shows it.
     """
+    from app.subjects.theory.record import record
+
     writing = request.config.getoption("--write-validation")
 
     def put(result, equation, printed, ours, holds, why):
@@ -79,8 +82,8 @@ def differs(request):
         if writing:
             _differences[result] = row
             return
-        committed = json.loads(RECORD.read_text())["differences"]
-        assert {**row, "ours": ""} in [{**r, "ours": ""} for r in committed], "run `make validation`"
+        committed = [{**vars(entry), "ours": ""} for entry in record().differences]
+        assert {**row, "ours": ""} in committed, f"{RECORD.name} does not have this row: run `make validation`"
 
     return put
 

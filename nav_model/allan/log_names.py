@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-from nav_model.allan.result import STANDARD_GRAVITY
+from nav_model.constants import DEGREE, STANDARD_GRAVITY
 
 
 class LogFormatError(ValueError):
@@ -36,7 +36,6 @@ class Meaning:
     unit: str | None
 
 
-_DEGREE = math.pi / 180.0
 _G = STANDARD_GRAVITY
 
 # unit -> (factor to SI, increments per sample)
@@ -44,14 +43,14 @@ _UNITS: Final[dict[str, dict[str, tuple[float, bool]]]] = {
     "gyro": {
         "rad/s": (1.0, False),
         "mrad/s": (1e-3, False),
-        "deg/s": (_DEGREE, False),
-        "mdeg/s": (_DEGREE * 1e-3, False),
-        "deg/h": (_DEGREE / 3600.0, False),
+        "deg/s": (DEGREE, False),
+        "mdeg/s": (DEGREE * 1e-3, False),
+        "deg/h": (DEGREE / 3600.0, False),
         "rad": (1.0, True),
         "mrad": (1e-3, True),
         "urad": (1e-6, True),
-        "deg": (_DEGREE, True),
-        "arcsec": (_DEGREE / 3600.0, True),
+        "deg": (DEGREE, True),
+        "arcsec": (DEGREE / 3600.0, True),
     },
     "accelerometer": {
         "m/s2": (1.0, False),

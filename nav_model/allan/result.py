@@ -10,23 +10,21 @@ import numpy as np
 
 from nav_model.allan.deviation import AllanDeviation
 from nav_model.allan.noise_terms import TERMS, FloatArray, allan_variance
-
-STANDARD_GRAVITY: Final = 9.80665
+from nav_model.constants import DEGREE, STANDARD_GRAVITY
 
 CONFIDENCE_INTERVAL: Final = "95 % confidence"
 READING_INTERVAL: Final = "white floor to effective reading at 1 s, not a confidence interval"
 
-_DEGREE = math.pi / 180.0
 _MICRO_G = STANDARD_GRAVITY * 1e-6
 
 # Screen units of each coefficient: symbol and its value in SI.
 UNITS: Final[dict[str, dict[str, tuple[str, float]]]] = {
     "gyro": {
-        "quantization": ("arcsec", _DEGREE / 3600.0),
-        "random_walk": ("°/√h", _DEGREE / 60.0),
-        "bias_instability": ("°/h", _DEGREE / 3600.0),
-        "rate_random_walk": ("°/h/√h", _DEGREE / 3600.0 / 60.0),
-        "ramp": ("°/h/h", _DEGREE / 3600.0 / 3600.0),
+        "quantization": ("arcsec", DEGREE / 3600.0),
+        "random_walk": ("°/√h", DEGREE / 60.0),
+        "bias_instability": ("°/h", DEGREE / 3600.0),
+        "rate_random_walk": ("°/h/√h", DEGREE / 3600.0 / 60.0),
+        "ramp": ("°/h/h", DEGREE / 3600.0 / 3600.0),
     },
     "accelerometer": {
         "quantization": ("m/s", 1.0),

@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+from nav_model.constants import EARTH_RATE, MEAN_RADIUS
 
-EARTH_RADIUS = 6371008.8  # m, mean radius (IUGG)
-EARTH_RATE = 7.2921150e-5  # rad/s
 # Schuler angle -> points of the rule that integrate the squared responses up to it to rounding.
 _RULES = ((0.8, 8), (3.0, 14), (20.0, 40))
 
@@ -68,7 +67,7 @@ def refined_growth(
     """
     qa, qw = as_numbers(sigma_a) ** 2, as_numbers(sigma_w) ** 2
     g, t, v, latitude, heading = (as_numbers(x) for x in (g, time, speed, latitude, heading))
-    radius = EARTH_RADIUS + as_numbers(altitude)
+    radius = MEAN_RADIUS + as_numbers(altitude)
     omega = np.sqrt(g / radius)
     p, own = start, start_vertical
     free = _responses(omega, t)

@@ -20,9 +20,10 @@ from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, SlowError, cycle
 from nav_model.analytic.refined_coast import refined_growth
 from nav_model.analytic.steady_state import Array, Horizontal, as_numbers
+from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import INPUTS, SPEED_OF_LIGHT, Radar
+from nav_model.design.parts import INPUTS, Radar
 from nav_model.errors import InputError
 from nav_model.sar import geometry, phase
 

@@ -104,13 +104,13 @@ class BaseQuantity(param.Number[_T]):
         if not inside:  # NaN lands here too
             raise InputError(self.key, f"{self.show(float(val))} is not allowed; {self.allowed()}")
 
-    def show(self, value: float) -> str:
-        """Value in SI as text in this input's usual unit, to six digits."""
+    def show(self, value: float, digits: int | None = 6) -> str:
+        """Value in SI as text in this input's usual unit; without `digits` the shortest text that reads back."""
         if not math.isfinite(value):
             return f"{value}"
         if not self.dimension:
-            return f"{value:g}"
-        return format_quantity(value, self.unit, self.dimension, digits=6)
+            return f"{value:.{digits}g}" if digits else repr(value).removesuffix(".0")
+        return format_quantity(value, self.unit, self.dimension, digits=digits)
 
     def allowed(self, reciprocal: bool = False) -> str:
         """The bounds in words, in this input's usual unit or, if `reciprocal`, as its alternative."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from nav_model.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.design.declaration import Quantity
-from nav_model.design.part import DEGREE, Part
+from nav_model.design.part import Part
 
 
 class Flight(Part):
@@ -61,7 +62,7 @@ class Flight(Part):
         typical="0° is north",
     )
     gravity = Quantity(
-        default=9.80665,
+        default=STANDARD_GRAVITY,
         dimension="acceleration",
         unit="m/s²",
         short="g",

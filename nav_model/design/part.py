@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, ClassVar
 
 import param
 
 from nav_model.design.declaration import BaseQuantity, Choice
-
-DEGREE = math.pi / 180
 
 
 class Part(param.Parameterized):

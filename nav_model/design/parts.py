@@ -11,12 +11,12 @@ from typing import Any
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.flight import Coast, Flight
 from nav_model.design.part import Part
-from nav_model.design.radar import SPEED_OF_LIGHT, Radar
+from nav_model.design.radar import Radar
 from nav_model.design.requirements import Requirements
 from nav_model.design.sensors import Gnss, Imu
 
 __all__ = [
-    "INPUTS", "PARTS", "PRESET_KEYS", "SPEED_OF_LIGHT", "TOP_KEYS", "Coast", "Flight", "Gnss", "Imu", "Part", "Radar",
+    "INPUTS", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss", "Imu", "Part", "Radar",
     "Requirements", "all_keys", "declaration_of",
 ]  # fmt: skip
 

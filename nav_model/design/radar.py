@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from nav_model.constants import DEGREE, SPEED_OF_LIGHT
 from nav_model.design.declaration import Alternative, Choice, OptionalQuantity, Quantity
-from nav_model.design.part import DEGREE, Part, preset
-
-SPEED_OF_LIGHT = 299792458.0  # m/s, exact by definition of the metre
+from nav_model.design.part import Part, preset
 
 
 class Radar(Part):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from nav_model.constants import DEGREE
 from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
-from nav_model.design.part import DEGREE, Part
+from nav_model.design.part import Part
 
 _LEAST_LIMIT = {"angle": 1e-6 * DEGREE, "length": 1e-6, "speed": 1e-6}
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+from nav_model.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
 from nav_model.design.declaration import Alternative, Choice, OptionalQuantity, Quantity
-from nav_model.design.part import DEGREE, Part, preset
+from nav_model.design.part import Part, preset
 
 _ARW = DEGREE / 60  # 1 °/√h in rad/√s
 _VRW = 1 / 60  # 1 m/s/√h in m/s/√s
-_MG = 9.80665e-3
-_DPH = DEGREE / 3600
 
 
 class Imu(Part):
@@ -47,8 +46,8 @@ class Imu(Part):
         dimension="acceleration",
         unit="mg",
         short="ba",
-        bounds=(0, 1000 * _MG),
-        softbounds=(1e-4 * _MG, 100 * _MG),
+        bounds=(0, 1000 * MILLI_G),
+        softbounds=(1e-4 * MILLI_G, 100 * MILLI_G),
         label="Residual accelerometer bias",
         doc="1σ of what the filter has not absorbed at the last fix, per axis.",
         datasheet=(
@@ -62,8 +61,8 @@ class Imu(Part):
         dimension="angular rate",
         unit="°/h",
         short="bg",
-        bounds=(0, 1e5 * _DPH),
-        softbounds=(1e-4 * _DPH, 1e3 * _DPH),
+        bounds=(0, 1e5 * DEGREE_PER_HOUR),
+        softbounds=(1e-4 * DEGREE_PER_HOUR, 1e3 * DEGREE_PER_HOUR),
         label="Residual gyro bias",
         doc="1σ of what the filter has not absorbed at the last fix, per axis.",
         datasheet="Not printed as such: at most the in-run bias stability of the gyro table.",

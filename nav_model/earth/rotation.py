@@ -1,7 +1,11 @@
-"""Rotations: quaternions, direction cosine matrices, Euler angles.
+"""Rotations: direction cosine matrices, quaternions, rotation vectors, Euler angles.
 
-A quaternion (w, x, y, z) or matrix `C` here turns body components into navigation (NED) components.
-Euler angles are yaw about down, then pitch, then roll (aerospace order), in rad.
+A matrix C or quaternion (w, x, y, z) turns body components into those of the axes the attitude is counted in:
+north-east-down in the simulator, inertial axes in the suborbital study. Euler angles are yaw about down, then
+pitch, then roll (aerospace order). Angles in rad. The plain functions broadcast over NumPy arrays; the kernels
+at the end work in place, inside the simulator's loops.
+
+Source: Shuster, A survey of attitude representations, Journal of the Astronautical Sciences 41, 1993.
 """
 
 from __future__ import annotations
@@ -9,29 +13,52 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from nav_model.compiled import kernel
 
 FloatArray = NDArray[np.float64]
 
 
-def matrix_from_euler(roll: Any, pitch: Any, yaw: Any) -> FloatArray:
-    """Body-to-NED matrix, shape (..., 3, 3), from Euler angles of any common shape."""
+def matrix_of(*elements: ArrayLike) -> FloatArray:
+    """Matrices (..., 3, 3) of nine elements, row by row, that broadcast to a common shape."""
+    stacked = np.stack(np.broadcast_arrays(*elements), axis=-1)
+    return stacked.reshape(*stacked.shape[:-1], 3, 3)
+
+
+def matrix_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
+    """Matrices Rz(yaw) Ry(pitch) Rx(roll).
+
+    Parameters
+    ----------
+    roll, pitch, yaw : array_like
+        rad, of any shapes that broadcast.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+
+    Examples
+    --------
+    >>> matrix_from_euler(0.0, 0.0, np.pi / 2).round(12)[:2, 0]  # the nose of an aircraft that heads east
+    array([0., 1.])
+    """
     sr, cr = np.sin(roll), np.cos(roll)
     sp, cp = np.sin(pitch), np.cos(pitch)
     sy, cy = np.sin(yaw), np.cos(yaw)
-    rows = [
-        [cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy],
-        [cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy],
-        [-sp * np.ones_like(cy), sr * cp, cr * cp],
-    ]
-    stacked: FloatArray = np.stack([np.stack(np.broadcast_arrays(*row), axis=-1) for row in rows], axis=-2)
-    return stacked
+    return matrix_of(
+        cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy,
+        cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy,
+        -sp, sr * cp, cr * cp,
+    )  # fmt: skip
 
 
 def euler_from_matrix(matrix: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Roll, pitch, yaw of matrices of shape (..., 3, 3)."""
+    """Roll, pitch, yaw [rad], (...), of matrices (..., 3, 3): the inverse of `matrix_from_euler`.
+
+    At a pitch of 90° only the sum or difference of roll and yaw is known; what is returned then depends on
+    rounding.
+    """
     return (
         np.arctan2(matrix[..., 2, 1], matrix[..., 2, 2]),
         np.arcsin(np.clip(-matrix[..., 2, 0], -1.0, 1.0)),
@@ -40,52 +67,103 @@ def euler_from_matrix(matrix: FloatArray) -> tuple[FloatArray, FloatArray, Float
 
 
 def euler_error_map(pitch: FloatArray, yaw: FloatArray) -> FloatArray:
-    """Matrix taking the filter's attitude error to errors (estimate minus truth) of roll, pitch, yaw.
+    """Matrices (..., 3, 3) taking the filter's attitude error to errors (estimate minus truth) of roll, pitch, yaw.
 
     The filter's error is psi in C_estimate = (I - [psi x]) C, so the small rotation of the estimate is
-    -psi in NED; shape (..., 3, 3). Singular at a pitch of 90 deg.
+    -psi in NED. Singular at a pitch of 90°.
     """
     cy, sy = np.cos(yaw), np.sin(yaw)
     secant, tangent = 1.0 / np.cos(pitch), np.tan(pitch)
-    zero, one = np.zeros_like(cy), np.ones_like(cy)
-    rows = [[cy * secant, sy * secant, zero], [-sy, cy, zero], [cy * tangent, sy * tangent, one]]
-    result: FloatArray = -np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-    return np.ascontiguousarray(result)
+    return -matrix_of(cy * secant, sy * secant, 0.0, -sy, cy, 0.0, cy * tangent, sy * tangent, 1.0)
 
 
-def quaternion_from_matrix(matrix: FloatArray) -> FloatArray:
-    """Unit quaternion of one 3 x 3 matrix (Shepperd's method: divides by the largest component)."""
-    m = matrix
-    squares = np.array(
+def quaternion_from_matrix(matrix: ArrayLike) -> FloatArray:
+    """Unit quaternions (..., 4) of matrices (..., 3, 3), of either sign.
+
+    Each is divided by the largest of its four components, so that no rotation loses digits.
+
+    Source: Shepperd, Quaternion from rotation matrix, Journal of Guidance and Control 1, 1978.
+    """
+    r = np.asarray(matrix, dtype=np.float64)
+    trace = r[..., 0, 0] + r[..., 1, 1] + r[..., 2, 2]
+    squares = np.stack([trace, r[..., 0, 0], r[..., 1, 1], r[..., 2, 2]], axis=-1)
+    best = np.argmax(squares, axis=-1)
+    a = r[..., 2, 1] - r[..., 1, 2]
+    b = r[..., 0, 2] - r[..., 2, 0]
+    c = r[..., 1, 0] - r[..., 0, 1]
+    xy = r[..., 0, 1] + r[..., 1, 0]
+    xz = r[..., 0, 2] + r[..., 2, 0]
+    yz = r[..., 1, 2] + r[..., 2, 1]
+    diagonal = 1.0 - trace[..., None] + 2.0 * np.stack([r[..., k, k] for k in range(3)], axis=-1)
+    candidates = np.stack(
         [
-            1.0 + m[0, 0] + m[1, 1] + m[2, 2],
-            1.0 + m[0, 0] - m[1, 1] - m[2, 2],
-            1.0 - m[0, 0] + m[1, 1] - m[2, 2],
-            1.0 - m[0, 0] - m[1, 1] + m[2, 2],
-        ]
+            np.stack([1.0 + trace, a, b, c], axis=-1),
+            np.stack([a, diagonal[..., 0], xy, xz], axis=-1),
+            np.stack([b, xy, diagonal[..., 1], yz], axis=-1),
+            np.stack([c, xz, yz, diagonal[..., 2]], axis=-1),
+        ],
+        axis=-2,
     )
-    largest = int(np.argmax(squares))
-    r = np.sqrt(squares[largest])
-    a, b, c = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
-    d, e, f = m[1, 0] + m[0, 1], m[0, 2] + m[2, 0], m[2, 1] + m[1, 2]
-    parts = [[r * r, a, b, c], [a, r * r, d, e], [b, d, r * r, f], [c, e, f, r * r]][largest]
-    quaternion: FloatArray = np.array(parts) / (2.0 * r)
-    return quaternion
+    q = np.take_along_axis(candidates, best[..., None, None], axis=-2)[..., 0, :]
+    return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
+
+
+def matrix_from_quaternion(quaternion: ArrayLike) -> FloatArray:
+    """Matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    return matrix_of(*_terms(*np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)))
+
+
+def skew(vector: ArrayLike) -> FloatArray:
+    """Matrices [v x] (..., 3, 3) of the cross product with vectors (..., 3)."""
+    x, y, z = np.moveaxis(np.asarray(vector, dtype=np.float64), -1, 0)
+    return matrix_of(0.0, -z, y, z, 0.0, -x, -y, x, 0.0)
+
+
+def matrix_from_vector(vector: ArrayLike) -> FloatArray:
+    """exp([v x]), (..., 3, 3), of rotation vectors (..., 3) (Rodrigues' formula)."""
+    v = np.asarray(vector, dtype=np.float64)
+    angle = np.linalg.norm(v, axis=-1)[..., None, None]
+    cross = skew(v)
+    # np.sinc is sin(pi x)/(pi x): both coefficients stay exact down to a zero angle.
+    first = np.sinc(angle / np.pi)
+    second = 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2
+    return np.asarray(np.eye(3) + first * cross + second * (cross @ cross))
+
+
+def vector_from_matrix(matrix: ArrayLike) -> FloatArray:
+    """Rotation vectors (..., 3) of matrices (..., 3, 3), no longer than pi: the inverse of `matrix_from_vector`."""
+    w, x, y, z = np.moveaxis(quaternion_from_matrix(matrix), -1, 0)
+    axis = np.stack([x, y, z], axis=-1) * np.where(w < 0.0, -1.0, 1.0)[..., None]
+    length = np.linalg.norm(axis, axis=-1)
+    half = np.arctan2(length, np.abs(w))
+    scale = np.where(length > 1e-12, 2.0 * half / np.where(length > 1e-12, length, 1.0), 2.0)
+    return np.asarray(axis * scale[..., None])
+
+
+def _terms(w: Any, x: Any, y: Any, z: Any) -> tuple[Any, ...]:
+    """The nine elements of a matrix, row by row, from the components of its unit quaternion."""
+    return (
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - w * z),
+        2.0 * (x * z + w * y),
+        2.0 * (x * y + w * z),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - w * x),
+        2.0 * (x * z - w * y),
+        2.0 * (y * z + w * x),
+        1.0 - 2.0 * (x * x + y * y),
+    )
+
+
+_terms_kernel = kernel(_terms)
 
 
 @kernel
-def matrix_from_quaternion(q: FloatArray, out: FloatArray) -> None:
+def write_matrix(q: FloatArray, out: FloatArray) -> None:
     """Write the 3 x 3 matrix of the unit quaternion `q` into `out`."""
-    w, x, y, z = q[0], q[1], q[2], q[3]
-    out[0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    out[0, 1] = 2.0 * (x * y - w * z)
-    out[0, 2] = 2.0 * (x * z + w * y)
-    out[1, 0] = 2.0 * (x * y + w * z)
-    out[1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    out[1, 2] = 2.0 * (y * z - w * x)
-    out[2, 0] = 2.0 * (x * z - w * y)
-    out[2, 1] = 2.0 * (y * z + w * x)
-    out[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    terms = _terms_kernel(q[0], q[1], q[2], q[3])
+    for i in range(9):
+        out[i // 3, i % 3] = terms[i]
 
 
 @kernel

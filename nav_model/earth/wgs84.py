@@ -13,20 +13,20 @@ from typing import Any, Final
 import numpy as np
 
 from nav_model.compiled import kernel
+from nav_model.constants import EARTH_RATE, FLATTENING, GRAVITATIONAL_PARAMETER, SEMI_MAJOR_AXIS
 
-SEMI_MAJOR_AXIS: Final = 6378137.0
-FLATTENING: Final = 1.0 / 298.257223563
 ECCENTRICITY_SQUARED: Final = FLATTENING * (2.0 - FLATTENING)
-ROTATION_RATE: Final = 7.292115e-5
-GRAVITATIONAL_CONSTANT: Final = 3.986004418e14
 EQUATOR_GRAVITY: Final = 9.7803253359
 SOMIGLIANA: Final = 1.931852652458e-3
 # Ratio of centrifugal to gravitational acceleration at the equator, TR8350.2's m.
-CENTRIFUGAL_RATIO: Final = ROTATION_RATE**2 * SEMI_MAJOR_AXIS**3 * (1.0 - FLATTENING) / GRAVITATIONAL_CONSTANT
+CENTRIFUGAL_RATIO: Final = EARTH_RATE**2 * SEMI_MAJOR_AXIS**3 * (1.0 - FLATTENING) / GRAVITATIONAL_PARAMETER
 
 
 def curvature_radii(sin_latitude: Any) -> Any:
-    """Radii of curvature (meridian M, prime vertical N) [m] at the sine of geodetic latitude."""
+    """Radii of curvature [m], meridian M and prime vertical N, at the sine of geodetic latitude.
+
+    Any shape; both are returned in it. Source: the geometry of the ellipse.
+    """
     root = np.sqrt(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude)
     prime_vertical = SEMI_MAJOR_AXIS / root
     return prime_vertical * (1.0 - ECCENTRICITY_SQUARED) / (root * root), prime_vertical

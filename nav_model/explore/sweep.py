@@ -34,7 +34,7 @@ SUFFIXES = (".csv", ".parquet")
 _UNITS = {"position": "m", "velocity": "m_s", "tilt": "rad", "phase": "rad"}
 
 Column = list[Value] | np.ndarray[Any, Any]
-Progress = Callable[[int, int], None]
+ProgressCallback = Callable[[int, int], None]
 
 
 def run_sweep(
@@ -42,7 +42,7 @@ def run_sweep(
     output: str | Path,
     workers: int = 1,
     scheduler: str | None = None,
-    progress: Progress = lambda done, total: None,
+    progress: ProgressCallback = lambda done, total: None,
 ) -> int:
     """Evaluate every row of a plan into one file; returns how many rows an earlier run had already done.
 

@@ -30,7 +30,7 @@ _NOT_FLOWN = float("nan")
 
 
 @dataclass(frozen=True)
-class Flight:
+class SweepFlight:
     """What is flown for every design: times in seconds, `trajectory` a name or a file's samples."""
 
     runs: int = 100
@@ -69,14 +69,14 @@ class Flight:
         )
 
 
-def read_flight(table: Any, folder: Path) -> Flight:
+def read_flight(table: Any, folder: Path) -> SweepFlight:
     """The section [simulate] of a sweep file; a trajectory's file is looked for in `folder`.
 
     Raises
     ------
     InputError
         Naming the key, what was given and what is allowed. What only a design can be refused for is left to
-        `Flight.specification`.
+        `SweepFlight.specification`.
     """
     if not isinstance(table, dict):
         raise InputError("simulate", "must be a section, such as [simulate] with runs = 100")
@@ -86,7 +86,7 @@ def read_flight(table: Any, folder: Path) -> Flight:
     given: dict[str, Any] = {
         key: _READ[key](f"simulate.{key}", value) for key, value in table.items() if key in _READ
     }
-    flight = Flight(**given)
+    flight = SweepFlight(**given)
     return replace(flight, trajectory=_trajectory(table["trajectory"], folder)) if "trajectory" in table else flight
 
 
@@ -126,7 +126,7 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
         return str(value)
     if not isinstance(value, str):
         raise InputError("simulate.trajectory", f"{value!r} is not a name or a file")
-    from nav_model.simulation.trajectory_file import read_trajectory
+    from nav_model.simulation.trajectory import read_trajectory
 
     try:
         return read_trajectory(folder / value)
@@ -137,7 +137,7 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
         raise InputError("simulate.trajectory", str(error)) from error
 
 
-def check_flight(flight: Flight, design: Design) -> None:
+def check_flight(flight: SweepFlight, design: Design) -> None:
     """Refuse at once what no design could be flown with.
 
     Raises
@@ -152,7 +152,7 @@ def check_flight(flight: Flight, design: Design) -> None:
             raise InputError(f"simulate.{error.key}", error.reason) from error
 
 
-def fly(flight: Flight, design: Design) -> dict[str, float | str]:
+def fly(flight: SweepFlight, design: Design) -> dict[str, float | str]:
     """One row's flight: filter's verdict, NEES with its 95 % band, and the nine errors at the end of the flight.
 
     Of each error the rms over the runs, the filter's own sigma and the closed form's, after the fix. A design

@@ -36,7 +36,7 @@ from nav_model.design.file import format_design, parse_design, preset_fill, read
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
-from nav_model.explore.sweep_flight import Flight, check_flight, read_flight
+from nav_model.explore.sweep_flight import SweepFlight, check_flight, read_flight
 
 MOST_ROWS = 50_000_000
 MOST_POINTS = 100_000  # of one range
@@ -68,7 +68,7 @@ class Plan:
     together: bool
     results: tuple[str, ...]
     rows_per_part: int
-    flight: Flight | None = None
+    flight: SweepFlight | None = None
 
     @property
     def rows(self) -> int:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nav_model.sar.design_study import DesignStudy
+from nav_model.sar.design_study import SarStudy
 from nav_model.sar.strategies import STRATEGIES
 
 LEAST_BESIDE = 200
@@ -33,7 +33,7 @@ class Agreement(NamedTuple):
         return abs(self.ratio - 1) <= _ALLOWED * self.error
 
 
-def agreement(flown: DesignStudy, fast: DesignStudy) -> tuple[Agreement, ...]:
+def agreement(flown: SarStudy, fast: SarStudy) -> tuple[Agreement, ...]:
     """Every strategy but the ideal; both studies of the same design."""
     found = []
     for index, strategy in enumerate(STRATEGIES[1:], start=1):

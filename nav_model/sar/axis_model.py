@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-STANDARD_GRAVITY_M_S2 = 9.80665
+from nav_model.constants import STANDARD_GRAVITY
 
 _FloatArray = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class AxisModel:
     gyro_noise: float
     gnss_sigma: float
     fix_interval: float
-    gravity: float = STANDARD_GRAVITY_M_S2
+    gravity: float = STANDARD_GRAVITY
     accelerometer_bias: float = 0.0
     gyro_bias: float = 0.0
     horizontal: bool = True

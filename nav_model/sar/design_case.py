@@ -13,7 +13,7 @@ from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.sar.axis_model import AxisModel
-from nav_model.sar.flown_engine import Flight, flight_of
+from nav_model.sar.flown_engine import ApertureFlight, flight_of
 from nav_model.sar.impulse_response import Window
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.winners import Conditions
@@ -43,7 +43,7 @@ class DesignCase:
     window: Window
     autofocus_order: int
     rate: float
-    flight: Flight | None = None
+    flight: ApertureFlight | None = None
 
     @property
     def engine(self) -> Engine:
@@ -175,6 +175,10 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     said.append(
         "6 and 7 are reconstructions: the literature names the schemes, not the gains. Theirs are searched on other "
         "seeds for the least residual of this design."
+    )
+    said.append(
+        "The RTS smoother uses fixes up to the aperture's end: it is the bound for causal and in-aperture methods. "
+        "In post-processing, a smoother that also uses fixes after the aperture does about twice as well."
     )
     said.append(
         "The closed form of 5 takes the quadratic fit as continuous: with few fixes in the aperture its inertial "

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from nav_model.budget import Budget
 from nav_model.catalogue import catalogue
-from nav_model.design.parts import SPEED_OF_LIGHT
+from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.sar.design_case import conditions
 from nav_model.sar.geometry import aperture_time
 from nav_model.sar.winners import MAP_STRATEGIES, WinnerMap, map_of_winners

@@ -56,7 +56,7 @@ class Chunk:
 
 
 @dataclass(frozen=True)
-class DesignStudy:
+class SarStudy:
     """Nine strategies on one noise realisation a run; strategies first, metres of line of sight.
 
     ``parts``, ``responses``: name -> band (9,); a response is NaN where there is no image. ``rms``: root mean
@@ -91,7 +91,10 @@ class DesignStudy:
         return STRATEGIES
 
     def best(self, *, causal: bool) -> Strategy:
-        """The causal (or the off-line) strategy with the least median residual; the ideal is not one of them."""
+        """The causal strategy, or the one that waits for the aperture's end, with the least median residual.
+
+        The ideal is not one of them.
+        """
         residual = self.parts["residual_rms"].median
         able = [i for i, strategy in enumerate(STRATEGIES) if strategy.causal is causal and strategy.key != "1"]
         return STRATEGIES[min(able, key=lambda i: float(residual[i]))]
@@ -100,12 +103,12 @@ class DesignStudy:
     def sentence(self) -> str:
         """What the runs add to the advice of the closed forms."""
         residual = dict(zip(STRATEGY_KEYS, self.parts["residual_rms"].median, strict=True))
-        causal, offline = self.best(causal=True), self.best(causal=False)
+        causal, waiting = self.best(causal=True), self.best(causal=False)
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
         said = (
             f"In {self.runs} {what} the least median residual is {_millimetres(residual[causal.key])} for a causal "
             f"strategy ({causal.key}, {causal.name}{', a reconstruction' if causal.reconstruction else ''}) and "
-            f"{_millimetres(residual[offline.key])} off-line ({offline.key}, {offline.name})."
+            f"{_millimetres(residual[waiting.key])} with all fixes of the aperture ({waiting.key}, {waiting.name})."
         )
         advised = self.closed.advice.strategy
         if residual[causal.key] < 0.95 * residual[advised] and causal.key != advised:
@@ -164,7 +167,7 @@ def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, run
 
 def gather(
     budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk], history: _FloatArray
-) -> DesignStudy:
+) -> SarStudy:
     """The study from all its chunks, in order, and the `typical_history` of its `typical_place`."""
     runs = sum(chunk.runs for chunk in parts)
     values = {name: _joined([c.measures.parts[name] for c in parts]) for name in parts[0].measures.parts}
@@ -176,7 +179,7 @@ def gather(
     first = parts[0].measures
     rms, rms_error = _root_mean_square(values["residual_rms"])
     quadratic, quadratic_error = _root_mean_square(values["quadratic"])
-    return DesignStudy(
+    return SarStudy(
         budget=budget,
         runs=runs,
         seed=seed,
@@ -206,7 +209,7 @@ def design_study(
     *,
     engine: Engine = "fast",
     pool: Executor | None = None,
-) -> DesignStudy:
+) -> SarStudy:
     """The whole study of one design, in this process or with the chunks sent to a `pool`.
 
     ``progress`` is called with runs done and runs in all.

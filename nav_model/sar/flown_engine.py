@@ -32,7 +32,7 @@ _JUST_BEFORE = 1e-9  # s
 _MOST_SAMPLES = 2_000_000  # of the instrument in one flight: a minute of a processor, and what a worker holds
 
 
-class Flight(NamedTuple):
+class ApertureFlight(NamedTuple):
     """What is flown: with fixes throughout, without from the aperture's start, and without from the coast's.
 
     ``start`` [s] of the aperture, at a fix; ``first``: which fix of the flight that is, counted from 0.
@@ -45,7 +45,7 @@ class Flight(NamedTuple):
     first: int
 
 
-def flight_of(design: Design, aperture_time: float, coast_time: float) -> Flight:
+def flight_of(design: Design, aperture_time: float, coast_time: float) -> ApertureFlight:
     """The flight of a design: straight and level, until its filter has settled, then the coast, then the aperture.
 
     The coast is rounded to whole fix intervals.
@@ -72,11 +72,11 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Flight
     coast = round(coast_time / interval) * interval
     free = replace(aided, outages=((start, length),))
     coasted = replace(aided, outages=((start - coast, length),)) if coast > 0 else None
-    return Flight(aided, free, coasted, start, count - 1)
+    return ApertureFlight(aided, free, coasted, start, count - 1)
 
 
 def fly_axes(
-    flight: Flight,
+    flight: ApertureFlight,
     models: tuple[AxisModel, AxisModel, AxisModel],
     aperture_time: float,
     rate: float,
@@ -100,7 +100,7 @@ def fly_axes(
 
 
 def histories(
-    flight: Flight, aperture_time: float, rate: float, seed: int, first_run: int, runs: int
+    flight: ApertureFlight, aperture_time: float, rate: float, seed: int, first_run: int, runs: int
 ) -> list[NavigationHistories]:
     """Error histories (runs, n) of the three axes over the aperture, n = T rate + 1."""
     from nav_model.simulation.schedule import plan

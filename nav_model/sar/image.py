@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.sar.impulse_response import Taper, Window, aperture_positions, as_taper
 from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
 
-SPEED_OF_LIGHT_M_S = 299_792_458.0
 RANGE_PADDING = 16
 MOST_UNPACKED_BYTES = 256 * 2**20
 
@@ -60,12 +60,12 @@ class PhaseHistory:
     @property
     def unambiguous_range(self) -> float:
         """Extent [m] about the reference range that one pulse holds without folding: c / (2 df)."""
-        return float(SPEED_OF_LIGHT_M_S / (2 * np.diff(self.frequency).mean()))
+        return float(SPEED_OF_LIGHT / (2 * np.diff(self.frequency).mean()))
 
     @property
     def wavelength(self) -> float:
         """Wavelength [m] of the middle of the band."""
-        return float(SPEED_OF_LIGHT_M_S / self.frequency.mean())
+        return float(SPEED_OF_LIGHT / self.frequency.mean())
 
 
 def read_phase_history(*paths: str | Path) -> PhaseHistory:
@@ -165,7 +165,7 @@ def apply_autofocus(history: PhaseHistory) -> PhaseHistory:
     """
     if history.autofocus_range is None or history.autofocus_phase is None:
         raise ValueError("phase history: it carries no autofocus terms")
-    turn = 4 * np.pi / SPEED_OF_LIGHT_M_S * np.outer(history.frequency, history.autofocus_range)
+    turn = 4 * np.pi / SPEED_OF_LIGHT * np.outer(history.frequency, history.autofocus_range)
     samples = history.samples * np.exp(1j * (history.autofocus_phase - turn))
     return replace(history, samples=samples, autofocus_range=None, autofocus_phase=None)
 
@@ -188,7 +188,7 @@ def simulate_phase_history(
     samples = np.zeros((len(frequency), len(position)), complex)
     for target, amplitude in zip(targets, np.broadcast_to(amplitudes, len(targets)), strict=True):
         beyond = np.linalg.norm(target - position, axis=1) - reference
-        samples += amplitude * np.exp(-4j * np.pi / SPEED_OF_LIGHT_M_S * np.outer(frequency, beyond))
+        samples += amplitude * np.exp(-4j * np.pi / SPEED_OF_LIGHT * np.outer(frequency, beyond))
     return PhaseHistory(samples, frequency, position, reference)
 
 
@@ -227,7 +227,7 @@ def back_project(
         np.ascontiguousarray(history.position + np.asarray(position_error, float)),
         history.reference_range - np.broadcast_to(np.asarray(range_error, float), (pulses,)),
         history.unambiguous_range / bins,
-        4 * np.pi * float(history.frequency[middle]) / SPEED_OF_LIGHT_M_S,
+        4 * np.pi * float(history.frequency[middle]) / SPEED_OF_LIGHT,
         np.ascontiguousarray(x, float),
         np.ascontiguousarray(y, float),
         float(z),

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.budget import Budget
+from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.sar.design_case import design_case
 from nav_model.sar.image import (
-    SPEED_OF_LIGHT_M_S,
     back_project,
     phase_history_of_bytes,
     point_target_image,
@@ -70,7 +70,7 @@ def scene_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
     size = max(along, away)
     targets = np.array([(x * size, y * size) for x, y, _ in _TARGETS])
     scene = scene_images(
-        case.geometry, case.aperture_time, case.wavelength, SPEED_OF_LIGHT_M_S / (2 * cell), targets, residual,
+        case.geometry, case.aperture_time, case.wavelength, SPEED_OF_LIGHT / (2 * cell), targets, residual,
         [amplitude for *_, amplitude in _TARGETS], _SCENE_CELLS * size, _SCENE_PIXELS, case.window,
     )  # fmt: skip
     return Pictures(scene.x, scene.y, scene.power_db, cell, cut)
@@ -102,11 +102,11 @@ def uploaded_pictures(
     with np.errstate(divide="ignore"):
         power = 20 * np.log10(np.abs(np.stack(images)) / brightest)
     band = float(np.ptp(history.frequency))
-    return Pictures(axis, axis, power, SPEED_OF_LIGHT_M_S / (2 * band), False)
+    return Pictures(axis, axis, power, SPEED_OF_LIGHT / (2 * band), False)
 
 
 def _range_cell(budget: Budget) -> tuple[float, bool]:
     """Range cell c/(2B) [m] equal to the azimuth resolution, and whether the carrier forced a coarser one."""
     wanted = budget.design.radar.azimuth_resolution
-    finest = SPEED_OF_LIGHT_M_S / (2 * _MOST_BANDWIDTH * budget.design.radar.frequency)
+    finest = SPEED_OF_LIGHT / (2 * _MOST_BANDWIDTH * budget.design.radar.frequency)
     return max(wanted, finest), wanted < finest

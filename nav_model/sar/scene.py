@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.sar.image import SPEED_OF_LIGHT_M_S, back_project, pulse_errors, simulate_phase_history
+from nav_model.constants import SPEED_OF_LIGHT
+from nav_model.sar.image import back_project, pulse_errors, simulate_phase_history
 from nav_model.sar.impulse_response import Taper, Window
 from nav_model.sar.line_of_sight import ApertureGeometry
 
@@ -49,7 +50,7 @@ def scene_images(
         if not (np.isfinite(value) and value > 0):
             raise ValueError(f"{name}: {value}; a positive, finite number is needed")
     azimuth_cell = wavelength * geometry.slant_range / (2 * geometry.speed * aperture_time)
-    range_cell = SPEED_OF_LIGHT_M_S / (2 * bandwidth)
+    range_cell = SPEED_OF_LIGHT / (2 * bandwidth)
     diagonal = 2 * np.sqrt(2) * half_width * _ROOM
     pulses = max(_LEAST, int(np.ceil(diagonal / azimuth_cell)))
     frequencies = max(_LEAST, int(np.ceil(diagonal / range_cell)))
@@ -58,7 +59,7 @@ def scene_images(
     history = simulate_phase_history(
         geometry,
         time,
-        SPEED_OF_LIGHT_M_S / wavelength + band,
+        SPEED_OF_LIGHT / wavelength + band,
         np.column_stack([targets, np.zeros(len(targets))]),
         amplitudes,
     )

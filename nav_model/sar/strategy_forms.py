@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.sar.axis_model import STANDARD_GRAVITY_M_S2
+from nav_model.constants import STANDARD_GRAVITY
 from nav_model.sar.phase import PhaseVariances, phase_budget, total
 
 _FloatArray = NDArray[np.float64]
@@ -26,7 +26,7 @@ def ins_variances(
     gyro_noise: ArrayLike,
     tilt_variance: ArrayLike,
     coast_time: ArrayLike = 0.0,
-    gravity: ArrayLike = STANDARD_GRAVITY_M_S2,
+    gravity: ArrayLike = STANDARD_GRAVITY,
     accelerometer_bias: ArrayLike = 0.0,
     gyro_bias: ArrayLike = 0.0,
 ) -> PhaseVariances:
@@ -41,7 +41,7 @@ def beyond_quadratic_variance(
     aperture_time: ArrayLike,
     accelerometer_noise: ArrayLike,
     gyro_noise: ArrayLike,
-    gravity: ArrayLike = STANDARD_GRAVITY_M_S2,
+    gravity: ArrayLike = STANDARD_GRAVITY,
     gyro_bias: ArrayLike = 0.0,
 ) -> _FloatArray:
     """Mean variance [m^2] of the INS error that no quadratic takes away [T-14]."""
@@ -84,7 +84,7 @@ def corrected_residual_variance(
     gyro_noise: ArrayLike,
     gnss_sigma: ArrayLike,
     fix_interval: ArrayLike,
-    gravity: ArrayLike = STANDARD_GRAVITY_M_S2,
+    gravity: ArrayLike = STANDARD_GRAVITY,
     gyro_bias: ArrayLike = 0.0,
     fixes: ArrayLike | None = None,
 ) -> _FloatArray:
@@ -128,7 +128,7 @@ def exact_corrected_variance(
     gyro_noise: float,
     gnss_sigma: float,
     fix_times: ArrayLike,
-    gravity: float = STANDARD_GRAVITY_M_S2,
+    gravity: float = STANDARD_GRAVITY,
     weight: float = 1.0,
     tilt_variance: float = 0.0,
     nodes: int = 40,

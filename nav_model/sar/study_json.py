@@ -13,13 +13,13 @@ from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
 from nav_model.sar.design_case import flight_cautions, study_cautions
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
-from nav_model.sar.design_study import ClosedForms, DesignStudy
+from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.strategies import STRATEGIES
 
 _JSON_MAP_POINTS = 40
 
 
-def to_json(study: DesignStudy, beside: DesignStudy | None = None) -> dict[str, Any]:
+def to_json(study: SarStudy, beside: SarStudy | None = None) -> dict[str, Any]:
     """Every number of the study, and what to mind.
 
     ``beside``: where the study is of flights, the fast engine's of the same design, to compare with.
@@ -61,7 +61,7 @@ def to_json(study: DesignStudy, beside: DesignStudy | None = None) -> dict[str, 
     }
 
 
-def _agreement(study: DesignStudy, beside: DesignStudy) -> dict[str, Any]:
+def _agreement(study: SarStudy, beside: SarStudy) -> dict[str, Any]:
     found = agreement(study, beside)
     return {
         "with": {"engine": beside.engine, "runs": beside.runs, "seed": beside.seed},
@@ -94,7 +94,7 @@ def advice(closed: ClosedForms) -> dict[str, Any]:
     }
 
 
-def _strategy(study: DesignStudy, index: int) -> dict[str, Any]:
+def _strategy(study: SarStudy, index: int) -> dict[str, Any]:
     strategy = STRATEGIES[index]
     key = strategy.key
     return {

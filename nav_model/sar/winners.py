@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.discrete import SlowError
 from nav_model.analytic.steady_state import Horizontal, Vertical
-from nav_model.sar.axis_model import STANDARD_GRAVITY_M_S2
+from nav_model.constants import STANDARD_GRAVITY
 from nav_model.sar.fit_noise import SlowFit, slow_fit
 from nav_model.sar.geometry import line_of_sight_weights
 from nav_model.sar.phase import phase_budget, total
@@ -55,7 +55,7 @@ class Conditions:
     gyro_noise: ArrayLike
     start: Horizontal
     coast_time: ArrayLike = 0.0
-    gravity: ArrayLike = STANDARD_GRAVITY_M_S2
+    gravity: ArrayLike = STANDARD_GRAVITY
     accelerometer_bias: ArrayLike = 0.0
     gyro_bias: ArrayLike = 0.0
     grazing_angle: ArrayLike = 0.0

@@ -30,7 +30,7 @@ from nav_model.simulation.specification import (
     SimulationSpec,
     TrajectorySpec,
 )
-from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, StudyInputs, added
+from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, SimulationInputs, added
 
 if TYPE_CHECKING:
     from nav_model.simulation.departures import Departure
@@ -67,7 +67,7 @@ def specification(
     every: float = 1.0,
     states: int = 9,
     keep_runs: bool = False,
-    more: StudyInputs = NOTHING_ADDED,
+    more: SimulationInputs = NOTHING_ADDED,
 ) -> SimulationSpec:
     """The study of a design.
 
@@ -184,7 +184,7 @@ def closed_form(design: Design, spec: SimulationSpec) -> DesignClosedForm:
 
 
 @dataclass(frozen=True, eq=False)
-class DesignStudy:
+class SimulationStudy:
     """A study of a design with what stands beside it. Arrays over the result's `time_s` (outputs,).
 
     refined_sigma: position north, east, down [m] by [T-17], residual biases in quadrature, shape
@@ -200,13 +200,13 @@ class DesignStudy:
     conditions: tuple[str, ...]
 
 
-def study_of(design: Design, result: SimulationResult) -> DesignStudy:
+def study_of(design: Design, result: SimulationResult) -> SimulationStudy:
     """A finished study beside the closed forms of the design it was flown for."""
     from nav_model.simulation.conditions import conditions
     from nav_model.simulation.departures import chain, departures
 
     text = format_design(design)
-    return DesignStudy(
+    return SimulationStudy(
         design_file=text,
         result=result,
         refined_sigma=_refined(design, result.coast_s),
@@ -216,7 +216,7 @@ def study_of(design: Design, result: SimulationResult) -> DesignStudy:
     )
 
 
-def moments(study: DesignStudy) -> tuple[tuple[str, int], ...]:
+def moments(study: SimulationStudy) -> tuple[tuple[str, int], ...]:
     """Where a study is summed up: what the moment is called and its place in the result's `time_s`.
 
     The last fix before the longest outage and the end of that outage; without one, the last fix of the flight.
@@ -241,7 +241,7 @@ def settling(design: Design) -> float:
 
 def conclude(
     design_file: str, spec: SimulationSpec, total: Statistics, nominal: RunRecord, wall_s: float
-) -> DesignStudy:
+) -> SimulationStudy:
     """The study from the runs summed so far, `spec.runs` of them, for a worker process to make.
 
     total, nominal: as `monte_carlo.run_chunk` and `single_run.fly_without_errors` give them.
@@ -276,7 +276,7 @@ def _path(result: SimulationResult) -> FloatArray:
     return path
 
 
-def to_document(study: DesignStudy) -> dict[str, Any]:
+def to_document(study: SimulationStudy) -> dict[str, Any]:
     """The study as plain data for JSON: `result.to_json`, and the refined curve, departures and conditions.
 
     ``refined_sigma_m`` of each position axis is null outside outages.

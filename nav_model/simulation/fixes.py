@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.compiled import kernel
+from nav_model.constants import EARTH_RATE
 from nav_model.earth.rotation import normalise, rotate
-from nav_model.earth.wgs84 import ROTATION_RATE, curvature_radii_kernel
+from nav_model.earth.wgs84 import curvature_radii_kernel
 from nav_model.simulation.kalman import update
 
 FloatArray = NDArray[np.float64]
@@ -95,7 +96,7 @@ def take_fix(
         error[i] = noise
         nis += update(covariance, row, residual[i] - noise, tuning.position_sigma[i] ** 2, estimate, work)
     if receiver.velocity > 0.0:
-        earth = np.array([ROTATION_RATE * cos_lat, 0.0, -ROTATION_RATE * np.sin(state[0])])
+        earth = np.array([EARTH_RATE * cos_lat, 0.0, -EARTH_RATE * np.sin(state[0])])
         swing = matrix @ np.cross(rate - matrix.T @ earth, arm)
         true_swing = true_matrix @ np.cross(truth.body_rate[fix], arm)
         for i in range(3):

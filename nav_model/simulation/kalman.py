@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.compiled import kernel
-from nav_model.earth.wgs84 import ROTATION_RATE, curvature_radii_kernel, normal_gravity_kernel
+from nav_model.constants import EARTH_RATE
+from nav_model.earth.wgs84 import curvature_radii_kernel, normal_gravity_kernel
 
 FloatArray = NDArray[np.float64]
 
@@ -42,7 +43,7 @@ def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out
         tn, te, td, en, ed = 0.0, 0.0, 0.0, 0.0, 0.0
         if column == 0:
             td = -ve * (1.0 + tangent * tangent) / (re * rn)
-            en, ed = -ROTATION_RATE * sin_lat / rn, -ROTATION_RATE * cos_lat / rn
+            en, ed = -EARTH_RATE * sin_lat / rn, -EARTH_RATE * cos_lat / rn
         elif column == 2:
             tn, te, td = ve / (re * re), -vn / (rn * rn), -ve * tangent / (re * re)
         elif column == 3:
@@ -57,7 +58,7 @@ def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out
         out[7, column] = te
         out[8, column] = ed + td
     out[5, 2] += 2.0 * normal_gravity_kernel(sin_lat, state[2]) / np.sqrt(rn * re)
-    earth_n, earth_d = ROTATION_RATE * cos_lat, -ROTATION_RATE * sin_lat
+    earth_n, earth_d = EARTH_RATE * cos_lat, -EARTH_RATE * sin_lat
     tn, te, td = ve / re, -vn / rn, -ve * tangent / re
     _subtract_cross(out, 3, 3, 2.0 * earth_n + tn, te, 2.0 * earth_d + td)
     _subtract_cross(out, 6, 6, earth_n + tn, te, earth_d + td)

@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.constants import STANDARD_GRAVITY
 from nav_model.simulation.schedule import plan
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, RunRecord
 from nav_model.simulation.specification import SimulationSpec
@@ -126,9 +127,6 @@ class SimulationResult:
             share[inside, 0] = lever * np.hypot(pitch * c, roll * s)
             share[inside, 1] = lever * np.hypot(pitch * s, roll * c)
         return share
-
-
-STANDARD_GRAVITY: Final = 9.80665
 
 
 def chi_square_band(degrees: float, confidence: float = CONFIDENCE) -> tuple[float, float]:

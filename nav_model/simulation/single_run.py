@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.compiled import kernel
-from nav_model.earth.rotation import matrix_from_quaternion
+from nav_model.earth.rotation import write_matrix
 from nav_model.earth.wgs84 import curvature_radii_kernel
 from nav_model.simulation.fixes import Receiver, Truth, Tuning, correct, take_fix
 from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate
@@ -124,7 +124,7 @@ def _fly(
     markov = np.empty(3)
     for i in range(3):
         markov[i] = receiver.markov[i] * gnss_noise.standard_normal()
-    matrix_from_quaternion(state[6:10], matrix)
+    write_matrix(state[6:10], matrix)
     last_step, last_fix, fix, output = 0, 0, 0, 0
     for k in range(-1, len(events)):
         # Rows 0 and 1 of the increments end at time 0: they only fill the window.
@@ -143,7 +143,7 @@ def _fly(
         if k > last_step:
             elapsed = (k - last_step) * dt
             mean_matrix[:] = matrix
-            matrix_from_quaternion(state[6:10], matrix)
+            write_matrix(state[6:10], matrix)
             mean_matrix += matrix
             mean_matrix *= 0.5
             for i in range(3):
@@ -188,7 +188,7 @@ def _fly(
                     record.fix_error[fix],
                 )
                 correct(state, bias, estimate)
-                matrix_from_quaternion(state[6:10], matrix)
+                write_matrix(state[6:10], matrix)
                 fix += 1
             if events[k] & OUTPUT:
                 for i in range(3):

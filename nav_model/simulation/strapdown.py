@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.compiled import kernel
+from nav_model.constants import EARTH_RATE
 from nav_model.earth.rotation import normalise, quaternion_from_matrix, rotate
-from nav_model.earth.wgs84 import ROTATION_RATE, curvature_radii_kernel, normal_gravity_kernel
+from nav_model.earth.wgs84 import curvature_radii_kernel, normal_gravity_kernel
 
 FloatArray = NDArray[np.float64]
 STATE_LENGTH = 15
@@ -81,7 +82,7 @@ def advance(
     sin_lat, cos_lat = sin_lat + cos_lat * shift, cos_lat - sin_lat * shift
     meridian, prime = curvature_radii_kernel(sin_lat)
     north_radius, east_radius = meridian + height, prime + height
-    earth_n, earth_d = ROTATION_RATE * cos_lat, -ROTATION_RATE * sin_lat
+    earth_n, earth_d = EARTH_RATE * cos_lat, -EARTH_RATE * sin_lat
     transport_n = me / east_radius
     transport_e = -mn / north_radius
     transport_d = -transport_n * sin_lat / cos_lat

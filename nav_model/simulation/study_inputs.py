@@ -6,11 +6,11 @@ with unit, bounds and help, and the command line and the page are derived from i
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
+from nav_model.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
 from nav_model.design.declaration import BaseQuantity, OptionalQuantity, Quantity
 from nav_model.design.parts import Part
 from nav_model.errors import InputError
@@ -22,9 +22,6 @@ from nav_model.simulation.specification import (
     TriadModel,
 )
 
-_DEGREE = math.pi / 180
-_DPH = _DEGREE / 3600
-_MG = 9.80665e-3
 _TRIAD, _GNSS, _FILTER, _INITIAL = TriadModel(), GnssModel(), FilterModel(), InitialErrors()
 
 
@@ -54,11 +51,19 @@ class Gyro(Part):
     title = "Gyros"
 
     bias_instability = _nothing(
-        "angular rate", "°/h", 1e5 * _DPH, "Bias instability", "Gauss-Markov bias, 1σ per axis, in its steady state."
+        "angular rate",
+        "°/h",
+        1e5 * DEGREE_PER_HOUR,
+        "Bias instability",
+        "Gauss-Markov bias, 1σ per axis, in its steady state.",
     )
     correlation_time = _correlation_time()
     rate_random_walk = _nothing(
-        "rate random walk", "°/h/√h", 1e5 * _DPH / 60, "Rate random walk", "Density of the noise that moves the bias."
+        "rate random walk",
+        "°/h/√h",
+        1e5 * DEGREE_PER_HOUR / 60,
+        "Rate random walk",
+        "Density of the noise that moves the bias.",
     )
     scale_factor = _nothing("ratio", "ppm", 0.1, "Scale factor error", "1σ per axis, drawn for each run.")
     misalignment = _nothing("angle", "mrad", 0.1, "Misalignment", "1σ of each of six angles, drawn for each run.")
@@ -72,11 +77,15 @@ class Accelerometer(Part):
     title = "Accelerometers"
 
     bias_instability = _nothing(
-        "acceleration", "mg", 1000 * _MG, "Bias instability", "Gauss-Markov bias, 1σ per axis, in its steady state."
+        "acceleration",
+        "mg",
+        1000 * MILLI_G,
+        "Bias instability",
+        "Gauss-Markov bias, 1σ per axis, in its steady state.",
     )
     correlation_time = _correlation_time()
     rate_random_walk = _nothing(
-        "acceleration random walk", "µg/√h", 10 * _MG, "Acceleration random walk",
+        "acceleration random walk", "µg/√h", 10 * MILLI_G, "Acceleration random walk",
         "Density of the noise that moves the bias.",
     )  # fmt: skip
     scale_factor = _nothing("ratio", "ppm", 0.1, "Scale factor error", "1σ per axis, drawn for each run.")
@@ -142,7 +151,7 @@ class Filter(Part):
         dimension="angle",
         unit="°",
         short="",
-        bounds=(1e-6 * _DEGREE, 20 * _DEGREE),
+        bounds=(1e-6 * DEGREE, 20 * DEGREE),
         label="Initial yaw error",
         doc="1σ at the start; drawn for each run, and what the filter starts from.",
     )
@@ -164,7 +173,7 @@ _RENAMED: Final[Mapping[str, str]] = {"quantization": "quantisation"}
 
 
 @dataclass(frozen=True)
-class StudyInputs:
+class SimulationInputs:
     """What was given, as (key, value in SI) in the order of `STUDY_KEYS`; hashable and picklable.
 
     Raises InputError for an unknown key or a value out of bounds.
@@ -202,10 +211,10 @@ class StudyInputs:
         return FilterModel(states=states, **tuning)
 
 
-NOTHING_ADDED: Final = StudyInputs()
+NOTHING_ADDED: Final = SimulationInputs()
 
 
-def read_study_inputs(texts: Mapping[str, str]) -> StudyInputs:
+def read_study_inputs(texts: Mapping[str, str]) -> SimulationInputs:
     """Values written with units, by dotted key; an empty text is not given.
 
     Raises
@@ -214,7 +223,7 @@ def read_study_inputs(texts: Mapping[str, str]) -> StudyInputs:
         Naming the key, what was given and what is allowed.
     """
     values = {key: _declared(key).read(text).value for key, text in texts.items() if text.strip()}
-    return StudyInputs(tuple((key, values[key]) for key in STUDY_KEYS if key in values))
+    return SimulationInputs(tuple((key, values[key]) for key in STUDY_KEYS if key in values))
 
 
 def split_changes(changes: Iterable[str]) -> tuple[list[str], dict[str, str]]:

@@ -11,14 +11,18 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nav_model.constants import STANDARD_GRAVITY
+from nav_model.earth.rotation import FloatArray
+from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
 from nav_model.earth.wgs84 import curvature_radii
+from nav_model.errors import InputError
 from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec
 
-FloatArray = NDArray[np.float64]
 MARGIN_S = 5.0
 """Flights are planned this far beyond both ends, so that the spline is never extrapolated."""
 
@@ -128,7 +132,7 @@ def _turns(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
         start += length + entry + 10.0
     heading = spec.heading + _cumulative(rate, float(t[1] - t[0]))
     flat = np.zeros_like(t)
-    roll = np.arctan(spec.speed * rate / 9.81)
+    roll = np.arctan(spec.speed * rate / STANDARD_GRAVITY)
     return _Plan(heading, spec.speed + flat, spec.height + flat, roll, flat)
 
 
@@ -179,9 +183,10 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     shorter than the duration.
     """
     if spec.kind == "file":
-        from nav_model.simulation.trajectory_file import trajectory_from_samples
-
-        return trajectory_from_samples(spec.samples, duration)
+        table = _table(spec)
+        if duration > table[-1, 0] + 1e-9:
+            raise ValueError(f"duration = {duration!r}: must be at most the trajectory file's {table[-1, 0]:.3f} s")
+        return spline_through(table[:, 0], table[:, 1:])
     step = 0.5
     before, after = round(MARGIN_S / step), int(np.ceil(duration / step)) + round(MARGIN_S / step)
     t: FloatArray = np.linspace(-before * step, after * step, before + after + 1)
@@ -213,3 +218,69 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     coordinates = [latitude, longitude, height, plan.roll + attitude[0], plan.pitch + attitude[1]]
     coordinates.append(plan.heading + attitude[2])
     return spline_through(t, np.column_stack(coordinates))
+
+
+FILE_BOUNDS: Final = FileBounds(
+    fewest_rows=8,
+    most_rows=1_000_000,
+    most_bytes=200_000_000,
+    largest={
+        "latitude_deg": math.degrees(HIGHEST_LATITUDE),
+        "longitude_deg": 360.0,
+        "height_m": 100_000.0,
+        "roll_deg": 360.0,
+        "pitch_deg": 80.0,
+        "yaw_deg": 360.0,
+    },
+)
+"""What a trajectory file may hold: hours of an aircraft's log, where north and heading are defined."""
+_LARGEST_ACCELERATION: Final = 300.0
+_LARGEST_RATE: Final = math.radians(1000.0)
+
+
+def parse_trajectory(content: bytes, name: str = "trajectory file") -> TrajectorySpec:
+    """The flight of a trajectory file.
+
+    Raises
+    ------
+    InputError
+        As `nav_model.earth.trajectory_file.read_trajectory_table`, and for a path that needs an acceleration above
+        300 m/s² or an angular rate above 1000 °/s.
+    """
+    table = read_trajectory_table(content, name, FILE_BOUNDS)
+    for column in (2, 4, 6):
+        table.samples[:, column] = np.unwrap(table.samples[:, column])
+    _check_motion(table.samples, table.lines, name)
+    return TrajectorySpec(kind="file", samples=table.samples.tobytes())
+
+
+def read_trajectory(path: str | Path) -> TrajectorySpec:
+    """`parse_trajectory` of a file; OSError where it cannot be read."""
+    with Path(path).open("rb") as file:
+        return parse_trajectory(file.read(FILE_BOUNDS.most_bytes + 1), Path(path).name)
+
+
+def file_duration(spec: TrajectorySpec) -> float:
+    """Length of a flight from a file [s]."""
+    return float(_table(spec)[-1, 0])
+
+
+def _table(spec: TrajectorySpec) -> FloatArray:
+    return np.frombuffer(spec.samples).reshape(-1, 7)
+
+
+def _check_motion(samples: FloatArray, lines: list[int], name: str) -> None:
+    """Refuse what no aircraft flies: it is a wrong unit or a glitch, and the spline would ring on it."""
+    spline = spline_through(samples[:, 0], samples[:, 1:])
+    middle = 0.5 * (samples[1:, 0] + samples[:-1, 0])
+    acceleration = np.linalg.norm(np.gradient(spline.velocity(middle), middle, axis=0), axis=1)
+    rate = np.max(np.abs(spline.evaluate(middle, 1)[:, 3:]), axis=1)
+    for values, limit, what, unit, scale in (
+        (acceleration, _LARGEST_ACCELERATION, "acceleration", "m/s^2", 1.0),
+        (rate, _LARGEST_RATE, "angular rate", "deg/s", math.degrees(1.0)),
+    ):
+        worst = int(np.argmax(values))
+        if values[worst] > limit:
+            needed, most = (f"{value * scale:.4g} {unit}" for value in (values[worst], limit))
+            said = f"the path needs an {what} of {needed}; at most {most} can be flown"
+            raise InputError(name, f"line {lines[worst + 1]}: {said}")

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.compiled import kernel
+from nav_model.constants import EARTH_RATE
 from nav_model.earth.rotation import matrix_from_euler
-from nav_model.earth.wgs84 import ECCENTRICITY_SQUARED, ROTATION_RATE, curvature_radii_kernel, normal_gravity_kernel
+from nav_model.earth.wgs84 import ECCENTRICITY_SQUARED, curvature_radii_kernel, normal_gravity_kernel
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.trajectory import Trajectory, plan_trajectory
 
@@ -72,7 +73,7 @@ def _force_and_rate(origin: FloatArray, coefficients: FloatArray, u: float, out:
     )
     down_acc = -second[2]
     # Rates of the NED frame: Earth's, and Earth's plus transport's.
-    earth_n, earth_d = ROTATION_RATE * cos_lat, -ROTATION_RATE * sin_lat
+    earth_n, earth_d = EARTH_RATE * cos_lat, -EARTH_RATE * sin_lat
     frame_n, frame_e, frame_d = earth_n + lon_rate * cos_lat, -lat_rate, earth_d - lon_rate * sin_lat
     a, b, c = earth_n + frame_n, frame_e, earth_d + frame_d
     down = -climb
@@ -151,7 +152,7 @@ def true_states(trajectory: Trajectory, time_s: FloatArray) -> TruthStates:
     matrix = matrix_from_euler(euler[:, 0], euler[:, 1], euler[:, 2])
     inertial = specific_force_and_rate(trajectory, time_s)[:, 3:]
     zero = np.zeros(len(time_s))
-    earth = ROTATION_RATE * np.column_stack([np.cos(position[:, 0]), zero, -np.sin(position[:, 0])])
+    earth = EARTH_RATE * np.column_stack([np.cos(position[:, 0]), zero, -np.sin(position[:, 0])])
     body_rate = inertial - np.einsum("nij,ni->nj", matrix, earth)
     return TruthStates(time_s, position, trajectory.velocity(time_s), matrix, euler, body_rate)
 

@@ -9,15 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nav_model.earth.rotation import FloatArray, matrix_from_vector, vector_from_matrix
+from nav_model.suborbital.checks import require, require_finite
 from nav_model.suborbital.errors import Triple
-from nav_model.suborbital.flight import Flight
-from nav_model.suborbital.frames import (
-    Array,
-    require,
-    require_finite,
-    rotation_from_vector,
-    vector_from_rotation,
-)
+from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames
 
 
@@ -65,11 +60,12 @@ def frame_stride(aiding: Aiding, step_s: float) -> int:
     require(
         stride >= 1 and abs(ratio - stride) < 1e-6,
         f"frame_interval_s = {aiding.frame_interval_s!r}: must be a whole number of steps of {step_s!r} s",
+        *("frame_interval_s", "step_s"),
     )
     return stride
 
 
-def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
+def frame_steps(flight: TrueFlight, aiding: Aiding) -> np.ndarray:
     """Steps at which a frame reaches the INS, (n+1,) bool. ValueError if frames fall between steps."""
     stride = frame_stride(aiding, flight.step_s)
     used = np.zeros(flight.steps + 1, dtype=np.bool_)
@@ -82,23 +78,23 @@ def frame_steps(flight: Flight, aiding: Aiding) -> np.ndarray:
     return used
 
 
-def attitude_at(flight: Flight, time_s: Array) -> Array:
+def attitude_at(flight: TrueFlight, time_s: FloatArray) -> FloatArray:
     """True body to inertial attitude at any times of the flight, (..., 3, 3): turn at constant rate in a
     step."""
     position = np.clip(np.asarray(time_s, dtype=np.float64) / (0.5 * flight.step_s), 0.0, 2.0 * flight.steps)
     low = np.minimum(position.astype(np.int64), 2 * flight.steps - 1)
     start, stop = flight.half_attitude_bi[low], flight.half_attitude_bi[low + 1]
-    turn = vector_from_rotation(np.swapaxes(start, -1, -2) @ stop)
-    return np.asarray(start @ rotation_from_vector((position - low)[..., None] * turn))
+    turn = vector_from_matrix(np.swapaxes(start, -1, -2) @ stop)
+    return np.asarray(start @ matrix_from_vector((position - low)[..., None] * turn))
 
 
-def perfect_frames(flight: Flight, aiding: Aiding) -> AttitudeFrames:
+def perfect_frames(flight: TrueFlight, aiding: Aiding) -> AttitudeFrames:
     """Frames at the aiding's instants, each the true attitude."""
     return AttitudeFrames(frame_steps(flight, aiding), np.ascontiguousarray(flight.attitude_bi))
 
 
 def camera_frames(
-    flight: Flight,
+    flight: TrueFlight,
     aiding: Aiding,
     measured: AttitudeFrames | None = None,
 ) -> AttitudeFrames:
@@ -124,5 +120,5 @@ def camera_frames(
         attitude, used = measured.attitude_bi[source], used & measured.used[source]
         covariance = None if measured.covariance is None else measured.covariance[source]
     if any(aiding.misalignment_rad):
-        attitude = attitude @ rotation_from_vector(np.array(aiding.misalignment_rad))
+        attitude = attitude @ matrix_from_vector(np.array(aiding.misalignment_rad))
     return AttitudeFrames(used, np.ascontiguousarray(attitude), covariance)

@@ -11,13 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nav_model.suborbital.frames import (
-    Array,
-    require,
-    rotation_from_quaternion,
-    skew,
-    vector_from_rotation,
-)
+from nav_model.earth.rotation import FloatArray, matrix_from_quaternion, skew, vector_from_matrix
+from nav_model.suborbital.checks import require
 
 COLLINEAR = 1e-10
 """Below this product of the two smallest information eigenvalues over sigma the roll is not observable."""
@@ -27,13 +22,15 @@ COLLINEAR = 1e-10
 class AttitudeEstimate:
     """rotation (..., 3, 3) from reference to body axes; covariance (..., 3, 3), rad²; the method's name."""
 
-    rotation: Array
-    covariance: Array
+    rotation: FloatArray
+    covariance: FloatArray
     method: str
     source: str = "[B-9]"
 
 
-def _prepare(body: Array, reference: Array, weight: Array | None) -> tuple[Array, Array, Array]:
+def _prepare(
+    body: FloatArray, reference: FloatArray, weight: FloatArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     b, r = np.asarray(body, dtype=np.float64), np.asarray(reference, dtype=np.float64)
     require(
         b.shape == r.shape and b.ndim >= 2 and b.shape[-1] == 3,
@@ -45,7 +42,7 @@ def _prepare(body: Array, reference: Array, weight: Array | None) -> tuple[Array
     return b, r, w
 
 
-def information(body: Array, weight: Array | None = None) -> Array:
+def information(body: FloatArray, weight: FloatArray | None = None) -> FloatArray:
     """sum (I - b b^T), (..., 3, 3): inverse covariance of the optimal methods in units of 1/sigma²."""
     b, _, w = _prepare(body, body, weight)
     count = np.sum(w > 0.0, axis=-1)[..., None, None]
@@ -53,7 +50,7 @@ def information(body: Array, weight: Array | None = None) -> Array:
     return np.asarray(count * np.eye(3) - np.swapaxes(seen, -1, -2) @ seen)
 
 
-def _refuse_singular(body: Array, weight: Array, least: int, method: str) -> None:
+def _refuse_singular(body: FloatArray, weight: FloatArray, least: int, method: str) -> None:
     count = np.sum(weight > 0.0, axis=-1)
     if np.any(count < least):
         raise ValueError(f"{method}: a scene has {int(np.min(count))} stars; it needs at least {least}")
@@ -64,30 +61,32 @@ def _refuse_singular(body: Array, weight: Array, least: int, method: str) -> Non
         )
 
 
-def _optimal_covariance(body: Array, weight: Array, sigma: float) -> Array:
+def _optimal_covariance(body: FloatArray, weight: FloatArray, sigma: float) -> FloatArray:
     return np.asarray(sigma**2 * np.linalg.inv(information(body, weight)))
 
 
-def _profile(b: Array, r: Array, w: Array) -> Array:
+def _profile(b: FloatArray, r: FloatArray, w: FloatArray) -> FloatArray:
     """Attitude profile sum a b r^T with weights normalised to one."""
     a = w / np.sum(w, axis=-1, keepdims=True)
     return np.asarray(np.swapaxes(a[..., None] * b, -1, -2) @ r)
 
 
-def _nearest_rotation(matrix: Array) -> Array:
+def _nearest_rotation(matrix: FloatArray) -> FloatArray:
     u, _, vt = np.linalg.svd(matrix)
     flip = np.ones(matrix.shape[:-1])
     flip[..., 2] = np.linalg.det(u) * np.linalg.det(vt)
     return np.asarray((u * flip[..., None, :]) @ vt)
 
 
-def triad(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+def triad(
+    body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
+) -> AttitudeEstimate:
     """TRIAD of the first two stars (put the two to be used first). ValueError for two collinear stars."""
     b, r, w = _prepare(body, reference, weight)
     require(b.shape[-2] >= 2, f"TRIAD: a scene has {b.shape[-2]} stars; it needs at least 2")
     _refuse_singular(b[..., :2, :], w[..., :2], 2, "TRIAD")
 
-    def frame(v: Array) -> Array:
+    def frame(v: FloatArray) -> FloatArray:
         cross = np.cross(v[..., 0, :], v[..., 1, :])
         second = cross / np.linalg.norm(cross, axis=-1, keepdims=True)
         return np.stack([v[..., 0, :], second, np.cross(v[..., 0, :], second)], axis=-1)
@@ -100,7 +99,9 @@ def triad(body: Array, reference: Array, sigma: float, weight: Array | None = No
     return AttitudeEstimate(frame(b) @ np.swapaxes(frame(r), -1, -2), covariance, "TRIAD")
 
 
-def n_vector(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+def n_vector(
+    body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
+) -> AttitudeEstimate:
     """N-vector pseudo-inverse C = R_i R_b^T (R_b R_b^T)^-1, projected to the nearest rotation.
 
     ValueError unless three stars of every scene span space (two stars, or all in one plane, do not).
@@ -121,7 +122,7 @@ def n_vector(body: Array, reference: Array, sigma: float, weight: Array | None =
     return AttitudeEstimate(np.swapaxes(_nearest_rotation(raw), -1, -2), covariance, "N-vector")
 
 
-def _davenport(profile: Array) -> Array:
+def _davenport(profile: FloatArray) -> FloatArray:
     """Davenport's K (..., 4, 4) for quaternions (w, x, y, z) of A (reference to body)."""
     trace = np.trace(profile, axis1=-2, axis2=-1)
     z = np.stack(
@@ -139,17 +140,21 @@ def _davenport(profile: Array) -> Array:
     return k
 
 
-def q_method(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+def q_method(
+    body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
+) -> AttitudeEstimate:
     """Davenport's q-method: the eigenvector of the largest eigenvalue of K. ValueError for collinear
     stars."""
     b, r, w = _prepare(body, reference, weight)
     _refuse_singular(b, w, 2, "q-method")
     _, vectors = np.linalg.eigh(_davenport(_profile(b, r, w)))
-    rotation = rotation_from_quaternion(vectors[..., :, -1])
+    rotation = matrix_from_quaternion(vectors[..., :, -1])
     return AttitudeEstimate(rotation, _optimal_covariance(b, w, sigma), "q-method")
 
 
-def quest(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+def quest(
+    body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
+) -> AttitudeEstimate:
     """QUEST: Newton on the quartic of K for its largest eigenvalue, then the quaternion in closed form.
 
     Of the four sequential rotations (none, or 180° about x, y, z of the reference) each scene takes the one
@@ -189,12 +194,12 @@ def quest(body: Array, reference: Array, sigma: float, weight: Array | None = No
     z = np.take_along_axis(z, best[..., None], axis=-2)[..., 0, :]
     vector = np.linalg.solve(m, z[..., None])[..., 0]
     q = np.concatenate([np.ones((*vector.shape[:-1], 1)), vector], axis=-1)
-    rotation = rotation_from_quaternion(q / np.linalg.norm(q, axis=-1, keepdims=True))
+    rotation = matrix_from_quaternion(q / np.linalg.norm(q, axis=-1, keepdims=True))
     rotation = rotation * flips[best[..., 0]][..., None, :]
     return AttitudeEstimate(rotation, _optimal_covariance(b, w, sigma), "QUEST")
 
 
-def svd(body: Array, reference: Array, sigma: float, weight: Array | None = None) -> AttitudeEstimate:
+def svd(body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None) -> AttitudeEstimate:
     """Least squares (Wahba's problem) by singular value decomposition. ValueError for collinear stars."""
     b, r, w = _prepare(body, reference, weight)
     _refuse_singular(b, w, 2, "SVD")
@@ -212,7 +217,7 @@ METHODS: dict[str, Callable[..., AttitudeEstimate]] = {
 """The five methods by name; each takes (body, reference, sigma, weight)."""
 
 
-def solvable(method: str, body: Array, weight: Array) -> np.ndarray:
+def solvable(method: str, body: FloatArray, weight: FloatArray) -> np.ndarray:
     """Which scenes (...) a method does not refuse: TRIAD wants two stars apart in the first two places, the
     N-vector three that span space, the others two apart. ValueError for an unknown method."""
     require(method in METHODS, f"method = {method!r}: must be one of {', '.join(METHODS)}")
@@ -226,12 +231,12 @@ def solvable(method: str, body: Array, weight: Array) -> np.ndarray:
     return np.asarray(apart & enough & spanned)
 
 
-def attitude_error(estimate: Array, truth: Array) -> Array:
+def attitude_error(estimate: FloatArray, truth: FloatArray) -> FloatArray:
     """Rotation vector e of A_est = exp([e x]) A_true on body axes, (..., 3), rad."""
-    return vector_from_rotation(estimate @ np.swapaxes(truth, -1, -2))
+    return vector_from_matrix(estimate @ np.swapaxes(truth, -1, -2))
 
 
-def nees(error: Array, covariance: Array) -> Array:
+def nees(error: FloatArray, covariance: FloatArray) -> FloatArray:
     """e^T P^-1 e, (...): 3 on average when the predicted covariance is right."""
     return np.asarray(np.sum(error * np.linalg.solve(covariance, error[..., None])[..., 0], axis=-1))
 
@@ -250,7 +255,7 @@ class MethodScore:
 
 
 def compare_methods(
-    body: Array, reference: Array, truth: Array, sigma: float, weight: Array | None = None
+    body: FloatArray, reference: FloatArray, truth: FloatArray, sigma: float, weight: FloatArray | None = None
 ) -> tuple[MethodScore, ...]:
     """All five methods on the same scenes (n, k, 3) with true attitudes (n, 3, 3)."""
     scores: list[MethodScore] = []

@@ -1,6 +1,6 @@
 """The decoupled height and horizontal channels [B-5]: closed forms [B-6] and where they stop holding.
 
-    x'' + w^2 x = a_x horizontally,   z'' - 2 w^2 z = a_z vertically,   w^2 = KM / r^3
+    x'' + w^2 x = a_x horizontally,   z'' - 2 w^2 z = a_z vertically,   w^2 = GM / r^3
 They explain the Schuler oscillation and the unstable height, and hold only for a local frame that does not
 rotate. On a long arc they are wrong: displayed numbers come from the integrated INS.
 """
@@ -8,22 +8,39 @@ rotate. On a long arc they are wrong: displayed numbers come from the integrated
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.compiled import kernel
+from nav_model.constants import GRAVITATIONAL_PARAMETER, SPHERE_RADIUS
+from nav_model.earth.rotation import FloatArray
+from nav_model.earth.sphere import local_axes
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import ErrorSet
-from nav_model.suborbital.flight import Flight
-from nav_model.suborbital.frames import EARTH_RADIUS, KM, Array, local_axes, require
+from nav_model.suborbital.flight import TrueFlight
+from nav_model.suborbital.layout import (
+    ACCELEROMETERS,
+    ATTITUDE,
+    BIAS,
+    GYROS,
+    MATRIX,
+    POSITION,
+    SENSORS,
+    SLOW_BIAS,
+    SLOW_MATRIX,
+    VELOCITY,
+)
 from nav_model.suborbital.mechanisation import oscillations
 
 
-def schuler_rate(height_m: ArrayLike) -> Array:
-    """w = sqrt(KM / r^3), rad/s, at a height above the sphere, m [B-5]."""
-    return np.asarray(np.sqrt(KM / (EARTH_RADIUS + np.asarray(height_m, dtype=np.float64)) ** 3))
+def schuler_rate(height_m: ArrayLike) -> FloatArray:
+    """w = sqrt(GM / r^3), rad/s, at a height above the sphere, m [B-5]."""
+    return np.asarray(
+        np.sqrt(GRAVITATIONAL_PARAMETER / (SPHERE_RADIUS + np.asarray(height_m, dtype=np.float64)) ** 3)
+    )
 
 
-def height_e_folding_time(height_m: ArrayLike) -> Array:
+def height_e_folding_time(height_m: ArrayLike) -> FloatArray:
     """Time 1/k = 1/(sqrt(2) w) in which the height error grows by e, s [B-6]."""
     return np.asarray(1.0 / (np.sqrt(2.0) * schuler_rate(height_m)))
 
@@ -38,7 +55,7 @@ def horizontal_error(
     velocity: ArrayLike = 0.0,
     amplitude: ArrayLike = 0.0,
     frequency: ArrayLike = 1e-3,
-) -> Array:
+) -> FloatArray:
     """Horizontal position error, m [B-6]; broadcasts over every argument.
 
     bias: accelerometer, m/s²; tilt_rate: f e, specific force times gyro bias, m/s³; position (m) and velocity
@@ -70,7 +87,7 @@ def vertical_error(
     velocity: ArrayLike = 0.0,
     amplitude: ArrayLike = 0.0,
     frequency: ArrayLike = 1e-3,
-) -> Array:
+) -> FloatArray:
     """Height error, m [B-6]; the arguments are those of `horizontal_error`."""
     t = np.asarray(time_s, dtype=np.float64)
     k = 1.0 / height_e_folding_time(height_m)
@@ -85,7 +102,7 @@ def vertical_error(
     )
 
 
-def height_growth(flight: Flight) -> Array:
+def height_growth(flight: TrueFlight) -> FloatArray:
     """exp of the integral of k along a flight, (n+1,): the factor by which the unstable height grows a start
     error, whose slope on a log plot is 1/(e-folding time) at the height of the moment [B-6]."""
     k = 1.0 / height_e_folding_time(flight.height_m)
@@ -98,13 +115,15 @@ class ChannelErrors:
     """Errors the decoupled channels predict for c cases: time_s (m,), position_m north, east, up (c, m,
     3)."""
 
-    time_s: Array
-    position_m: Array = field(repr=False)
+    time_s: FloatArray
+    position_m: FloatArray = field(repr=False)
     source: str = "decoupled channels [B-5] in local axes, for comparison: they fail on a long arc"
 
 
-@numba.njit(cache=True)
-def _channels(x, v, force, w2, h, every, out):  # type: ignore[no-untyped-def]
+@kernel
+def _channels(
+    x: FloatArray, v: FloatArray, force: FloatArray, w2: FloatArray, h: float, every: int, out: FloatArray
+) -> None:
     """Exact step of each channel under the mean forcing of the step; x, v (c, 3), force (n, c, 3)."""
     n, cases = force.shape[0], x.shape[0]
     for i in range(n + 1):
@@ -131,23 +150,23 @@ class _Forcing:
     """Forcing of the channels in the middle of every step, north, east, up (n, c, 3), m/s²: of the accelerometers'
     constant and (before its sine) oscillating errors, of attitude, and all together; the path there (n, 3)."""
 
-    constant: Array
-    amplitude: Array
-    tilt: Array
-    total: Array
-    middle: Array
+    constant: FloatArray
+    amplitude: FloatArray
+    tilt: FloatArray
+    total: FloatArray
+    middle: FloatArray
 
 
-def _forcing(flight: Flight, p: Array, errors: ErrorSet, used: np.ndarray | None) -> _Forcing:
+def _forcing(flight: TrueFlight, p: FloatArray, errors: ErrorSet, used: np.ndarray | None) -> _Forcing:
     n, h = flight.steps, flight.step_s
     force, rate = flight.specific_force_b[:, 1], flight.angular_rate_b[:, 1]
     s = oscillations(flight, errors)[1::2]
     c = flight.half_attitude_bi[1::2]
 
-    def triad(start: int, measured: Array, slow: Array | None, fast: Array | None) -> Array:
+    def triad(start: int, measured: FloatArray, slow: FloatArray | None, fast: FloatArray | None) -> FloatArray:
         """C times the constant part of [B-1] (no sines), or the oscillating one."""
-        offset = 0 if slow is None else 1
-        bias, first = start + 3 * offset, start + 6 + 9 * offset
+        bias, first = (BIAS, MATRIX) if slow is None else (SLOW_BIAS, SLOW_MATRIX)
+        bias, first = start + bias, start + first
         turned = np.einsum("cab,tb->tca", p[:, first : first + 9].reshape(-1, 3, 3), measured)
         both = p[:, bias : bias + 3]
         if slow is not None and fast is not None:
@@ -155,8 +174,8 @@ def _forcing(flight: Flight, p: Array, errors: ErrorSet, used: np.ndarray | None
         return np.asarray(np.einsum("tij,tcj->tci", c, both + turned))
 
     launch = local_axes(flight.position_i[0])
-    step_turn = (triad(24, rate, None, None) + triad(24, rate, s[:, 2], s[:, 3])) * h
-    psi = np.concatenate([np.broadcast_to(p[:, 54:57] @ launch.T, (1, len(p), 3)), step_turn])
+    step_turn = (triad(GYROS, rate, None, None) + triad(GYROS, rate, s[:, 2], s[:, 3])) * h
+    psi = np.concatenate([np.broadcast_to(p[:, ATTITUDE] @ launch.T, (1, len(p), 3)), step_turn])
     psi = np.cumsum(psi, axis=0)[:-1]
     if used is not None and np.any(used):
         last = np.maximum.accumulate(np.where(used[:-1], np.arange(n), -1))
@@ -165,22 +184,22 @@ def _forcing(flight: Flight, p: Array, errors: ErrorSet, used: np.ndarray | None
     middle = 0.5 * (flight.position_i[1:] + flight.position_i[:-1])
     turn = local_axes(middle) * np.array([1.0, 1.0, -1.0])
 
-    def local(inertial: Array) -> Array:
+    def local(inertial: FloatArray) -> FloatArray:
         return np.asarray(np.einsum("tji,tcj->tci", turn, inertial))
 
-    constant, one = triad(0, force, None, None), np.ones(n)
+    constant, one = triad(ACCELEROMETERS, force, None, None), np.ones(n)
     tilt = np.cross(psi + 0.5 * step_turn, force_i[:, None])
     return _Forcing(
         constant=local(constant),
-        amplitude=local(triad(0, force, one, one)),
+        amplitude=local(triad(ACCELEROMETERS, force, one, one)),
         tilt=local(tilt),
-        total=local(constant + triad(0, force, s[:, 0], s[:, 1]) + tilt),
+        total=local(constant + triad(ACCELEROMETERS, force, s[:, 0], s[:, 1]) + tilt),
         middle=middle,
     )
 
 
 def decoupled_errors(
-    flight: Flight, parameters: Array, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
+    flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
 ) -> ChannelErrors:
     """[B-5] driven along a real flight by the parameter vectors (c, 61), for comparison with the INS.
 
@@ -194,10 +213,10 @@ def decoupled_errors(
     up = np.array([1.0, 1.0, -1.0])
     out = np.empty((len(p), n // every + 1, 3))
     _channels(
-        p[:, 48:51] * up,
-        p[:, 51:54] * up,
+        p[:, POSITION] * up,
+        p[:, VELOCITY] * up,
         np.ascontiguousarray(forcing.total),
-        KM / np.linalg.norm(forcing.middle, axis=1) ** 3,
+        GRAVITATIONAL_PARAMETER / np.linalg.norm(forcing.middle, axis=1) ** 3,
         h,
         every,
         out,
@@ -205,7 +224,9 @@ def decoupled_errors(
     return ChannelErrors(time_s=flight.time_s[::every], position_m=out)
 
 
-def closed_form_errors(flight: Flight, parameters: Array, errors: ErrorSet, every: int = 10) -> ChannelErrors:
+def closed_form_errors(
+    flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10
+) -> ChannelErrors:
     """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for.
 
     They want one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A
@@ -220,21 +241,21 @@ def closed_form_errors(flight: Flight, parameters: Array, errors: ErrorSet, ever
     burning = felt > _BURNING if np.any(felt > _BURNING) else np.ones(flight.steps, dtype=np.bool_)
     time = flight.time_s[:-1][burning] + 0.5 * flight.step_s
     still = p.copy()
-    still[:, 24:48] = 0.0  # the attitude error the flight starts with, without what the gyros add
+    still[:, GYROS : SENSORS.stop] = 0.0  # the attitude error the flight starts with, without what the gyros add
     first = _forcing(flight, still, errors, None).tilt[burning]
     grown = forcing.tilt[burning] - first
     constants = {
         "bias": np.mean(forcing.constant[burning] + first, axis=0),
         "tilt_rate": np.einsum("t,tci->ci", time, grown) / np.sum(time**2),
         "amplitude": np.mean(forcing.amplitude[burning], axis=0),
-        "position": p[:, 48:51] * np.array([1.0, 1.0, -1.0]),
-        "velocity": p[:, 51:54] * np.array([1.0, 1.0, -1.0]),
+        "position": p[:, POSITION] * np.array([1.0, 1.0, -1.0]),
+        "velocity": p[:, VELOCITY] * np.array([1.0, 1.0, -1.0]),
     }
     height = float(np.mean(flight.height_m))
     t = flight.time_s[::every]
     frequency = 2.0 * np.pi / errors.accelerometers.bias_period_s
 
-    def form(closed: Callable[..., Array], part: slice) -> Array:
+    def form(closed: Callable[..., FloatArray], part: slice) -> FloatArray:
         given = {name: value[:, None, part] for name, value in constants.items()}
         return closed(t[:, None], height, frequency=frequency, **given)
 

@@ -13,7 +13,23 @@ from fractions import Fraction
 
 import numpy as np
 
-from nav_model.suborbital.frames import Array, require, require_finite
+from nav_model.earth.rotation import FloatArray
+from nav_model.suborbital.checks import require, require_finite
+from nav_model.suborbital.layout import (
+    ACCELEROMETERS,
+    ATTITUDE,
+    BIAS,
+    CAMERA,
+    COUNT,
+    GYROS,
+    LATENCY,
+    MATRIX,
+    POSITION,
+    SENSORS,
+    SLOW_BIAS,
+    SLOW_MATRIX,
+    VELOCITY,
+)
 from nav_model.units import to_si
 
 Triple = tuple[float, float, float]
@@ -128,10 +144,12 @@ class ErrorSet:
     initial: InitialErrors = GP1_INITIAL
 
 
-def parameter_vector(errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0) -> Array:
+def parameter_vector(
+    errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0
+) -> FloatArray:
     """The deterministic errors as one vector, (61,), in the order of `PARAMETERS`; star tracker entries
     last."""
-    parts: list[Array] = []
+    parts: list[FloatArray] = []
     for sensor in (errors.accelerometers, errors.gyros):
         parts += [
             np.array(sensor.constant_bias),
@@ -165,38 +183,45 @@ def _names() -> list[str]:
 PARAMETERS: tuple[str, ...] = tuple(_names())
 """Name of each entry of the parameter vector."""
 
+
+def _of(sensor: int, kind: int) -> slice:
+    return slice(sensor + kind, sensor + kind + (3 if kind in (BIAS, SLOW_BIAS) else 9))
+
+
 SOURCES: dict[str, tuple[slice, ...]] = {
-    "accelerometer constant bias": (slice(0, 3),),
-    "accelerometer constant scale factor and misalignment": (slice(6, 15),),
-    "accelerometer oscillating bias": (slice(3, 6),),
-    "accelerometer oscillating scale factor and misalignment": (slice(15, 24),),
-    "gyro constant bias": (slice(24, 27),),
-    "gyro constant scale factor and misalignment": (slice(30, 39),),
-    "gyro oscillating bias": (slice(27, 30),),
-    "gyro oscillating scale factor and misalignment": (slice(39, 48),),
-    "initial position": (slice(48, 51),),
-    "initial velocity": (slice(51, 54),),
-    "star tracker misalignment": (slice(57, 60),),
-    "star tracker latency": (slice(60, 61),),
+    **{
+        f"{name} {part}": (_of(first, kind),)
+        for name, first in (("accelerometer", ACCELEROMETERS), ("gyro", GYROS))
+        for part, kind in (
+            ("constant bias", BIAS),
+            ("constant scale factor and misalignment", MATRIX),
+            ("oscillating bias", SLOW_BIAS),
+            ("oscillating scale factor and misalignment", SLOW_MATRIX),
+        )
+    },
+    "initial position": (POSITION,),
+    "initial velocity": (VELOCITY,),
+    "star tracker misalignment": (slice(CAMERA, LATENCY),),
+    "star tracker latency": (slice(LATENCY, COUNT),),
 }
 """Error sources one at a time (initial attitude is a class of its own)."""
 
 CLASSES: dict[str, tuple[slice, ...]] = {
-    "accelerometer bias": (slice(0, 3), slice(6, 15)),
-    "accelerometer instability": (slice(3, 6), slice(15, 24)),
-    "accelerometer total": (slice(0, 24),),
-    "gyro bias": (slice(24, 27), slice(30, 39)),
-    "gyro instability": (slice(27, 30), slice(39, 48)),
-    "gyro total": (slice(24, 48),),
-    "initial position and velocity": (slice(48, 54),),
-    "initial attitude": (slice(54, 57),),
-    "all": (slice(0, 61),),
+    "accelerometer bias": (_of(ACCELEROMETERS, BIAS), _of(ACCELEROMETERS, MATRIX)),
+    "accelerometer instability": (_of(ACCELEROMETERS, SLOW_BIAS), _of(ACCELEROMETERS, SLOW_MATRIX)),
+    "accelerometer total": (slice(ACCELEROMETERS, GYROS),),
+    "gyro bias": (_of(GYROS, BIAS), _of(GYROS, MATRIX)),
+    "gyro instability": (_of(GYROS, SLOW_BIAS), _of(GYROS, SLOW_MATRIX)),
+    "gyro total": (slice(GYROS, SENSORS.stop),),
+    "initial position and velocity": (POSITION, VELOCITY),
+    "initial attitude": (ATTITUDE,),
+    "all": (slice(0, COUNT),),
 }
 """Classes of the study: "bias" is every constant term, "instability" every time-dependent one (the white
 noise, which is random, is reported beside it as a standard deviation)."""
 
 
-def mask(group: tuple[slice, ...]) -> Array:
+def mask(group: tuple[slice, ...]) -> FloatArray:
     """Ones at the entries of a group, zeros elsewhere, (61,)."""
     out = np.zeros(len(PARAMETERS))
     for part in group:

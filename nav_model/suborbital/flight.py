@@ -9,22 +9,14 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 
-import numba
 import numpy as np
 
+from nav_model.compiled import kernel
+from nav_model.constants import EARTH_RATE, SPHERE_RADIUS
 from nav_model.earth.gravity import field_kernel, zonals
-from nav_model.suborbital.frames import (
-    EARTH_RADIUS,
-    EARTH_RATE,
-    Array,
-    earth_velocity,
-    local_axes,
-    ned_to_inertial,
-    require,
-    require_finite,
-    rotation_from_euler,
-    spherical_position,
-)
+from nav_model.earth.rotation import FloatArray, matrix_from_euler
+from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
+from nav_model.suborbital.checks import require, require_finite
 from nav_model.units import to_si
 
 MAX_STEPS = 100_000
@@ -76,6 +68,7 @@ class FlightParameters:
             f"pitch_program_start_s = {self.pitch_program_start_s!r}, pitch_program_end_s = "
             f"{self.pitch_program_end_s!r}, burn_time_s = {self.burn_time_s!r}, duration_s = "
             f"{self.duration_s!r}: must rise in this order",
+            *("pitch_program_start_s", "pitch_program_end_s", "burn_time_s", "duration_s"),
         )
         for name in ("burn_time_s", "duration_s"):
             steps = getattr(self, name) / self.step_s
@@ -83,18 +76,20 @@ class FlightParameters:
                 abs(steps - round(steps)) < 1e-6,
                 f"{name} = {getattr(self, name)!r}: must be a whole number of steps of {self.step_s!r} s "
                 "(burn-out inside a step would be smeared over it)",
+                *(name, "step_s"),
             )
         steps = self.duration_s / self.step_s
         require(
             steps <= MAX_STEPS,
             f"duration_s = {self.duration_s!r}, step_s = {self.step_s!r}: {steps:.0f} steps; at most {MAX_STEPS} "
             "are flown",
+            *("duration_s", "step_s"),
         )
         zonals(self.gravity)
 
 
 @dataclass(frozen=True)
-class Flight:
+class TrueFlight:
     """True flight of n steps, SI.
 
     time_s (n+1,); position_i, velocity_i (n+1, 3) in inertial axes; half_attitude_bi (2n+1, 3, 3) at every
@@ -103,12 +98,12 @@ class Flight:
 
     name: str
     step_s: float
-    time_s: Array = field(repr=False)
-    position_i: Array = field(repr=False)
-    velocity_i: Array = field(repr=False)
-    half_attitude_bi: Array = field(repr=False)
-    specific_force_b: Array = field(repr=False)
-    angular_rate_b: Array = field(repr=False)
+    time_s: FloatArray = field(repr=False)
+    position_i: FloatArray = field(repr=False)
+    velocity_i: FloatArray = field(repr=False)
+    half_attitude_bi: FloatArray = field(repr=False)
+    specific_force_b: FloatArray = field(repr=False)
+    angular_rate_b: FloatArray = field(repr=False)
     gravity: str
     initial_track_rad: float
     burnout_s: float | None
@@ -120,41 +115,41 @@ class Flight:
         return len(self.time_s) - 1
 
     @property
-    def attitude_bi(self) -> Array:
+    def attitude_bi(self) -> FloatArray:
         """Body to inertial rotation at every step, (n+1, 3, 3)."""
         return self.half_attitude_bi[::2]
 
     @cached_property
-    def latitude_rad(self) -> Array:
+    def latitude_rad(self) -> FloatArray:
         """Latitude on the sphere, (n+1,)."""
         return spherical_position(self.position_i)[0]
 
     @cached_property
-    def longitude_rad(self) -> Array:
+    def longitude_rad(self) -> FloatArray:
         """Longitude on the turning Earth, (n+1,), in [-pi, pi)."""
         inertial = spherical_position(self.position_i)[1]
         return np.asarray((inertial - EARTH_RATE * self.time_s + np.pi) % (2.0 * np.pi) - np.pi)
 
     @cached_property
-    def height_m(self) -> Array:
+    def height_m(self) -> FloatArray:
         """Height above the sphere, (n+1,)."""
         return spherical_position(self.position_i)[2]
 
     @cached_property
-    def velocity_ned(self) -> Array:
+    def velocity_ned(self) -> FloatArray:
         """Velocity over the turning Earth in local axes, (n+1, 3), m/s."""
         relative = self.velocity_i - earth_velocity(self.position_i)
         return np.asarray(np.einsum("tji,tj->ti", local_axes(self.position_i), relative))
 
     @cached_property
-    def track_rad(self) -> Array:
+    def track_rad(self) -> FloatArray:
         """Direction of travel over ground, from north, (n+1,). Below 1 m/s of ground speed the track is
         that of the launch azimuth (or of the first moving sample of a file)."""
         north, east = self.velocity_ned[:, 0], self.velocity_ned[:, 1]
         return np.where(np.hypot(north, east) >= 1.0, np.arctan2(east, north), self.initial_track_rad)
 
     @cached_property
-    def ground_range_m(self) -> Array:
+    def ground_range_m(self) -> FloatArray:
         """Great-circle distance over the turning Earth from the first point, (n+1,), m."""
         lat, lon = self.latitude_rad, self.longitude_rad
         dlon = lon - lon[0]
@@ -163,7 +158,7 @@ class Flight:
             np.cos(lat[0]) * np.sin(lat) - np.sin(lat[0]) * np.cos(lat) * np.cos(dlon),
         )
         x = np.sin(lat[0]) * np.sin(lat) + np.cos(lat[0]) * np.cos(lat) * np.cos(dlon)
-        return np.asarray(EARTH_RADIUS * np.arctan2(y, x))
+        return np.asarray(SPHERE_RADIUS * np.arctan2(y, x))
 
     @property
     def apogee(self) -> tuple[float, float]:
@@ -172,8 +167,10 @@ class Flight:
         return float(self.time_s[top]), float(self.height_m[top])
 
 
-@numba.njit(cache=True)
-def _integrate(r0, v0, force_i, j, h):  # type: ignore[no-untyped-def]
+@kernel
+def _integrate(
+    r0: FloatArray, v0: FloatArray, force_i: FloatArray, j: FloatArray, h: float
+) -> tuple[FloatArray, FloatArray]:
     """RK4 of r'' = f - gravitation(r), f (n, 3 nodes, 3) given in inertial axes."""
     n = force_i.shape[0]
     position = np.empty((n + 1, 3))
@@ -205,12 +202,12 @@ def _integrate(r0, v0, force_i, j, h):  # type: ignore[no-untyped-def]
     return position, velocity
 
 
-def step_nodes(half: Array) -> Array:
+def step_nodes(half: FloatArray) -> FloatArray:
     """Samples at half steps (2n+1, ...) regrouped as (n, 3, ...): start, middle, end of each step."""
     return np.stack([half[:-2:2], half[1:-1:2], half[2::2]], axis=1)
 
 
-def thrust(parameters: FlightParameters, time_s: Array) -> Array:
+def thrust(parameters: FlightParameters, time_s: FloatArray) -> FloatArray:
     """Thrust acceleration along body x, m/s², burn-out included: a0 / (1 - t (1 - a0/a1) / t_burn)."""
     ratio = 1.0 - parameters.initial_thrust_m_s2 / parameters.final_thrust_m_s2
     inside = np.minimum(time_s, parameters.burn_time_s) / parameters.burn_time_s
@@ -218,7 +215,7 @@ def thrust(parameters: FlightParameters, time_s: Array) -> Array:
     return np.where(time_s <= parameters.burn_time_s + 1e-9, value, 0.0)
 
 
-def attitude_program(parameters: FlightParameters, time_s: Array) -> tuple[Array, Array]:
+def attitude_program(parameters: FlightParameters, time_s: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Roll, pitch, yaw (..., 3) rad and their rates, rad/s, from launch-site axes frozen at lift-off."""
     p = parameters
     span = p.pitch_program_end_s - p.pitch_program_start_s
@@ -245,7 +242,7 @@ def attitude_program(parameters: FlightParameters, time_s: Array) -> tuple[Array
     return np.stack([roll, pitch, yaw], axis=-1), rates
 
 
-def golden_flight(parameters: FlightParameters | None = None) -> Flight:
+def golden_flight(parameters: FlightParameters | None = None) -> TrueFlight:
     """Fly the golden trajectory with RK4 at `step_s`. Raises ValueError when it hits the ground on the
     way."""
     p = parameters or FlightParameters()
@@ -254,7 +251,7 @@ def golden_flight(parameters: FlightParameters | None = None) -> Flight:
     angles, rates = attitude_program(p, half_time)
     roll, pitch, yaw = np.moveaxis(angles, -1, 0)
     launch = ned_to_inertial(p.latitude_rad, p.longitude_rad)
-    attitude = launch @ rotation_from_euler(roll, pitch, yaw)
+    attitude = launch @ matrix_from_euler(roll, pitch, yaw)
     roll_rate, pitch_rate, yaw_rate = np.moveaxis(rates, -1, 0)
     rate = np.stack(
         [
@@ -268,7 +265,7 @@ def golden_flight(parameters: FlightParameters | None = None) -> Flight:
     force[:, :, 0] = step_nodes(thrust(p, half_time))
     # Burn-out belongs to the step it ends, not to the one it starts.
     force[round(p.burn_time_s / p.step_s) :] = 0.0
-    position = launch @ np.array([0.0, 0.0, -EARTH_RADIUS])
+    position = launch @ np.array([0.0, 0.0, -SPHERE_RADIUS])
     return assemble(
         f"golden flight from {np.degrees(p.latitude_rad):.2f}°, {np.degrees(p.longitude_rad):.2f}°",
         p.step_s,
@@ -287,22 +284,22 @@ def golden_flight(parameters: FlightParameters | None = None) -> Flight:
 def assemble(
     name: str,
     step_s: float,
-    position: Array,
-    velocity: Array,
-    attitude: Array,
-    force: Array,
-    rate: Array,
+    position: FloatArray,
+    velocity: FloatArray,
+    attitude: FloatArray,
+    force: FloatArray,
+    rate: FloatArray,
     gravity: str,
     track_rad: float,
     burnout_s: float | None,
     source: str,
-) -> Flight:
+) -> TrueFlight:
     """Integrate a flight from its start (position, velocity, inertial axes), attitude at half steps and body
     specific force and rate at the nodes. ValueError when it reaches the ground before its end."""
     force_i = np.einsum("tnij,tnj->tni", step_nodes(attitude), force)
     r, v = _integrate(position, velocity, force_i, zonals(gravity), step_s)
     time = step_s * np.arange(len(r), dtype=np.float64)
-    height = np.linalg.norm(r, axis=-1) - EARTH_RADIUS
+    height = np.linalg.norm(r, axis=-1) - SPHERE_RADIUS
     ground = np.flatnonzero(height < height[0] - 1.0) if height[0] < 1.0 else np.flatnonzero(height < -1.0)
     if ground.size:
         raise ValueError(
@@ -310,7 +307,7 @@ def assemble(
             "must end "
             "before that"
         )
-    return Flight(
+    return TrueFlight(
         name=name,
         step_s=step_s,
         time_s=time,

@@ -11,24 +11,18 @@ attitude at the start of a step and carries it through that step with its gyros.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numba
 import numpy as np
+from numpy.typing import NDArray
 
+from nav_model.compiled import kernel
+from nav_model.constants import EARTH_RATE, SPHERE_RADIUS
 from nav_model.earth.gravity import field_kernel, zonals
+from nav_model.earth.rotation import FloatArray, matrix_from_vector, vector_from_matrix
+from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import Flight
-from nav_model.suborbital.frames import (
-    EARTH_RADIUS,
-    EARTH_RATE,
-    Array,
-    earth_velocity,
-    local_axes,
-    ned_to_inertial,
-    require,
-    rotation_from_vector,
-    spherical_position,
-    vector_from_rotation,
-)
+from nav_model.suborbital.flight import TrueFlight
+from nav_model.suborbital.layout import ATTITUDE, BIAS, GYROS, MATRIX, POSITION, SLOW_BIAS, SLOW_MATRIX, VELOCITY
 
 
 class Cancelled(Exception):
@@ -41,8 +35,8 @@ class AttitudeFrames:
     and where the camera is noisy the covariance of its error on body axes (n+1, 3, 3), rad²."""
 
     used: np.ndarray
-    attitude_bi: Array = field(repr=False)
-    covariance: Array | None = field(default=None, repr=False)
+    attitude_bi: FloatArray = field(repr=False)
+    covariance: FloatArray | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
@@ -50,11 +44,11 @@ class InsRun:
     """INS output of c cases at m instants: time_s (m,), position_i and velocity_i (c, m, 3), attitude_bi
     (c, m, 3, 3), all in inertial axes, SI; `index` are the flight's steps at those instants."""
 
-    time_s: Array
+    time_s: FloatArray
     index: np.ndarray
-    position_i: Array = field(repr=False)
-    velocity_i: Array = field(repr=False)
-    attitude_bi: Array = field(repr=False)
+    position_i: FloatArray = field(repr=False)
+    velocity_i: FloatArray = field(repr=False)
+    attitude_bi: FloatArray = field(repr=False)
     source: str
 
 
@@ -69,32 +63,40 @@ class NavigationErrors:
     which contains the error of the estimated position.
     """
 
-    time_s: Array
-    position_m: Array = field(repr=False)
-    velocity_m_s: Array = field(repr=False)
-    down_range_m: Array = field(repr=False)
-    cross_range_m: Array = field(repr=False)
-    attitude_inertial_rad: Array = field(repr=False)
-    attitude_navigation_rad: Array = field(repr=False)
+    time_s: FloatArray
+    position_m: FloatArray = field(repr=False)
+    velocity_m_s: FloatArray = field(repr=False)
+    down_range_m: FloatArray = field(repr=False)
+    cross_range_m: FloatArray = field(repr=False)
+    attitude_inertial_rad: FloatArray = field(repr=False)
+    attitude_navigation_rad: FloatArray = field(repr=False)
     source: str
 
 
-@numba.njit(cache=True)
-def _measured(p, force, rate, sines, noise, f, w):  # type: ignore[no-untyped-def]
+@kernel
+def _measured(
+    p: FloatArray,
+    force: FloatArray,
+    rate: FloatArray,
+    sines: FloatArray,
+    noise: FloatArray,
+    f: FloatArray,
+    w: FloatArray,
+) -> None:
     """Specific force and angular rate a faulty unit measures, into f and w [B-1]."""
     for a in range(3):
-        fa = force[a] + noise[a] + p[a] + p[3 + a] * sines[0]
-        wa = rate[a] + noise[3 + a] + p[24 + a] + p[27 + a] * sines[2]
+        fa = force[a] + noise[a] + p[BIAS + a] + p[SLOW_BIAS + a] * sines[0]
+        wa = rate[a] + noise[3 + a] + p[GYROS + BIAS + a] + p[GYROS + SLOW_BIAS + a] * sines[2]
         for b in range(3):
             k = 3 * a + b
-            fa += (p[6 + k] + p[15 + k] * sines[1]) * force[b]
-            wa += (p[30 + k] + p[39 + k] * sines[3]) * rate[b]
+            fa += (p[MATRIX + k] + p[SLOW_MATRIX + k] * sines[1]) * force[b]
+            wa += (p[GYROS + MATRIX + k] + p[GYROS + SLOW_MATRIX + k] * sines[3]) * rate[b]
         f[a] = fa
         w[a] = wa
 
 
-@numba.njit(cache=True)
-def _inertial_rates(y, f, w, j, dy):  # type: ignore[no-untyped-def]
+@kernel
+def _inertial_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy: FloatArray) -> None:
     """[B-3]; state: direction cosines C_bi by rows (9), inertial velocity (3), inertial position (3)."""
     x, yy, z = y[12], y[13], y[14]
     radius = np.sqrt(x * x + yy * yy + z * z)
@@ -111,11 +113,11 @@ def _inertial_rates(y, f, w, j, dy):  # type: ignore[no-untyped-def]
     dy[11] += axial
 
 
-@numba.njit(cache=True)
-def _local_rates(y, f, w, j, dy):  # type: ignore[no-untyped-def]
+@kernel
+def _local_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy: FloatArray) -> None:
     """[B-2]; state: C_bn by rows (9), velocity over the Earth NED (3), latitude, longitude, height."""
     vn, ve, vd = y[9], y[10], y[11]
-    sl, cl, radius = np.sin(y[12]), np.cos(y[12]), EARTH_RADIUS + y[14]
+    sl, cl, radius = np.sin(y[12]), np.cos(y[12]), SPHERE_RADIUS + y[14]
     en, ed = EARTH_RATE * cl, -EARTH_RATE * sl
     tn, te, td = ve / radius, -vn / radius, -ve * sl / (cl * radius)
     on, oe, od = en + tn, te, ed + td
@@ -142,8 +144,8 @@ def _local_rates(y, f, w, j, dy):  # type: ignore[no-untyped-def]
     dy[14] = -vd
 
 
-@numba.njit(cache=True)
-def _star_attitude(y, frame, local, time):  # type: ignore[no-untyped-def]
+@kernel
+def _star_attitude(y: FloatArray, frame: FloatArray, local: bool, time: float) -> None:
     """Put the camera's body-to-inertial attitude into the state [B-7]; in local axes through the INS
     position."""
     if not local:
@@ -161,8 +163,24 @@ def _star_attitude(y, frame, local, time):  # type: ignore[no-untyped-def]
         y[6 + b] = -cl * co * x - cl * so * yy - sl * z
 
 
-@numba.njit(cache=True, nogil=True)
-def _run(start, local, p, force, rate, sines, noise, noisy, used, frames, aided, j, h, every, out):  # type: ignore[no-untyped-def]
+@kernel
+def _run(
+    start: FloatArray,
+    local: bool,
+    p: FloatArray,
+    force: FloatArray,
+    rate: FloatArray,
+    sines: FloatArray,
+    noise: FloatArray,
+    noisy: bool,
+    used: NDArray[np.bool_],
+    frames: FloatArray,
+    aided: bool,
+    j: FloatArray,
+    h: float,
+    every: int,
+    out: FloatArray,
+) -> None:
     """One case over the whole flight; `out` (m, 15) takes the state at every `every`-th step."""
     n = force.shape[0]
     y, stage = start.copy(), np.empty(15)
@@ -204,7 +222,7 @@ def _run(start, local, p, force, rate, sines, noise, noisy, used, frames, aided,
         out[n // every] = y
 
 
-def oscillations(flight: Flight, errors: ErrorSet) -> Array:
+def oscillations(flight: TrueFlight, errors: ErrorSet) -> FloatArray:
     """sin(2 pi t / T) at every half step, (2n+1, 4): accelerometer bias, matrix, gyro bias, matrix [B-1]."""
     periods = np.array(
         [
@@ -218,11 +236,11 @@ def oscillations(flight: Flight, errors: ErrorSet) -> Array:
     return np.asarray(np.sin(2.0 * np.pi * half_time[:, None] / periods))
 
 
-def _initial_states(flight: Flight, parameters: Array, local: bool) -> Array:
+def _initial_states(flight: TrueFlight, parameters: FloatArray, local: bool) -> FloatArray:
     launch = local_axes(flight.position_i[0])
-    position = flight.position_i[0] + parameters[:, 48:51] @ launch.T
-    velocity = flight.velocity_i[0] + parameters[:, 51:54] @ launch.T
-    attitude = rotation_from_vector(parameters[:, 54:57] @ launch.T) @ flight.attitude_bi[0]
+    position = flight.position_i[0] + parameters[:, POSITION] @ launch.T
+    velocity = flight.velocity_i[0] + parameters[:, VELOCITY] @ launch.T
+    attitude = matrix_from_vector(parameters[:, ATTITUDE] @ launch.T) @ flight.attitude_bi[0]
     if local:
         latitude, longitude, height = spherical_position(position)
         axes = ned_to_inertial(latitude, longitude)
@@ -233,12 +251,12 @@ def _initial_states(flight: Flight, parameters: Array, local: bool) -> Array:
 
 
 def mechanise(
-    flight: Flight,
-    parameters: Array,
+    flight: TrueFlight,
+    parameters: FloatArray,
     errors: ErrorSet,
     *,
     frames: tuple[AttitudeFrames | None, ...] | None = None,
-    noise: Array | None = None,
+    noise: FloatArray | None = None,
     gravity: str = "spherical",
     axes: str = "inertial",
     every: int = 10,
@@ -307,7 +325,7 @@ def mechanise(
     if local:
         turn = ned_to_inertial(position[..., 0], position[..., 1] + EARTH_RATE * time)
         attitude = turn @ attitude
-        place = -turn[..., 2] * (EARTH_RADIUS + position[..., 2:])
+        place = -turn[..., 2] * (SPHERE_RADIUS + position[..., 2:])
         velocity = np.einsum("cmij,cmj->cmi", turn, velocity) + earth_velocity(place)
         position = place
     mark = "[B-2]" if local else "[B-3]"
@@ -321,7 +339,7 @@ def mechanise(
     )
 
 
-def navigation_errors(flight: Flight, run: InsRun) -> NavigationErrors:
+def navigation_errors(flight: TrueFlight, run: InsRun) -> NavigationErrors:
     """Errors of a run against the true flight; the position error is the one star_tracker.md prints."""
     truth = flight.position_i[run.index]
     turn = local_axes(truth)
@@ -339,7 +357,7 @@ def navigation_errors(flight: Flight, run: InsRun) -> NavigationErrors:
         velocity_m_s=velocity,
         down_range_m=north * np.cos(track) + east * np.sin(track),
         cross_range_m=-north * np.sin(track) + east * np.cos(track),
-        attitude_inertial_rad=vector_from_rotation(run.attitude_bi @ transposed),
-        attitude_navigation_rad=vector_from_rotation(est_nav @ transposed @ turn),
+        attitude_inertial_rad=vector_from_matrix(run.attitude_bi @ transposed),
+        attitude_navigation_rad=vector_from_matrix(est_nav @ transposed @ turn),
         source=run.source,
     )

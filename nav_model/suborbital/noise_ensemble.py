@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from nav_model.suborbital.frames import Array, require, rotation_from_vector
+from nav_model.earth.rotation import FloatArray, matrix_from_vector
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise, navigation_errors
 from nav_model.suborbital.sensitivity import NoiseSpread
 from nav_model.suborbital.study import Study
@@ -26,11 +27,11 @@ class NoiseEnsemble:
 
     runs: int
     seed: int
-    time_s: Array
-    pure_rms_m: Array = field(repr=False)
-    aided_rms_m: Array = field(repr=False)
-    pure_sigma_m: Array = field(repr=False)
-    aided_sigma_m: Array = field(repr=False)
+    time_s: FloatArray
+    pure_rms_m: FloatArray = field(repr=False)
+    aided_rms_m: FloatArray = field(repr=False)
+    pure_sigma_m: FloatArray = field(repr=False)
+    aided_sigma_m: FloatArray = field(repr=False)
     low: float
     high: float
     source: str = "INS [B-3] with white noise [B-1] alone; prediction: covariance of [B-4]"
@@ -55,10 +56,10 @@ def noise_ensemble(
     seed: int = 1,
     *,
     aided: bool = False,
-    star_covariance: Array | None = None,
+    star_covariance: FloatArray | None = None,
     progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
-) -> Array:
+) -> FloatArray:
     """Position error histories (runs, m, 3), north, east, up, of an INS with white noise alone, by Monte
     Carlo.
 
@@ -83,7 +84,7 @@ def noise_ensemble(
             attitude = true_attitude
             if spread is not None:
                 drawn = np.einsum("tij,tj->ti", spread, generator.standard_normal((flight.steps + 1, 3)))
-                attitude = attitude @ rotation_from_vector(drawn)
+                attitude = attitude @ matrix_from_vector(drawn)
             frames = AttitudeFrames(study.used, attitude)
         run = mechanise(
             flight,
@@ -101,7 +102,7 @@ def noise_ensemble(
     return out
 
 
-def _roots(covariance: Array, used: np.ndarray) -> Array:
+def _roots(covariance: FloatArray, used: np.ndarray) -> FloatArray:
     """Cholesky factors where a frame is used, zero elsewhere."""
     out = np.zeros_like(covariance)
     out[used] = np.linalg.cholesky(covariance[used])
@@ -112,7 +113,7 @@ def fly_noise(
     study: Study,
     runs: int = 100,
     seed: int = 1,
-    star_covariance: Array | None = None,
+    star_covariance: FloatArray | None = None,
     *,
     progress: Callable[[float, str], None] | None = None,
     cancel: Callable[[], bool] | None = None,

@@ -2,19 +2,35 @@
 deviation.
 
     psi' = C domega ;   dr'' = C df + psi x f + w^2 (3 u u^T - I) dr
-With psi the error rotation on inertial axes (C_est = (I + [psi x]) C), u the unit radius, w^2 = KM/r^3. The
+With psi the error rotation on inertial axes (C_est = (I + [psi x]) C), u the unit radius, w^2 = GM/r^3. The
 errors of [B-1] are linear in their 61 numbers, so the error history is S p. With a star tracker psi starts
 anew at each frame from the camera's own error: body-fixed misalignment C m and latency -C omega tau.
 """
 
 from dataclasses import dataclass, field
 
-import numba
 import numpy as np
+from numpy.typing import NDArray
 
+from nav_model.compiled import kernel
+from nav_model.constants import GRAVITATIONAL_PARAMETER
+from nav_model.earth.rotation import FloatArray
+from nav_model.earth.sphere import local_axes
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import Flight
-from nav_model.suborbital.frames import KM, Array, local_axes, require
+from nav_model.suborbital.flight import TrueFlight
+from nav_model.suborbital.layout import (
+    ATTITUDE,
+    BIAS,
+    CAMERA,
+    GYROS,
+    LATENCY,
+    MATRIX,
+    POSITION,
+    SLOW_BIAS,
+    SLOW_MATRIX,
+    VELOCITY,
+)
 from nav_model.suborbital.mechanisation import oscillations
 
 
@@ -26,20 +42,20 @@ class Sensitivity:
     (m, 3, 61): north, east, up of the inertial velocity error; attitude (m, 3, 61): psi on inertial axes.
     """
 
-    time_s: Array
-    position: Array = field(repr=False)
-    velocity: Array = field(repr=False)
-    attitude: Array = field(repr=False)
+    time_s: FloatArray
+    position: FloatArray = field(repr=False)
+    velocity: FloatArray = field(repr=False)
+    attitude: FloatArray = field(repr=False)
     aided: bool
     source: str = "linear error equations [B-4], one batch run"
 
-    def position_m(self, parameters: Array) -> Array:
+    def position_m(self, parameters: FloatArray) -> FloatArray:
         """Position errors (cases, m, 3), m, of parameter vectors (cases, 61) or (61,): the product S p."""
         p = np.atleast_2d(parameters)
         flat = self.position.reshape(-1, len(PARAMETERS)) @ p.T
         return np.ascontiguousarray(flat.T).reshape(len(p), len(self.time_s), 3)
 
-    def final_m(self, parameters: Array) -> Array:
+    def final_m(self, parameters: FloatArray) -> FloatArray:
         """Final position errors (cases, 3), north, east, up, m."""
         return np.asarray(np.atleast_2d(parameters) @ self.position[-1].T)
 
@@ -52,32 +68,43 @@ class NoiseSpread:
     covariance (m, 9, 9) of psi, velocity and position on inertial axes.
     """
 
-    time_s: Array
-    position_sigma_m: Array
-    attitude_sigma_rad: Array
-    covariance: Array = field(repr=False)
+    time_s: FloatArray
+    position_sigma_m: FloatArray
+    attitude_sigma_rad: FloatArray
+    covariance: FloatArray = field(repr=False)
     source: str = "covariance of the linear error equations [B-4] under white noise [B-1]"
 
 
-@numba.njit(cache=True)
-def _forcing(c, f, w, s, acc, turn):  # type: ignore[no-untyped-def]
+@kernel
+def _forcing(c: FloatArray, f: FloatArray, w: FloatArray, s: FloatArray, acc: FloatArray, turn: FloatArray) -> None:
     """Columns of C df and C domega for a unit of each sensor parameter, into acc and turn (3, 61)."""
     for a in range(3):
         for b in range(3):
-            acc[a, b] = c[a, b]
-            acc[a, 3 + b] = c[a, b] * s[0]
-            turn[a, 24 + b] = c[a, b]
-            turn[a, 27 + b] = c[a, b] * s[2]
+            acc[a, BIAS + b] = c[a, b]
+            acc[a, SLOW_BIAS + b] = c[a, b] * s[0]
+            turn[a, GYROS + BIAS + b] = c[a, b]
+            turn[a, GYROS + SLOW_BIAS + b] = c[a, b] * s[2]
             for d in range(3):
                 k = 3 * b + d
-                acc[a, 6 + k] = c[a, b] * f[d]
-                acc[a, 15 + k] = c[a, b] * f[d] * s[1]
-                turn[a, 30 + k] = c[a, b] * w[d]
-                turn[a, 39 + k] = c[a, b] * w[d] * s[3]
+                acc[a, MATRIX + k] = c[a, b] * f[d]
+                acc[a, SLOW_MATRIX + k] = c[a, b] * f[d] * s[1]
+                turn[a, GYROS + MATRIX + k] = c[a, b] * w[d]
+                turn[a, GYROS + SLOW_MATRIX + k] = c[a, b] * w[d] * s[3]
 
 
-@numba.njit(cache=True, nogil=True)
-def _propagate(state, attitude, force, rate, path, sines, used, h, every, out):  # type: ignore[no-untyped-def]
+@kernel
+def _propagate(
+    state: FloatArray,
+    attitude: FloatArray,
+    force: FloatArray,
+    rate: FloatArray,
+    path: FloatArray,
+    sines: FloatArray,
+    used: NDArray[np.bool_],
+    h: float,
+    every: int,
+    out: FloatArray,
+) -> None:
     """RK4 of [B-4] for all columns at once; state (9, P) holds psi, velocity and position errors."""
     n, columns = force.shape[0], state.shape[1]
     acc, turn = np.zeros((3, 3, columns)), np.zeros((3, 3, columns))
@@ -90,8 +117,8 @@ def _propagate(state, attitude, force, rate, path, sines, used, h, every, out): 
             c, w = attitude[2 * i], rate[i, 0]
             for a in range(3):
                 for b in range(3):
-                    state[a, 57 + b] = c[a, b]
-                    state[a, 60] -= c[a, b] * w[b]
+                    state[a, CAMERA + b] = c[a, b]
+                    state[a, LATENCY] -= c[a, b] * w[b]
         if i % every == 0:
             out[i // every] = state
         for node in range(3):
@@ -99,7 +126,7 @@ def _propagate(state, attitude, force, rate, path, sines, used, h, every, out): 
             _forcing(c, force[i, node], rate[i, node], sines[2 * i + node], acc[node], turn[node])
             r = path[2 * i + node]
             r2 = r[0] ** 2 + r[1] ** 2 + r[2] ** 2
-            w2 = KM / (r2 * np.sqrt(r2))
+            w2 = GRAVITATIONAL_PARAMETER / (r2 * np.sqrt(r2))
             for a in range(3):
                 fi[node, a] = c[a, 0] * force[i, node, 0] + c[a, 1] * force[i, node, 1] + c[a, 2] * force[i, node, 2]
                 for b in range(3):
@@ -125,13 +152,13 @@ def _propagate(state, attitude, force, rate, path, sines, used, h, every, out): 
         c, w = attitude[2 * n], rate[n - 1, 2]
         for a in range(3):
             for b in range(3):
-                state[a, 57 + b] = c[a, b]
-                state[a, 60] -= c[a, b] * w[b]
+                state[a, CAMERA + b] = c[a, b]
+                state[a, LATENCY] -= c[a, b] * w[b]
     if n % every == 0:
         out[n // every] = state
 
 
-def _half_path(flight: Flight) -> Array:
+def _half_path(flight: TrueFlight) -> FloatArray:
     """True position at every half step, (2n+1, 3): Hermite midpoint of position and velocity."""
     r, v = flight.position_i, flight.velocity_i
     path = np.empty((2 * flight.steps + 1, 3))
@@ -140,7 +167,7 @@ def _half_path(flight: Flight) -> Array:
     return path
 
 
-def sensitivity(flight: Flight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10) -> Sensitivity:
+def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10) -> Sensitivity:
     """Sensitivity matrix of a flight [B-4].
 
     errors supplies the oscillation periods only; used (n+1,) bool marks the steps with a star frame (None:
@@ -153,9 +180,9 @@ def sensitivity(flight: Flight, errors: ErrorSet, used: np.ndarray | None = None
     require(taken.shape == (n + 1,), f"used has shape {taken.shape}: must be ({n + 1},)")
     launch = local_axes(flight.position_i[0])
     state = np.zeros((9, len(PARAMETERS)))
-    state[6:, 48:51] = launch
-    state[3:6, 51:54] = launch
-    state[:3, 54:57] = launch
+    state[6:, POSITION] = launch
+    state[3:6, VELOCITY] = launch
+    state[:3, ATTITUDE] = launch
     out = np.empty((n // every + 1, 9, len(PARAMETERS)))
     _propagate(
         state,
@@ -180,18 +207,18 @@ def sensitivity(flight: Flight, errors: ErrorSet, used: np.ndarray | None = None
     )
 
 
-def _gradient(position: Array) -> Array:
+def _gradient(position: FloatArray) -> FloatArray:
     radius = np.linalg.norm(position, axis=-1)[..., None, None]
     u = position[..., :, None]
     outer = u * np.swapaxes(u, -1, -2) / radius**2
-    return np.asarray(KM / radius**3 * (3.0 * outer - np.eye(3)))
+    return np.asarray(GRAVITATIONAL_PARAMETER / radius**3 * (3.0 * outer - np.eye(3)))
 
 
 def white_noise_spread(
-    flight: Flight,
+    flight: TrueFlight,
     errors: ErrorSet,
     used: np.ndarray | None = None,
-    frame_covariance: Array | None = None,
+    frame_covariance: FloatArray | None = None,
     every: int = 10,
 ) -> NoiseSpread:
     """Standard deviation from white noise alone, against time [B-4].
@@ -232,7 +259,7 @@ def white_noise_spread(
     )
 
 
-def along_track_sigma(spread: NoiseSpread, flight: Flight, every: int = 10) -> Array:
+def along_track_sigma(spread: NoiseSpread, flight: TrueFlight, every: int = 10) -> FloatArray:
     """Standard deviation of the position error down-range and cross-range, (m, 2), m; every as in the spread."""
     north, east = np.swapaxes(local_axes(flight.position_i[::every]), -1, -2)[:, :2].swapaxes(0, 1)
     c, s = (f(flight.track_rad[::every])[:, None] for f in (np.cos, np.sin))
@@ -241,8 +268,18 @@ def along_track_sigma(spread: NoiseSpread, flight: Flight, every: int = 10) -> A
     return np.asarray(np.sqrt(np.stack([np.einsum("ti,tij,tj->t", a, place, a) for a in axes], axis=-1)))
 
 
-@numba.njit(cache=True, nogil=True)
-def _covariance(force, gradient, used, star, gyro, accelerometer, h, every, out):  # type: ignore[no-untyped-def]
+@kernel
+def _covariance(
+    force: FloatArray,
+    gradient: FloatArray,
+    used: NDArray[np.bool_],
+    star: FloatArray,
+    gyro: float,
+    accelerometer: float,
+    h: float,
+    every: int,
+    out: FloatArray,
+) -> None:
     """Discrete covariance propagation; isotropic noise of densities gyro and accelerometer."""
     n = force.shape[0]
     p, phi = np.zeros((9, 9)), np.eye(9)

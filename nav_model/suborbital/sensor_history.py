@@ -4,9 +4,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from nav_model.earth.rotation import FloatArray
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import Flight
-from nav_model.suborbital.frames import Array, require
+from nav_model.suborbital.flight import TrueFlight
+from nav_model.suborbital.layout import ACCELEROMETERS, GYROS, MATRIX, SLOW_BIAS, SLOW_MATRIX
 from nav_model.suborbital.mechanisation import oscillations
 
 
@@ -15,13 +17,13 @@ class SensorHistory:
     """Errors of the measured quantities of c cases at m instants, body axes: time_s (m,), specific_force_m_s2
     and angular_rate_rad_s (c, m, 3), without the white noise, which has no value at an instant."""
 
-    time_s: Array
-    specific_force_m_s2: Array = field(repr=False)
-    angular_rate_rad_s: Array = field(repr=False)
+    time_s: FloatArray
+    specific_force_m_s2: FloatArray = field(repr=False)
+    angular_rate_rad_s: FloatArray = field(repr=False)
     source: str = "sensor errors [B-1] at the flight's true specific force and angular rate"
 
 
-def sensor_history(flight: Flight, parameters: Array, errors: ErrorSet, every: int = 10) -> SensorHistory:
+def sensor_history(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> SensorHistory:
     """df and domega [B-1] of the parameter vectors (c, 61) or (61,), in the order of `errors.PARAMETERS`.
 
     errors supplies the periods of the oscillating terms; every: spacing in steps, a divisor of their number.
@@ -32,19 +34,21 @@ def sensor_history(flight: Flight, parameters: Array, errors: ErrorSet, every: i
     require(p.shape[1] == len(PARAMETERS), f"parameters has shape {p.shape}: must be (cases, {len(PARAMETERS)})")
     require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
 
-    def at_steps(nodes: Array) -> Array:
+    def at_steps(nodes: FloatArray) -> FloatArray:
         return np.concatenate([nodes[:, 0], nodes[-1:, 2]])[::every]
 
     slow = oscillations(flight, errors)[:: 2 * every]
 
-    def triad(start: int, measured: Array, bias: Array, matrix: Array) -> Array:
-        part = p[:, start : start + 24]
-        constant, slowly = part[:, 6:15].reshape(-1, 3, 3), part[:, 15:24].reshape(-1, 3, 3)
-        moving = part[:, None, 3:6] * bias[:, None] + np.einsum("cij,t,tj->cti", slowly, matrix, measured)
-        return np.asarray(part[:, None, :3] + np.einsum("cij,tj->cti", constant, measured) + moving)
+    def triad(start: int, measured: FloatArray, bias: FloatArray, matrix: FloatArray) -> FloatArray:
+        part = p[:, start : start + GYROS]
+        constant = part[:, MATRIX:SLOW_MATRIX].reshape(-1, 3, 3)
+        slowly = part[:, SLOW_MATRIX:].reshape(-1, 3, 3)
+        moving = part[:, None, SLOW_BIAS:MATRIX] * bias[:, None]
+        moving = moving + np.einsum("cij,t,tj->cti", slowly, matrix, measured)
+        return np.asarray(part[:, None, :SLOW_BIAS] + np.einsum("cij,tj->cti", constant, measured) + moving)
 
     return SensorHistory(
         time_s=flight.time_s[::every],
-        specific_force_m_s2=triad(0, at_steps(flight.specific_force_b), slow[:, 0], slow[:, 1]),
-        angular_rate_rad_s=triad(24, at_steps(flight.angular_rate_b), slow[:, 2], slow[:, 3]),
+        specific_force_m_s2=triad(ACCELEROMETERS, at_steps(flight.specific_force_b), slow[:, 0], slow[:, 1]),
+        angular_rate_rad_s=triad(GYROS, at_steps(flight.angular_rate_b), slow[:, 2], slow[:, 3]),
     )

@@ -8,26 +8,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.several import Axes, with_unit
 from nav_model.errors import InputError
 from nav_model.suborbital.aiding import Aiding
+from nav_model.suborbital.checks import Misfit, require
 from nav_model.suborbital.errors import ErrorSet, InitialErrors, SensorErrors, Triple, scale_matrix
 from nav_model.suborbital.flight import FlightParameters
-from nav_model.suborbital.input_table import SETTINGS
-from nav_model.suborbital.setting import Value
+from nav_model.suborbital.input_table import INPUTS, Input
 from nav_model.suborbital.sky import Sky, hipparcos_sky, synthetic_sky
 from nav_model.suborbital.star_camera import StarCamera, focal_length
-from nav_model.suborbital.study import StudyInputs
+from nav_model.suborbital.study import SuborbitalInputs
 
 if TYPE_CHECKING:
     from nav_model.design import Design
 
+Value = float | str | tuple[float, ...] | tuple[tuple[float, float], ...] | None
+"""What an input may hold, SI."""
 GP1 = "GP-1"
 """Name of the parameter set of star_tracker.md, the default of every input."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """All inputs in force, SI; `values` holds every key of `SETTINGS`, `origin` where each came from."""
+    """All inputs in force, SI; `values` holds every key of `INPUTS`, `origin` where each came from."""
 
     values: Mapping[str, Value]
     origin: Mapping[str, str]
@@ -35,28 +39,30 @@ class Settings:
     def __getitem__(self, key: str) -> Any:
         return self.values[key]
 
-    def show(self, key: str) -> str:
-        """An input as text with its unit."""
-        return SETTINGS[key].show(self[key])
+    def show(self, key: str, digits: int | None = 6) -> str:
+        """An input as text with its unit, which `read_value` takes back; without `digits` the shortest text that
+        gives the same value."""
+        declared, value = INPUTS[key], self[key]
+        if value is None:
+            return "none"
+        return str(value) if isinstance(declared, Choice) else declared.show(value, digits)
 
     def change(self, changes: Mapping[str, Value], origin: str) -> Settings:
         """Other settings with some values replaced. InputError for an unknown key or a value not allowed, and
         for values that do not fit together."""
         for key, value in changes.items():
-            if key not in SETTINGS:
-                raise InputError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
-            SETTINGS[key].check(value)
+            declared(key)._validate(value)
         changed = Settings({**self.values, **changes}, {**self.origin, **dict.fromkeys(changes, origin)})
         try:
             changed.study_inputs()
             changed.camera()
-        except ValueError as error:
-            raise InputError(_blamed(str(error), changes), str(error)) from error
+        except Misfit as error:
+            raise InputError(_blamed(error.fields, changes), str(error)) from error
         return changed
 
-    def study_inputs(self) -> StudyInputs:
-        """The inputs of `run_study`. ValueError for values that do not fit together."""
-        return StudyInputs(
+    def study_inputs(self) -> SuborbitalInputs:
+        """The inputs of `run_study`. Misfit for values that do not fit together."""
+        return SuborbitalInputs(
             flight=FlightParameters(
                 latitude_rad=self["flight.latitude"],
                 longitude_rad=self["flight.longitude"],
@@ -107,7 +113,7 @@ class Settings:
         )
 
     def camera(self) -> StarCamera:
-        """The star camera [B-8]. ValueError for a focal length whose field is too wide or too narrow."""
+        """The star camera [B-8]. Misfit for a focal length whose field of view is too wide or too narrow."""
         pixels, pitch = int(self["camera.pixels"]), self["camera.pixel_pitch"]
         given = self["camera.focal_length"]
         camera = StarCamera(
@@ -119,12 +125,15 @@ class Settings:
             least_stars=int(self["camera.least_stars"]),
             roll_limit_rad=self["camera.roll_limit"],
         )
-        field = SETTINGS["camera.field_of_view"]
-        if not field.low <= camera.field_of_view_rad <= field.high:
-            raise ValueError(
-                f"a focal length of {1000 * camera.focal_length_m:g} mm gives a field of view of "
-                f"{field.show(camera.field_of_view_rad, 4)}; {field.allowed()}"
-            )
+        field = INPUTS["camera.field_of_view"]
+        assert isinstance(field, BaseQuantity)
+        low, high = field.limits
+        require(
+            low <= camera.field_of_view_rad <= high,
+            f"a focal length of {1000 * camera.focal_length_m:g} mm gives a field of view of "
+            f"{field.show(camera.field_of_view_rad, 4)}; {field.allowed()}",
+            "focal_length_m",
+        )
         return camera
 
     def sky(self) -> Sky:
@@ -141,21 +150,21 @@ _MODEL_NAMES = {
     "duration_s": "flight.duration",
     "step_s": "flight.step",
     "frame_interval_s": "tracker.frame_interval",
-    "focal length": "camera.focal_length",
+    "focal_length_m": "camera.focal_length",
     "brightest": "camera.brightest",
     "least_stars": "camera.least_stars",
 }
 """What the model calls the inputs that must fit together."""
 
 
-def _blamed(message: str, changes: Mapping[str, Value]) -> str:
+def _blamed(fields: tuple[str, ...], changes: Mapping[str, Value]) -> str:
     """The input to name: one the model complains of and that was changed, else the only one changed."""
-    named = [key for name, key in _MODEL_NAMES.items() if name in message]
+    named = [key for name, key in _MODEL_NAMES.items() if name in fields]
     blamed = [key for key in named if key in changes]
     return (blamed or (list(changes) if len(changes) == 1 else named) or [*changes, "study"])[0]
 
 
-DEFAULTS = Settings({key: s.default for key, s in SETTINGS.items()}, dict.fromkeys(SETTINGS, GP1))
+DEFAULTS = Settings({key: declared.default for key, declared in INPUTS.items()}, dict.fromkeys(INPUTS, GP1))
 """GP-1 on the golden flight with a perfect camera from lift-off."""
 
 
@@ -169,7 +178,7 @@ def from_design(settings: Settings, design: Design) -> Settings:
     imu = design.imu
 
     def signed(key: str, size: float) -> Triple:
-        x, y, z = (float(s) * size + 0.0 for s in np.sign(np.array(SETTINGS[key].default, dtype=np.float64)))
+        x, y, z = (float(s) * size + 0.0 for s in np.sign(np.array(DEFAULTS[key], dtype=np.float64)))
         return x, y, z
 
     return settings.change(
@@ -185,12 +194,41 @@ def from_design(settings: Settings, design: Design) -> Settings:
 
 def read_changes(settings: Settings, changes: Mapping[str, str], origin: str) -> Settings:
     """Settings with text values put in, as the command line gives them. InputError as `Settings.change`."""
-    values: dict[str, Value] = {}
-    for key, text in changes.items():
-        if key not in SETTINGS:
-            raise InputError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
-        values[key] = SETTINGS[key].read(text)
-    return settings.change(values, origin)
+    return settings.change({key: read_value(key, text) for key, text in changes.items()}, origin)
+
+
+def declared(key: str) -> Input:
+    """The declaration of an input; InputError for a key that has none."""
+    if key not in INPUTS:
+        raise InputError(key, f"is not an input of the study; the inputs are {', '.join(INPUTS)}")
+    return INPUTS[key]
+
+
+def read_value(key: str, content: Any, unit: str = "") -> Value:
+    """The value, in SI, that a file, a link or a box gives for an input.
+
+    Parameters
+    ----------
+    content : Any
+        Text with a unit; a number where the input has none; "none" or nothing where it may be left out.
+    unit : str
+        Taken where the text gives none.
+
+    Raises
+    ------
+    InputError
+        Naming the key, what was given and what is allowed.
+    """
+    found = declared(key)
+    if isinstance(found, BaseQuantity):
+        text = content.strip() if isinstance(content, str) else content
+        if found.allow_None and isinstance(text, str) and text.lower() in ("", "none"):
+            return None
+        return found.read(with_unit(text, unit) if unit and isinstance(text, str) else text).value
+    if isinstance(found, Axes):
+        return found.read(content, unit)
+    value: Value = found.read(content.strip() if isinstance(content, str) else content)
+    return value
 
 
 def output_every(steps: int) -> int:

@@ -7,13 +7,15 @@ The camera measures directions with `centroid_sigma_rad` per axis in the tangent
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numba
 import numpy as np
 
+from nav_model.compiled import kernel
+from nav_model.constants import ARCSECOND
+from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import attitude_at
 from nav_model.suborbital.attitude import COLLINEAR, METHODS, attitude_error, information, nees, solvable
-from nav_model.suborbital.flight import Flight
-from nav_model.suborbital.frames import ARCSEC, Array, require, require_finite
+from nav_model.suborbital.checks import require, require_finite
+from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames, Cancelled
 from nav_model.suborbital.sky import Sky
 
@@ -29,10 +31,10 @@ class StarCamera:
     pixels: int = 1024
     pixel_pitch_m: float = 16e-6
     focal_length_m: float = 1024 * 16e-6 / (2.0 * np.tan(np.radians(4.0)))
-    centroid_sigma_rad: float = 10.0 * ARCSEC
+    centroid_sigma_rad: float = 10.0 * ARCSECOND
     brightest: int = 10
     least_stars: int = 3
-    roll_limit_rad: float = 600.0 * ARCSEC
+    roll_limit_rad: float = 600.0 * ARCSECOND
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -42,6 +44,7 @@ class StarCamera:
         require(
             self.brightest >= self.least_stars,
             f"brightest = {self.brightest!r}: must not be below least_stars = {self.least_stars!r}",
+            *("brightest", "least_stars"),
         )
 
     @property
@@ -59,7 +62,7 @@ def focal_length(field_of_view_rad: float, pixels: int = 1024, pixel_pitch_m: fl
     return float(pixels * pixel_pitch_m / (2.0 * np.tan(0.5 * field_of_view_rad)))
 
 
-def project(camera: StarCamera, direction_c: Array) -> tuple[Array, Array]:
+def project(camera: StarCamera, direction_c: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Pixel coordinates x/p + (N-1)/2 of directions on camera axes (..., 3) [B-8]; NaN behind the camera."""
     z = direction_c[..., 2]
     depth = np.where(z > 0.0, z, np.nan)
@@ -67,8 +70,10 @@ def project(camera: StarCamera, direction_c: Array) -> tuple[Array, Array]:
     return scale * direction_c[..., 0] / depth + middle, scale * direction_c[..., 1] / depth + middle
 
 
-@numba.njit(cache=True, nogil=True)
-def _select(attitude_ci, stars, half_tangent, most, chosen, count):  # type: ignore[no-untyped-def]
+@kernel
+def _select(
+    attitude_ci: FloatArray, stars: FloatArray, half_tangent: float, most: int, chosen: np.ndarray, count: np.ndarray
+) -> None:
     """Brightest stars in each square field: cone first, then the square. stars run from bright to faint."""
     cone = 1.0 / np.sqrt(1.0 + 2.0 * half_tangent * half_tangent)
     for i in range(attitude_ci.shape[0]):
@@ -91,7 +96,7 @@ def _select(attitude_ci, stars, half_tangent, most, chosen, count):  # type: ign
 
 
 def select_stars(
-    camera: StarCamera, sky: Sky, attitude_bi: Array, most: int | None = None
+    camera: StarCamera, sky: Sky, attitude_bi: FloatArray, most: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Brightest stars in the field for attitudes (n, 3, 3) body to inertial.
 
@@ -107,8 +112,8 @@ def select_stars(
 
 
 def measure(
-    camera: StarCamera, sky: Sky, attitude_bi: Array, chosen: np.ndarray, generator: np.random.Generator
-) -> tuple[Array, Array, Array]:
+    camera: StarCamera, sky: Sky, attitude_bi: FloatArray, chosen: np.ndarray, generator: np.random.Generator
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Noisy body directions, catalogue directions (n, k, 3) and weights (n, k), zero where there is no
     star."""
     weight = (chosen >= 0).astype(np.float64)
@@ -119,7 +124,7 @@ def measure(
     return body / np.linalg.norm(body, axis=-1, keepdims=True), reference, weight
 
 
-def roll_sigma(camera: StarCamera, body: Array, weight: Array) -> Array:
+def roll_sigma(camera: StarCamera, body: FloatArray, weight: FloatArray) -> FloatArray:
     """Predicted standard deviation about the boresight, rad (...,); infinite where it is not observable
     [B-9]."""
     full = information(body, weight)
@@ -128,7 +133,9 @@ def roll_sigma(camera: StarCamera, body: Array, weight: Array) -> Array:
     return np.where(sound, camera.centroid_sigma_rad * np.sqrt(covariance[..., 2, 2]), np.inf)
 
 
-def gate(camera: StarCamera, body: Array, weight: Array, method: str = "SVD") -> tuple[np.ndarray, np.ndarray]:
+def gate(
+    camera: StarCamera, body: FloatArray, weight: FloatArray, method: str = "SVD"
+) -> tuple[np.ndarray, np.ndarray]:
     """Which frames may be used, (n,) bool, and why not, (n,) text (empty where used)."""
     stars, roll = np.sum(weight > 0.0, axis=-1), roll_sigma(camera, body, weight)
     few, flat = stars < camera.least_stars, roll > camera.roll_limit_rad
@@ -154,24 +161,24 @@ class StarFrame:
 
     time_s: float
     identifier: np.ndarray
-    magnitude: Array
-    pixel_x: Array
-    pixel_y: Array
-    measured_x: Array
-    measured_y: Array
+    magnitude: FloatArray
+    pixel_x: FloatArray
+    pixel_y: FloatArray
+    measured_x: FloatArray
+    measured_y: FloatArray
     stars_in_field: int
     boresight_ra_rad: float
     boresight_dec_rad: float
     used: bool
     reason: str
-    estimate_bi: Array | None
-    error_rad: Array | None
-    sigma_rad: Array | None
+    estimate_bi: FloatArray | None
+    error_rad: FloatArray | None
+    sigma_rad: FloatArray | None
     source: str
 
 
 def star_frame(
-    flight: Flight, camera: StarCamera, sky: Sky, time_s: float, seed: int = 1, method: str = "SVD"
+    flight: TrueFlight, camera: StarCamera, sky: Sky, time_s: float, seed: int = 1, method: str = "SVD"
 ) -> StarFrame:
     """The star image at any time of the flight. ValueError for a time outside it or an unknown method."""
     end = float(flight.time_s[-1])
@@ -222,16 +229,16 @@ class StarTrack:
 
     frames: AttitudeFrames
     stars_in_field: np.ndarray = field(repr=False)
-    roll_sigma_rad: Array = field(repr=False)
-    error_rad: Array = field(repr=False)
-    covariance: Array = field(repr=False)
+    roll_sigma_rad: FloatArray = field(repr=False)
+    error_rad: FloatArray = field(repr=False)
+    covariance: FloatArray = field(repr=False)
     mean_nees: float
     method: str
     source: str
 
 
 def track_stars(
-    flight: Flight,
+    flight: TrueFlight,
     camera: StarCamera,
     sky: Sky,
     *,

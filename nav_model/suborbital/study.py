@@ -6,11 +6,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from nav_model.earth.gravity import ZONALS
+from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, frame_stride, perfect_frames
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
-from nav_model.suborbital.flight import Flight, FlightParameters, golden_flight
-from nav_model.suborbital.frames import Array, require
+from nav_model.suborbital.flight import FlightParameters, TrueFlight, golden_flight
 from nav_model.suborbital.mechanisation import (
     AttitudeFrames,
     NavigationErrors,
@@ -29,7 +30,7 @@ TRACKER_ROWS = ("star tracker misalignment", "star tracker latency")
 
 
 @dataclass(frozen=True)
-class StudyInputs:
+class SuborbitalInputs:
     """What a person can set. The default is the golden flight with GP-1 and a perfect camera.
 
     ins_gravity is what the INS believes; the true field is flight.gravity. output_interval_s must be a
@@ -59,12 +60,12 @@ class Study:
     white noise.
     """
 
-    inputs: StudyInputs
-    flight: Flight = field(repr=False)
+    inputs: SuborbitalInputs
+    flight: TrueFlight = field(repr=False)
     names: tuple[str, ...]
     kinds: tuple[str, ...]
     marks: tuple[str, ...] = field(repr=False)
-    parameters: Array = field(repr=False)
+    parameters: FloatArray = field(repr=False)
     used: np.ndarray = field(repr=False)
     pure: NavigationErrors = field(repr=False)
     aided: NavigationErrors = field(repr=False)
@@ -101,7 +102,7 @@ class Row:
         return north, east, up
 
 
-def _parameters(errors: ErrorSet, aiding: Aiding) -> tuple[tuple[str, ...], Array]:
+def _parameters(errors: ErrorSet, aiding: Aiding) -> tuple[tuple[str, ...], FloatArray]:
     p = parameter_vector(errors, aiding.misalignment_rad, aiding.latency_s)
     groups = {**SOURCES, **CLASSES}
     names = (*groups, GRAVITY_ROW)
@@ -109,9 +110,9 @@ def _parameters(errors: ErrorSet, aiding: Aiding) -> tuple[tuple[str, ...], Arra
 
 
 def run_study(
-    inputs: StudyInputs | None = None,
+    inputs: SuborbitalInputs | None = None,
     *,
-    flight: Flight | None = None,
+    flight: TrueFlight | None = None,
     measured: AttitudeFrames | None = None,
     progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
@@ -124,7 +125,7 @@ def run_study(
     a truth with J2 would cost, flying the golden flight again in that field (for a loaded trajectory it is
     then zero). Raises ValueError for bad input, Cancelled when `cancel()` turns true.
     """
-    given = inputs or StudyInputs()
+    given = inputs or SuborbitalInputs()
     truth = flight or golden_flight(given.flight)
     ratio = given.output_interval_s / truth.step_s
     every = round(ratio)
@@ -207,7 +208,7 @@ def _stack(parts: list[NavigationErrors]) -> NavigationErrors:
     return NavigationErrors(time_s=parts[0].time_s, source=parts[0].source, **joined)
 
 
-def _triple(values: Array) -> tuple[float, float, float]:
+def _triple(values: FloatArray) -> tuple[float, float, float]:
     return float(values[0]), float(values[1]), float(values[2])
 
 
@@ -275,10 +276,10 @@ class Slid:
     m; parameters (cases, 61) and the matrices used."""
 
     names: tuple[str, ...]
-    time_s: Array
-    pure_m: Array = field(repr=False)
-    aided_m: Array = field(repr=False)
-    parameters: Array = field(repr=False)
+    time_s: FloatArray
+    pure_m: FloatArray = field(repr=False)
+    aided_m: FloatArray = field(repr=False)
+    parameters: FloatArray = field(repr=False)
     renewal: Renewal = field(repr=False)
     source: str = "last exact run, moved by the linear sensitivity matrix [B-4]"
 
@@ -295,7 +296,7 @@ def slide(study: Study, errors: ErrorSet, aiding: Aiding | None = None, renewal:
     _, parameters = _parameters(errors, wanted)
     new = renewal or renew(study, errors, wanted)
 
-    def moved(exact: Array, after: Sensitivity, before: Sensitivity) -> Array:
+    def moved(exact: FloatArray, after: Sensitivity, before: Sensitivity) -> FloatArray:
         if after is before:
             return exact + after.position_m(parameters - study.parameters)
         return exact + after.position_m(parameters) - before.position_m(study.parameters)
@@ -316,10 +317,10 @@ class Gap:
     the exact error (0 where that is below a metre)."""
 
     names: tuple[str, ...]
-    pure_m: Array
-    aided_m: Array
-    pure_share: Array
-    aided_share: Array
+    pure_m: FloatArray
+    aided_m: FloatArray
+    pure_share: FloatArray
+    aided_share: FloatArray
 
 
 def linear_gap(slid: Slid, exact: Study) -> Gap:
@@ -327,10 +328,10 @@ def linear_gap(slid: Slid, exact: Study) -> Gap:
     return position_gap(slid.pure_m, slid.aided_m, exact)
 
 
-def position_gap(pure_m: Array, aided_m: Array, exact: Study) -> Gap:
+def position_gap(pure_m: FloatArray, aided_m: FloatArray, exact: Study) -> Gap:
     """Gap between position histories (cases, m, 3), pure and aided, and an exact study of the same cases."""
 
-    def compare(linear: Array, truth: Array) -> tuple[Array, Array]:
+    def compare(linear: FloatArray, truth: FloatArray) -> tuple[FloatArray, FloatArray]:
         distance = np.linalg.norm(linear[:, -1] - truth[:, -1], axis=-1)
         size = np.linalg.norm(truth[:, -1], axis=-1)
         return distance, np.where(size >= 1.0, distance / np.maximum(size, 1.0), 0.0)
@@ -349,10 +350,10 @@ def matrix_gap(study: Study) -> Gap:
     return position_gap(study.pure_sensitivity.position_m(p), study.aided_sensitivity.position_m(p), study)
 
 
-def gravity_rows(inputs: StudyInputs | None = None) -> tuple[tuple[str, str, Array], ...]:
+def gravity_rows(inputs: SuborbitalInputs | None = None) -> tuple[tuple[str, str, FloatArray], ...]:
     """Final north, east, up error (m) of an otherwise perfect INS for every pair (true model, INS model)."""
-    given = inputs or StudyInputs()
-    rows: list[tuple[str, str, Array]] = []
+    given = inputs or SuborbitalInputs()
+    rows: list[tuple[str, str, FloatArray]] = []
     for true_model in ZONALS:
         flight = golden_flight(replace(given.flight, gravity=true_model))
         nothing = np.zeros_like(parameter_vector(given.errors))

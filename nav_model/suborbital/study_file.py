@@ -21,17 +21,17 @@ from urllib.parse import urlencode
 
 import tomli_w
 
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import STUDY_PREFIX, pairs_of
 from nav_model.errors import InputError, shown
-from nav_model.suborbital.input_table import SETTINGS
-from nav_model.suborbital.setting import Value
-from nav_model.suborbital.settings import DEFAULTS, Settings
-from nav_model.suborbital.trajectory_file import MAX_BYTES as MAX_TRAJECTORY
+from nav_model.suborbital.flight_file import BOUNDS
+from nav_model.suborbital.input_table import INPUTS
+from nav_model.suborbital.settings import DEFAULTS, Settings, Value, read_value
 
 KIND = "suborbital"
-MAX_BYTES = MAX_TRAJECTORY + 1_000_000
+MAX_BYTES = BOUNDS.most_bytes + 1_000_000
 
-_SECTIONS = tuple(dict.fromkeys(key.rpartition(".")[0] for key in SETTINGS if "." in key))
+_SECTIONS = tuple(dict.fromkeys(key.rpartition(".")[0] for key in INPUTS if "." in key))
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,8 @@ def parse_study(data: bytes, where: str = "study") -> StudyFile:
     for key, content in tables.items():
         if key in ("study", "trajectory"):
             continue
-        if key in SETTINGS:
-            values[key] = SETTINGS[key].take(content)
+        if key in INPUTS:
+            values[key] = read_value(key, content)
             continue
         if key not in _SECTIONS:
             raise InputError(key, f"unknown key; a study has seed, {_sections()} and [trajectory]")
@@ -75,10 +75,10 @@ def parse_study(data: bytes, where: str = "study") -> StudyFile:
             raise InputError(key, f"must be a section, [{key}], not {shown(content)}")
         for name, inner in content.items():
             full = f"{key}.{name}"
-            if full not in SETTINGS:
-                allowed = (k.rpartition(".")[2] for k in SETTINGS if k.rpartition(".")[0] == key)
+            if full not in INPUTS:
+                allowed = (k.rpartition(".")[2] for k in INPUTS if k.rpartition(".")[0] == key)
                 raise InputError(full, f"unknown key; [{key}] has {', '.join(allowed)}")
-            values[full] = SETTINGS[full].take(inner)
+            values[full] = read_value(full, inner)
     return StudyFile(_settings(values, f"file {where}"), _trajectory(tables.get("trajectory")))
 
 
@@ -129,12 +129,11 @@ def format_study(settings: Settings, trajectory: tuple[str, bytes] | None = None
         If the trajectory is not text, which no run would have taken either.
     """
     tables: dict[str, Any] = {"study": KIND}
-    for key, setting in SETTINGS.items():
+    for key, declared in INPUTS.items():
         section, _, name = key.rpartition(".")
-        value = settings[key]
-        plain = setting.kind in ("number", "whole") and not setting.dimension and value is not None
+        plain = isinstance(declared, BaseQuantity) and not declared.dimension
         table = tables.setdefault(section, {}) if section else tables
-        table[name] = _number(value) if plain else setting.show(value, None)
+        table[name] = _number(settings[key]) if plain else settings.show(key, None)
     if trajectory is not None:
         name, content = trajectory
         try:
@@ -151,12 +150,8 @@ def _number(value: Any) -> float | int:
 def to_link(settings: Settings) -> str:
     """The part of a link's query that gives the study's inputs: what differs from GP-1. A trajectory from a file
     does not fit into an address."""
-    pairs = [
-        (STUDY_PREFIX + key, setting.show(settings[key], None))
-        for key, setting in SETTINGS.items()
-        if settings[key] != DEFAULTS[key]
-    ]
-    return urlencode(pairs or [(STUDY_PREFIX + "seed", SETTINGS["seed"].show(settings["seed"], None))])
+    changed = [key for key in INPUTS if settings[key] != DEFAULTS[key]]
+    return urlencode([(STUDY_PREFIX + key, settings.show(key, None)) for key in changed or ["seed"]])
 
 
 def from_link(query: str) -> Settings:
@@ -170,9 +165,7 @@ def from_link(query: str) -> Settings:
     values: dict[str, Value] = {}
     for name, text in pairs_of(query):
         key = name.removeprefix(STUDY_PREFIX)
-        if key not in SETTINGS:
-            raise InputError(key, f"is not an input of the study; the inputs are {', '.join(SETTINGS)}")
         if key in values:
             raise InputError(key, "is given twice in the link")
-        values[key] = SETTINGS[key].read(text)
+        values[key] = read_value(key, text)
     return _settings(values, "link")

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.channels import height_e_folding_time
 from nav_model.suborbital.errors import CLASSES
-from nav_model.suborbital.frames import Array
 from nav_model.suborbital.study import GRAVITY_ROW, Study, table
 
 PAPER_FINAL_M: dict[str, dict[str, tuple[float, float]]] = {
@@ -21,7 +21,7 @@ PAPER_FINAL_M: dict[str, dict[str, tuple[float, float]]] = {
 only."""
 
 
-def _size(vector: Array) -> float:
+def _size(vector: FloatArray) -> float:
     return float(np.linalg.norm(vector))
 
 
@@ -106,7 +106,7 @@ def explain(study: Study) -> str:
     return " ".join(parts)
 
 
-def _channels(values: Array) -> dict[str, float]:
+def _channels(values: FloatArray) -> dict[str, float]:
     return {"north": float(values[0]), "east": float(values[1]), "up": float(values[2])}
 
 

@@ -11,12 +11,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from nav_model.earth.rotation import FloatArray
+from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.aiding import frame_steps
 from nav_model.suborbital.attitude import METHODS, MethodScore, compare_methods
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import Flight, golden_flight
-from nav_model.suborbital.frames import Array, local_axes
+from nav_model.suborbital.flight import TrueFlight, golden_flight
+from nav_model.suborbital.flight_file import parse_flight
 from nav_model.suborbital.mechanisation import Cancelled, NavigationErrors
 from nav_model.suborbital.sensitivity import NoiseSpread, Sensitivity, white_noise_spread
 from nav_model.suborbital.settings import Settings, output_every
@@ -32,11 +34,10 @@ from nav_model.suborbital.star_camera import (
     track_stars,
 )
 from nav_model.suborbital.study import Renewal, Study, gravity_rows, needs_renewal, renew, run_study, slide
-from nav_model.suborbital.trajectory_file import parse_trajectory
 
 STAR_FRAME_SPACING_S = 2.0
 
-Progress = Callable[[float, str], None]
+ProgressCallback = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class NoiseParts:
         if self.star is not None:
             parts.append((1.0, self.star))
 
-        def root(name: str) -> Array:
+        def root(name: str) -> FloatArray:
             return np.sqrt(sum((a * a * getattr(part, name) ** 2 for a, part in parts), np.zeros(1)))
 
         first = self.accelerometer
@@ -82,13 +83,13 @@ class Survey:
     settings: Settings
     study: Study
     track: StarTrack | None = field(repr=False)
-    channel_response: Array = field(repr=False)
+    channel_response: FloatArray = field(repr=False)
     pure_noise: NoiseParts = field(repr=False)
     aided_noise: NoiseParts = field(repr=False)
     star_frames: tuple[StarFrame, ...] = field(repr=False)
     scores: tuple[MethodScore, ...]
     scenes_refused: int
-    gravity: tuple[tuple[str, str, Array], ...] = field(repr=False)
+    gravity: tuple[tuple[str, str, FloatArray], ...] = field(repr=False)
     trajectory: str
 
 
@@ -96,12 +97,12 @@ def run_survey(
     settings: Settings,
     trajectory: tuple[str, bytes] | None = None,
     *,
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> Survey:
     """Run everything, a few seconds.
 
-    trajectory: name and content of a file (`trajectory_file.parse_trajectory`), flown instead of the golden
+    trajectory: name and content of a file (`flight_file.parse_flight`), flown instead of the golden
     flight; the true gravity stays that of the settings. progress takes the share done and what is being done.
     ValueError for values that do not fit together, Cancelled when `cancel()` turns true.
     """
@@ -114,7 +115,7 @@ def run_survey(
 
     say(0.0, "flight (the first run on a machine compiles, about ten seconds)")
     inputs = settings.study_inputs()
-    flight = golden_flight(inputs.flight) if trajectory is None else parse_trajectory(
+    flight = golden_flight(inputs.flight) if trajectory is None else parse_flight(
         trajectory[1], trajectory[0], inputs.flight.step_s, inputs.flight.gravity
     )  # fmt: skip
     every = output_every(flight.steps)
@@ -166,9 +167,9 @@ def run_survey(
 
 
 def _noise_parts(
-    flight: Flight, errors: ErrorSet, used: np.ndarray | None, star: Array | None, every: int
+    flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None, star: FloatArray | None, every: int
 ) -> NoiseParts:
-    def unit(accelerometer: float, gyro: float, frame: Array | None = None) -> NoiseSpread:
+    def unit(accelerometer: float, gyro: float, frame: FloatArray | None = None) -> NoiseSpread:
         noisy = replace(
             errors,
             accelerometers=replace(errors.accelerometers, white_noise=accelerometer),
@@ -179,7 +180,7 @@ def _noise_parts(
     return NoiseParts(unit(1.0, 0.0), unit(0.0, 1.0), None if star is None else unit(0.0, 0.0, star))
 
 
-def _scores(flight: Flight, camera: StarCamera, sky: Sky, seed: int) -> tuple[tuple[MethodScore, ...], int]:
+def _scores(flight: TrueFlight, camera: StarCamera, sky: Sky, seed: int) -> tuple[tuple[MethodScore, ...], int]:
     """The five methods on a flight's images, one a second, and how many images the gate refused."""
     attitude = flight.attitude_bi[:: max(1, round(1.0 / flight.step_s))]
     chosen, _ = select_stars(camera, sky, attitude)
@@ -221,7 +222,7 @@ class Renewed:
     the tracker."""
 
     matrices: Renewal
-    channel_response: Array | None = field(repr=False)
+    channel_response: FloatArray | None = field(repr=False)
     aided_noise: NoiseParts = field(repr=False)
 
 
@@ -276,7 +277,12 @@ def moved(survey: Survey, settings: Settings, renewal: Renewed | None = None) ->
 
 
 def _moved_errors(
-    study: Study, exact: NavigationErrors, position: Array, parameters: Array, new: Sensitivity, old: Sensitivity
+    study: Study,
+    exact: NavigationErrors,
+    position: FloatArray,
+    parameters: FloatArray,
+    new: Sensitivity,
+    old: Sensitivity,
 ) -> NavigationErrors:
     """All error histories of `exact` at new parameters, given the moved positions."""
     every = round(study.inputs.output_interval_s / study.flight.step_s)
@@ -284,7 +290,7 @@ def _moved_errors(
     track = study.flight.track_rad[::every]
     north, east = position[..., 0], position[..., 1]
 
-    def change(name: str) -> Array:
+    def change(name: str) -> FloatArray:
         after = np.einsum("mip,cp->cmi", getattr(new, name), parameters)
         return np.asarray(after - np.einsum("mip,cp->cmi", getattr(old, name), study.parameters))
 

@@ -6,8 +6,9 @@ import math
 import shlex
 from typing import Any
 
-from nav_model.suborbital.frames import ARCSEC, Array
-from nav_model.suborbital.input_table import SETTINGS
+from nav_model.constants import ARCSECOND
+from nav_model.earth.rotation import FloatArray
+from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.noise_ensemble import LEVEL, NoiseEnsemble
 from nav_model.suborbital.settings import DEFAULTS, Settings
 from nav_model.suborbital.study import Gap, Study
@@ -34,11 +35,11 @@ def survey_json(survey: Survey, study: Study | None = None, settings: Settings |
         "exact": study is None or study is survey.study,
         "inputs": {
             key: {
-                "value": setting.show(inputs[key], 9),
+                "value": inputs.show(key, 9),
                 "si": inputs[key],
                 "from": inputs.origin[key],
             }
-            for key, setting in SETTINGS.items()
+            for key in INPUTS
         },
         "design_mapping": MAPPING,
         "command": command(inputs, survey.trajectory),
@@ -46,8 +47,8 @@ def survey_json(survey: Survey, study: Study | None = None, settings: Settings |
         "attitude_methods": [
             {
                 "method": score.method,
-                "mean_error_arcsec": score.mean_error_rad / ARCSEC,
-                "axis_rms_arcsec": [rms / ARCSEC for rms in score.axis_rms_rad],
+                "mean_error_arcsec": score.mean_error_rad / ARCSECOND,
+                "axis_rms_arcsec": [rms / ARCSECOND for rms in score.axis_rms_rad],
                 "mean_nees": score.mean_nees,
                 "scenes": score.scenes,
                 "source": score.source,
@@ -83,7 +84,7 @@ def noise_json(ensemble: NoiseEnsemble) -> dict[str, Any]:
     """A white-noise ensemble: final rms, the predicted sigma beside it, and the interval it is judged by."""
     channels = ("north", "east", "up")
 
-    def named(values: Array) -> dict[str, float]:
+    def named(values: FloatArray) -> dict[str, float]:
         return dict(zip(channels, map(float, values), strict=True))
 
     return {
@@ -101,11 +102,7 @@ def noise_json(ensemble: NoiseEnsemble) -> dict[str, Any]:
 
 def command(settings: Settings, trajectory: str = "") -> str:
     """The command line that gives the same study."""
-    changed = [
-        f"{key}={setting.show(settings[key], 9)}"
-        for key, setting in SETTINGS.items()
-        if settings[key] != DEFAULTS[key]
-    ]
+    changed = [f"{key}={settings.show(key, 9)}" for key in INPUTS if settings[key] != DEFAULTS[key]]
     words = ["navbudget", "suborbital"]
     if trajectory:
         words += ["--trajectory", trajectory]

@@ -88,14 +88,16 @@ def test_the_closed_form_start_is_this_much_too_high(table_1):
 
 
 def test_gyro_term_of_a_perfect_start_has_the_root_of_twenty(differs):
-    """sigma_w = 1e-4 rad/√s, 20 s: 0.392 m. With the printed root of 21 it would be 0.383 m."""
+    """sigma_w = 1e-4 rad/√s, 20 s: 0.392 m. [C]'s root of 21 gives 0.383 m; [C] itself prints 36 cm."""
     horizontal, vertical = perfect_start(0.0, 1e-4, 9.80665, 20.0)
     assert math.sqrt(horizontal) == pytest.approx(0.392, abs=5e-4)
     assert vertical == 0
     differs(
         "Position after 20 s from gyro noise alone, 10⁻⁴ rad/√s", "T-11",
-        f"{9.80665 * 1e-4 * 20**2.5 / 21**0.5:.3f} m [C]", f"{math.sqrt(horizontal):.3f} m", "ours",
-        "[C] prints √21 under the gyro's term; the integral of the noise gives √20, as the matrix exponential does",
+        f"36 cm in [C], whose √21 gives {9.80665 * 1e-4 * 20**2.5 / 21**0.5:.3f} m", f"{math.sqrt(horizontal):.3f} m",
+        "ours",
+        "[C] prints √21 under the gyro's term; the integral of the noise gives √20, as the matrix exponential does; "
+        "[C]'s own formula does not give its 36 cm",
     )  # fmt: skip
 
 

@@ -1,7 +1,6 @@
-"""Results against solvers written by others; what is held here stands on the Theory page."""
+"""The worked design against solvers written by others, and the record that the Theory page shows."""
 
 import ast
-import json
 import math
 import re
 from pathlib import Path
@@ -10,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_continuous_are, solve_discrete_are
 
+from app.subjects.theory.record import OURS, record
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.equations import ALL_EQUATIONS
@@ -45,44 +45,60 @@ def sigmas(moment):
     return np.array([moment.position_horizontal, moment.velocity_horizontal, moment.tilt])
 
 
-def test_steady_state(budget, validated):
+def test_steady_state(budget, compared):
     exact = np.sqrt(np.diag(solve_continuous_are(F.T, H.T, Q, np.eye(1))))
     off = np.max(np.abs(sigmas(budget.steady_state.closed) / exact - 1))
-    validated(
-        "Steady-state sigmas, horizontal", "T-3", "SciPy, continuous Riccati equation", off, 1e-7, "largest ratio − 1"
+    compared(
+        "Steady-state sigmas, horizontal",
+        "T-3",
+        "solver written by others",
+        "SciPy's continuous Riccati solver on [T-1], written out in the test",
+        off,
+        1e-7,
+        "largest ratio − 1",
     )
 
 
-def test_sawtooth(budget, validated):
+def test_sawtooth(budget, compared):
     prior = solve_discrete_are(expm(F).T, H.T, process_noise(1.0), np.eye(1))
     off = np.max(np.abs(sigmas(budget.steady_state.prior) / np.sqrt(np.diag(prior)) - 1))
-    validated("Sigmas just before a fix", "T-8", "SciPy, discrete Riccati equation", off, 1e-6, "largest ratio − 1")
+    compared(
+        "Sigmas just before a fix",
+        "T-8",
+        "solver written by others",
+        "SciPy's discrete Riccati solver on [T-1], written out in the test",
+        off,
+        1e-6,
+        "largest ratio − 1",
+    )
 
 
-def test_outage(budget, validated):
+def test_outage(budget, compared):
     start = solve_continuous_are(F.T, H.T, Q, np.eye(1))
     worst = 0.0
     for t, sigma in zip(budget.coast.time, budget.coast.position_horizontal, strict=True):
         phi = expm(F * t)
         worst = max(worst, abs(sigma / math.sqrt((phi @ start @ phi.T + process_noise(t))[0, 0]) - 1))
-    validated(
+    compared(
         "Horizontal position after the fixes stop",
         "T-9",
-        "SciPy, matrix exponential (Van Loan)",
+        "solver written by others",
+        "SciPy's matrix exponential (Van Loan) of [T-1], written out in the test",
         worst,
         1e-6,
         "largest ratio − 1",
     )
 
 
-def test_published_table(budget, validated):
+def test_published_table(budget, compared):
     closed = budget.steady_state.closed
     printed = np.array([0.474565, 0.0654609, math.radians(0.0351388)])
     off = np.max(np.abs(sigmas(closed) / printed - 1))
-    validated(
+    compared(
         "Steady-state sigmas of the worked design",
         "T-3",
-        "design notes, for the case of [A] table 1",
+        "our own derivation",
+        "our design notes, for the sensors of [A] table 1",
         off,
         3e-6,
         "largest ratio − 1",
@@ -103,22 +119,26 @@ def test_every_equation_cited_is_on_the_theory_page():
 
 def test_the_committed_record_is_what_the_tests_make():
     """Every comparison of the tests has its row and every row its test; no row names a test that is gone."""
-    record = json.loads((ROOT / "app" / "validation.json").read_text())
-    for kind, recorder, words in (("rows", "validated", 3), ("differences", "differs", 1)):
-        committed = {(row["test"], row["result"]) for row in record[kind]}
+    for committed, recorder in ((record().rows, "compared"), (record().differences, "differs")):
         made = {
             (f"{path.relative_to(ROOT)}:{function.name}", _text(call.args[0]))
-            for path in sorted((ROOT / "tests").rglob("test_*.py"))
-            for function in ast.walk(ast.parse(path.read_text()))
-            if isinstance(function, ast.FunctionDef)
-            for call in ast.walk(function)
-            if isinstance(call, ast.Call) and getattr(call.func, "id", "") == recorder
+            for path, function, call in _calls(recorder)
         }
-        assert len(made) > words
-        assert {test for test, _ in committed} == {test for test, _ in made}
+        assert len(made) > 1
+        assert {row.test for row in committed} == {test for test, _ in made}
         for test, result in made:
             pattern = re.escape(result).replace("\x00", ".+")
-            assert any(test == t and re.fullmatch(pattern, r) for t, r in committed), (test, result)
+            assert any(test == row.test and re.fullmatch(pattern, row.result) for row in committed), (test, result)
+
+
+def _calls(recorder):
+    """Path, function and call of every use of a recording fixture."""
+    for path in sorted((ROOT / "tests").rglob("test_*.py")):
+        for function in ast.walk(ast.parse(path.read_text())):
+            if isinstance(function, ast.FunctionDef):
+                for call in ast.walk(function):
+                    if isinstance(call, ast.Call) and getattr(call.func, "id", "") == recorder:
+                        yield path, function, call
 
 
 def _text(node):
@@ -128,19 +148,30 @@ def _text(node):
     return "".join(part.value if isinstance(part, ast.Constant) else "\x00" for part in node.values)
 
 
-def test_validated_means_an_oracle_from_outside():
-    """A library named as oracle is imported by the test or its conftest; a row of ours is called a cross-check."""
-    for row in json.loads((ROOT / "app" / "validation.json").read_text())["rows"]:
-        assert 0 <= row["figure"] <= row["limit"], row
-        assert row["outside"] == row["oracle"].startswith(
-            ("SciPy", "NumPy", "mpmath", "Stable32", "published:", "real data:")
-        )
-        path = ROOT / row["test"].partition(":")[0]
-        text = path.read_text() + "".join(
-            conftest.read_text() for conftest in (path.parent / "conftest.py",) if conftest.exists()
-        )
-        for library in ("SciPy", "NumPy", "mpmath"):
-            if library in row["oracle"]:
+WORDS = {
+    "published figure": r"NIST|NIMA|SIMBAD|MathWorks",
+    "real data": r"AFRL",
+    "another program": r"Stable32|pyins",
+    "solver written by others": r"SciPy|mpmath",
+}
+"""What the text of an independent reference names, by its kind: others' work that the test imports or reads."""
+
+
+def test_a_kind_counts_as_independent_only_with_the_work_of_others_in_it():
+    for row in record().rows:
+        assert 0 <= row.figure <= row.limit, row
+        if row.kind == OURS:
+            continue
+        assert re.search(WORDS[row.kind], row.oracle), row
+        assert not re.search(r"\bour own\b|\bour design notes\b|\bproduct's\b", row.oracle), row
+        path = ROOT / row.test.partition(":")[0]
+        nearby = (path, path.parent / "conftest.py")
+        text = "".join(file.read_text() for file in nearby if file.exists())
+        for library in ("SciPy", "mpmath", "pyins"):
+            if library in row.oracle:
                 assert re.search(rf"^\s*(import|from) {library.lower()}", text, re.MULTILINE), row
-        own = re.search(r"\bour own\b|design notes", row["oracle"])
-        assert not (row["outside"] and own), row
+
+
+def test_the_same_result_is_not_listed_twice():
+    for rows in (record().rows, record().differences):
+        assert len({row.result for row in rows}) == len(rows)

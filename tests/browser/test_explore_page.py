@@ -33,7 +33,7 @@ def _open(visit: Visit, **size: int) -> Page:
         page.keyboard.press("Escape")  # the drawer, open over a narrow page
         page.wait_for_timeout(400)
     page.get_by_role("tab", name="Explore").click()
-    expect(page.get_by_text("Which sensors would do")).to_be_visible(timeout=60_000)
+    expect(page.get_by_text("Sensors that meet the requirements")).to_be_visible(timeout=60_000)
     return page
 
 
@@ -94,8 +94,8 @@ def test_a_pair_is_found_chosen_and_adopted_by_keyboard(visit: Visit) -> None:
     adopt.press("Enter")
     expect(page.get_by_text("Adopted LN-100 with")).to_be_visible()
     expect(page.get_by_label("Angle random walk").first).to_have_value("0.001 °/√h")
-    pairs.get_by_role("button", name="Margin [%]").press("Enter")
-    expect(pairs.get_by_role("columnheader", name="Margin [%]")).to_have_attribute("aria-sort", "ascending")
+    pairs.get_by_role("button", name="Margin").press("Enter")
+    expect(pairs.get_by_role("columnheader", name="Margin")).to_have_attribute("aria-sort", "ascending")
 
 
 @pytest.mark.slow
@@ -112,7 +112,9 @@ def test_uncertain_inputs_then_own_units_found_and_nothing_axe_minds(visit: Visi
         'velocity_random_walk = { value = "0.012 m/s/√h", status = "confirmed", source = "bench" }\n',
         encoding="utf-8",
     )
-    page.locator("input[type=file][accept='.toml']:below(:text('Which sensors would do'))").first.set_input_files(own)
+    page.locator(
+        "input[type=file][accept='.toml']:below(:text('Sensors that meet the requirements'))"
+    ).first.set_input_files(own)
     expect(page.get_by_text("Added Ours.")).to_be_visible()
     page.get_by_label("Show only rows with these words").fill("ours design")
     pairs = page.get_by_role("region", name="Pairs of inertial unit and receiver")

@@ -24,8 +24,8 @@ def test_every_equation_is_set_offline(visit: Visit) -> None:
     page.get_by_text("Theory", exact=True).first.click()
     expect(page.locator("section.equation math")).to_have_count(len(ALL_EQUATIONS))
     expect(page.locator("#T-2")).to_contain_text("√")
-    expect(page.get_by_role("region", name="Validation")).to_contain_text("SciPy")
-    expect(page.get_by_role("region", name="Where figures differ")).to_contain_text("0.900 m")
+    expect(page.get_by_role("region", name="Results and what each was compared with")).to_contain_text("SciPy")
+    expect(page.get_by_role("region", name="Figures stated elsewhere, beside ours")).to_contain_text("0.900 m")
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 1440
     page.set_viewport_size({"width": 390, "height": 844})
     page.wait_for_timeout(300)

@@ -14,7 +14,7 @@ from app.document.numbers import degrees, number, percent, signed_decibels
 from app.document.wording import AFTER_AUTOFOCUS
 from nav_model.budget import Budget
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
-from nav_model.sar.design_study import ClosedForms, DesignStudy
+from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.geometry import metres_to_phase, phase_to_metres
 from nav_model.sar.impulse_response import aperture_of_phase, response_curve
 from nav_model.sar.pictures import Pictures
@@ -45,7 +45,7 @@ def short_name(key: str) -> str:
     return _SHORT[key]
 
 
-def navigation_chart(study: DesignStudy | None, keys: tuple[str, ...], title: str, name: str) -> Chart:
+def navigation_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, name: str) -> Chart:
     """Line-of-sight error over the aperture of the typical run, what the autofocus removes removed."""
     time = _NOTHING if study is None else study.time
     rows = [STRATEGY_KEYS.index(key) for key in keys]
@@ -72,7 +72,7 @@ def navigation_chart(study: DesignStudy | None, keys: tuple[str, ...], title: st
     )  # fmt: skip
 
 
-def responses_chart(study: DesignStudy | None, keys: tuple[str, ...], title: str, name: str) -> Chart:
+def responses_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, name: str) -> Chart:
     """Azimuth impulse responses of the typical run, overlaid."""
     shown = ("1", *keys)
     rows = [STRATEGY_KEYS.index(key) for key in shown]
@@ -100,7 +100,7 @@ def responses_chart(study: DesignStudy | None, keys: tuple[str, ...], title: str
     )  # fmt: skip
 
 
-def residual_chart(budget: Budget, closed: ClosedForms, study: DesignStudy | None) -> DotChart:
+def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
     """What each strategy leaves after autofocus: closed form beside the runs."""
     limit = math.nan if closed.required_phase is None else closed.required_phase * _DEG
     left = f"after {AFTER_AUTOFOCUS[budget.sar.autofocus_order]} is removed"
@@ -112,7 +112,7 @@ def residual_chart(budget: Budget, closed: ClosedForms, study: DesignStudy | Non
     )  # fmt: skip
 
 
-def quadratic_chart(budget: Budget, closed: ClosedForms, study: DesignStudy | None) -> DotChart:
+def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
     """Quadratic phase of each strategy before autofocus: closed form beside the runs."""
     required = budget.design.requirements.quadratic_phase
     limit = math.nan if required is None else float(required) / budget.design.requirements.confidence * _DEG
@@ -125,7 +125,7 @@ def quadratic_chart(budget: Budget, closed: ClosedForms, study: DesignStudy | No
 
 def _dot_chart(
     key: str, title: str, x_label: str, budget: Budget, closed: dict[str, float | None],
-    study: DesignStudy | None, over_runs: str, part: str, limit: float, knowledge: str,
+    study: SarStudy | None, over_runs: str, part: str, limit: float, knowledge: str,
 ) -> DotChart:  # fmt: skip
     to_degrees = _DEG * float(metres_to_phase(1.0, budget.sar.wavelength))
     dots = []
@@ -145,11 +145,11 @@ def _dot_chart(
     return DotChart(key, title, x_label, tuple(dots), limit, millimetres, knowledge + said)
 
 
-def _worst_error(study: DesignStudy) -> float:
+def _worst_error(study: SarStudy) -> float:
     return float(np.max(study.rms_error[1:] / study.rms[1:]))
 
 
-def _removed(study: DesignStudy) -> str:
+def _removed(study: SarStudy) -> str:
     return f"{AFTER_AUTOFOCUS[study.budget.sar.autofocus_order]} removed"
 
 
@@ -280,13 +280,13 @@ def _contour(x: Array, y: Array, phase: Array, level: float | None) -> tuple[Arr
 
 _GROUPS = ((INERTIAL, "INS and corrected INS", "ins"), (FILTERED, "filters and smoother", "filter"))
 
-STRATEGY_CHARTS: tuple[Callable[[Budget, ClosedForms, DesignStudy | None], DotChart], ...] = (
+STRATEGY_CHARTS: tuple[Callable[[Budget, ClosedForms, SarStudy | None], DotChart], ...] = (
     residual_chart,
     quadratic_chart,
 )
 """Every strategy beside the others: of the budget in force, its closed forms, and the runs."""
 
-RUN_CHARTS: tuple[Callable[[DesignStudy | None], Chart], ...] = (
+RUN_CHARTS: tuple[Callable[[SarStudy | None], Chart], ...] = (
     *(partial(navigation_chart, keys=keys, title=title, name=f"sar-error-{name}") for keys, title, name in _GROUPS),
     *(partial(responses_chart, keys=keys, title=title, name=f"sar-response-{name}") for keys, title, name in _GROUPS),
 )

@@ -13,7 +13,7 @@ from nav_model.errors import InputError
 
 if TYPE_CHECKING:
     from nav_model.design import Design
-    from nav_model.sar.design_study import DesignStudy
+    from nav_model.sar.design_study import SarStudy
 
 
 def add_to(commands: Any) -> None:
@@ -66,7 +66,7 @@ def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
     return to_json(flown, design_study(design, max(options.runs, LEAST_BESIDE), options.seed))
 
 
-def _flown(design: Design, options: argparse.Namespace) -> DesignStudy:
+def _flown(design: Design, options: argparse.Namespace) -> SarStudy:
     from app.console.progress import COMPILES, count_runs
     from nav_model.sar.design_study import design_study
     from nav_model.simulation.monte_carlo import local_pool

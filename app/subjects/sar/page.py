@@ -30,7 +30,7 @@ from app.ui.run_bar import RunBar
 from app.work.run import Run
 from nav_model.budget import Budget
 from nav_model.sar.design_case import Engine
-from nav_model.sar.design_study import ClosedForms, DesignStudy, closed_forms
+from nav_model.sar.design_study import ClosedForms, SarStudy, closed_forms
 from nav_model.sar.study_json import to_json
 
 _RUNS = (100, 200, 500, 1000)
@@ -66,7 +66,7 @@ class SarPage(pn.viewable.Viewer):
         self._scene = PicturePanel("Eight point targets", "sar-scene")
         self._upload = UploadedPicture(session, lambda: self._result)
         self._charts: list[ChartView] = []
-        self._run_charts: list[ChartPane[DesignStudy | None]] = []
+        self._run_charts: list[ChartPane[SarStudy | None]] = []
         self._view = pn.Column(
             self._answer,
             self._bar,
@@ -126,7 +126,7 @@ class SarPage(pn.viewable.Viewer):
         return result
 
     @property
-    def _study(self) -> DesignStudy | None:
+    def _study(self) -> SarStudy | None:
         return self._result.study if self._result else None
 
     def _write(self) -> None:

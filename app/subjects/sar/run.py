@@ -14,7 +14,7 @@ from nav_model.design.file import format_design, parse_design
 from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
-from nav_model.sar.design_study import DesignStudy, chunks, gather, run_chunk, typical_history, typical_place
+from nav_model.sar.design_study import SarStudy, chunks, gather, run_chunk, typical_history, typical_place
 from nav_model.sar.pictures import Pictures, point_pictures, scene_pictures
 from nav_model.sar.study import choose_tuning
 
@@ -25,10 +25,10 @@ class SarResult:
     and a phase history of the user's with its navigation error, if there is one."""
 
     case: DesignCase
-    study: DesignStudy
+    study: SarStudy
     points: Pictures
     scene: Pictures
-    beside: DesignStudy | None = None
+    beside: SarStudy | None = None
     uploaded: PictureChart | None = None
 
     def stale(self, budget: Budget) -> bool:
@@ -64,7 +64,7 @@ async def run_strategies(run: Run, budget: Budget, runs: int, seed: int, engine:
 
 async def _study(
     run: Run, budget: Budget, runs: int, seed: int, engine: Engine, what: str = ""
-) -> tuple[DesignCase, DesignStudy]:
+) -> tuple[DesignCase, SarStudy]:
     sizes = chunks(runs, engine)
     case = design_case(budget, engine)
     run.tell(f"{what}0 of {runs} runs", 0.0)

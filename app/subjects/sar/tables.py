@@ -18,7 +18,7 @@ from nav_model.budget import Budget
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
 from nav_model.sar.design_case import flight_cautions, study_cautions
-from nav_model.sar.design_study import ClosedForms, DesignStudy
+from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.geometry import metres_to_phase
 from nav_model.sar.strategies import STRATEGIES, Strategy
 
@@ -46,23 +46,23 @@ def answer(budget: Budget, closed: ClosedForms) -> tuple[Block, ...]:
     )
 
 
-def runs_in_words(study: DesignStudy) -> str:
+def runs_in_words(study: SarStudy) -> str:
     """Which runs, and how many."""
     return f"{study.runs} {_ENGINES[study.engine]}, seed {study.seed}"
 
 
-def runs_said(study: DesignStudy) -> Text:
+def runs_said(study: SarStudy) -> Text:
     """What the runs add to the answer."""
     return Text(f"{study.sentence} Seed {study.seed}, {study.fixes} fixes in the aperture.")
 
 
-def cautions(budget: Budget, study: DesignStudy | None) -> Bullets:
+def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
     """What a careful reader must know."""
     flown = flight_cautions(study.budget) if study is not None and study.engine == "simulator" else ()
     return Bullets((*study_cautions(budget), *flown), "Assumptions and cautions")
 
 
-def error_table(budget: Budget, closed: ClosedForms, study: DesignStudy | None, key: str) -> Table:
+def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key: str) -> Table:
     """A row a strategy: closed form beside the runs, in millimetres and in degrees."""
     rows = []
     for index, strategy in enumerate(STRATEGIES):
@@ -96,13 +96,13 @@ def error_table(budget: Budget, closed: ClosedForms, study: DesignStudy | None, 
     )  # fmt: skip
 
 
-def run_tables(study: DesignStudy, beside: DesignStudy | None, key: str) -> tuple[Table, ...]:
+def run_tables(study: SarStudy, beside: SarStudy | None, key: str) -> tuple[Table, ...]:
     """What the runs have measured: parts of the error, impulse responses, and one engine beside the other."""
     engines = () if beside is None else (_agreement_table(study, beside, key),)
     return (_parts_table(study, key), *_response_tables(study, key), *engines)
 
 
-def _parts_table(study: DesignStudy, key: str) -> Table:
+def _parts_table(study: SarStudy, key: str) -> Table:
     """What each residual is made of, in degrees; the largest in millimetres; the jumps of the raw filter."""
     millimetres, degrees = _scales(study.budget)
     parts = (
@@ -124,7 +124,7 @@ def _parts_table(study: DesignStudy, key: str) -> Table:
     )
 
 
-def _response_tables(study: DesignStudy, key: str) -> tuple[Table, Table]:
+def _response_tables(study: SarStudy, key: str) -> tuple[Table, Table]:
     """The impulse response of each strategy: lobe, then side lobes integrated, both ways."""
     cell, r = study.budget.sar.cell_length, study.responses
 
@@ -163,7 +163,7 @@ def _response_tables(study: DesignStudy, key: str) -> tuple[Table, Table]:
     )
 
 
-def _agreement_table(study: DesignStudy, beside: DesignStudy, key: str) -> Table:
+def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
     """Flights of the simulator beside the error model: the two engines, strategy by strategy."""
     found = agreement(study, beside)
     scales = _scales(study.budget)
@@ -213,7 +213,7 @@ def _scales(budget: Budget) -> tuple[float, float]:
 def _kind(strategy: Strategy) -> str:
     if strategy.key == "1":
         return "reference"
-    return ("causal" if strategy.causal else "off-line") + (", reconstruction" if strategy.reconstruction else "")
+    return strategy.timing + (", reconstruction" if strategy.reconstruction else "")
 
 
 def _number(value: float) -> str:

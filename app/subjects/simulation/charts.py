@@ -1,4 +1,4 @@
-"""The charts of a Monte Carlo study, as plain data. Each takes a `DesignStudy` and draws what is in it."""
+"""The charts of a Monte Carlo study, as plain data. Each takes a `SimulationStudy` and draws what is in it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line, Span
 from app.document.numbers import number, percent
-from nav_model.simulation.design_study import DesignStudy
+from nav_model.simulation.design_study import SimulationStudy
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
 
@@ -22,13 +22,13 @@ _SIMULATED, _FILTER = "simulated errors, after the fix", "filter covariance, aft
 _UNITS = {"m": ("m", 1.0), "m_s": ("m/s", 1.0), "rad": ("°", _DEG)}
 
 
-def _outages(study: DesignStudy) -> tuple[Span, ...]:
+def _outages(study: SimulationStudy) -> tuple[Span, ...]:
     given = [*study.result.spec.outages][:MOST_OUTAGES]
     parked = [(math.nan, math.nan)] * (MOST_OUTAGES - len(given))
     return tuple(Span(f"outage {i}", "no fixes", start, stop) for i, (start, stop) in enumerate(given + parked))
 
 
-def _runs(study: DesignStudy) -> str:
+def _runs(study: SimulationStudy) -> str:
     low, high = study.result.rms_band
     return (
         f"{study.result.spec.runs} runs, seed {study.result.spec.seed}: with 95 % probability the rms lies between "
@@ -36,21 +36,21 @@ def _runs(study: DesignStudy) -> str:
     )
 
 
-def _rms(study: DesignStudy, column: int, scale: float = 1.0) -> Array:
+def _rms(study: SimulationStudy, column: int, scale: float = 1.0) -> Array:
     return scale * study.result.rms[POSTERIOR, :, column]
 
 
-def _sigma(study: DesignStudy, column: int, scale: float = 1.0) -> Array:
+def _sigma(study: SimulationStudy, column: int, scale: float = 1.0) -> Array:
     return scale * study.result.filter_sigma[POSTERIOR, :, column]
 
 
-def _closed(study: DesignStudy, column: int, scale: float = 1.0) -> Array:
+def _closed(study: SimulationStudy, column: int, scale: float = 1.0) -> Array:
     sigma = study.result.closed_form_sigma
     assert sigma is not None  # a study of a design has its closed forms
     return scale * sigma[:, column]
 
 
-def path_chart(study: DesignStudy) -> Chart:
+def path_chart(study: SimulationStudy) -> Chart:
     """The designed path: what the aircraft truly flies, seen from above and from the side."""
     along = study.path[:, 0] / 1000
     return Chart(
@@ -66,7 +66,7 @@ def path_chart(study: DesignStudy) -> Chart:
     )
 
 
-def designed_attitude_chart(study: DesignStudy) -> Chart:
+def designed_attitude_chart(study: SimulationStudy) -> Chart:
     """The designed roll, pitch and yaw."""
     time, euler = study.result.time_s, study.result.truth.euler * _DEG
     return Chart(
@@ -84,33 +84,33 @@ def designed_attitude_chart(study: DesignStudy) -> Chart:
     )
 
 
-def horizontal_position_chart(study: DesignStudy) -> Chart:
+def horizontal_position_chart(study: SimulationStudy) -> Chart:
     """Horizontal position error."""
     lines = (*_pair(study, 0, 1, "north", "east"), _refined(study, 0))
     closed = "Closed form [T-3], in the outage [T-9]; refined [T-17]."
     return _errors(study, "position-horizontal", "Horizontal position", lines, closed)
 
 
-def vertical_position_chart(study: DesignStudy) -> Chart:
+def vertical_position_chart(study: SimulationStudy) -> Chart:
     """Vertical position error."""
     lines = (*_single(study, 2, "down"), _refined(study, 2))
     closed = "Closed form [T-4], in the outage [T-10]; refined [T-17]."
     return _errors(study, "position-vertical", "Vertical position", lines, closed)
 
 
-def horizontal_velocity_chart(study: DesignStudy) -> Chart:
+def horizontal_velocity_chart(study: SimulationStudy) -> Chart:
     """Horizontal velocity error."""
     closed = "Closed form [T-3], in the outage [T-9]."
     return _errors(study, "velocity-horizontal", "Horizontal velocity", _pair(study, 3, 4, "north", "east"), closed)
 
 
-def vertical_velocity_chart(study: DesignStudy) -> Chart:
+def vertical_velocity_chart(study: SimulationStudy) -> Chart:
     """Vertical velocity error."""
     closed = "Closed form [T-4], in the outage [T-10]."
     return _errors(study, "velocity-vertical", "Vertical velocity", _single(study, 5, "down"), closed)
 
 
-def tilt_chart(study: DesignStudy) -> Chart:
+def tilt_chart(study: SimulationStudy) -> Chart:
     """Roll and pitch error, with the absolute error of the worst run."""
     time, worst = study.result.time_s, study.result.worst
     lines = [
@@ -122,13 +122,13 @@ def tilt_chart(study: DesignStudy) -> Chart:
     return _errors(study, "tilt", "Roll and pitch", (*_pair(study, 6, 7, "roll", "pitch"), *lines), closed)
 
 
-def yaw_chart(study: DesignStudy) -> Chart:
+def yaw_chart(study: SimulationStudy) -> Chart:
     """Yaw error."""
     closed = "Closed form [T-5]: unobservable on a straight path, so it only grows."
     return _errors(study, "yaw", "Yaw", _single(study, 8, "yaw"), closed)
 
 
-def _errors(study: DesignStudy, key: str, what: str, lines: tuple[Line, ...], closed: str) -> Chart:
+def _errors(study: SimulationStudy, key: str, what: str, lines: tuple[Line, ...], closed: str) -> Chart:
     """A chart of one kind of error over the flight; position and velocity grow by decades, angles do not."""
     quantity = what.split()[-1]
     y_label = {"position": "position, 1σ [m]", "velocity": "velocity, 1σ [m/s]"}.get(quantity)
@@ -144,12 +144,12 @@ def _errors(study: DesignStudy, key: str, what: str, lines: tuple[Line, ...], cl
     )
 
 
-def _refined(study: DesignStudy, column: int) -> Line:
+def _refined(study: SimulationStudy, column: int) -> Line:
     sigma = study.refined_sigma[:, column]
     return Line("refined", "refined", study.result.time_s, sigma, "refined", "linear covariance [T-17]")
 
 
-def _pair(study: DesignStudy, first: int, second: int, name: str, other: str) -> tuple[Line, ...]:
+def _pair(study: SimulationStudy, first: int, second: int, name: str, other: str) -> tuple[Line, ...]:
     time, scale = study.result.time_s, _UNITS[STATES[first][2]][1]
     return (
         Line("rms 1", f"{name}, simulated", time, _rms(study, first, scale), "simulated", _SIMULATED),
@@ -160,7 +160,7 @@ def _pair(study: DesignStudy, first: int, second: int, name: str, other: str) ->
     )
 
 
-def _single(study: DesignStudy, column: int, name: str) -> tuple[Line, ...]:
+def _single(study: SimulationStudy, column: int, name: str) -> tuple[Line, ...]:
     time, scale = study.result.time_s, _UNITS[STATES[column][2]][1]
     mark = "[T-5]" if name == "yaw" else "cycle rms [T-4], [T-10]"
     return (
@@ -170,7 +170,7 @@ def _single(study: DesignStudy, column: int, name: str) -> tuple[Line, ...]:
     )
 
 
-def outage_chart(study: DesignStudy) -> Chart:
+def outage_chart(study: SimulationStudy) -> Chart:
     """Growth of the horizontal position error in the longest outage, and the initial tilt's share of it."""
     result = study.result
     outage = max(result.spec.outages, key=lambda pair: pair[1] - pair[0], default=None)
@@ -211,7 +211,7 @@ def outage_chart(study: DesignStudy) -> Chart:
     )
 
 
-def ensemble_chart(study: DesignStudy, axis: str = "north") -> Chart:
+def ensemble_chart(study: SimulationStudy, axis: str = "north") -> Chart:
     """The ensemble of one position axis: percentiles of the absolute error, and the worst run."""
     result = study.result
     column = ("north", "east", "down").index(axis)
@@ -240,7 +240,7 @@ def ensemble_chart(study: DesignStudy, axis: str = "north") -> Chart:
     )
 
 
-def nees_chart(study: DesignStudy) -> Chart:
+def nees_chart(study: SimulationStudy) -> Chart:
     """Mean NEES at each time, with its band."""
     result = study.result
     time = result.time_s
@@ -267,7 +267,7 @@ def nees_chart(study: DesignStudy) -> Chart:
     )  # fmt: skip
 
 
-CHARTS: tuple[Callable[[DesignStudy], Chart], ...] = (
+CHARTS: tuple[Callable[[SimulationStudy], Chart], ...] = (
     horizontal_position_chart,
     vertical_position_chart,
     horizontal_velocity_chart,

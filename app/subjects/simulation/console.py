@@ -17,7 +17,7 @@ from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.simulation.design_study import (
     NAMED_TRAJECTORIES,
-    DesignStudy,
+    SimulationStudy,
     closed_form,
     refusal,
     specification,
@@ -25,7 +25,7 @@ from nav_model.simulation.design_study import (
     to_document,
 )
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
-from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, StudyInputs
+from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, SimulationInputs
 
 _KINDS = (".json", ".npz", ".csv")
 _DURATION = 500.0
@@ -43,7 +43,7 @@ def list_inputs() -> int:
     return 0
 
 
-def simulate_design(design: Design, more: StudyInputs, options: argparse.Namespace) -> None:
+def simulate_design(design: Design, more: SimulationInputs, options: argparse.Namespace) -> None:
     """Fly a design's runs as the command line says and write the study.
 
     Raises
@@ -61,7 +61,7 @@ def simulate_design(design: Design, more: StudyInputs, options: argparse.Namespa
     print(f"wrote {options.output}", file=sys.stderr)
 
 
-def fly_design(design: Design, options: argparse.Namespace) -> DesignStudy:
+def fly_design(design: Design, options: argparse.Namespace) -> SimulationStudy:
     """The study of a design alone with options as `navbudget simulate` has them, progress on standard error.
 
     Raises
@@ -81,7 +81,9 @@ def _kind(options: argparse.Namespace) -> str:
     return kind
 
 
-def _specification(design: Design, more: StudyInputs, options: argparse.Namespace, keep_runs: bool) -> SimulationSpec:
+def _specification(
+    design: Design, more: SimulationInputs, options: argparse.Namespace, keep_runs: bool
+) -> SimulationSpec:
     for name in ("workers", "runs"):
         value = getattr(options, name)
         if value is not None and value < 1:
@@ -120,15 +122,13 @@ def _as_option(error: InputError) -> InputError:
 def _trajectory(name: str) -> str | TrajectorySpec:
     if name in NAMED_TRAJECTORIES:
         return name
-    from nav_model.simulation.trajectory_file import read_trajectory
+    from nav_model.simulation.trajectory import read_trajectory
 
     try:
         return read_trajectory(name)
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
         raise InputError("--trajectory", f"{name!r} is neither one of {known} nor a file to read") from error
-    except UnicodeDecodeError as error:
-        raise InputError("--trajectory", f"{name!r} is not a text file") from error
     except ValueError as error:
         raise InputError("--trajectory", str(error)) from error
 
@@ -136,9 +136,9 @@ def _trajectory(name: str) -> str | TrajectorySpec:
 def _duration(trajectory: str | TrajectorySpec) -> float:
     if isinstance(trajectory, str):
         return _DURATION
-    from nav_model.simulation.trajectory_file import file_duration
+    from nav_model.simulation.trajectory import file_duration
 
-    return file_duration(trajectory.samples)
+    return file_duration(trajectory)
 
 
 def _outage(text: str) -> tuple[float, float]:
@@ -149,7 +149,7 @@ def _outage(text: str) -> tuple[float, float]:
     return start, stop
 
 
-def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> DesignStudy:
+def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> SimulationStudy:
     print(COMPILES, file=sys.stderr, flush=True)
     from nav_model.simulation.cluster import cluster_pool
     from nav_model.simulation.monte_carlo import chunks, simulate
@@ -172,11 +172,11 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> D
     return study_of(design, result)
 
 
-def _json(study: DesignStudy) -> str:
+def _json(study: SimulationStudy) -> str:
     return json.dumps(to_document(study), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
 
 
-def _write(file: IO[bytes], kind: str, study: DesignStudy) -> None:
+def _write(file: IO[bytes], kind: str, study: SimulationStudy) -> None:
     from nav_model.simulation.result import to_arrays, to_csv
 
     if kind == ".npz":

@@ -16,7 +16,7 @@ from app.document.blocks import Text
 from app.document.pane import html_of
 from app.ui.html_pane import html_pane
 from nav_model.errors import InputError
-from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, StudyInputs, read_study_inputs
+from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, SimulationInputs, read_study_inputs
 
 _TITLE = "Advanced: sensor errors, receiver, filter tuning"
 
@@ -49,7 +49,7 @@ class StudyControls(pn.viewable.Viewer):
         return self._view
 
     @property
-    def inputs(self) -> StudyInputs:
+    def inputs(self) -> SimulationInputs:
         """What is in force."""
         return read_study_inputs(self.texts)
 

@@ -7,6 +7,7 @@ import importlib
 import io
 import json
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,7 +39,7 @@ from nav_model.simulation.design_study import specification, to_document
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 
 if TYPE_CHECKING:
-    from nav_model.simulation.design_study import DesignStudy
+    from nav_model.simulation.design_study import SimulationStudy
 
 _FLIGHTS = {
     "Nearly straight": "wandering",
@@ -90,7 +91,7 @@ class SimulatePage(pn.viewable.Viewer):
         super().__init__(run=session.new_run())
         self._session = session
         self._file: TrajectorySpec | None = None
-        self._charts: list[ChartPane[DesignStudy]] = []
+        self._charts: list[ChartPane[SimulationStudy]] = []
         self._more = StudyControls()
         self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
         self._start = block_pane(*_START, margin=(4, 12))
@@ -146,7 +147,7 @@ class SimulatePage(pn.viewable.Viewer):
         """Make the figures: once, with the first result."""
         from app.subjects.simulation.charts import CHARTS, ensemble_chart, nees_chart
 
-        def ensemble(study: DesignStudy) -> Chart:
+        def ensemble(study: SimulationStudy) -> Chart:
             return ensemble_chart(study, self.axis)
 
         layout = [
@@ -158,7 +159,7 @@ class SimulatePage(pn.viewable.Viewer):
         self._place.append(grid(*cells))
 
     @property
-    def _study(self) -> DesignStudy:
+    def _study(self) -> SimulationStudy:
         flown: Flown = self.run.result
         return flown.study
 
@@ -186,7 +187,9 @@ class SimulatePage(pn.viewable.Viewer):
         with pn.io.hold():
             self._start.visible = False
             self._note.object = self._said(flown)
-            self._answer.object = html_of(verdict(flown.study), *findings(flown.study, "page"))
+            said = verdict(flown.study)
+            said = replace(said, tone="open") if flown.partial else said
+            self._answer.object = html_of(said, *findings(flown.study, "page"))
             if not self._place.objects:
                 self._draw()
             self._feed()
@@ -245,16 +248,14 @@ class SimulatePage(pn.viewable.Viewer):
             return
         name = str(self._upload.filename or "file")
         # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
-        files = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.trajectory_file")
+        files = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.trajectory")
         try:
-            samples = await elsewhere(files.parse_trajectory, event.new.decode("utf-8"), name)
-        except UnicodeDecodeError:
-            self._say(f"Not used. {name}: not a text file.")
-        except ValueError as error:
+            flight = await elsewhere(files.parse_trajectory, event.new, name)
+        except InputError as error:
             self._say(f"Not used. {error}")
         else:
-            self._file = TrajectorySpec(kind="file", samples=samples)
-            length = files.file_duration(samples)
+            self._file = flight
+            length = files.file_duration(flight)
             self._say(f"{name}: a flight of {shown(length, 4)} s.")
             self.length = f"{math.floor(10 * length) / 10:.1f}"
 

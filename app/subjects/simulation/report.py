@@ -10,7 +10,7 @@ from app.subjects.simulation.charts import CHARTS, outage_chart
 from app.subjects.simulation.tables import findings, verdict
 from nav_model.design import Design
 from nav_model.design.file import parse_design
-from nav_model.simulation.design_study import DesignStudy
+from nav_model.simulation.design_study import SimulationStudy
 
 REFERENCES = (
     "Simulation: Savage, Strapdown inertial navigation integration algorithm design, Journal of Guidance, Control, "
@@ -19,18 +19,18 @@ REFERENCES = (
 )
 
 
-def belongs(study: DesignStudy, design: Design) -> bool:
+def belongs(study: SimulationStudy, design: Design) -> bool:
     """Whether the study was flown for exactly this design."""
     return _content_hash(study.design_file) == design.content_hash
 
 
-def of_design(study: DesignStudy) -> str:
+def of_design(study: SimulationStudy) -> str:
     """The design it was flown for."""
     design = parse_design(study.design_file)
     return f"{design.name or 'without a name'} ({design.content_hash[:12]})"
 
 
-def sections(study: DesignStudy, key: str) -> tuple[Section, ...]:
+def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
     """What was run and found, then the charts."""
     drawn = (draw for draw in CHARTS if study.result.spec.outages or draw is not outage_chart)
     title = "Simulation: do the formulas hold?"

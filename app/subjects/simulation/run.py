@@ -15,7 +15,7 @@ from app.work.run import Run
 from app.work.simulator import made_ready, prepare
 from nav_model.design import Design
 from nav_model.design.file import format_design
-from nav_model.simulation.design_study import DesignStudy, conclude, refusal
+from nav_model.simulation.design_study import SimulationStudy, conclude, refusal
 from nav_model.simulation.specification import SimulationSpec
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class Flown:
     """A study of `design`, of all the runs asked for (``wanted``) or of those flown so far."""
 
     design: Design
-    study: DesignStudy
+    study: SimulationStudy
     wanted: int
 
     @property

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
 from app.document.numbers import NONE, number
 from nav_model.simulation.departures import SMALL, Departure, cause_in_words
-from nav_model.simulation.design_study import DesignStudy, moments
+from nav_model.simulation.design_study import SimulationStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
@@ -24,7 +24,7 @@ _PHASES = {"settling": "settling", "aided": "with fixes", "coast": "outage"}
 _UNITS = {"position": ("m", 1.0), "velocity": ("m/s", 1.0), "attitude": ("°", 180 / math.pi)}
 
 
-def verdict(study: DesignStudy) -> Answer:
+def verdict(study: SimulationStudy) -> Answer:
     """Whether the filter's covariance describes the errors of the runs."""
     result = study.result
     nees = result.nees
@@ -48,7 +48,7 @@ def verdict(study: DesignStudy) -> Answer:
     return Answer(word, tone, tuple(sentences))
 
 
-def findings(study: DesignStudy, key: str) -> tuple[Block, ...]:
+def findings(study: SimulationStudy, key: str) -> tuple[Block, ...]:
     """What was flown, the sigmas, where they differ from the formulas, and how the simulated world differs."""
     return (
         _run_table(study, key),
@@ -58,7 +58,7 @@ def findings(study: DesignStudy, key: str) -> tuple[Block, ...]:
     )
 
 
-def _run_table(study: DesignStudy, key: str) -> Table:
+def _run_table(study: SimulationStudy, key: str) -> Table:
     spec = study.result.spec
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = number(spec.runs * spec.duration / 3600)
@@ -79,7 +79,7 @@ def _run_table(study: DesignStudy, key: str) -> Table:
     )
 
 
-def _sigma_table(study: DesignStudy, key: str) -> Table:
+def _sigma_table(study: SimulationStudy, key: str) -> Table:
     """Simulated, filter, closed form and refined sigma of every state, at the last fix and at the outage's end."""
     result = study.result
     closed = result.closed_form_sigma
@@ -114,7 +114,7 @@ def _sigma_table(study: DesignStudy, key: str) -> Table:
     )
 
 
-def _departures(study: DesignStudy, key: str) -> Block:
+def _departures(study: SimulationStudy, key: str) -> Block:
     """Where filter or simulated errors and the formulas differ by more than a tenth, and why."""
     if not study.departures:
         return Text("Filter, simulated errors and formulas agree within 10 % in every state at every time.")
@@ -143,7 +143,7 @@ def _departures(study: DesignStudy, key: str) -> Block:
     )
 
 
-def _alike(study: DesignStudy) -> list[list[Departure]]:
+def _alike(study: SimulationStudy) -> list[list[Departure]]:
     """Departures of axes that differ in the same phase for the same causes, together."""
     groups: dict[tuple[object, ...], list[Departure]] = {}
     for found in study.departures:
@@ -157,7 +157,7 @@ def _when(found: Sequence[Departure]) -> str:
     return f"{start:g} to {stop:g} s, {_PHASES[found[0].phase]}"
 
 
-def _why(found: Sequence[Departure], study: DesignStudy) -> str:
+def _why(found: Sequence[Departure], study: SimulationStudy) -> str:
     said = [
         f"{cause_in_words(cause, study.result.spec)} (×{_range(d.steps[place][1] for d in found)})"
         for place, (cause, _) in enumerate(found[0].steps)

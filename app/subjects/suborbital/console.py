@@ -10,24 +10,25 @@ from pathlib import Path
 from typing import Any
 
 from app.console.files import put_file
+from nav_model.design.declaration import Choice
 from nav_model.design.file import parse_design, read_bytes
 from nav_model.errors import InputError
+from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.noise_ensemble import MOST_RUNS, fly_noise
 from nav_model.suborbital.settings import DEFAULTS, from_design, read_changes
 from nav_model.suborbital.study_file import format_study, is_study, parse_study
 from nav_model.suborbital.survey import Survey, run_survey
 from nav_model.suborbital.survey_json import noise_json, survey_json
-from nav_model.suborbital.trajectory_file import MAX_BYTES
 
 
 def list_inputs() -> int:
     """Print every input of the study with its default and what it is."""
     for title, group in GROUPS.items():
         print(title)
-        for setting in group:
-            choices = f" ({', '.join(setting.choices)})" if setting.choices else ""
-            print(f"  {setting.key:40} {setting.show(setting.default) or 'none':22} {setting.doc}{choices}")
+        for declared in group:
+            choices = f" ({', '.join(declared.objects)})" if isinstance(declared, Choice) else ""
+            print(f"  {declared.key:40} {DEFAULTS.show(declared.key) or 'none':22} {declared.doc}{choices}")
     return 0
 
 
@@ -59,7 +60,7 @@ def run(
         settings = from_design(DEFAULTS, design)
     settings = read_changes(settings, changes, "command line")
     if trajectory is not None:
-        flown = (Path(trajectory).name, read_bytes(trajectory, MAX_BYTES))
+        flown = (Path(trajectory).name, read_bytes(trajectory, BOUNDS.most_bytes))
     if save is not None:
         put_file(save, format_study(settings, flown).encode("utf-8"))
     said: list[str] = []

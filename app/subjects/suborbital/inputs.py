@@ -11,25 +11,24 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.session import Session
-from app.subjects.suborbital.controls import SettingControl, setting_controls
+from app.subjects.suborbital.controls import InputControl, input_controls
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.ui.upload import LimitedFileInput
 from nav_model.design.link import MAX_QUERY
 from nav_model.errors import InputError
+from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import GROUPS
-from nav_model.suborbital.setting import Value
-from nav_model.suborbital.settings import DEFAULTS, Settings, from_design
+from nav_model.suborbital.settings import DEFAULTS, Settings, Value, from_design
 from nav_model.suborbital.study_file import MAX_BYTES as MAX_STUDY
 from nav_model.suborbital.study_file import format_study, from_link, parse_study, to_link
-from nav_model.suborbital.trajectory_file import MAX_BYTES
 
 Trajectory = tuple[str, bytes] | None
 _OPEN = 1  # gyros: what the tracker replaces
 _LOOK: dict[str, Any] = {"size": "small", "margin": 2, "variant": "text"}
 _FILE_HELP = (
     '<p class="know quiet">CSV with time_s, latitude_deg, longitude_deg, height_m, roll_deg, pitch_deg, yaw_deg; '
-    f"at most {MAX_BYTES // 1_000_000} MB, rows a second apart or less during thrust.</p>"
+    f"at most {BOUNDS.most_bytes // 1_000_000} MB, rows a second apart or less during thrust.</p>"
 )
 
 
@@ -43,7 +42,7 @@ class InputPanel:
         self._session, self._changed, self._flown = session, changed, flown
         self.settings: Settings = DEFAULTS
         self.trajectory: Trajectory = None
-        self.controls: list[SettingControl] = []
+        self.controls: list[InputControl] = []
         self.notice = pmui.Alert(object="", severity="error", closeable=True, visible=False, margin=(4, 14))
         if session.study_link:
             try:
@@ -109,7 +108,7 @@ class InputPanel:
     def _flight_file(self) -> pn.viewable.Viewable:
         self.trajectory_file = LimitedFileInput(
             lambda reason: self.say(f"Trajectory not taken: {reason}."), label="Trajectory from a file",
-            accept=".csv", icon="upload_file", max_file_size=MAX_BYTES, description="", **_LOOK,
+            accept=".csv", icon="upload_file", max_file_size=BOUNDS.most_bytes, description="", **_LOOK,
         )  # fmt: skip
         self.trajectory_file.param.watch(self._uploaded, "value")
         self._golden = pmui.Button(label="Golden flight again", visible=False, **_LOOK)
@@ -125,8 +124,8 @@ class InputPanel:
     def _fill(self, index: int) -> None:
         if self._sections[index].objects:
             return
-        keys = [setting.key for setting in list(GROUPS.values())[index]]
-        controls = setting_controls(keys, self.settings, self.put)
+        keys = [declared.key for declared in list(GROUPS.values())[index]]
+        controls = input_controls(keys, self.settings, self.put)
         self.controls += controls
         self._sections[index].objects = [control.view for control in controls]
 

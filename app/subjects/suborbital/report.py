@@ -158,11 +158,11 @@ def _inputs(finding: Finding, key: str) -> ReportTable:
         rows.append((Cell(title),))
         rows += [
             (
-                Cell(setting.label),
-                Cell(setting.show(finding.settings[setting.key]) or "none"),
-                Cell(finding.settings.origin[setting.key]),
+                Cell(str(declared.label)),
+                Cell(finding.settings.show(declared.key) or "none"),
+                Cell(finding.settings.origin[declared.key]),
             )
-            for setting in group
+            for declared in group
         ]
     return ReportTable(
         f"{key}-suborbital-inputs-table",

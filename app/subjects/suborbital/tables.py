@@ -10,7 +10,7 @@ from html import escape
 
 from app.document.prose import prose
 from app.subjects.suborbital.charts.shown import Shown, called
-from nav_model.suborbital.frames import ARCSEC
+from nav_model.constants import ARCSECOND
 from nav_model.suborbital.study import Row, table
 from nav_model.suborbital.summary import PAPER_FINAL_M
 
@@ -217,14 +217,14 @@ def noise_table(shown: Shown) -> Table:
 
 def method_table(shown: Shown) -> Table:
     """The five attitude methods on this flight's images."""
-    sigma = shown.survey.settings["camera.centroid_noise"] / ARCSEC
+    sigma = shown.survey.settings["camera.centroid_noise"] / ARCSECOND
     return Table(
         "methods",
         "Attitude methods compared",
         ("method", "mean error [arcsec]", "rms about x [arcsec]", "rms about y [arcsec]",
          "rms about boresight [arcsec]", "mean NEES (3 expected)"),
         tuple(
-            (s.method, s.mean_error_rad / ARCSEC, *(rms / ARCSEC for rms in s.axis_rms_rad), s.mean_nees)
+            (s.method, s.mean_error_rad / ARCSECOND, *(rms / ARCSECOND for rms in s.axis_rms_rad), s.mean_nees)
             for s in shown.survey.scores
         ),
         f"The same images of this flight for all five, one a second, centroid noise {sigma:.3g} arcsec per axis; "
@@ -273,7 +273,7 @@ def star_table(shown: Shown) -> Table:
 def _attitude_said(error: object, sigma: object, source: str, reason: str) -> str:
     if error is None or sigma is None:
         return f"Frame not used: {reason}. {source}."
-    numbers: Callable[[object], str] = lambda v: ", ".join(f"{x / ARCSEC:.1f}" for x in v)  # type: ignore[attr-defined]  # noqa: E731
+    numbers: Callable[[object], str] = lambda v: ", ".join(f"{x / ARCSECOND:.1f}" for x in v)  # type: ignore[attr-defined]  # noqa: E731
     return (
         f"Attitude error about body x, y, boresight: {numbers(error)} arcsec; predicted 1σ {numbers(sigma)} arcsec "
         f"[B-9]. {source}."

@@ -1,18 +1,20 @@
-"""The Theory page: every equation the numbers rest on, and what stands behind the results."""
+"""The Theory page: every equation, what each result was compared with, and where others state another figure."""
 
 from __future__ import annotations
 
-import json
+from collections import Counter
 from functools import cache
 from html import escape
-from importlib.resources import files
-from typing import Any
 
 import panel as pn
+import param
 
+from app.document.blocks import Cell, Column, Table, Text
 from app.document.html import mathml
+from app.document.pane import html_of
 from app.document.prose import prose
 from app.session import Session
+from app.subjects.theory.record import INDEPENDENT, Comparison, Difference, record
 from app.ui.anchored_text import AnchoredText
 from nav_model.budget import Budget
 from nav_model.equations import ALL_EQUATIONS, ALL_SYMBOLS, REFERENCES, source_of
@@ -28,12 +30,15 @@ _CONTENTS = {
 # The tests' folders, in the order of the table.
 _FIELDS = {
     "acceptance": "The worked design",
-    "analytic": "Closed forms of navigation",
+    "analytic": "Navigation formulas",
     "sar": "Radar",
     "simulation": "Simulator",
+    "earth": "Gravity",
     "suborbital": "Suborbital flight and star tracker",
+    "explore": "Explore",
     "allan": "Sensor logs",
 }
+_POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _STYLE = """<style>
 .contents { display: flex; flex-wrap: wrap; gap: 2px 18px; list-style: none; padding: 0; margin: 8px 0 0; }
 .here { outline: 2px solid; outline-offset: 4px; border-radius: 2px; }
@@ -50,19 +55,24 @@ th math { font-size: 15px; }
 </style>"""
 
 
-class TheoryPage:
+class TheoryPage(pn.viewable.Viewer):
     """Everything below the tab; the same for every design."""
 
+    text: AnchoredText = param.ClassSelector(class_=AnchoredText, allow_None=False, constant=True)
+
     def __init__(self, session: Session) -> None:
-        self._text = AnchoredText(html=_STYLE + theory(), sizing_mode="stretch_width", margin=(4, 14))
-        self.view = pn.Column(self._text, sizing_mode="stretch_width")
+        super().__init__(text=AnchoredText(html=_STYLE + theory(), sizing_mode="stretch_width", margin=(4, 14)))
+        self.view = pn.Column(self.text, sizing_mode="stretch_width")
+
+    def __panel__(self) -> pn.Column:
+        return self.view
 
     def show(self, budget: Budget) -> None:
         """Nothing here depends on the design."""
 
     def go_to(self, place: str) -> None:
         """Bring an equation, by its mark, or a chapter into view."""
-        self._text.go_to(place)
+        self.text.go_to(place)
 
 
 @cache
@@ -86,8 +96,10 @@ def theory() -> str:
         for s in ALL_SYMBOLS
     )
     parts.append(
-        '<h2 id="symbols">Symbols</h2>' + _table("Symbols", ("Symbol", "Meaning", "Unit"), rows)
-        + '<h2 id="literature">Literature</h2><ul>'
+        '<h2 id="symbols">Symbols</h2><div class="scroll" tabindex="0" role="region" aria-label="Symbols">'
+        '<table class="checks"><thead><tr><th scope="col">Symbol</th><th scope="col">Meaning</th>'
+        f'<th scope="col">Unit</th></tr></thead><tbody>{rows}</tbody></table></div>'
+        '<h2 id="literature">Literature</h2><ul>'
         + "".join(f"<li>{prose(text)}</li>" for text in REFERENCES) + "</ul>"
     )  # fmt: skip
     return _contents() + validation() + differences() + "".join(parts)
@@ -98,69 +110,56 @@ def _contents() -> str:
     return f'<nav aria-label="On this page"><ul class="contents">{items}</ul></nav>'
 
 
-@cache
-def _record() -> dict[str, Any]:
-    """What the tests recorded of themselves."""
-    record: dict[str, Any] = json.loads(
-        files("app.subjects.theory").joinpath("validation.json").read_text(encoding="utf-8")
-    )
-    return record
-
-
 def validation() -> str:
-    """What each result was compared with, as the tests recorded it."""
-    record = _record()
-    outside = sum(row["outside"] for row in record["rows"])
-    groups = "".join(
-        f'<tr><th scope="rowgroup" colspan="6"><b>{title}</b></th></tr>'
-        + "".join(_row(row) for row in record["rows"] if row["test"].split("/")[-2] == folder)
-        for folder, title in _FIELDS.items()
+    """What each result was compared with, and how many of the comparisons are independent of this product."""
+    rows = record().rows
+    kinds = Counter(row.kind for row in rows)
+    counts = [f"{kinds[kind]} against {name}" for kind, name in INDEPENDENT.items() if kinds[kind]]
+    independent = sum(kinds[kind] for kind in INDEPENDENT)
+    said = (
+        f"{independent} of {len(rows)} results are checked against independent references: {', '.join(counts[:-1])} "
+        f"and {counts[-1]}. A solver counts where its equations were set up without the product's code. The other "
+        f"{len(rows) - independent} are compared with our own derivations only: two parts of the product with each "
+        "other, or a second derivation written in the test."
     )
-    head = ("Result", "Status", "Compared with", "Found", "Limit", "Measure")
-    return (
-        f'<h2 id="validation">Validation</h2><p>{outside} of {len(record["rows"])} comparisons have an oracle from '
-        "outside this product: a solver written by others, a published figure, a measurement. Only those say "
-        "“validated”; the rest are cross-checks of our own parts against each other. Written by the tests "
-        f"themselves: version {escape(record['version'])}, commit {escape(record['commit'])}, "
-        f"{escape(record['date'])}.</p>" + _table("Validation", head, groups)
-    )
+    origin = f"Generated by the test suite: version {record().version}, commit {record().commit}, {record().date}."
+    body: list[tuple[Cell, ...]] = []
+    for folder, title in _FIELDS.items():
+        body.append((Cell(title),))
+        body += [_comparison(row) for row in rows if row.test.split("/")[-2] == folder]
+    columns = (
+        Column("Result"), Column("Kind of check"), Column("Compared with"), Column("Largest deviation", numeric=True),
+        Column("Allowed", numeric=True), Column("Measure"),
+    )  # fmt: skip
+    table = Table("comparisons", "Results and what each was compared with", columns, tuple(body), origin)
+    return '<h2 id="validation">Validation</h2>' + html_of(Text(said), table)
 
 
-def _row(row: dict[str, Any]) -> str:
-    mark = prose(f" [{row['equation']}]") if row["equation"] else ""
-    return (
-        f"<tr><th scope='row'>{escape(row['result'])}{mark}</th>"
-        f"<td><span class='mark'>{'✓ validated' if row['outside'] else '– cross-checked'}</span></td>"
-        f"<td>{prose(row['oracle'])}</td><td class='num'>{_figure(row['figure'])}</td>"
-        f"<td class='num'>{_figure(row['limit'])}</td><td>{escape(row['measure'])}</td></tr>"
-    )
+def _comparison(row: Comparison) -> tuple[Cell, ...]:
+    kind = Cell(f"✓ {row.kind}") if row.kind in INDEPENDENT else Cell(f"– {row.kind}", tone="quiet")
+    found, allowed = Cell(_figure(row.figure)), Cell(_figure(row.limit))
+    return Cell(_marked(row.result, row.equation)), kind, Cell(row.oracle), found, allowed, Cell(row.measure)
+
+
+def _marked(result: str, mark: str) -> str:
+    return f"{result} [{mark}]" if mark else result
 
 
 def _figure(value: float) -> str:
     """Two digits, powers of ten as such."""
-    text = f"{value:.2g}"
-    digits, _, power = text.partition("e")
-    return f"{digits}·10<sup>{int(power)}</sup>".replace("-", "−") if power else digits
+    digits, _, power = f"{value:.2g}".partition("e")
+    return f"{digits}·10{str(int(power)).translate(_POWERS)}" if power else digits
 
 
 def differences() -> str:
-    """Where somebody prints another figure, and which holds."""
-    rows = "".join(
-        f"<tr><th scope='row'>{escape(r['result'])} {prose('[' + r['equation'] + ']')}</th>"
-        f"<td>{prose(r['printed'])}</td><td>{prose(r['ours'])}</td><td><b>{escape(r['holds'])}</b></td>"
-        f"<td>{prose(r['why'][:1].upper() + r['why'][1:])}.</td></tr>"
-        for r in _record()["differences"]
-    )
-    head = ("Result", "Stated elsewhere", "Here", "Holds", "Why")
-    return (
-        '<h2 id="differences">Where figures differ</h2><p>Papers, design notes and simpler methods that say '
-        "something else. Each row is shown by a test.</p>" + _table("Where figures differ", head, rows)
-    )
+    """Where somebody states another figure, and which holds."""
+    columns = tuple(map(Column, ("Result", "Stated elsewhere", "Here", "Holds", "Why")))
+    rows = tuple(_difference(row) for row in record().differences)
+    table = Table("other-figures", "Figures stated elsewhere, beside ours", columns, rows)
+    said = "Papers, another program, our design notes and simpler methods that say something else. A test shows each."
+    return '<h2 id="differences">Where figures differ</h2>' + html_of(Text(said), table)
 
 
-def _table(name: str, head: tuple[str, ...], rows: str) -> str:
-    cells = "".join(f'<th scope="col">{title}</th>' for title in head)
-    return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{name}"><table class="checks">'
-        f"<thead><tr>{cells}</tr></thead><tbody>{rows}</tbody></table></div>"
-    )
+def _difference(row: Difference) -> tuple[Cell, ...]:
+    why = f"{row.why[:1].upper()}{row.why[1:]}."
+    return Cell(_marked(row.result, row.equation)), Cell(row.printed), Cell(row.ours), Cell(row.holds), Cell(why)

@@ -20,25 +20,37 @@ def nbs14() -> np.ndarray:
     return np.array(values)
 
 
-def test_equals_nbs14(validated, ratio_off):
+def test_equals_nbs14(compared, ratio_off):
     found = overlapping_allan_deviation(nbs14(), 1.0, np.array([1.0, 10.0, 100.0]))
     off = ratio_off(found.deviation, [2.922319e-01, 9.159953e-02, 3.241343e-02])
-    validated(
-        "Allan deviation of the 1000-point set", "", "published: NIST SP 1065, NBS14", off, 1e-6, "largest ratio − 1"
+    compared(
+        "Allan deviation of the 1000-point set",
+        "",
+        "published figure",
+        "NIST SP 1065, NBS14",
+        off,
+        1e-6,
+        "largest ratio − 1",
     )
 
 
-def test_equals_nbs14_short_set(validated, ratio_off):
+def test_equals_nbs14_short_set(compared, ratio_off):
     short = np.array([892.0, 809.0, 823.0, 798.0, 671.0, 644.0, 883.0, 903.0, 677.0])
     found = overlapping_allan_deviation(short, 1.0, np.array([1.0, 2.0]))
     off = ratio_off(found.deviation, [91.22945, 85.95287])
-    validated(
-        "Allan deviation of the nine-point set", "", "published: NIST SP 1065, NBS14", off, 1e-6, "largest ratio − 1"
+    compared(
+        "Allan deviation of the nine-point set",
+        "",
+        "published figure",
+        "NIST SP 1065, NBS14",
+        off,
+        1e-6,
+        "largest ratio − 1",
     )
 
 
 @pytest.mark.parametrize("table", ["gps_oadev", "ocxo_oadev"])
-def test_equals_stable32(shared_data: Path, table: str, validated, ratio_off):
+def test_equals_stable32(shared_data: Path, table: str, compared, ratio_off):
     reference = json.loads((shared_data / "clock_stable32_and_nbs14_reference.json").read_text())
     with np.load(shared_data / "clock_gps1pps_phase_and_ocxo_freq.npz") as clocks:
         if table == "gps_oadev":
@@ -52,10 +64,12 @@ def test_equals_stable32(shared_data: Path, table: str, validated, ratio_off):
     found = overlapping_allan_deviation(signal, 1.0, rows[:, 1], alpha=rows[:, 3], confidence=0.683)
     oracle = "Stable32 1.60 on a GPS clock and an oven oscillator"
     off = ratio_off(found.deviation, rows[:, 5])
-    validated("Allan deviation of real clocks", "", oracle, off, 2e-3, "largest ratio − 1")
+    compared("Allan deviation of real clocks", "", "another program", oracle, off, 2e-3, "largest ratio − 1")
     # Stable32's own limits rest on the same degrees of freedom, computed by another program.
     off = [ratio_off(found.low, rows[:, 4]), ratio_off(found.high, rows[:, 6])]
-    validated("Confidence limits of the Allan deviation", "", oracle, off, 2e-2, "largest ratio − 1")
+    compared(
+        "Confidence limits of the Allan deviation", "", "another program", oracle, off, 2e-2, "largest ratio − 1"
+    )
 
 
 def test_limits_cover_white_noise():

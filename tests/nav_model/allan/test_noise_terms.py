@@ -18,7 +18,7 @@ SAMPLES, INTERVAL = 400, 0.25
         ("rate_random_walk", lambda f: 1.0 / (2.0 * np.pi * f) ** 2),
     ],
 )
-def test_allan_variance_is_the_filtered_density(term: str, density, validated, ratio_off):
+def test_allan_variance_is_the_filtered_density(term: str, density, compared, ratio_off):
     """AVAR = 4 ∫ S(f) sin⁴(πfτ)/(πfτ)² df, done in pieces by quadrature."""
     tau = 3.0
 
@@ -26,10 +26,15 @@ def test_allan_variance_is_the_filtered_density(term: str, density, validated, r
         return 4.0 * density(u / (np.pi * tau)) * np.sin(u) ** 4 / u**2 / (np.pi * tau)
 
     total = sum(quad(integrand, n * np.pi + (1e-9 if n == 0 else 0.0), (n + 1) * np.pi)[0] for n in range(4000))
-    validated(
-        "Allan variance of three kinds of noise", "", "SciPy, quadrature of the filtered spectrum",
-        ratio_off(allan_variance(term, 1.0, np.array(tau)), total), 2e-4, "largest ratio − 1",
-    )  # fmt: skip
+    compared(
+        "Allan variance of three kinds of noise",
+        "",
+        "solver written by others",
+        "SciPy's quadrature of each noise's spectrum through the Allan filter of NIST SP 1065",
+        ratio_off(allan_variance(term, 1.0, np.array(tau)), total),
+        2e-4,
+        "largest ratio − 1",
+    )
 
 
 def test_allan_variance_of_a_ramp_and_of_rounded_angles():
@@ -69,15 +74,20 @@ def covariance(term: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("term", "tolerance"), [(1, 1e-9), (2, 0.02), (3, 1e-6)])
-def test_cosine_variances_equal_the_exact_transform(term: int, tolerance: float, validated, ratio_off):
+def test_cosine_variances_equal_the_exact_transform(term: int, tolerance: float, compared, ratio_off):
     exact = np.diag(dct(dct(covariance(term), norm="ortho", axis=0), norm="ortho", axis=1))[1:]
     index = np.arange(1.0, SAMPLES)
     off = ratio_off(cosine_variances(index, SAMPLES, INTERVAL)[term], exact)
     assert np.max(np.abs(off)) <= tolerance
-    validated(
-        "Spectra the noise terms are fitted to", "", "SciPy, cosine transform of the exact covariance", off, 0.02,
+    compared(
+        "Spectra the noise terms are fitted to",
+        "",
+        "our own derivation",
+        "exact covariance of each noise, cosine-transformed by SciPy",
+        off,
+        0.02,
         "largest ratio − 1",
-    )  # fmt: skip
+    )
 
 
 def test_cosine_coefficients_of_walk_and_white_noise_are_independent():

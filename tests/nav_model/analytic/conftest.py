@@ -56,7 +56,9 @@ def discrete(sigma_a, sigma_w, sigma, interval, g, order=3, slow=None):
         wide_q[order, order] = -((slow_sigma / state[0]) ** 2) * np.expm1(-2 * interval / correlation)
         phi, added, h = wide_phi, wide_q, np.append(h, [[1.0]], axis=1)
         state = np.append(state, state[0])
-    guess = solve_discrete_are(phi.T, h.T, added, [[r]])
+    # The units have balanced it; balancing once more ends, in some processors' arithmetic, in a system so badly
+    # scaled that SciPy gives up.
+    guess = solve_discrete_are(phi.T, h.T, added, [[r]], balanced=False)
     prior, posterior = newton(phi, added, h, r, guess)
     unit = np.outer(state, state)
     return SimpleNamespace(prior=prior * unit, posterior=posterior * unit)

@@ -27,7 +27,7 @@ def _lyapunov_parts(reference, a, w, s, g, order=3):
     return [solve_continuous_lyapunov(closed, -source) * np.outer(state, state) for source in sources]
 
 
-def test_shares_against_the_lyapunov_equation(fleet, reference, validated):
+def test_shares_against_the_lyapunov_equation(fleet, reference, compared):
     off = []
     shares = horizontal_shares(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g)
     parts = horizontal_parts(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g)
@@ -42,10 +42,11 @@ def test_shares_against_the_lyapunov_equation(fleet, reference, validated):
             np.testing.assert_allclose(
                 ours.matrix()[i] / np.outer(sigma, sigma), part / np.outer(sigma, sigma), atol=1e-9
             )
-    validated(
+    compared(
         "Shares by source, 240 designs",
         "T-18",
-        "SciPy, Lyapunov equation",
+        "solver written by others",
+        "SciPy's Lyapunov solver on [T-1] with the gain of SciPy's Riccati solver",
         off,
         1e-9,
         "largest difference of a share",

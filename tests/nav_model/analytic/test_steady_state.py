@@ -26,26 +26,36 @@ DENSITY = st.floats(1e-3, 1e2)
 GRAVITY = st.floats(9.7, 9.9)
 
 
-def test_horizontal_against_the_riccati_equation(fleet, reference, validated, ratio_off):
+def test_horizontal_against_the_riccati_equation(fleet, reference, compared, ratio_off):
     ours = horizontal(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g).matrix()
     assert fleet.size >= 200
     each = zip(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g, strict=True)
     off = ratio_off(ours, [reference.continuous(*design) for design in each])
-    validated(
-        "Steady-state covariance, horizontal, 240 designs", "T-3", "SciPy, continuous Riccati equation", off, 1e-9,
+    compared(
+        "Steady-state covariance, horizontal, 240 designs",
+        "T-3",
+        "solver written by others",
+        "SciPy's continuous Riccati solver on [T-1], written out in the test",
+        off,
+        1e-9,
         "largest ratio − 1",
-    )  # fmt: skip
+    )
 
 
-def test_vertical_against_the_riccati_equation(fleet, reference, validated, ratio_off):
+def test_vertical_against_the_riccati_equation(fleet, reference, compared, ratio_off):
     v = vertical(fleet.sigma_a, fleet.s)
     each = zip(fleet.sigma_a, fleet.s, fleet.g, strict=True)
     theirs = np.array([reference.continuous(a, 0.0, s, g, order=2) for a, s, g in each])
     off = ratio_off([[v.v11, v.v12], [v.v12, v.v22]], np.moveaxis(theirs, 0, -1))
-    validated(
-        "Steady-state covariance, vertical, 240 designs", "T-4", "SciPy, continuous Riccati equation", off, 1e-9,
+    compared(
+        "Steady-state covariance, vertical, 240 designs",
+        "T-4",
+        "solver written by others",
+        "SciPy's continuous Riccati solver on [T-1], written out in the test",
+        off,
+        1e-9,
         "largest ratio − 1",
-    )  # fmt: skip
+    )
 
 
 def test_the_fleet_spans_both_regimes(fleet):
@@ -59,7 +69,7 @@ def _root(gyro, accelerometer, near):
     return mp.findroot(lambda x: x**4 / 4 - gyro * x - accelerometer, near)
 
 
-def test_elements_in_fifty_digits(fleet, validated, ratio_off):
+def test_elements_in_fifty_digits(fleet, compared, ratio_off):
     """[T-3] as printed, with its quartic solved in 50 digits: the floats are right to the last few bits."""
     p = horizontal(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g)
     off = []
@@ -77,10 +87,15 @@ def test_elements_in_fifty_digits(fleet, validated, ratio_off):
                 p11**2 * w / (2 * g * s**3),
             )
             off.append(ratio_off([ours[i] for ours in p], [float(theirs) for theirs in printed]))
-    validated(
-        "Quartic of the steady state in closed form", "T-3", "mpmath, root finding in 50 digits", off, 1e-14,
+    compared(
+        "Quartic of the steady state by formula",
+        "T-3",
+        "solver written by others",
+        "mpmath's root finder on [T-3], 50 digits",
+        off,
+        1e-14,
         "largest ratio − 1",
-    )  # fmt: skip
+    )
 
 
 @given(st.floats(0, 1e12))
@@ -92,15 +107,20 @@ def test_position_ratio_is_the_root(kappa):
         assert u == pytest.approx(float(exact), rel=1e-15)
 
 
-def test_position_ratio_over_twenty_decades(validated, ratio_off):
+def test_position_ratio_over_twenty_decades(compared, ratio_off):
     kappa = np.geomspace(1e-8, 1e12, 81)
     with mp.workdps(40):
         roots = [float(mp.findroot(lambda x, k=k: x**4 - 1 - mp.mpf(k) * x, mp.mpf(max(1, k) ** (1 / 3)) + 0.1))
                  for k in kappa]  # fmt: skip
-    validated(
-        "Gyro dominance: the position ratio it gives", "T-6", "mpmath, root finding in 40 digits",
-        ratio_off(position_ratio(kappa), roots), 1e-14, "largest ratio − 1",
-    )  # fmt: skip
+    compared(
+        "Gyro dominance: the position ratio it gives",
+        "T-6",
+        "solver written by others",
+        "mpmath's root finder on [T-6], 40 digits",
+        ratio_off(position_ratio(kappa), roots),
+        1e-14,
+        "largest ratio − 1",
+    )
 
 
 @given(SIGMA_A, SIGMA_W, DENSITY, GRAVITY)
@@ -135,15 +155,20 @@ def test_more_noise_never_helps(a, w, s, g, which, factor):
         assert more >= less * (1 - 1e-13)
 
 
-def test_gyro_dominated_limit_against_the_riccati_equation(reference, validated, ratio_off):
+def test_gyro_dominated_limit_against_the_riccati_equation(reference, compared, ratio_off):
     """At a gyro dominance of 1e5, where the limit's own error is κ^(-4/3), 2e-7."""
     g, s, w = 9.80665, 1.0, 1e-4
     a = (2 * math.sqrt(2) * g * w * math.sqrt(s) / 1e5) ** (2 / 3)
     off = ratio_off(gyro_dominated(w, s, g), np.diag(reference.continuous(a, w, s, g)))
-    validated(
-        "Gyro-dominated limit at a gyro dominance of 10⁵", "T-7", "SciPy, continuous Riccati equation", off, 1e-6,
+    compared(
+        "Gyro-dominated limit at a gyro dominance of 10⁵",
+        "T-7",
+        "solver written by others",
+        "SciPy's continuous Riccati solver on [T-1], written out in the test",
+        off,
+        1e-6,
         "largest ratio − 1",
-    )  # fmt: skip
+    )
 
 
 def test_gyro_dominated_limit_and_its_error():

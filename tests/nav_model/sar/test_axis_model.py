@@ -82,7 +82,7 @@ def test_a_singular_covariance_can_be_drawn():
     assert np.std(states[:, 0]) == pytest.approx(2.0, rel=0.05)
 
 
-def test_smoother_is_the_weighted_least_squares_solution(validated):
+def test_smoother_is_the_weighted_least_squares_solution(compared):
     """Smoothed states of a short track equal the joint Gaussian posterior given all fixes at once."""
     model = AxisModel(0.3, 0.02, 0.7, 1.0)
     random = np.random.default_rng(11)
@@ -115,10 +115,15 @@ def test_smoother_is_the_weighted_least_squares_solution(validated):
         forward[0].append(state)
         forward[1].append(covariance)
     smoothed = rts_smooth(*(np.array(part) for part in forward), np.broadcast_to(phi, (count - 1, 3, 3)))
-    validated(
-        "Smoother (8)", "", "NumPy, least squares of all fixes at once", smoothed - expected, 1e-9,
+    compared(
+        "RTS smoother on a track of six fixes",
+        "",
+        "our own derivation",
+        "least squares of all six fixes at once, with the product's transition and process noise",
+        smoothed - expected,
+        1e-9,
         "largest difference, m, m/s, m/s²",
-    )  # fmt: skip
+    )
     with pytest.raises(ValueError, match="transitions"):
         rts_smooth(*(np.array(part) for part in forward), np.broadcast_to(phi, (2, 3, 3)))
 

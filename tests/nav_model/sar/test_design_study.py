@@ -218,12 +218,16 @@ def test_a_smeared_response_is_no_response():
 
 
 def test_the_sentence_names_the_best_of_the_runs(study):
-    causal, offline = study.best(causal=True), study.best(causal=False)
+    causal, waiting = study.best(causal=True), study.best(causal=False)
     residual = study.parts["residual_rms"].median
     assert causal.causal
-    assert not offline.causal
-    assert residual[STRATEGY_KEYS.index(offline.key)] == residual[4:][[0, 1, 4]].min()
+    assert not waiting.causal
+    assert residual[STRATEGY_KEYS.index(waiting.key)] == residual[4:][[0, 1, 4]].min()
     assert f"({causal.key}, {causal.name}" in study.sentence
+    assert f"with all fixes of the aperture ({waiting.key}, {waiting.name})" in study.sentence
+    assert any(
+        "fixes after the aperture does about twice as well" in caution for caution in to_json(study)["cautions"]
+    )
     worse = replace(study, closed=replace(study.closed, advice=replace(study.closed.advice, strategy="5")))
     assert ("has no closed form" in worse.sentence) == (
         residual[STRATEGY_KEYS.index(causal.key)] < 0.95 * residual[STRATEGY_KEYS.index("5")]

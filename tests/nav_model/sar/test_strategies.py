@@ -171,7 +171,7 @@ def test_fix_times_between_the_samples_and_a_last_interval_cut_short():
     assert np.mean(histories.filter_position[:, 0] ** 2) == pytest.approx(posterior[0, 0], rel=0.3)
 
 
-def test_the_tracking_filter_solves_its_differential_equation(validated):
+def test_the_tracking_filter_solves_its_differential_equation(compared):
     time = np.linspace(0, 20, 20_001)
     tuning = Tuning(natural_frequency=0.8, damping=0.6)
     position, velocity = 0.3 * np.sin(0.5 * time), 0.15 * np.cos(0.5 * time)
@@ -184,16 +184,21 @@ def test_the_tracking_filter_solves_its_differential_equation(validated):
         return [y[1], acceleration + pull]
 
     exact = solve_ivp(rate, (0, 20), [0.0, 0.15], t_eval=time, rtol=1e-10, atol=1e-12).y[0]
-    validated(
-        "Two-stage tracking filter (6) against its equation", "", "SciPy, initial value problem", output - exact,
-        2e-4, "largest difference, m",
-    )  # fmt: skip
+    compared(
+        "Two-stage tracking filter against its equation",
+        "",
+        "solver written by others",
+        "SciPy's solver of initial value problems on the equation, written out in the test",
+        output - exact,
+        2e-4,
+        "largest difference, m",
+    )
     with pytest.raises(ValueError, match="natural_frequency"):
         tracking_filter(time[::2000], time[None, ::2000], time[None, ::2000], time[None, ::2000], tuning)
 
 
 @pytest.mark.parametrize("gains", [(0.5, 0.02), (0.4, 0.04), (0.3, 0.2), (0.5, 0.0)])
-def test_the_damping_loop_works_a_correction_off_by_its_pi_law(gains, validated):
+def test_the_damping_loop_works_a_correction_off_by_its_pi_law(gains, compared):
     time = np.linspace(0, 30, 3001)
     tuning = Tuning(proportional_gain=gains[0], integral_gain=gains[1])
     jumped = np.where(time >= 5, -0.4, 0.0)
@@ -203,10 +208,15 @@ def test_the_damping_loop_works_a_correction_off_by_its_pi_law(gains, validated)
         return [-gains[0] * y[0] - gains[1] * y[1], y[0]]
 
     exact = solve_ivp(rate, (0, 25), [-0.4, 0.0], t_eval=time[time >= 5] - 5, rtol=1e-10, atol=1e-12).y[0]
-    validated(
-        "Position-error damping loop (7) against its law", "", "SciPy, initial value problem",
-        output[time >= 5] + 0.4 + exact, 1e-8, "largest difference, m",
-    )  # fmt: skip
+    compared(
+        "Position-error damping loop against its law",
+        "",
+        "solver written by others",
+        "SciPy's solver of initial value problems on the law, written out in the test",
+        output[time >= 5] + 0.4 + exact,
+        1e-8,
+        "largest difference, m",
+    )
     assert np.abs(np.diff(output)).max() < 0.01  # no jump left
 
 

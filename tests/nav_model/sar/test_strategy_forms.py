@@ -34,7 +34,7 @@ def _detrended(covariance, order):
     return total
 
 
-def test_noise_terms_are_projections_of_the_integrated_noise(validated, ratio_off):
+def test_noise_terms_are_projections_of_the_integrated_noise(compared, ratio_off):
     def twice(a, b):
         a, b = min(a, b), max(a, b)
         return a**2 * (3 * b - a) / 6
@@ -46,9 +46,25 @@ def test_noise_terms_are_projections_of_the_integrated_noise(validated, ratio_of
     after_line = ins_variances(1, 1, 0, 0).detrended, ins_variances(1, 0, 1, 0, gravity=1).detrended
     after_quadratic = beyond_quadratic_variance(1, 1, 0), beyond_quadratic_variance(1, 0, 1, gravity=1)
     line, quadratic = ([_detrended(process, n) for process in (twice, thrice)] for n in (1, 2))
-    oracle, measure = "SciPy, quadrature of the integrated noise's covariance", "largest ratio − 1"
-    validated("Phase left after the line", "T-15", oracle, ratio_off(after_line, line), 1e-5, measure)
-    validated("What a fitted quadratic leaves", "T-14", oracle, ratio_off(after_quadratic, quadratic), 1e-4, measure)
+    oracle, measure = "Legendre projection of the integrated noise's covariance, by quadrature", "largest ratio − 1"
+    compared(
+        "Phase left after linear detrend, noise terms",
+        "T-15",
+        "our own derivation",
+        oracle,
+        ratio_off(after_line, line),
+        1e-5,
+        measure,
+    )
+    compared(
+        "Phase left after a fitted quadratic, noise terms",
+        "T-14",
+        "our own derivation",
+        oracle,
+        ratio_off(after_quadratic, quadratic),
+        1e-4,
+        measure,
+    )
 
 
 def test_the_quadratic_and_the_rest_add_up_to_the_whole():
@@ -64,15 +80,20 @@ def test_the_quadratic_and_the_rest_add_up_to_the_whole():
 
 
 @pytest.mark.parametrize(("fixes", "interval"), [(6, 1.0), (21, 0.5), (3, 2.0)])
-def test_the_fit_noise_is_least_squares(fixes, interval, validated, ratio_off):
+def test_the_fit_noise_is_least_squares(fixes, interval, compared, ratio_off):
     time = np.arange(fixes) * interval
     curvature = np.linalg.inv(np.vander(time, 3).T @ np.vander(time, 3))[0, 0]
     span = 11.0
     sigma = fit_quadratic_sigma(0.7, interval, span, fixes)
-    validated(
-        "GNSS noise through the quadratic fit", "S-7", "NumPy, normal equations of the fit",
-        ratio_off(sigma, 0.7 * np.sqrt(curvature) * span**2 / 4), 1e-9, "largest ratio − 1",
-    )  # fmt: skip
+    compared(
+        "GNSS noise through the quadratic fit",
+        "S-7",
+        "our own derivation",
+        "normal equations of the fit, written out in the test",
+        ratio_off(sigma, 0.7 * np.sqrt(curvature) * span**2 / 4),
+        1e-9,
+        "largest ratio − 1",
+    )
     assert fit_noise_variance(0.7, interval, span, fixes) == pytest.approx(4 / 45 * sigma**2)
 
 
@@ -84,10 +105,12 @@ def test_the_fit_noise_knows_how_many_fixes_there_are(differs):
         found[count] = 1e3 * 0.13 * np.linalg.norm(np.linalg.pinv(np.vander(x, 3))[0])
         assert 1e3 * fit_quadratic_sigma(0.13, 1.0, 20.0, count) == pytest.approx(found[count], rel=1e-9)
     differs(
-        "Quadratic that 0.13 m fixes at 1 Hz leave over 20 s", "S-7", f"{found[20]:.1f} mm, N = T/dt = 20 [C]",
-        f"{found[21]:.1f} mm, N = T/dt + 1 = 21", "both",
-        "an aperture that begins with a fix, as in the runs and on the maps, has one fix more than [C] counts; the "
-        "formula is the same, and least squares gives both figures",
+        "Quadratic that 0.13 m fixes at 1 Hz leave over 20 s", "S-7",
+        f"20 fixes, as [C] counts them (T/dt), give {found[20]:.1f} mm; [C] prints no figure",
+        f"{found[21]:.1f} mm with 21 fixes (T/dt + 1)", "both",
+        "an aperture with a fix on both ends, as in the runs and on the maps, has one fix more than [C] counts; "
+        "where the first fix comes an interval after the start, [C]'s count holds; the formula is the same, and "
+        "least squares gives both figures",
     )  # fmt: skip
 
 
@@ -120,14 +143,14 @@ def test_few_fixes_leave_more_than_the_continuous_fit(differs):
     assert late[3] > 1.8
     assert late[21] < 1.03
     differs(
-        "Inertial residual under the quadratic correction (5), first fix an interval after the start", "T-16",
+        "Inertial residual under the quadratic correction, first fix an interval after the start", "T-16",
         "the fit taken as continuous", f"{late[3]:.2f} times that with 3 fixes, {late[21]:.3f} times with 21", "ours",
         "the covariance of the integrated noise carried through the fit at the fixes themselves, which random walks "
         "confirm; [T-16] is a good guide from some ten fixes on",
     )  # fmt: skip
 
 
-def test_exact_variance_against_random_walks(validated):
+def test_exact_variance_against_random_walks(compared):
     random = np.random.default_rng(9)
     x = np.linspace(0, 1, 201)
     rate = np.cumsum(random.standard_normal((4000, 200)), axis=1) / np.sqrt(200)
@@ -140,10 +163,15 @@ def test_exact_variance_against_random_walks(validated):
     square = np.mean(left**2, axis=1)
     exact = exact_corrected_variance(1.0, 1.0, 0.0, 0.1, fixes)
     assert abs(square.mean() - exact) < 4 * square.std() / np.sqrt(4000) + 0.01 * exact
-    validated(
-        "Quadratic correction at four fixes", "T-16", "NumPy, 4000 random walks, each with its fit",
-        (square.mean() - exact) / (square.std() / np.sqrt(4000)), 5, "standard errors",
-    )  # fmt: skip
+    compared(
+        "Quadratic correction at four fixes",
+        "T-16",
+        "our own derivation",
+        "4000 drawn random walks, a quadratic fitted to each by NumPy",
+        (square.mean() - exact) / (square.std() / np.sqrt(4000)),
+        5,
+        "standard errors",
+    )
 
 
 def test_exact_variance_without_a_fit_is_t15():

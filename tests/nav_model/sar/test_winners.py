@@ -30,16 +30,21 @@ PLAIN = Conditions(20.0, 0.3, 1.0, SA, SW, settled(TILT))
 
 
 @pytest.mark.parametrize("sigma", [0.02, 0.3, 3.0])
-def test_break_even_is_where_t15_equals_t16(sigma, validated, ratio_off):
+def test_break_even_is_where_t15_equals_t16(sigma, compared, ratio_off):
     def excess(span):
         corrected = corrected_residual_variance(span, SA, SW, sigma, 1.0, fixes=span + 1)
         return float(ins_variances(span, SA, SW, TILT).detrended - corrected)
 
     root = brentq(excess, 2.01, 500)
-    validated(
-        "Aperture above which the quadratic correction pays", "T-16", "SciPy, root finding",
-        ratio_off(break_even_aperture(replace(PLAIN, gnss_sigma=sigma)), root), 1e-9, "largest ratio − 1",
-    )  # fmt: skip
+    compared(
+        "Shortest aperture for which the quadratic correction is better",
+        "T-16",
+        "our own derivation",
+        "SciPy's root finder on the difference of the product's own [T-15] and [T-16]",
+        ratio_off(break_even_aperture(replace(PLAIN, gnss_sigma=sigma)), root),
+        1e-9,
+        "largest ratio − 1",
+    )
     assert break_even_aperture(replace(PLAIN, gnss_sigma=np.array([sigma, sigma]))).shape == (2,)
 
 
@@ -94,10 +99,10 @@ def test_the_shrunk_fit_can_lose_along_the_line_of_sight(differs):
     assert still <= still_ins
     assert shrunk > 2 * ins
     differs(
-        "Shrunk quadratic correction (5w) against the INS alone (2)", "S-2", "5w never loses",
-        f"5w leaves {shrunk:.1f} mm, 2 leaves {ins:.1f} mm, navigation grade, 1 m fixes, 10 s at 5 km from 100 m/s",
+        "Noise-weighted quadratic fit against the INS alone", "S-2", "our design notes: the weighted fit never loses",
+        f"the fit leaves {shrunk:.1f} mm, the INS {ins:.1f} mm (navigation grade, 1 m fixes, 10 s, 5 km, 100 m/s)",
         "ours",
-        "on one axis 5w is never worse; along the line of sight its fitted line brings the fixes' velocity noise, "
+        "on one axis the fit is never worse; along the line of sight its line brings the fixes' velocity noise, "
         "which the turning line of sight bends into a quadratic, as exact ranges show",
     )  # fmt: skip
 

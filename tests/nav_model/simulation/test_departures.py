@@ -12,7 +12,7 @@ from scipy.linalg import expm, solve_discrete_are
 from nav_model.design import Design
 from nav_model.design.file import format_design
 from nav_model.simulation.departures import CAUSES, Departure, chain
-from nav_model.simulation.design_study import DesignStudy, closed_form, specification, study_of
+from nav_model.simulation.design_study import SimulationStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.study_inputs import read_study_inputs
@@ -22,18 +22,18 @@ G, SIGMA_A, SIGMA_W = 9.80665, 0.05 / 60, math.radians(0.5) / 60
 SETTLED = 150.0
 
 
-def study(design: Design = PAPER, added: dict[str, str] | None = None, **options: object) -> DesignStudy:
+def study(design: Design = PAPER, added: dict[str, str] | None = None, **options: object) -> SimulationStudy:
     asked = {"runs": 30, "duration": 300.0, "outages": [(200, 300)], "trajectory": "straight", **options}
     spec = specification(design, more=read_study_inputs(added or {}), **asked)  # type: ignore[arg-type]
     return study_of(design, simulate(spec, closed_form=closed_form(design, spec)))
 
 
-def causes(found: DesignStudy, after: float = SETTLED) -> set[str]:
+def causes(found: SimulationStudy, after: float = SETTLED) -> set[str]:
     """Every cause named once the filter has settled."""
     return {cause for d in found.departures if d.stop_s > after for cause, _ in d.steps}
 
 
-def of(found: DesignStudy, group: str, axis: str, at: float) -> Departure | None:
+def of(found: SimulationStudy, group: str, axis: str, at: float) -> Departure | None:
     for departure in found.departures:
         if (departure.group, departure.axis) == (group, axis) and departure.start_s <= at <= departure.stop_s:
             return departure

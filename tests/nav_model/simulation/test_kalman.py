@@ -27,7 +27,7 @@ def random_covariance(n: int, seed: int) -> np.ndarray:
 
 @pytest.mark.parametrize("n", [9, 15, 21])
 @pytest.mark.parametrize("dt", [0.01, 0.1, 1.0])
-def test_propagation_matches_van_loans_matrix_exponential(n, dt, validated):
+def test_propagation_matches_van_loans_matrix_exponential(n, dt, compared):
     state = initial_state(np.array([0.7, 0.2, 4000.0]), np.array([60.0, -40.0, 3.0]), np.eye(3))
     force = np.array([0.4, -0.3, -9.8])
     dynamics = np.empty((9, n))
@@ -47,10 +47,15 @@ def test_propagation_matches_van_loans_matrix_exponential(n, dt, validated):
     # Process noise sees only the main chain; Coriolis' share of it is below 1e-4 of the noise in a second.
     off = np.max(np.abs(found - expected) / np.outer(sigma, sigma))
     assert off < (2e-8 if dt == 1.0 else 1e-9)
-    validated(
-        "Covariance step of the simulator's filter", "", "SciPy, matrix exponential (Van Loan)", off, 2e-8,
+    compared(
+        "Covariance step of the simulator's filter, its dynamics given",
+        "",
+        "our own derivation",
+        "SciPy's matrix exponential (Van Loan) of the filter's own dynamics matrix",
+        off,
+        2e-8,
         "largest difference, in sigmas",
-    )  # fmt: skip
+    )
     noise_only = np.zeros((n, n))
     propagate(noise_only, dynamics, force, dt, 1e-3, 2e-4, np.zeros(12), np.zeros(12), np.empty((4, n, n)))
     expected_noise = phi @ exponential[:n, n:]
@@ -115,7 +120,7 @@ def test_error_dynamics_match_finite_differences_of_the_mechanisation():
         assert np.max(np.abs(np.concatenate([metres, found[3:6]]) - expected[:6]) / final[:6]) < 2e-3
 
 
-def test_the_update_matches_the_textbook(validated):
+def test_the_update_matches_the_textbook(compared):
     n = 15
     start, generator = random_covariance(n, 8), np.random.default_rng(9)
     rows = generator.standard_normal((3, n))
@@ -126,10 +131,15 @@ def test_the_update_matches_the_textbook(validated):
     gain = start @ rows.T @ np.linalg.inv(innovation)
     expected = start - gain @ rows @ start
     sigma = np.sqrt(np.diag(start))
-    validated(
-        "Update of the simulator's filter", "", "NumPy, the textbook's gain by matrix inversion",
-        (found - expected) / np.outer(sigma, sigma), 1e-10, "largest difference, in sigmas",
-    )  # fmt: skip
+    compared(
+        "Update of the simulator's filter",
+        "",
+        "our own derivation",
+        "textbook gain by matrix inversion, written out in the test",
+        (found - expected) / np.outer(sigma, sigma),
+        1e-10,
+        "largest difference, in sigmas",
+    )
     assert estimate / sigma == pytest.approx(gain @ residual / sigma, abs=1e-10)
     assert nis == pytest.approx(residual @ np.linalg.solve(innovation, residual))
     error = generator.standard_normal(n) * sigma
@@ -159,7 +169,7 @@ def riccati_vertical(sigma_a: float, fix: float, dt: float) -> tuple[np.ndarray,
 
 
 @pytest.mark.parametrize(("fix", "kind"), [(1.0, "wandering"), (0.02, "straight")])
-def test_the_filter_settles_on_the_discrete_riccati_solution(paper_imu, fix, kind, validated, ratio_off):
+def test_the_filter_settles_on_the_discrete_riccati_solution(paper_imu, fix, kind, compared, ratio_off):
     spec = SimulationSpec(
         paper_imu,
         GnssModel(position_noise=fix),
@@ -174,11 +184,15 @@ def test_the_filter_settles_on_the_discrete_riccati_solution(paper_imu, fix, kin
         assert sigma[phase, 0:2] == pytest.approx(expected[0], rel=0.01)
         assert sigma[phase, 3:5] == pytest.approx(expected[1], rel=0.01)
         assert sigma[phase, 6:8] == pytest.approx(expected[2], rel=0.01)
-        validated(
-            "Simulated filter in steady state", "T-8", "SciPy, discrete Riccati equation",
-            ratio_off(sigma[phase, :8].reshape(-1)[[0, 1, 3, 4, 6, 7]], np.repeat(expected, 2)), 0.01,
+        compared(
+            "Sigmas of the simulator's filter in steady state",
+            "T-8",
+            "solver written by others",
+            "SciPy's discrete Riccati solver on [T-1], written out in the test",
+            ratio_off(sigma[phase, :8].reshape(-1)[[0, 1, 3, 4, 6, 7]], np.repeat(expected, 2)),
+            0.01,
             "largest ratio − 1",
-        )  # fmt: skip
+        )
     for phase, expected in zip((PRIOR, POSTERIOR), riccati_vertical(0.05 / 60, fix, 1.0), strict=True):
         assert sigma[phase, [2, 5]] == pytest.approx(expected, rel=0.01)
 

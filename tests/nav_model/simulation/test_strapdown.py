@@ -92,7 +92,7 @@ def earth_centred(position: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("offset", [False, True], ids=["true start", "wrong start"])
-def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset, validated):
+def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset, compared):
     """DOP853 over position, velocity and the nine direction cosines in rotating Earth-centred axes, 600 s.
 
     The wrong start (20 m, 1 m/s, 1 deg) makes the two follow a path that the trajectory's truth knows nothing
@@ -130,10 +130,15 @@ def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset, vali
     solution = solve_ivp(
         motion, (0.0, 600.0), start, method="DOP853", rtol=1e-6, atol=1.0, first_step=0.25, max_step=0.25
     )
-    validated(
-        "Strapdown INS through turns, 600 s", "", "SciPy, DOP853 on Newton's equation in Earth-centred axes",
-        np.linalg.norm(earth_centred(found[-1, :3]) - solution.y[:3, -1]), 1e-3, "distance at the end, m",
-    )  # fmt: skip
+    compared(
+        "Strapdown INS through turns, 600 s",
+        "",
+        "solver written by others",
+        "SciPy's DOP853 on Newton's equation in Earth-centred axes, written out in the test; same sensor inputs",
+        np.linalg.norm(earth_centred(found[-1, :3]) - solution.y[:3, -1]),
+        1e-3,
+        "distance at the end, m",
+    )
     axes = ned_axes(found[-1, 0], found[-1, 1])
     assert axes @ found[-1, 3:6] == pytest.approx(solution.y[3:6, -1], abs=1e-5)
     assert axes @ matrices(found[-1:, 6:])[0] == pytest.approx(solution.y[6:, -1].reshape(3, 3), abs=1e-8)

@@ -13,7 +13,7 @@ from nav_model.simulation.design_study import specification
 from nav_model.simulation.study_inputs import (
     NOTHING_ADDED,
     STUDY_KEYS,
-    StudyInputs,
+    SimulationInputs,
     added,
     read_study_inputs,
     split_changes,
@@ -90,7 +90,7 @@ def test_what_cannot_be_is_refused_under_its_key(key: str, text: str, reason: st
     assert caught.value.key == key
     assert reason in caught.value.reason
     with pytest.raises(InputError):
-        StudyInputs(((key, math.nan),))
+        SimulationInputs(((key, math.nan),))
 
 
 def test_changes_are_sorted_by_whose_they_are() -> None:

@@ -1,12 +1,12 @@
 import pytest
 
-from nav_model.suborbital.flight import Flight, golden_flight
+from nav_model.suborbital.flight import TrueFlight, golden_flight
 from nav_model.suborbital.sky import Sky, hipparcos_sky
 from nav_model.suborbital.study import Study, run_study
 
 
 @pytest.fixture(scope="session")
-def flight() -> Flight:
+def flight() -> TrueFlight:
     return golden_flight()
 
 

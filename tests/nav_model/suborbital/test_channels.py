@@ -38,7 +38,7 @@ def test_printed_check_values(forcing, horizontal, vertical):
 
 
 @pytest.mark.parametrize("stiffness", ["horizontal", "vertical"])
-def test_closed_forms_solve_the_channel_equation(stiffness, validated):
+def test_closed_forms_solve_the_channel_equation(stiffness, compared):
     """All forcings together against an ODE solver."""
     w = float(schuler_rate(HEIGHT))
     spring = w**2 if stiffness == "horizontal" else -2.0 * w**2
@@ -60,10 +60,15 @@ def test_closed_forms_solve_the_channel_equation(stiffness, validated):
     form = horizontal_error if stiffness == "horizontal" else vertical_error
     found, solved = form(t, HEIGHT, **given_forcing), answer.sol(t)[0]
     np.testing.assert_allclose(found, solved, rtol=1e-6, atol=1e-4)
-    validated(
-        "Decoupled channels in closed form", "B-6", "SciPy, initial value problem",
-        np.abs(found - solved).max() / np.abs(solved).max(), 1e-6, "largest difference over the largest error",
-    )  # fmt: skip
+    compared(
+        "Decoupled channels by formula",
+        "B-6",
+        "solver written by others",
+        "SciPy's solver of initial value problems on the channel equation, written out in the test",
+        np.abs(found - solved).max() / np.abs(solved).max(),
+        1e-6,
+        "largest difference over the largest error",
+    )
 
 
 def test_resonant_forcing_is_the_limit():

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from nav_model.earth.sphere import ned_to_inertial
 from nav_model.suborbital.errors import (
     CLASSES,
     PARAMETERS,
@@ -13,7 +14,6 @@ from nav_model.suborbital.errors import (
     scale_and_misalignment,
 )
 from nav_model.suborbital.flight import FlightParameters, golden_flight
-from nav_model.suborbital.frames import ned_to_inertial
 from nav_model.suborbital.mechanisation import (
     AttitudeFrames,
     Cancelled,
@@ -31,20 +31,30 @@ PRINTED = {
 
 
 @pytest.mark.parametrize("name", PRINTED)
-def test_gp1_rows(study, name, validated):
+def test_gp1_rows(study, name, compared):
     final = study.pure.position_m[study.case(name), -1]
-    validated(
-        "Final position errors of the worked flight, free INS", "B-3", "design notes, another program",
-        final - PRINTED[name], 0.02, "largest difference, m",
-    )  # fmt: skip
+    compared(
+        "Final position errors of the worked flight, free INS",
+        "B-3",
+        "our own derivation",
+        "our design notes, from a separate program",
+        final - PRINTED[name],
+        0.02,
+        "largest difference, m",
+    )
 
 
-def test_gp1_aided_from_lift_off(study, validated):
+def test_gp1_aided_from_lift_off(study, compared):
     final = study.aided.position_m[study.case("all"), -1]
-    validated(
-        "Final position errors of the worked flight, with star tracker", "B-7", "design notes, another program",
-        final - (-3162.51, -8901.97, 15002.50), 0.02, "largest difference, m",
-    )  # fmt: skip
+    compared(
+        "Final position errors of the worked flight, with star tracker",
+        "B-7",
+        "our own derivation",
+        "our design notes, from a separate program",
+        final - (-3162.51, -8901.97, 15002.50),
+        0.02,
+        "largest difference, m",
+    )
 
 
 def test_error_free_ins_follows_the_flight(flight):
@@ -56,7 +66,7 @@ def test_error_free_ins_follows_the_flight(flight):
 
 @pytest.mark.parametrize("gravity", ["spherical", "j2", "ellipsoidal"])
 @pytest.mark.parametrize("aided", [False, True])
-def test_ned_agrees_with_inertial(flight, gravity, aided, validated):
+def test_ned_agrees_with_inertial(flight, gravity, aided, compared):
     """[B-2] against [B-3] with all errors: better than 1e-2 m over the flight, with and without camera."""
     p = parameter_vector(ErrorSet())
     frames = None
@@ -67,15 +77,20 @@ def test_ned_agrees_with_inertial(flight, gravity, aided, validated):
     runs = [
         mechanise(flight, p, ErrorSet(), axes=axes, gravity=gravity, frames=frames) for axes in ("inertial", "ned")
     ]
-    validated(
-        "Mechanisation in north, east, down, three gravity models", "B-2", "our own mechanisation in inertial axes",
-        np.linalg.norm(runs[0].position_i - runs[1].position_i, axis=-1), 1e-2, "largest distance, m",
-    )  # fmt: skip
+    compared(
+        "Mechanisation in north, east, down, three gravity models",
+        "B-2",
+        "our own derivation",
+        "our own mechanisation in inertial axes",
+        np.linalg.norm(runs[0].position_i - runs[1].position_i, axis=-1),
+        1e-2,
+        "largest distance, m",
+    )
     assert np.abs(runs[0].velocity_i - runs[1].velocity_i).max() < 1e-4
     assert np.abs(runs[0].attitude_bi - runs[1].attitude_bi).max() < 1e-8
 
 
-def test_full_case_against_dop853(study, validated):
+def test_full_case_against_dop853(study, compared):
     """ "Everything, pure INS", written out afresh from star_tracker.md and integrated by scipy's DOP853."""
     deg = np.pi / 180.0
     mis = np.array([[0, 1, -1], [-1, 0, 1], [1, -1, 0]], dtype=float)
@@ -133,10 +148,15 @@ def test_full_case_against_dop853(study, validated):
         y = answer.y[:, -1]
     row = study.parameters[study.case("all")]
     ours = mechanise(study.flight, row, study.inputs.errors).position_i[0, -1]
-    validated(
-        "Worked flight with every error, 1500 s", "B-3", "SciPy, DOP853 on the equations written out afresh",
-        np.linalg.norm(ours - y[12:]), 1e-2, "distance at the end, m",
-    )  # fmt: skip
+    compared(
+        "Worked flight with every error, 1500 s",
+        "B-3",
+        "solver written by others",
+        "SciPy's DOP853 on the equations of motion, written out in the test",
+        np.linalg.norm(ours - y[12:]),
+        1e-2,
+        "distance at the end, m",
+    )
 
 
 def test_attitude_error_in_navigation_axes_comes_from_position(study):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from nav_model.constants import GRAVITATIONAL_PARAMETER
 from nav_model.suborbital.errors import CLASSES, ErrorSet, SensorErrors, mask, parameter_vector
-from nav_model.suborbital.frames import KM
 from nav_model.suborbital.mechanisation import mechanise, navigation_errors
 from nav_model.suborbital.sensor_history import sensor_history
 
@@ -38,7 +38,7 @@ def test_accelerometer_error_is_the_acceleration_the_ins_gains(flight, parameter
         gained = (dv[i + 1] - dv[i - 1]) / 0.2
         r = flight.position_i[i]
         radius = np.linalg.norm(r)
-        gravity = KM / radius**3 * (3 * r * (r @ dr[i]) / radius**2 - dr[i])
+        gravity = GRAVITATIONAL_PARAMETER / radius**3 * (3 * r * (r @ dr[i]) / radius**2 - dr[i])
         found = flight.attitude_bi[i] @ df[i]
         assert gained - gravity == pytest.approx(found, abs=1e-3 * np.linalg.norm(found))
 

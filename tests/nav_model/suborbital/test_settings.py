@@ -7,33 +7,33 @@ from hypothesis import strategies as st
 
 from nav_model.design.file import parse_design
 from nav_model.errors import InputError
-from nav_model.suborbital.input_table import SETTINGS
-from nav_model.suborbital.settings import DEFAULTS, from_design, output_every, read_changes
-from nav_model.suborbital.study import StudyInputs
+from nav_model.suborbital.input_table import INPUTS
+from nav_model.suborbital.settings import DEFAULTS, from_design, output_every, read_changes, read_value
+from nav_model.suborbital.study import SuborbitalInputs
 
 
 def test_defaults_are_gp1_on_the_golden_flight():
-    assert DEFAULTS.study_inputs() == StudyInputs()
+    assert DEFAULTS.study_inputs() == SuborbitalInputs()
 
 
 def test_every_default_reads_back_as_itself():
-    for setting in SETTINGS.values():
-        back = setting.read(setting.show(setting.default, 15))
-        if isinstance(setting.default, str | type(None)):
-            assert back == setting.default
+    for key in INPUTS:
+        back = read_value(key, DEFAULTS.show(key, 15))
+        if isinstance(DEFAULTS[key], str | type(None)):
+            assert back == DEFAULTS[key]
         else:
-            assert back == pytest.approx(setting.default, rel=1e-12)
+            assert back == pytest.approx(DEFAULTS[key], rel=1e-12)
 
 
 @given(st.tuples(*[st.floats(-900, 900)] * 3))
 def test_three_axes_are_read_in_their_unit(axes):
     text = ", ".join(repr(a) for a in axes) + " mg"
-    read = SETTINGS["accelerometers.bias"].read(text)
+    read = INPUTS["accelerometers.bias"].read(text)
     assert read == pytest.approx([a * 9.80665e-3 for a in axes], rel=1e-12, abs=1e-300)
 
 
 def test_one_number_is_for_all_axes_and_each_may_carry_its_unit():
-    gyro = SETTINGS["gyros.bias"]
+    gyro = INPUTS["gyros.bias"]
     assert gyro.read("360 °/h") == pytest.approx([math.radians(0.1)] * 3)
     mixed = gyro.read("1 °/h, 0.1 °/s, 0.5 deg/h")
     assert mixed == pytest.approx([math.radians(x) for x in (1 / 3600, 0.1, 0.5 / 3600)])
@@ -41,8 +41,8 @@ def test_one_number_is_for_all_axes_and_each_may_carry_its_unit():
 
 
 def test_dropouts_are_intervals():
-    assert SETTINGS["tracker.dropouts"].read("200-260 s, 400 – 410.5") == ((200.0, 260.0), (400.0, 410.5))
-    assert SETTINGS["tracker.dropouts"].read("") == ()
+    assert INPUTS["tracker.dropouts"].read("200-260 s, 400 – 410.5") == ((200.0, 260.0), (400.0, 410.5))
+    assert INPUTS["tracker.dropouts"].read("") == ()
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_a_design_replaces_noise_and_constant_bias_only():
     assert study["gyros.bias"] == pytest.approx([math.radians(5) / 3600] * 3)
     came = {key for key, origin in study.origin.items() if origin == "design D"}
     assert came == {"accelerometers.white_noise", "gyros.white_noise", "accelerometers.bias", "gyros.bias"}
-    assert all(study[key] == DEFAULTS[key] for key in SETTINGS if key not in came)
+    assert all(study[key] == DEFAULTS[key] for key in INPUTS if key not in came)
 
 
 @given(st.integers(1, 2000))

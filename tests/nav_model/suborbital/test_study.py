@@ -11,7 +11,7 @@ from nav_model.suborbital.errors import CLASSES
 from nav_model.suborbital.flight import FlightParameters
 from nav_model.suborbital.mechanisation import Cancelled
 from nav_model.suborbital.star_camera import StarCamera, track_stars
-from nav_model.suborbital.study import StudyInputs, gravity_rows, run_study, table
+from nav_model.suborbital.study import SuborbitalInputs, gravity_rows, run_study, table
 from nav_model.suborbital.summary import PAPER_FINAL_M, explain, to_json
 
 CONTRACT = {
@@ -73,7 +73,7 @@ def test_words_follow_the_numbers(study):
 
 
 def test_gravity_mismatch_is_a_row_and_enters_everything(study):
-    inputs = StudyInputs(flight=FlightParameters(gravity="j2"))
+    inputs = SuborbitalInputs(flight=FlightParameters(gravity="j2"))
     wrong, right = run_study(inputs), run_study(replace(inputs, ins_gravity="j2"))
     row = wrong.pure.position_m[wrong.case("gravity model"), -1]
     change = wrong.pure.position_m[wrong.case("all"), -1] - right.pure.position_m[right.case("all"), -1]
@@ -115,9 +115,9 @@ def test_progress_and_cancel():
 
 def test_bad_inputs_are_refused(study):
     with pytest.raises(ValueError, match="ins_gravity"):
-        StudyInputs(ins_gravity="flat")
+        SuborbitalInputs(ins_gravity="flat")
     with pytest.raises(ValueError, match="output_interval_s"):
-        run_study(StudyInputs(output_interval_s=0.25))
+        run_study(SuborbitalInputs(output_interval_s=0.25))
     with pytest.raises(ValueError, match="case 'nothing'"):
         study.case("nothing")
 

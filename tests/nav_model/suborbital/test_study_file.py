@@ -7,10 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nav_model.design.declaration import Choice
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import split_link
+from nav_model.design.several import Axes, Intervals, Whole
 from nav_model.errors import InputError
-from nav_model.suborbital.input_table import SETTINGS
+from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, read_changes
 from nav_model.suborbital.study_file import (
     format_study,
@@ -23,29 +25,30 @@ from nav_model.suborbital.study_file import (
 HEADER = "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg"
 
 
-def value_of(setting):
+def value_of(declared):
     """Any value an input may take."""
-    if setting.kind == "choice":
-        return st.sampled_from(setting.choices)
-    if setting.kind == "intervals":
+    if isinstance(declared, Choice):
+        return st.sampled_from(declared.objects)
+    if isinstance(declared, Intervals):
         pair = st.tuples(st.floats(0, 1e4), st.floats(1e-6, 1e4)).map(lambda p: (p[0], p[0] + p[1]))
         return st.lists(pair.filter(lambda p: p[0] < p[1]), max_size=3).map(tuple)
-    if setting.kind == "whole":
-        return st.integers(int(setting.low), int(setting.high)).map(float)
-    if setting.kind == "axes":
-        return st.tuples(*[st.floats(-setting.high, setting.high)] * len(setting.default))
-    number = st.floats(setting.low, setting.high)
-    return st.none() | number if setting.optional else number
+    low, high = declared.limits
+    if isinstance(declared, Whole):
+        return st.integers(int(low), int(high)).map(float)
+    if isinstance(declared, Axes):
+        return st.tuples(*[st.floats(-high, high)] * len(declared.default))
+    number = st.floats(low, high)
+    return st.none() | number if declared.allow_None else number
 
 
 # Inputs that must fit to others (burn-out on a step, pitch programme inside the burn) are drawn apart.
 FREE = [
     key
-    for key in SETTINGS
+    for key in INPUTS
     if not key.startswith("flight.")
     and key not in ("tracker.frame_interval", "camera.focal_length", "camera.brightest", "camera.least_stars")
 ] + ["flight.latitude", "flight.azimuth", "flight.gravity", "flight.final_thrust"]
-STUDIES = st.fixed_dictionaries({}, optional={key: value_of(SETTINGS[key]) for key in FREE})
+STUDIES = st.fixed_dictionaries({}, optional={key: value_of(INPUTS[key]) for key in FREE})
 
 
 @settings(max_examples=60, deadline=None)
@@ -57,8 +60,7 @@ def test_saved_and_opened_is_the_same_to_the_last_bit(changes):
     assert dict(again.settings.values) == dict(study.values)
     assert again.trajectory == ("flown.csv", (HEADER + "\n0,0,0,0,0,90,0\n").encode())
     assert all(
-        again.settings.origin[key] == ("GP-1" if study[key] == DEFAULTS[key] else "file mine.toml")
-        for key in SETTINGS
+        again.settings.origin[key] == ("GP-1" if study[key] == DEFAULTS[key] else "file mine.toml") for key in INPUTS
     )
 
 
@@ -80,7 +82,7 @@ def test_every_input_stands_in_the_file_in_its_unit():
     assert tables["tracker"]["from_height"] == "none"
     assert tables["camera"]["pixel_pitch"] == "16 µm"
     stated = {f"{s}.{k}" for s, t in tables.items() if isinstance(t, dict) for k in t} | {"seed"}
-    assert stated == set(SETTINGS)
+    assert stated == set(INPUTS)
 
 
 def test_what_is_not_stated_is_gp1():
@@ -113,7 +115,7 @@ def test_a_study_and_a_design_are_told_apart():
         ('[gyros]\nbiass = "3 °/h"', "gyros.biass", "unknown key; \\[gyros\\] has bias,"),
         ('[gyro]\nbias = "3 °/h"', "gyro", "unknown key; a study has seed, \\[accelerometers\\]"),
         ('gyros = "3 °/h"', "gyros", "must be a section"),
-        ("seed = true", "seed", "is not text in quotes"),
+        ("seed = true", "seed", "True is not a number"),
         ("seed = 1.5", "seed", "not a whole number"),
         ("seed = nan", "seed", "not allowed"),
         ("seed = inf", "seed", "not allowed"),
@@ -122,7 +124,7 @@ def test_a_study_and_a_design_are_told_apart():
         ('[tracker]\nframe_interval = "0.15 s"', "tracker.frame_interval", "whole number of steps"),
         ('[camera]\nfocal_length = "5 m"', "camera.focal_length", "field of view of"),
         ('[sky]\nmagnitude_limit = "faint"', "sky.magnitude_limit", "not a number"),
-        ('[sky]\nstars = "Gaia"', "sky.stars", "must be one of Hipparcos, synthetic"),
+        ('[sky]\nstars = "Gaia"', "sky.stars", "'Gaia' is not one of Hipparcos, synthetic"),
         ('[flight]\nburn_time = "120 s"', "flight.burn_time", "must rise in this order"),
         ('seed = 3\n[gyros]\nbias = "1 °/h"\n[flight]\nburn_time = "120 s"', "flight.burn_time", "must rise"),
         ('[flight]\nstep = "0.07 s"', "flight.step", "whole number of steps"),

@@ -8,7 +8,7 @@ import numpy as np
 
 from app.charts.kinds import Array, Chart, Line, Points
 from app.subjects.suborbital.charts.shown import TIME, Shown, boost, called
-from nav_model.suborbital.frames import ARCSEC
+from nav_model.constants import ARCSECOND
 from nav_model.suborbital.mechanisation import NavigationErrors
 
 
@@ -17,7 +17,7 @@ def _attitude(shown: Shown, key: str, title: str, field: str, axes: tuple[str, s
     x, k = study.pure.time_s, study.case(shown.case)
 
     def curve(errors: NavigationErrors, axis: int) -> Array:
-        return np.asarray(getattr(errors, field)[k, :, axis] / ARCSEC)
+        return np.asarray(getattr(errors, field)[k, :, axis] / ARCSECOND)
 
     return Chart(
         key=key,

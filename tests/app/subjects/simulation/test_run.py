@@ -30,19 +30,19 @@ from app.work import simulator
 from app.work.run import Run
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.simulation.design_study import DesignStudy, closed_form, specification, study_of
+from nav_model.simulation.design_study import SimulationStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
 
 DESIGN = Design({"name": "<b>paper</b>", "flight.speed": 50.0})
 
 
-def _study(**options: object) -> DesignStudy:
+def _study(**options: object) -> SimulationStudy:
     spec = specification(DESIGN, **{"runs": 12, "duration": 60.0, "every": 2.0, **options})  # type: ignore[arg-type]
     return study_of(DESIGN, simulate(spec, closed_form=closed_form(DESIGN, spec)))
 
 
 @pytest.fixture(scope="module")
-def study() -> DesignStudy:
+def study() -> SimulationStudy:
     return _study(outages=[(40, 60)])
 
 
@@ -147,7 +147,7 @@ def test_only_instruments_and_flight_make_a_study_stale() -> None:
 
 
 @pytest.mark.parametrize("describe", CHARTS)
-def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: DesignStudy, describe) -> None:
+def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: SimulationStudy, describe) -> None:
     chart = describe(study)
     figure = to_bokeh(chart, 300)
     assert len(chart.lines) <= 7
@@ -168,7 +168,7 @@ def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: DesignStu
         assert sum(shown) == (len(other.result.spec.outages) if chart.spans else 0)
 
 
-def test_the_charts_carry_the_studys_numbers(study: DesignStudy) -> None:
+def test_the_charts_carry_the_studys_numbers(study: SimulationStudy) -> None:
     result = study.result
     lines = {line.key: line.y for line in charts.tilt_chart(study).lines}
     assert np.radians(lines["rms 1"]) == pytest.approx(result.rms[1, :, 6], rel=1e-12)
@@ -180,7 +180,7 @@ def test_the_charts_carry_the_studys_numbers(study: DesignStudy) -> None:
     assert down.bands[0].high == pytest.approx(result.percentiles[95.0][:, 2])
 
 
-def test_the_verdict_and_its_tables_are_the_studys(study: DesignStudy) -> None:
+def test_the_verdict_and_its_tables_are_the_studys(study: SimulationStudy) -> None:
     said = verdict(study)
     assert study.result.verdict.partition(":")[0].partition(",")[0] in said.word.lower()
     nees = study.result.nees
@@ -195,7 +195,7 @@ def test_the_verdict_and_its_tables_are_the_studys(study: DesignStudy) -> None:
 
 # The widget library sets both of its own button parameters.
 @pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
-def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: DesignStudy) -> None:
+def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: SimulationStudy) -> None:
     session = Session(DESIGN)
     page = SimulatePage(session)
     for change, said in (

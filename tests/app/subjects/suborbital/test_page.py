@@ -16,16 +16,16 @@ from app.serving.server import first_design
 from app.session import Session
 from app.subjects.suborbital import charts
 from app.subjects.suborbital.charts import Shown
-from app.subjects.suborbital.controls import setting_controls
+from app.subjects.suborbital.controls import input_controls
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.tabs import TABS
 from app.work.alone import run_alone
-from nav_model.suborbital.input_table import SETTINGS
+from nav_model.suborbital.flight_file import format_flight
+from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS
 from nav_model.suborbital.study_file import format_study, to_link
 from nav_model.suborbital.survey import Survey, run_survey
-from nav_model.suborbital.trajectory_file import save_trajectory
 
 # Panel Material UI warns of its own widgets.
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
@@ -48,7 +48,7 @@ def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
     before = here.shown
     assert before is not None
     assert before.exact
-    assert here.inputs.put("gyros.bias", SETTINGS["gyros.bias"].read("6, 8, 4 °/h")) is None
+    assert here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h")) is None
     after = here.shown
     assert after is not None
     assert not after.exact
@@ -63,7 +63,7 @@ def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
 
 
 def test_a_refusal_stands_at_the_field_and_changes_nothing(here: SuborbitalPage) -> None:
-    control = next(c for c in here.inputs.controls if c.setting.key == "gyros.bias")
+    control = next(c for c in here.inputs.controls if c.key == "gyros.bias")
     before = here.inputs.settings
     control.box.value = "5 kg"
     assert control.box.error_state
@@ -75,9 +75,9 @@ def test_a_refusal_stands_at_the_field_and_changes_nothing(here: SuborbitalPage)
 
 
 def test_a_slider_keeps_the_ratio_of_the_axes(here: SuborbitalPage) -> None:
-    control = next(c for c in here.inputs.controls if c.setting.key == "gyros.bias")
+    control = next(c for c in here.inputs.controls if c.key == "gyros.bias")
     assert control.slider is not None
-    control.slider.value = np.log10(SETTINGS["gyros.bias"].read("8 °/h")[0])  # type: ignore[index]
+    control.slider.value = np.log10(INPUTS["gyros.bias"].read("8 °/h")[0])
     assert here.inputs.settings["gyros.bias"] == pytest.approx([2 * x for x in DEFAULTS["gyros.bias"]], rel=1e-3)
     control.slider.value = control.slider.start
     assert here.inputs.settings["gyros.bias"] == (0.0, 0.0, 0.0)
@@ -156,7 +156,7 @@ def test_every_tab_follows_within_a_tenth_of_a_second(here: SuborbitalPage) -> N
 
 
 def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage) -> None:
-    here.inputs.put("gyros.bias", SETTINGS["gyros.bias"].read("6, 8, 4 °/h"))
+    here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h"))
     asyncio.run(here.run_exactly())
     assert here.shown is not None
     assert here.shown.exact
@@ -170,7 +170,7 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
 def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
     here.inputs.trajectory = ("mine.csv", b"a,b\n1,2\n")
     asyncio.run(here.run_exactly())
-    assert "mine.csv: columns time_s" in here._state.object
+    assert "mine.csv: line 1: columns time_s" in here._state.object
     assert here.shown is not None
 
 
@@ -178,8 +178,8 @@ def test_a_study_is_saved_opened_and_linked_without_loss(
     here: SuborbitalPage, survey: Survey, tmp_path: Path
 ) -> None:
     flown = tmp_path / "flown.csv"
-    save_trajectory(survey.study.flight, flown, every=10)
-    here.inputs.put("gyros.bias", SETTINGS["gyros.bias"].read("6.1, 8, -4 °/h"))
+    flown.write_bytes(format_flight(survey.study.flight, every=10))
+    here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6.1, 8, -4 °/h"))
     here.inputs.take(("flown.csv", flown.read_bytes()))
     text = format_study(here.inputs.settings, here.inputs.trajectory).encode()
     session = Session(first_design())
@@ -214,7 +214,7 @@ def test_a_wrong_study_is_refused_by_name_and_changes_nothing(here: SuborbitalPa
 
 def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_steps(here: SuborbitalPage) -> None:
     assert "whole number of steps" in str(here.inputs.put("tracker.frame_interval", 0.15))
-    (control,) = setting_controls(["tracker.frame_interval"], here.inputs.settings, here.inputs.put)
+    (control,) = input_controls(["tracker.frame_interval"], here.inputs.settings, here.inputs.put)
     assert control.slider is not None
     here.follow = lambda: None  # type: ignore[method-assign]  # other frames need a running loop
     here.inputs._changed = here.follow

@@ -1,0 +1,166 @@
+"""Inputs beside the single quantity: whole numbers, a number for each of several axes, intervals of time."""
+
+from __future__ import annotations
+
+import math
+import re
+from decimal import Decimal
+from typing import Any
+
+import param
+
+from nav_model.design.declaration import Quantity
+from nav_model.errors import InputError, shown
+from nav_model.units import QuantityError, format_quantity, join_quantity, parse_quantity
+
+Spans = tuple[tuple[float, float], ...]
+_COUNTS = {3: "three", 6: "six"}
+_NUMBER = re.compile(r"^[+\-−]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+\-−]?\d+)?")
+_SPAN = re.compile(r"(\d+(?:\.\d+)?)\s*[-–]\s*(\d+(?:\.\d+)?)\s*s?")
+
+
+class Whole(Quantity):
+    """A plain number without fraction, held as a float."""
+
+    def __init__(self, default: float, *, bounds: tuple[float, float], **params: Any) -> None:
+        super().__init__(default, dimension="", unit="", short="", bounds=bounds, **params)
+
+    def _validate(self, val: Any) -> None:
+        super()._validate(val)
+        if val != round(val):
+            raise InputError(self.key, f"{val:g} is not a whole number")
+
+
+class _Several(param.Parameter[Any]):
+    """What the inputs of several numbers share."""
+
+    def __init__(self, default: Any, **params: Any) -> None:
+        super().__init__(default=default, constant=True, **params)
+
+    @property
+    def key(self) -> str:
+        """Dotted key, as in a file."""
+        return f"{getattr(self.owner, 'section', '')}.{self.name}"
+
+    def _parts(self, text: Any, example: str) -> list[str]:
+        if not isinstance(text, str):
+            raise InputError(self.key, f"{shown(text)} is not text in quotes; write for example {example!r}")
+        return [part.strip() for part in re.split(r"[,;]", text)]
+
+
+class Axes(_Several):
+    """A quantity with one value on each of several axes, a tuple in SI.
+
+    Parameters
+    ----------
+    default : tuple of float
+        As many as there are axes.
+    dimension, unit : str
+        As `nav_model.design.declaration.Quantity`.
+    softbounds : tuple of float
+        Where a slider starts above zero, and the largest size on an axis; SI.
+    """
+
+    __slots__ = ["dimension", "softbounds", "unit"]
+
+    dimension: str
+    unit: str
+    softbounds: tuple[float, float]
+
+    def __init__(
+        self, default: tuple[float, ...], *, dimension: str, unit: str, softbounds: tuple[float, float], **params: Any
+    ) -> None:
+        self.dimension, self.unit, self.softbounds = dimension, unit, softbounds
+        super().__init__(default, **params)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest size on an axis, SI."""
+        return 0.0, self.softbounds[1]
+
+    def _validate(self, val: Any) -> None:
+        count = len(self.default)
+        if not isinstance(val, tuple) or len(val) != count:
+            raise InputError(self.key, f"{shown(val)} is not {_COUNTS[count]} numbers")
+        most = self.softbounds[1]
+        for number in val:
+            if not abs(number) <= most:  # NaN lands here too
+                said = f"is not allowed; each axis must be at most {self._one(most, 6)} in size"
+                raise InputError(self.key, f"{self._one(number, 6)} {said}")
+
+    def show(self, value: tuple[float, ...], digits: int | None = 6) -> str:
+        """A value in SI as text in the usual unit, "60, 0, 0 arcsec", which `read` takes back; without `digits`
+        the shortest text that gives the same value."""
+        numbers = (self._one(number, digits).removesuffix(self.unit).strip() for number in value)
+        return join_quantity(", ".join(numbers), self.unit)
+
+    def _one(self, number: float, digits: int | None) -> str:
+        return format_quantity(number, self.unit, self.dimension, digits) if math.isfinite(number) else f"{number}"
+
+    def read(self, text: Any, unit: str = "") -> tuple[float, ...]:
+        """One number for all axes or one for each, separated by commas -> SI.
+
+        A number without a unit takes that of the last one, and the last one takes `unit`.
+
+        Raises
+        ------
+        InputError
+            Naming the key, what was given and what is allowed.
+        """
+        parts, count = self._parts(text, self.show(self.default)), len(self.default)
+        if len(parts) not in (1, count):
+            said = f"has {len(parts)} values; give one for all axes, or {_COUNTS[count]}"
+            raise InputError(self.key, f"{shown(text.strip())} {said}")
+        last = _unit_of(parts[-1]) or unit
+        try:
+            numbers = [parse_quantity(with_unit(part, last), self.dimension).value for part in parts]
+        except QuantityError as error:
+            raise InputError(self.key, str(error)) from error
+        value = tuple(numbers if len(numbers) > 1 else numbers * count)
+        self._validate(value)
+        return value
+
+
+class Intervals(_Several):
+    """Intervals of time, a tuple of (start, stop) in s: "200-260 s, 400-410 s"."""
+
+    def _validate(self, val: Any) -> None:
+        for start, stop in val:
+            if not 0 <= start < stop < math.inf:
+                raise InputError(self.key, f"{start:g}-{stop:g} s must start at 0 or later, and before it stops")
+
+    def show(self, value: Spans, digits: int | None = None) -> str:
+        """Intervals as text that `read` takes back, always with every digit."""
+        return ", ".join(f"{_plain(start)}-{_plain(stop)} s" for start, stop in value)
+
+    def read(self, text: Any) -> Spans:
+        """Text such as "200-260 s, 400-410 s" -> (start, stop) in s; empty: none.
+
+        Raises
+        ------
+        InputError
+            Naming the key, what was given and what is allowed.
+        """
+        example = "200-260 s, 400-410 s"
+        spans = []
+        for part in filter(None, self._parts(text, example)):
+            match = _SPAN.fullmatch(part)
+            if match is None:
+                raise InputError(self.key, f"{part[:40]!r} is not an interval; write for example {example!r}")
+            spans.append((float(match[1]), float(match[2])))
+        self._validate(spans)
+        return tuple(spans)
+
+
+def with_unit(text: str, unit: str) -> str:
+    """A quantity as text, with `unit` where it gives none."""
+    return text if _unit_of(text) else f"{text} {unit}"
+
+
+def _unit_of(part: str) -> str:
+    """What follows the number."""
+    return _NUMBER.sub("", part, count=1).strip()
+
+
+def _plain(number: float) -> str:
+    return f"{Decimal(repr(number)).normalize():f}"

@@ -1,0 +1,87 @@
+"""A suborbital flight from a trajectory file, and a flight written as one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nav_model.constants import EARTH_RATE, SPHERE_RADIUS
+from nav_model.earth.gravity import gravitation
+from nav_model.earth.rotation import (
+    euler_from_matrix,
+    matrix_from_euler,
+    matrix_from_quaternion,
+    quaternion_from_matrix,
+)
+from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial
+from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table, write_trajectory_table
+from nav_model.errors import InputError
+from nav_model.suborbital.checks import require
+from nav_model.suborbital.flight import MAX_STEPS, TrueFlight, assemble, step_nodes
+
+BOUNDS = FileBounds(fewest_rows=4, most_rows=200_000, most_bytes=16_000_000)
+"""What a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
+
+
+def format_flight(flight: TrueFlight, every: int = 1) -> bytes:
+    """A flight as a trajectory file that `parse_flight` reads, one row per `every` steps."""
+    c_bn = np.swapaxes(local_axes(flight.position_i), -1, -2) @ flight.attitude_bi
+    roll, pitch, yaw = euler_from_matrix(c_bn)
+    # Straight up or down only the sum of roll and yaw means anything: give all of it to yaw.
+    vertical = np.hypot(c_bn[:, 0, 0], c_bn[:, 1, 0]) < 1e-9
+    roll = np.where(vertical, 0.0, roll)
+    yaw = np.where(vertical, np.arctan2(-c_bn[:, 0, 1], c_bn[:, 1, 1]), yaw)
+    columns = [flight.time_s, flight.latitude_rad, flight.longitude_rad, flight.height_m, roll, pitch, yaw]
+    return write_trajectory_table(np.stack(columns, axis=1)[::every])
+
+
+def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = "spherical") -> TrueFlight:
+    """The flight of a trajectory file (position on the sphere, attitude from the local north-east-down axes).
+
+    A cubic spline of the inertial position and a rotation spline of the attitude give specific force and
+    angular rate; the flight is then integrated from its first point, so that an error-free INS follows it
+    exactly. Time starts at zero for the inertial axes. Rows should be at most a second apart during thrust,
+    positions good to a millimetre: a spline differentiates their noise twice.
+
+    Raises
+    ------
+    InputError
+        As `nav_model.earth.trajectory_file.read_trajectory_table`; for a flight that is too long or whose duration
+        `step_s` does not divide; for the name of a gravity model that does not exist.
+    """
+    from scipy.interpolate import CubicSpline
+    from scipy.spatial.transform import Rotation, RotationSpline
+
+    samples = read_trajectory_table(content, name, BOUNDS).samples
+    time, lat, lon, height, roll, pitch, yaw = samples.T
+    require(step_s > 0.0, f"step_s = {step_s!r}: must be positive")
+    if time[-1] > MAX_STEPS * step_s:
+        most = f"at most {MAX_STEPS * step_s:g} s are flown in steps of {step_s:g} s"
+        raise InputError(name, f"lasts {time[-1]:g} s; {most}")
+    n = round(time[-1] / step_s)
+    if n < 1 or abs(n * step_s - time[-1]) >= 1e-6:
+        raise InputError(name, f"lasts {time[-1]:g} s, which must be a whole number of steps of {step_s:g} s")
+    axes = ned_to_inertial(lat, lon + EARTH_RATE * time)
+    track = CubicSpline(time, -axes[:, :, 2] * (SPHERE_RADIUS + height)[:, None])
+    c_bi = axes @ matrix_from_euler(roll, pitch, yaw)
+    turn = RotationSpline(time, Rotation.from_quat(np.roll(quaternion_from_matrix(c_bi), -1, axis=-1)))
+    half_time = np.minimum(0.5 * step_s * np.arange(2 * n + 1), time[-1])
+    attitude = matrix_from_quaternion(np.roll(turn(half_time).as_quat(), 1, axis=-1))
+    force_i = track(half_time, 2) - gravitation(track(half_time), gravity)
+    ground = track(half_time, 1) - earth_velocity(track(half_time))
+    local = np.einsum("tji,tj->ti", local_axes(track(half_time)), ground)
+    moving = np.flatnonzero(np.hypot(local[:, 0], local[:, 1]) >= 1.0)
+    first = local[moving[0]] if moving.size else np.array([1.0, 0.0, 0.0])
+    return assemble(
+        name,
+        step_s,
+        track(0.0),
+        track(0.0, 1),
+        attitude,
+        step_nodes(np.einsum("tji,tj->ti", attitude, force_i)),
+        # RotationSpline's rates are already those of the body seen from inertial axes, in body axes.
+        step_nodes(turn(half_time, 1)),
+        gravity,
+        float(np.arctan2(first[1], first[0])),
+        None,
+        f"trajectory file {name}, spline through {len(time)} rows, RK4 at {step_s:g} s, {gravity} gravity",
+    )
