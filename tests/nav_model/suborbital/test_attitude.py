@@ -44,22 +44,15 @@ def test_optimal_methods_agree_with_scipy(compared):
     truth = np.array([Rotation.align_vectors(b, r)[0].as_matrix() for b, r in zip(body, reference, strict=True)])
     for name in OPTIMAL:
         gap = attitude_error(METHODS[name](body, reference, SIGMA).rotation, truth)
-<<<<<<< HEAD
         compared(
             "Attitude by q-method, QUEST and SVD, 1000 scenes",
             "B-9",
             "solver written by others",
             "SciPy's Rotation.align_vectors",
-            np.linalg.norm(gap, axis=-1) / ARCSEC,
+            np.linalg.norm(gap, axis=-1) / ARCSECOND,
             1e-4,
             "largest angle, ″",
         )
-=======
-        validated(
-            "Attitude by q-method, QUEST and SVD, 1000 scenes", "B-9", "SciPy, Rotation.align_vectors",
-            np.linalg.norm(gap, axis=-1) / ARCSECOND, 1e-4, "largest angle, ″",
-        )  # fmt: skip
->>>>>>> refs/heads/earth
 
 
 def test_mean_errors_and_consistency_over_1000_scenes(compared):

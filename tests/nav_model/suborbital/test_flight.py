@@ -102,48 +102,6 @@ def test_bad_files_are_refused(text, words):
         parse_flight(text.encode(), "bad.csv")
 
 
-<<<<<<< HEAD
-def test_normal_gravity_has_the_published_values_of_wgs84(compared):
-    """NIMA TR8350.2, table 3.6: 9.7803253359 at the equator, 9.8321849378 at the poles."""
-    axial, outward = normal_gravity(np.array([0.0, np.pi / 2]), 0.0)
-    magnitude = np.hypot(axial, outward)
-    compared(
-        "Ellipsoidal gravity at equator and poles", "", "published figure", "NIMA TR8350.2, table 3.6",
-        magnitude - [9.7803253359, 9.8321849378], 2e-9, "largest difference, m/s²",
-    )  # fmt: skip
-
-
-@pytest.mark.parametrize("height", [0.0, 1e5, 5e5, 1e6])
-def test_zonals_agree_with_the_closed_normal_field(height):
-    latitude = np.radians(np.linspace(-85.0, 85.0, 35))
-    a, f = 6378137.0, 1 / 298.257223563
-    n = a / np.sqrt(1.0 - f * (2 - f) * np.sin(latitude) ** 2)
-    x, z = (n + height) * np.cos(latitude), (n * (1 - f) ** 2 + height) * np.sin(latitude)
-    field = gravitation(np.stack([x, 0 * x, z], axis=-1), "ellipsoidal")
-    axial, outward = normal_gravity(latitude, height)
-    np.testing.assert_allclose(field[:, 2], axial, atol=5e-9)
-    np.testing.assert_allclose(field[:, 0] + 7.2921150e-5**2 * x, outward, atol=5e-9)
-
-
-@pytest.mark.parametrize("model", ZONALS)
-def test_gravitation_is_the_gradient_of_a_harmonic_potential(model):
-    """Its divergence and curl vanish outside the Earth (central differences)."""
-    point, step = np.array([3.1e6, -2.4e6, 5.6e6]), 200.0
-    shift = step * np.eye(3)
-    jacobian = (gravitation(point + shift, model) - gravitation(point - shift, model)) / (2.0 * step)
-    assert abs(np.trace(jacobian)) < 1e-13
-    assert np.abs(jacobian - jacobian.T).max() < 1e-13
-
-
-def test_gravity_comparison_falls_with_height_and_knows_its_models():
-    table = compare_gravity(np.radians(38.0), np.linspace(0.0, 1e6, 11))
-    assert np.all(np.diff(table.spherical_m_s2) < 0.0)
-    # J2 makes all but a few 1e-5 m/s² of what separates the ellipsoid from the sphere.
-    assert np.abs(table.j2_m_s2 - table.ellipsoidal_m_s2).max() < 2e-4
-    assert np.abs(table.spherical_m_s2 - table.ellipsoidal_m_s2).min() > 1e-3
-    assert np.all(table.horizontal_j2_m_s2 < 0.0)
-=======
 def test_an_unknown_gravity_is_refused():
->>>>>>> refs/heads/earth
     with pytest.raises(ValueError, match="gravity"):
         golden_flight(replace(FlightParameters(), gravity="EGM"))
