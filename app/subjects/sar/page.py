@@ -107,7 +107,7 @@ class SarPage(pn.viewable.Viewer):
         def of_strategies(draw: Callable[..., AnyChart], budget: Budget) -> AnyChart:
             return draw(budget, self._closed, self._study)
 
-        layout = [
+        layout: list[tuple[Callable[[Budget], AnyChart], int, int]] = [
             *((partial(of_strategies, draw), 360, 6) for draw in STRATEGY_CHARTS),
             *((draw, 400, 6) for draw in WINNER_CHARTS),
         ]

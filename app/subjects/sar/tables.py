@@ -7,6 +7,7 @@ runs yet, their cells say so.
 from __future__ import annotations
 
 import math
+from types import EllipsisType
 
 import numpy as np
 
@@ -220,12 +221,12 @@ def _number(value: float) -> str:
     return "0" if abs(value) < 1e-9 else number(value)  # of the ideal, rounding of the transform is left
 
 
-def _of(band: Band, index: object) -> tuple[float, float, float]:
-    median, low, high = (float(np.asarray(part)[index]) for part in (band.median, band.low, band.high))  # type: ignore[index]
+def _of(band: Band, index: int | EllipsisType) -> tuple[float, float, float]:
+    median, low, high = (float(np.asarray(part)[index]) for part in (band.median, band.low, band.high))
     return median, low, high
 
 
-def _banded(band: Band, index: object, scale: float) -> str:
+def _banded(band: Band, index: int | EllipsisType, scale: float) -> str:
     return _bracketed(*(_number(scale * value) for value in _of(band, index)))
 
 
