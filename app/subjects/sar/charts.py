@@ -131,13 +131,13 @@ def _dot_chart(
     dots = []
     for row, strategy in enumerate(STRATEGIES[1:], start=1):
         form = closed.get(strategy.key)
-        runs = [math.nan] * 3
+        ensemble = low = high = math.nan
         if study is not None:  # in the study's own wavelength, until it is run again
             scale = _DEG * float(metres_to_phase(1.0, study.budget.sar.wavelength))
             band = study.parts[part]
-            runs = [scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high)]
+            ensemble, low, high = (scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high))
         closed_phase = math.nan if form is None else to_degrees * form
-        dots.append(Dot(_SHORT[strategy.key], closed_phase, *runs, strategy.source))
+        dots.append(Dot(_SHORT[strategy.key], closed_phase, ensemble, low, high, strategy.source))
     said = "" if study is None else (
         f" Runs: {study.runs}, seed {study.seed}; rms within {percent(_worst_error(study))} (standard error)."
     )  # fmt: skip

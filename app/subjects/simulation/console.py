@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import io
-import json
 import os
 import sys
-from typing import IO
-
-import numpy as np
 
 from app.console.files import whole_file
 from app.console.progress import COMPILES, count_runs
+from app.subjects.simulation.files import as_csv, as_json, as_npz
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.simulation.design_study import (
@@ -22,7 +18,6 @@ from nav_model.simulation.design_study import (
     refusal,
     specification,
     study_of,
-    to_document,
 )
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
 from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, SimulationInputs
@@ -54,10 +49,14 @@ def simulate_design(design: Design, more: SimulationInputs, options: argparse.Na
     kind = _kind(options)
     spec = _specification(design, more, options, keep_runs=kind == ".npz")
     if options.output is None:
-        sys.stdout.write(_json(_fly(design, spec, options)))
+        sys.stdout.write(as_json(_fly(design, spec, options)))
         return
     with whole_file(options.output) as file:
-        _write(file, kind, _fly(design, spec, options))
+        study = _fly(design, spec, options)
+        if kind == ".npz":
+            file.write(as_npz(study))
+        else:
+            file.write((as_json(study) if kind == ".json" else as_csv(study)).encode("utf-8"))
     print(f"wrote {options.output}", file=sys.stderr)
 
 
@@ -170,20 +169,3 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> S
             raise InputError("simulate", str(error)) from error
     print(result.verdict, file=sys.stderr)
     return study_of(design, result)
-
-
-def _json(study: SimulationStudy) -> str:
-    return json.dumps(to_document(study), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
-
-
-def _write(file: IO[bytes], kind: str, study: SimulationStudy) -> None:
-    from nav_model.simulation.result import to_arrays, to_csv
-
-    if kind == ".npz":
-        # In memory first: NumPy's archive seeks, and a draft is written once.
-        packed = io.BytesIO()
-        np.savez_compressed(packed, **to_arrays(study.result), refined_position_sigma_m=study.refined_sigma)
-        file.write(packed.getbuffer())
-    else:
-        text = _json(study) if kind == ".json" else to_csv(study.result)
-        file.write(text.encode("utf-8"))

@@ -5,12 +5,10 @@ from __future__ import annotations
 import asyncio
 import importlib
 import io
-import json
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 import param
@@ -22,6 +20,7 @@ from app.document.pane import html_of
 from app.document.wording import title_of
 from app.session import Session
 from app.subjects.simulation.controls import StudyControls
+from app.subjects.simulation.files import as_csv, as_json, as_npz
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.ui.chart_pane import ChartPane, chart_cells
 from app.ui.downloads import download
@@ -35,7 +34,7 @@ from app.work.run import Run
 from app.work.simulator import prepare
 from nav_model.budget import Budget
 from nav_model.errors import InputError
-from nav_model.simulation.design_study import specification, to_document
+from nav_model.simulation.design_study import specification
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 
 if TYPE_CHECKING:
@@ -104,9 +103,9 @@ class SimulatePage(pn.viewable.Viewer):
             self._note,
             self._answer,
             pn.FlexBox(
-                download("Statistics (NPZ)", "simulation.npz", self._npz),
-                download("Sigmas (CSV)", "simulation.csv", self._csv),
-                download("Everything (JSON)", "simulation.json", self._json),
+                download("Statistics (NPZ)", "simulation.npz", lambda: io.BytesIO(as_npz(self._study))),
+                download("Sigmas (CSV)", "simulation.csv", lambda: io.BytesIO(as_csv(self._study).encode())),
+                download("Everything (JSON)", "simulation.json", lambda: io.BytesIO(as_json(self._study).encode())),
                 visible=self.run.param.result.rx.is_not(None), sizing_mode="stretch_width", margin=(0, 4),
             ),
             self._place,
@@ -258,26 +257,6 @@ class SimulatePage(pn.viewable.Viewer):
             length = files.file_duration(flight)
             self._say(f"{name}: a flight of {shown(length, 4)} s.")
             self.length = f"{math.floor(10 * length) / 10:.1f}"
-
-    # --- to take away ---------------------------------------------------------------------------------
-
-    def _npz(self) -> io.BytesIO:
-        from nav_model.simulation.result import to_arrays
-
-        packed = io.BytesIO()
-        np.savez_compressed(
-            packed, **to_arrays(self._study.result), refined_position_sigma_m=self._study.refined_sigma
-        )
-        packed.seek(0)
-        return packed
-
-    def _csv(self) -> io.BytesIO:
-        from nav_model.simulation.result import to_csv
-
-        return io.BytesIO(to_csv(self._study.result).encode("utf-8"))
-
-    def _json(self) -> io.BytesIO:
-        return io.BytesIO(json.dumps(to_document(self._study), ensure_ascii=False, indent=1).encode("utf-8"))
 
 
 def outages_of(text: str) -> tuple[tuple[float, float], ...]:
