@@ -83,7 +83,8 @@ def test_the_simulator_flies_and_is_cancelled(visit: Visit) -> None:
     expect(page.get_by_text("of 100 runs, about")).to_be_visible(timeout=180_000)
     cancel.press("Enter")
     expect(page.get_by_text("Cancelled: ")).to_be_visible()
-    expect(page.get_by_text("100 runs of the error model")).to_have_count(0)
+    expect(page.get_by_text("The runs match the design.")).to_have_count(0)
+    expect(page.get_by_text("100 runs of the error model, seed 0. Medians")).to_be_visible()  # the result before
     run.press("Enter")
     expect(page.get_by_text("The two engines beside each other")).to_be_visible(timeout=180_000)
-    expect(page.get_by_text("100 flights of the simulator, seed 0")).to_be_visible()
+    expect(page.get_by_text("The runs match the design. 100 flights of the simulator, seed 0.")).to_be_visible()

@@ -70,7 +70,7 @@ def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name
     expect(page.get_by_text(re.compile(r"jump\.csv: line \d+: the path needs an acceleration of"))).to_be_visible()
     (tmp_path / "picture.csv").write_bytes(b"\x89PNG\r\n\x1a\n\xff\xfe")
     upload.set_input_files(tmp_path / "picture.csv")
-    expect(page.get_by_text("Not used. picture.csv: not a text file.")).to_be_visible()
+    expect(page.get_by_text("Not used. picture.csv: not a text file")).to_be_visible()
     upload.set_input_files(flight(tmp_path / "weave.csv"))
     expect(page.get_by_text("weave.csv: a flight of 60 s.")).to_be_visible()
     expect(page.get_by_role("textbox", name="Length [s]")).to_have_value("60.0")
