@@ -1,10 +1,14 @@
 FROM python:3.11-slim AS build
 WORKDIR /src
+COPY requirements/image.lock requirements/
+RUN python -m venv /opt/navbudget \
+ && /opt/navbudget/bin/pip install --no-cache-dir --require-hashes -r requirements/image.lock
 COPY pyproject.toml README.md LICENSE ./
 COPY nav_model nav_model
 COPY app app
-RUN python -m venv /opt/navbudget \
- && /opt/navbudget/bin/pip install --no-cache-dir ".[oauth,postgresql]"
+# What only installs stays behind.
+RUN /opt/navbudget/bin/pip install --no-cache-dir --no-deps --no-build-isolation . \
+ && /opt/navbudget/bin/pip uninstall --quiet --yes setuptools pip
 
 FROM python:3.11-slim
 RUN useradd --create-home --uid 10001 navbudget

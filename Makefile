@@ -2,39 +2,53 @@
 PYTHON ?= python3
 PORT ?= 5006
 BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
 
-.PHONY: run test test-slow validation bench load lint browser postgresql nginx clean
+.PHONY: run lock test check test-slow validation bench load lint system clean
 .DEFAULT_GOAL := run
 
-.venv/.runtime: pyproject.toml
+# Installs what a lock file names, each file checked against its digest. uv does so in a fraction of pip's time; where
+# it cannot be had, or does not know the way to the package index that pip is told of, pip does it.
+define install
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	{ $(PIP) install --quiet --require-hashes -r requirements/installer.lock && \
+	  $(BIN)/uv pip install --quiet --python $(BIN)/python --require-hashes -r requirements/$(1).lock; } || \
+	  $(PIP) install --quiet --require-hashes -r requirements/$(1).lock
+	$(PIP) install --quiet --no-deps --no-build-isolation -e .
+endef
+
+.venv/.runtime: pyproject.toml requirements/run.lock
+	$(call install,run)
 	touch $@
 
-.venv/.test: .venv/.runtime
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test]'
+.venv/.test: .venv/.runtime requirements/test.lock
+	$(call install,test)
 	touch $@
+
+# Writes the lock files anew after pyproject.toml has changed; `make lock UPGRADE=--upgrade` takes in new releases too.
+COMPILE = $(BIN)/uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --fork-strategy fewest \
+  --generate-hashes --custom-compile-command 'make lock' pyproject.toml
+lock:
+	test -x $(BIN)/uv || { $(PYTHON) -m venv .venv && $(PIP) install --quiet 'uv>=0.13'; }
+	$(COMPILE) --group build --extra test -o requirements/test.lock
+	$(COMPILE) --group build -c requirements/test.lock -o requirements/run.lock
+	$(COMPILE) --group build --extra oauth --extra postgresql -c requirements/test.lock -o requirements/image.lock
+	$(BIN)/uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes \
+	  --custom-compile-command 'make lock' --group installer -o requirements/installer.lock
 
 run: .venv/.runtime
 	$(BIN)/navbudget serve --port $(PORT)
 
-# Debian's chromium drives the browser tests; a missing browser is a failure, so it is installed here.
-browser:
-	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || { \
+# What tests drive besides Python: a browser, a PostgreSQL that a test starts itself, and the proxy of deploy/nginx.conf.
+# A missing one is a failure, so all that are missing are installed here at once.
+system:
+	@missing=$$( \
+	  command -v chromium chromium-browser >/dev/null || echo chromium; \
+	  ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || command -v initdb >/dev/null || echo postgresql; \
+	  test -x /usr/sbin/nginx || command -v nginx >/dev/null || echo nginx); \
+	test -z "$$missing" || { \
 	  sudo=$$(test "$$(id -u)" = 0 || echo sudo); \
-	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends chromium; }
-
-# The library is tested against a real PostgreSQL, which the test starts itself.
-postgresql:
-	@test -n "$$(ls /usr/lib/postgresql/*/bin/initdb 2>/dev/null)" || command -v initdb >/dev/null || { \
-	  sudo=$$(test "$$(id -u)" = 0 || echo sudo); \
-	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends postgresql; }
-
-# The proxy's file in deploy/ is tested in a real nginx.
-nginx:
-	@test -x /usr/sbin/nginx || command -v nginx >/dev/null || { \
-	  sudo=$$(test "$$(id -u)" = 0 || echo sudo); \
-	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends nginx; }
+	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends $$missing; }
 
 lint: .venv/.test
 	$(BIN)/ruff check .
@@ -43,19 +57,23 @@ lint: .venv/.test
 	$(BIN)/lint-imports
 	$(BIN)/hadolint Dockerfile
 
-test: .venv/.test browser postgresql nginx lint
-	$(BIN)/python -m pytest -n 3 --dist loadfile -p no:benchmark --ignore tests/browser
-	$(BIN)/python -m pytest -n 2 --dist load -p no:benchmark tests/browser
+# Lint and both halves of the tests, each to its end. ORDER=random runs the files, and what is in each, in random order.
+test: .venv/.test system
+	$(BIN)/python tests/support/run.py test $(ORDER)
 
-test-slow: .venv/.test browser postgresql nginx
-	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark --ignore tests/browser
-	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark tests/browser
+# A minute at most, for while one works: lint and what is quick of the tests without a browser.
+check: .venv/.test
+	$(BIN)/python tests/support/run.py check $(ORDER)
+
+# What is too long for every time: many runs, and the longer ways through the browser.
+test-slow: .venv/.test system
+	$(BIN)/python tests/support/run.py slow $(ORDER)
 
 # What the Theory page says results were compared with, from the tests that compare them.
 validation: .venv/.test
 	$(BIN)/python -m pytest -p no:benchmark tests/acceptance tests/nav_model --write-validation
 
-bench: .venv/.test browser
+bench: .venv/.test system
 	$(BIN)/python -m pytest benchmarks --benchmark-columns=median,iqr,ops,rounds
 
 # Fifty people at once on this machine; means something only when nothing else runs.

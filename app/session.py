@@ -91,9 +91,14 @@ class Session(param.Parameterized):
             self.lineage.base = revision
             self.param.trigger("lineage")
 
-    def change(self, changes: Mapping[str, Value], written: Mapping[str, str] | None = None) -> InputError | None:
-        """Put changes (dotted keys, SI) in force; returns what is wrong with them, if anything."""
-        return self._adopt(lambda: self.design.replace(changes, written), frozenset(changes), self.lineage)
+    def change(
+        self,
+        changes: Mapping[str, Value],
+        written: Mapping[str, str] | None = None,
+        origins: Mapping[str, str] | None = None,
+    ) -> InputError | None:
+        """Put changes in force, as `Design.replace` takes them; returns what is wrong with them, if anything."""
+        return self._adopt(lambda: self.design.replace(changes, written, origins), frozenset(changes), self.lineage)
 
     def adopt(self, design: Design) -> InputError | None:
         """Put a whole design in force, which begins a lineage: an opened file, an example, a link."""
@@ -104,7 +109,8 @@ class Session(param.Parameterized):
         try:
             design = make()
             if design == before:
-                if dict(design.written) != dict(before.written):  # a unit was chosen: shown, not undone
+                # A unit was chosen, or another origin named: shown, not undone.
+                if (design.written, design.origins) != (before.written, before.origins):
                     self.budget = analyse(design)
                 return None
             budget = analyse(design)

@@ -1,1 +1,49 @@
-"""Navigation error budgets: the physics, without any screen."""
+"""Navigation error budgets: the physics, without any screen.
+
+The names below are the whole of what a script needs; they load their modules when first used.
+
+Examples
+--------
+>>> from nav_model import analyse, parse_design
+>>> design = parse_design('''
+... [imu]
+... angle_random_walk = "0.1 °/√h"
+... velocity_random_walk = "0.03 m/s/√h"
+... [requirements]
+... quadratic_phase = "45°"
+... ''')
+>>> budget = analyse(design)
+>>> f"{budget.sar.quadratic:.3f} rad"  # 1 sigma, over the aperture
+'0.259 rad'
+>>> [(check.name, round(check.margin, 2)) for check in budget.verdict.checks]
+[('quadratic_phase', 0.67), ('along_track_quadratic_phase', 0.8)]
+>>> budget.verdict.closes
+True
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+__all__ = ["Budget", "Design", "InputError", "analyse", "format_design", "parse_design", "read_design"]
+
+if TYPE_CHECKING:
+    from nav_model.budget import Budget, analyse
+    from nav_model.design import Design
+    from nav_model.design.file import format_design, parse_design, read_design
+    from nav_model.errors import InputError
+else:
+    _HOMES = {
+        "Budget": "nav_model.budget",
+        "analyse": "nav_model.budget",
+        "Design": "nav_model.design",
+        "format_design": "nav_model.design.file",
+        "parse_design": "nav_model.design.file",
+        "read_design": "nav_model.design.file",
+        "InputError": "nav_model.errors",
+    }
+
+    def __getattr__(name: str) -> object:
+        """The names of the door, each loaded when asked for: `nav_model.suborbital` does without designs."""
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return getattr(import_module(_HOMES[name]), name)

@@ -6,24 +6,37 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """Bad input, with the key it stands under.
+    """Bad input. Its message is ``key: reason``; whoever needs a part of it takes the field.
 
-    Attributes
+    Parameters
     ----------
     key : str
-        Dotted key such as ``"imu.angle_random_walk"``, or the file's name when no key is to blame.
+        Dotted key such as ``"imu.angle_random_walk"``, or the name of the option or file that is to blame.
     reason : str
-        What was given and what is allowed.
+        A sentence without the key: what is wrong and what is allowed.
+    value : object, optional
+        What was given, as it was given; None when nothing was, or when it is too large to quote, such as a file.
+
+    Examples
+    --------
+    >>> error = InputError("imu.rate", "'fast' is not a number", "fast")
+    >>> str(error), error.value
+    ("imu.rate: 'fast' is not a number", 'fast')
     """
 
-    def __init__(self, key: str, reason: str) -> None:
+    def __init__(self, key: str, reason: str, value: object = None) -> None:
         super().__init__(f"{key}: {reason}")
         self.key = key
         self.reason = reason
+        self.value = value
 
-    def __reduce__(self) -> tuple[type[InputError], tuple[str, str]]:
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, object]]:
         """So that it comes back whole from a worker process."""
-        return type(self), (self.key, self.reason)
+        return type(self), (self.key, self.reason, self.value)
+
+    def under(self, key: str) -> InputError:
+        """The same complaint under another name: an option of the command line, a file."""
+        return type(self)(key, self.reason, self.value)
 
 
 def shown(content: Any) -> str:

@@ -28,7 +28,24 @@ _FOOT = Fraction("0.3048")
 
 
 class QuantityError(ValueError):
-    """A text that is not a quantity of the dimension asked for."""
+    """A text that is not a quantity of the dimension asked for: an `InputError` that does not know its key yet.
+
+    Attributes
+    ----------
+    reason : str
+        The message: what is wrong and what is allowed.
+    value : object
+        What was given, as it was given.
+    """
+
+    def __init__(self, reason: str, value: object = None) -> None:
+        super().__init__(reason)
+        self.reason = reason
+        self.value = value
+
+    def __reduce__(self) -> tuple[type[QuantityError], tuple[str, object]]:
+        """So that it comes back whole from a worker process."""
+        return type(self), (self.reason, self.value)
 
 
 class Parsed(NamedTuple):
@@ -234,7 +251,9 @@ def unit_symbol(unit: str, dimension: str) -> str:
     text = _canonical_spelling(unit)
     text = _ALIASES.get(text, text)
     if text not in table.units:
-        raise QuantityError(f"{unit.strip()!r} is not a unit of {table.name}; write for example {_examples(table)}")
+        raise QuantityError(
+            f"{unit.strip()!r} is not a unit of {table.name}; write for example {_examples(table)}", unit
+        )
     return text
 
 
@@ -266,7 +285,7 @@ def parse_quantity(text: str, dimension: str) -> Parsed:
     try:
         return Parsed(float(exact), symbol)
     except OverflowError as error:
-        raise QuantityError(f"{_shown(text)} is too large") from error
+        raise QuantityError(f"{_shown(text)} is too large", text) from error
 
 
 def parse_exact(text: str, dimension: str) -> tuple[Fraction, str]:
@@ -275,10 +294,10 @@ def parse_exact(text: str, dimension: str) -> tuple[Fraction, str]:
     stripped = text.strip()
     match = _NUMBER.match(stripped)
     if match is None or len(stripped) > 100:
-        raise QuantityError(f"{_shown(text)} is not a {table.name}; write for example {_examples(table)}")
+        raise QuantityError(f"{_shown(text)} is not a {table.name}; write for example {_examples(table)}", text)
     number, unit = match[0].replace("−", "-"), stripped[match.end() :]
     if not unit.strip():
-        raise QuantityError(f"{_shown(text)} has no unit; write for example {_examples(table)}")
+        raise QuantityError(f"{_shown(text)} has no unit; write for example {_examples(table)}", text)
     symbol = unit_symbol(unit, dimension)
     return _decimal(number, text) * table.units[symbol], symbol
 
@@ -286,7 +305,7 @@ def parse_exact(text: str, dimension: str) -> tuple[Fraction, str]:
 def _decimal(number: str, text: str) -> Fraction:
     exponent = number.lower().partition("e")[2]
     if exponent and abs(int(exponent)) > _MAX_EXPONENT:
-        raise QuantityError(f"{_shown(text)} is out of the range of numbers")
+        raise QuantityError(f"{_shown(text)} is out of the range of numbers", text)
     return Fraction(number)
 
 
@@ -305,7 +324,7 @@ def to_si(number: float | Fraction, unit: str, dimension: str) -> float:
     try:
         return float(Fraction(number) * DIMENSIONS[dimension].units[unit])
     except OverflowError as error:
-        raise QuantityError(f"the number before {unit!r} is too large") from error
+        raise QuantityError(f"the number before {unit!r} is too large", number) from error
 
 
 def from_si(value: float, unit: str, dimension: str) -> float:

@@ -11,17 +11,18 @@ from typing import Any, Protocol
 import panel as pn
 import panel_material_ui as pmui
 import param
-from panel.util import edit_readonly
 
 from app.dashboard.lifeline import THEME_COOKIE, Lifeline
-from app.dashboard.shell import Shell
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.session import Lineage, Session
 from app.ui.faults import tell_here
 from app.ui.paper import fit_to_paper
 from app.ui.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
-from app.upstream import mends
+from app.upstream.browser import Repairs
+from app.upstream.busy_line import follow_own_work
+from app.upstream.full_height import FULL_HEIGHT
+from app.upstream.page_marks import OwnMarkPage
 from nav_model.budget import Budget
 from nav_model.design.link import from_query, split_link
 from nav_model.errors import InputError
@@ -193,7 +194,7 @@ class Frame(pn.viewable.Viewer):
             margin=0,
             stylesheets=[PRINT_NOTHING],
         )
-        page = Shell(
+        page = OwnMarkPage(
             title="NavBudget",
             sidebar=self._sidebar.parts,
             main=[
@@ -203,12 +204,10 @@ class Frame(pn.viewable.Viewer):
                     self._examples,
                     bar,
                     *self._places,
-                    *mends(),
+                    Repairs(margin=0, width=0, height=0),
                     self._lifeline,
                     sizing_mode="stretch_width",
-                    # Bokeh lets nothing grow over 100 % of what it stands in: here the window, for each table and
-                    # column below. What is taller would hang over the next.
-                    styles={"max-height": "none"},
+                    styles=FULL_HEIGHT,
                 )
             ],
             dark_theme=dark,
@@ -218,10 +217,7 @@ class Frame(pn.viewable.Viewer):
             theme_config={"light": LIGHT, "dark": DARK},
             stylesheets=[PRINT_PAGE],
         )
-        # As shipped, Page follows one busy flag of the whole server: every event of every user would redraw
-        # every page. It follows this session's own long runs instead.
-        with edit_readonly(page):
-            page.busy = self.session.param.running
+        follow_own_work(page, self.session.param.running)
         self._lifeline.dark = dark
         page.param.watch(lambda event: setattr(self._lifeline, "dark", event.new), "dark_theme")
         return page

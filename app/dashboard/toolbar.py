@@ -15,12 +15,12 @@ import param
 
 from app.dashboard.report_choice import ReportChoice
 from app.document.wording import chapter_key
-from app.report import report_of_text
+from app.report import report_bytes
 from app.report.studies import study_sections
 from app.session import Session
 from app.ui.theme import PRINT_NOTHING
 from app.ui.tour import Tour
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
@@ -142,10 +142,10 @@ class Toolbar(pn.viewable.Viewer):
         run = self.session.new_run()
 
         async def write(_: Run) -> bytes:
-            text, findings = format_design(self.session.design), self._choice.chosen()
+            budget, findings = self.session.budget, self._choice.chosen()
             # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
-            study = await asyncio.to_thread(study_sections, findings, parse_design(text), chapter_key(""))
-            return await elsewhere(report_of_text, text, f".{suffix}", study)
+            study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
+            return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study])
 
         async def made() -> io.BytesIO:
             await run.start(write)

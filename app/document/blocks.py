@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.charts.kinds import Drawing
+from nav_model.equations import Equation, Symbol
 
 
 @dataclass(frozen=True)
@@ -77,26 +78,6 @@ class Bullets:
 
     items: tuple[str, ...]
     caption: str = ""
-
-
-@dataclass(frozen=True)
-class Equation:
-    """An equation in Typst's math notation, which both renderers typeset; ``mark`` is its number."""
-
-    mark: str
-    title: str
-    math: str
-    says: str
-
-
-@dataclass(frozen=True)
-class Symbol:
-    """A symbol in Typst's math notation, what it stands for, its unit; ``marks``: of the equations that use it."""
-
-    math: str
-    meaning: str
-    unit: str
-    marks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

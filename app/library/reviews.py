@@ -20,13 +20,13 @@ from sqlalchemy import Connection, text
 
 from app.library.store import Conflict, Library, Revision, as_revision, find, new_id, now
 from app.library.texts import clean, moment
-from nav_model.budget.verdict import CHECKS
+from nav_model.budget.figures import FIGURES
 from nav_model.design.parts import all_keys
 from nav_model.errors import InputError
 
 MAX_ITEMS = 6
 """The most revisions one review, or one comparison, takes: what fits side by side."""
-RESULTS = tuple(CHECKS)
+RESULTS = tuple(FIGURES)
 """Names of the results that a comment or a decision can be about."""
 
 

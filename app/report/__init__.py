@@ -14,8 +14,7 @@ from pathlib import Path
 
 from app.console.files import whole_file
 from app.document.blocks import Section
-from nav_model.budget import Budget, analyse
-from nav_model.design.file import parse_design
+from nav_model.budget import Budget
 from nav_model.errors import InputError
 
 SUFFIXES = (".html", ".pdf")
@@ -59,7 +58,7 @@ def report_bytes(
     added: Sequence[Section] = (),
     studies: Sequence[Sequence[Section]] = (),
 ) -> bytes:
-    """The report as the bytes of a file of `kind`, one of `SUFFIXES`; for pages that offer it for download.
+    """The report as the bytes of a file of `kind`, one of `SUFFIXES`; pages have it made in a worker process.
 
     Sections `added` come before the shared ones; `studies` are `app.report.studies.study_sections` for each budget,
     which stand in its chapter.
@@ -74,28 +73,6 @@ def report_bytes(
     from app.document.html import to_html
 
     return to_html(report).encode()
-
-
-def report_of_text(text: str, kind: str, study: Sequence[Section] = ()) -> bytes:
-    """The report of the one design in a file's text, with what studies found: what a worker process is asked for.
-
-    Raises
-    ------
-    InputError
-        If the text is not a design.
-    """
-    return report_bytes([analyse(parse_design(text))], kind, studies=[study])
-
-
-def report_of_texts(texts: Sequence[str], kind: str, added: Sequence[Section] = ()) -> bytes:
-    """The report of the designs in some files' texts, as `report_bytes`, in a worker process.
-
-    Raises
-    ------
-    InputError
-        If a text is not a design.
-    """
-    return report_bytes([analyse(parse_design(text)) for text in texts], kind, added=added)
 
 
 def kind_of(target: Path) -> str:

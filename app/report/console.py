@@ -15,7 +15,6 @@ from app.report import kind_of, report_bytes
 from app.report.studies import KINDS, study_sections
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.file import format_design
 from nav_model.errors import InputError
 
 _SETTLED = 400.0  # s with fixes before the design's outage: most filters have settled
@@ -78,7 +77,7 @@ def _simulation(design: Design, options: argparse.Namespace) -> Any:
 
 
 def _sar(design: Design, options: argparse.Namespace) -> Any:
-    from app.subjects.sar.run import SarResult, pictures_of_text
+    from app.subjects.sar.run import SarResult, pictures
     from nav_model.sar.design_case import design_case
     from nav_model.sar.design_study import design_study
 
@@ -88,11 +87,11 @@ def _sar(design: Design, options: argparse.Namespace) -> Any:
     try:
         with count_runs("SAR: ") as progress:
             study = design_study(design, runs, options.seed, progress)
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError("--runs", str(error).removeprefix("runs: ")) from error
-    points, scene = pictures_of_text(format_design(design), study.typical)
+    except InputError as error:
+        if error.key != "runs":
+            raise
+        raise error.under("--runs") from error
+    points, scene = pictures(study.budget, study.typical)
     return SarResult(design_case(study.budget), study, points, scene)
 
 

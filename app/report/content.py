@@ -40,9 +40,10 @@ from app.document.wording import (
 from app.report.inputs import MARKS_EXPLAINED, doubtful_inputs, input_rows
 from app.subjects.budget.charts import BUDGET_CHARTS
 from app.subjects.review.comparison import comparison_chapter
-from nav_model.budget import Budget, Sigmas, analyse
+from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import cautions, provenance
+from nav_model.budget.result import Sigmas
 from nav_model.design.file import format_design
 from nav_model.equations import REFERENCES, with_cited
 
@@ -139,7 +140,7 @@ def _requirements(budget: Budget, key: str) -> Table | Text:
             Cell(requirement_quantity(budget.design, check.name, check.limit)),
             Cell(signed_percent(check.margin)),
             Cell("✓ met", tone="good") if check.met else Cell("✗ not met", tone="bad"),
-            Cell(f"{check.figure} {check.equation}"),
+            Cell(f"{check.basis} {check.equation}"),
             Cell(f"{check.sensor}, {percent(check.sensor_share)}"),
         )
         for check in verdict.checks

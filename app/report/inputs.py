@@ -5,16 +5,15 @@ from __future__ import annotations
 from app.document.blocks import Cell
 from app.document.numbers import number
 from app.document.wording import printable
-from nav_model.allan.adoption import noted_origin
-from nav_model.catalogue import Entry, SourcedValue, find
+from nav_model.catalogue import Entry, SourcedValue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import deviations, preset_of
 from nav_model.design.parts import INPUTS, PARTS
+from nav_model.design.presets import deviations, entry_of
 
 MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
-    "unconfirmed: from memory, no source reached. changed: not the value of the preset. noted: the description says "
+    "unconfirmed: from memory, no source reached. changed: not the value of the preset. noted: the design says "
     "where it comes from, such as a log. Biases and platform figures "
     "of the catalogue fill no input; they stand here for information."
 )
@@ -30,7 +29,7 @@ def input_rows(design: Design, aperture_time: float) -> tuple[tuple[Cell, ...], 
     """Rows of name, value and origin for every input, headed by section."""
     rows: list[tuple[Cell, ...]] = []
     for part in PARTS:
-        entry = preset_entry(design, part.section)
+        entry = entry_of(design, part.section)
         rows.append((Cell(part.title if entry is None else f"{part.title}: {_preset(entry)}"),))
         rows += (_row(design, part.section, name, entry, aperture_time) for name in INPUTS[part.section])
         if entry is not None:
@@ -53,15 +52,9 @@ def doubtful_inputs(design: Design) -> list[str]:
     ]
 
 
-def preset_entry(design: Design, section: str) -> Entry | None:
-    """The catalogue's entry behind a section."""
-    name = preset_of(design, section)
-    return None if name is None else find("imu" if section == "imu" else "radar", name)
-
-
 def sourced_value(design: Design, section: str, name: str) -> SourcedValue | None:
     """The catalogue's value behind an input, if that is the value in force."""
-    entry = preset_entry(design, section)
+    entry = entry_of(design, section)
     if entry is None or name in deviations(design, section):
         return None
     return entry.values.get(name)
@@ -104,9 +97,8 @@ def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_
     text = shown_value(design, section, name)
     if not text:
         return label, Cell("not given", tone="quiet"), Cell(_absent(key, aperture_time), tone="quiet")
-    noted = noted_origin(design, key)
-    if noted is not None:
-        return label, Cell(text, "noted", "good"), Cell(printable(noted))
+    if key in design.origins:
+        return label, Cell(text, "noted", "good"), Cell(printable(design.origins[key]))
     sourced = sourced_value(design, section, name)
     if sourced is not None:
         return label, _valued(text, sourced), Cell(sourced.source)

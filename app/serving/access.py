@@ -12,14 +12,15 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
-from panel.auth import BasicAuthProvider, BasicLoginHandler, LogoutHandler, OAuthProvider, _validate_next_url
+from panel.auth import BasicAuthProvider, LogoutHandler, OAuthProvider
 from panel.config import config
-from panel.io.state import state
 from tornado.web import HTTPError
 
 from app.serving.logs import event
 from app.serving.passwords import MAX_NAME, MAX_PASSWORD, Passwords
 from app.serving.rules import Rules
+from app.upstream.login_cookie import CookieForThisSite
+from app.upstream.token_encryption import encrypt_tokens
 
 _TRIES = 10
 _WINDOW = 60.0  # seconds
@@ -62,7 +63,7 @@ class Tries:
             self._failed.popitem(last=False)
 
 
-class PasswordLogin(BasicLoginHandler):
+class PasswordLogin(CookieForThisSite):
     """The page to log in on; a name and a password against the file."""
 
     passwords: Passwords
@@ -95,19 +96,14 @@ class PasswordLogin(BasicLoginHandler):
 
     def _next(self, wanted: str) -> str:
         """Where to go afterwards, on this host only."""
-        if not wanted.startswith("/") or wanted.startswith("//"):
+        # Browsers take a backslash for a slash, and leave out tabs and ends of lines.
+        if not wanted.startswith("/") or wanted.startswith("//") or "\\" in wanted or not wanted.isprintable():
             raise HTTPError(400, "next must be a path on this server")
-        return _validate_next_url(wanted) or "/"
+        return wanted
 
     def _form(self, wanted: str, failed: str = "", name: str = "") -> None:
         self.set_header("Cache-Control", "no-store")
         self.write(plain_page("Log in", "", form=Markup(self.xsrf_form_html()), failed=failed, name=name))
-
-    def set_secure_cookie(self, name: str, value: str | bytes, *arguments: Any, **options: Any) -> None:
-        """As Tornado, for this site only and over TLS only if the page came that way."""
-        super().set_secure_cookie(
-            name, value, *arguments, **{**options, "samesite": "Lax", "secure": self.request.protocol == "https"}
-        )
 
 
 class Goodbye(LogoutHandler):
@@ -170,10 +166,7 @@ def provider_of(rules: Rules) -> dict[str, Any]:
     if oauth.redirect_uri:
         config.oauth_redirect_uri = oauth.redirect_uri
     if oauth.encryption_key:
-        from cryptography.fernet import Fernet
-
-        config.oauth_encryption_key = oauth.encryption_key
-        state.encryption = Fernet(oauth.encryption_key)
+        encrypt_tokens(oauth.encryption_key)
     return {"auth_provider": _OAuth(), "cookie_secret": rules.cookie_secret}
 
 

@@ -13,7 +13,7 @@ import gc
 import time
 from collections.abc import Callable
 
-import panel.io.document
+from app.upstream.collections import leave_collecting
 
 _LOOK = 1.0  # seconds between two looks
 _QUIET = 2.0  # seconds without a message after which nobody is taken to wait
@@ -62,12 +62,9 @@ class Collector:
 
 
 def settle() -> None:
-    """What is loaded by now stays and need not be looked at again; from now on `Collector` says when to.
-
-    Panel would collect in full whenever a page was closed.
-    """
+    """What is loaded by now stays and need not be looked at again; from now on `Collector` says when to."""
     gc.collect()
     gc.freeze()
     young, middle, _ = gc.get_threshold()
     gc.set_threshold(young, middle, _NEVER)
-    panel.io.document._garbage_collect = lambda: None
+    leave_collecting()

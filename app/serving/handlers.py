@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 from weakref import WeakSet
 
-from bokeh.protocol.exceptions import ProtocolError
-from bokeh.server.urls import per_app_patterns
-from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id
-from panel.io.server import DocHandler, WSHandler
+from bokeh.util.token import get_session_id
+from panel.io.server import DocHandler
 from tornado.web import OutputTransform, RequestHandler, authenticated
 
 from app.dashboard.lifeline import THEME_COOKIE
@@ -19,6 +17,12 @@ from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
 from app.serving.rules import Rules
+from app.upstream.frames_at_once import FramesAtOnce
+from app.upstream.late_session import new_token
+from app.upstream.lost_connection import LostConnection
+from app.upstream.push_doc import NoPushDoc
+from app.upstream.routes import serve_only
+from app.upstream.tracebacks import NoTracebacks
 
 # Bokeh compiles its callbacks and carries its model in the page, so scripts cannot be held to files; what holds is
 # that nothing comes from, goes to, or frames us from elsewhere.
@@ -111,17 +115,7 @@ class PageHandler(DocHandler):
                 after=60,
             )
         else:
-            self.finish(_here.page(self._token(), self.get_cookie(THEME_COOKIE) == "dark"))
-
-    def _token(self) -> str:
-        server = self.application
-        return generate_jwt_token(
-            generate_session_id(server.secret_key, server.sign_sessions),
-            server.secret_key,
-            server.sign_sessions,
-            extra_payload=self._generate_token_payload(),
-            expiration=server.session_token_expiration,
-        )
+            self.finish(_here.page(new_token(self), self.get_cookie(THEME_COOKIE) == "dark"))
 
     def _turn_away(self, status: int, title: str, text: str, after: int = 0) -> None:
         self.set_status(status)
@@ -131,7 +125,7 @@ class PageHandler(DocHandler):
         self.finish(plain_page(title, text, **again))
 
 
-class LimitedWSHandler(WSHandler):
+class LimitedWSHandler(FramesAtOnce, LostConnection, NoPushDoc, NoTracebacks):
     """The page's connection; it opens no session beyond the limit either."""
 
     async def prepare(self) -> None:
@@ -153,33 +147,13 @@ class LimitedWSHandler(WSHandler):
             self.finish()
 
     def open(self, *arguments: Any, **options: Any) -> None:
-        """As Bokeh; and remember the connection for as long as it lives.
-
-        A message is a dozen small frames and more: without `set_nodelay` the second waits until the browser has
-        confirmed the first, up to 40 ms.
-        """
+        """As Bokeh; and remember the connection for as long as it lives."""
         _connections.add(self)
         super().open(*arguments, **options)
-        if self.ws_connection is not None:  # None: refused
-            self.set_nodelay(True)
-
-    def on_close(self) -> None:
-        """As Bokeh, unless a ping has found the connection lost before: then it has no session to tell any more."""
-        if self.connection is None or self.connection._session is not None:
-            super().on_close()
 
     async def _handle(self, message: Any) -> Any:
-        """As Bokeh, but a page may change what it shows, not put another document in its place."""
         _here.heard()
-        if message.msgtype == "PUSH-DOC":
-            raise ProtocolError("PUSH-DOC is not taken")
         return await super()._handle(message)
-
-    async def send_message(self, message: Any) -> None:
-        """As Bokeh, but a fault is not told with its traceback, which says where and what is installed here."""
-        if message.msgtype == "ERROR":
-            message.content = {"text": "the server could not do this", "traceback": None}
-        await super().send_message(message)
 
 
 class Alive(RequestHandler):
@@ -207,8 +181,7 @@ def around(rules: Rules, here: Surroundings, metrics: ServerMetrics) -> dict[str
     """What the server must be told, beside the dashboard itself."""
     global _here
     _here = here
-    # The page and its connection; the ways to embed the page elsewhere are not offered.
-    per_app_patterns[:] = [(r"/ws", LimitedWSHandler), (r"/?", PageHandler)]
+    serve_only(PageHandler, LimitedWSHandler)
     return {
         "extra_patterns": [
             (r"/liveness", Alive),

@@ -10,17 +10,11 @@ import socket
 import time
 from collections.abc import Callable
 from importlib.resources import files
-from types import SimpleNamespace
 from typing import Any
 
-import bokeh.resources
-import bokeh.server.server
 import panel as pn
 from bokeh.document import Document
-from bokeh.server.views.static_handler import StaticHandler
 from bokeh.settings import settings
-from panel.io.resources import LOCAL_DIST, Resources
-from panel.io.server import server_html_page_for_session
 from panel.io.state import set_curdoc
 
 from app.dashboard.frame import Frame, is_review_link
@@ -34,7 +28,10 @@ from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
 from app.session import Session
 from app.ui.faults import caught
+from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.defaults import remember_defaults
+from app.upstream.given_socket import listen_on
+from app.upstream.late_session import page_of, sheets_from_here
 from app.upstream.writes import closed_is_no_fault, repair
 from app.work import pool as workers
 from nav_model.design import Design
@@ -114,7 +111,7 @@ def serve_on(
     remember_defaults()
     workers.use(rules.workers, row.board.processes)
     began, collector = time.monotonic(), Collector()
-    bokeh.server.server.bind_sockets = lambda *_: ([listening], port)
+    listen_on(listening, port)
     here = Surroundings(
         row, rules.max_sessions, page=opening_page(), heard=collector.heard,
         admits=rules.oauth.admits if rules.oauth else lambda _: True,
@@ -147,32 +144,24 @@ def serve_on(
 
 
 def opening_page() -> Callable[[str, bool], str]:
-    """What a browser loads before it connects, for the token of its session and for a page in dark.
-
-    Made once, from a session's document like any: all pages load the same, and have the same roots.
-    """
+    """What a browser loads before it connects, for the token of its session and for a page in dark; made once."""
     document = Document()
     with set_curdoc(document):
         build().server_doc(document, _TITLE)
-    token = secrets.token_hex(32)
-    resources = bokeh.resources.Resources(mode="server", root_url="/", path_versioner=StaticHandler.append_version)
-    text = server_html_page_for_session(
-        SimpleNamespace(document=document, token=token),
-        Resources.from_bokeh(resources),
-        _TITLE,
-        template=document.template,
-        template_variables=document.template_variables,
-    )
-    dark_text = text.replace("<head>", '<head><meta name="color-scheme" content="dark">', 1)  # dark while it loads
-    return lambda given, dark: (dark_text if dark else text).replace(token, given)
+    light = page_of(document, _TITLE)
+
+    def page(token: str, dark: bool) -> str:
+        text = light(token)  # dark while it loads
+        return text.replace("<head>", '<head><meta name="color-scheme" content="dark">', 1) if dark else text
+
+    return page
 
 
 def _counted(row: Row, collector: Collector) -> Any:
     """`build`, seen by the operator: sessions come and go, budgets are computed."""
     row.add("opened")
     row.add("sessions")
-    # Sheets come from this server: Panel says so only where a page is sent with its session, else from elsewhere.
-    pn.state.curdoc.template_variables["dist_url"] = LOCAL_DIST
+    sheets_from_here(pn.state.curdoc)
     collector.heard()
     name = short(pn.state.curdoc.session_context.id)
     event("session opened", session=name)
@@ -195,8 +184,7 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
     stopping: list[asyncio.Task[None]] = []
 
     async def wind_down() -> None:
-        # Not Bokeh's `unlisten`, which also cuts what is just being answered.
-        server._http.stop()
+        let_nobody_new_in(server)
         close_door()
         deadline = loop.time() + grace
         quiet = 0  # looks in a row that found nothing; not seconds, in which a busy machine may do nothing

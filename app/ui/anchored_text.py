@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import ClassVar
 
 import param
@@ -17,40 +18,9 @@ class AnchoredText(JSComponent):
     asked = param.String(default="", doc="The id last asked for, and a count so that it can be asked for again.")
 
     _stylesheets: ClassVar[list[str]] = [SHEET]
+    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
 
     def go_to(self, name: str) -> None:
         """Bring the element of this id into view; an unknown one changes nothing."""
         count = int(self.asked.rpartition(" ")[2] or 0) + 1
         self.asked = f"{name} {count}"
-
-    _esm = """
-export function render({ model }) {
-  const place = document.createElement("div")
-  const go = (name, tries = 60) => {
-    const target = place.querySelector("#" + CSS.escape(name))
-    if (!target) return
-    if (!target.getClientRects().length && tries) {  // the page is still being turned
-      setTimeout(() => go(name, tries - 1), 50)
-      return
-    }
-    place.querySelectorAll(".here").forEach(old => old.classList.remove("here"))
-    target.classList.add("here")
-    target.setAttribute("tabindex", "-1")
-    target.scrollIntoView({ block: "start" })
-    target.focus({ preventScroll: true })
-  }
-  place.addEventListener("click", (event) => {
-    const address = event.target.closest("a")?.getAttribute("href") ?? ""
-    // A new address is answered by the server. Were it followed here as well, the answer would pull back whoever has
-    // moved on meanwhile; one that stands already is told to nobody.
-    if (address.startsWith("#theory-") && address === location.hash) go(address.slice(8))
-  })
-  const draw = () => { place.innerHTML = model.html }
-  const answer = () => { if (model.asked) go(model.asked.split(" ")[0]) }
-  model.on("html", draw)
-  model.on("asked", answer)
-  draw()
-  answer()
-  return place
-}
-"""

@@ -46,7 +46,7 @@ class ChartPane(Generic[_T]):
         ]
         self.view = pn.Column(
             self._title,
-            # The figure stands in a native column: directly in a Material layout it breaks when replaced.
+            # In a native column: in a Material layout a figure breaks when replaced (panel-material-ui#548).
             pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
             self._know,
             pn.FlexBox(*self._takes, margin=0, sizing_mode="stretch_width", stylesheets=[PRINT_NOTHING]),

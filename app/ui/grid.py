@@ -6,14 +6,12 @@ with many of them took twice as long to stand.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import panel as pn
 
-_SHEET = """
-:host { display: grid; grid-template-columns: repeat(12, minmax(0, 1fr)); grid-auto-rows: max-content; gap: 12px; }
-@media (max-width: %dpx) { div { grid-column: 1 / -1 !important; } }
-"""
+_SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 
 
 def cell(columns: int, *content: Any, **params: Any) -> pn.Column:
@@ -25,4 +23,6 @@ def cell(columns: int, *content: Any, **params: Any) -> pn.Column:
 
 def grid(*cells: pn.Column, beside: int = 1200, margin: tuple[int, int] = (4, 10)) -> pn.Column:
     """Cells in rows of twelve columns, on windows at least `beside` pixels wide; else one a row."""
-    return pn.Column(*cells, stylesheets=[_SHEET % (beside - 1)], sizing_mode="stretch_width", margin=margin)
+    return pn.Column(
+        *cells, stylesheets=[_SHEET.replace("BESIDE", f"{beside - 1}px")], sizing_mode="stretch_width", margin=margin
+    )

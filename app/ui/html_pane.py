@@ -3,23 +3,11 @@
 from __future__ import annotations
 
 from html import escape
-from typing import Any
-
-import panel as pn
 
 from app.document.blocks import Block
 from app.document.pane import html_of
 from app.ui.theme import SHEET
-
-
-class TextPane(pn.pane.HTML):
-    """HTML that sends its text alone when the text changes.
-
-    As shipped, the pane works out and sends all of its look again, its sheet included: half of a slider's step.
-    """
-
-    def _update(self, ref: str, model: Any) -> None:
-        model.text = self._transform_object(self.object)["object"]
+from app.upstream.text_pane import TextPane
 
 
 def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> TextPane:

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar
+from pathlib import Path
+from typing import Any
 
-import panel_material_ui as pmui
 from bokeh.models import CustomJSTickFormatter
 
+from app.upstream.prompt_slider import PromptSlider
 from nav_model.units import from_si, to_si
 
 _STEP = 0.02  # decades: 4.7 % a key press
 _ZERO = 10 * _STEP  # how far below the lowest value zero lies
+_SPOKEN = Path(__file__).with_suffix(".js").read_text("utf-8")
 
 
-class LogSlider(pmui.FloatSlider):
-    """A slider on a log scale whose steps reach the server at once.
+def spoken(lowest: float, factor: float, unit: str) -> CustomJSTickFormatter:
+    """What a slider over decades says of its thumb: `factor` is the unit in SI; zero below the place `lowest`."""
+    return CustomJSTickFormatter(code=_SPOKEN, args={"lowest": lowest, "factor": factor, "unit": unit})
 
-    The framework would wait 50 ms, hear every step twice, and turn the busy flag of the whole server on and off,
-    which nothing here shows.
+
+class LogSlider(PromptSlider):
+    """A slider on a log scale.
 
     Parameters
     ----------
@@ -34,25 +38,18 @@ class LogSlider(pmui.FloatSlider):
         Where to start [SI].
     """
 
-    _priority_changes: ClassVar[list[str]] = ["value"]
-    _busy__ignore: ClassVar[list[str]] = ["value"]
-
     def __init__(
         self, label: str, low: float, high: float, unit: str, dimension: str, zero: bool, value: float
     ) -> None:
         self._lowest = math.log10(low)
         start = self._lowest - (_ZERO if zero else 0.0)
         factor = to_si(1.0, unit, dimension) if dimension else 1.0
-        nothing = f'if (tick < {self._lowest - _STEP / 2}) return "0 {unit}";' if zero else ""
         look: dict[str, Any] = {"& > .MuiFormLabel-root": {"display": "none"}}
         super().__init__(
             label=label,
             description="",
             show_value=False,
-            # The value, not its logarithm.
-            format=CustomJSTickFormatter(
-                code=f'{nothing} return String(Number((10 ** tick / {factor!r}).toPrecision(3))) + " {unit}"'
-            ),
+            format=spoken(self._lowest - _STEP / 2 if zero else -math.inf, factor, unit),
             start=start,
             end=math.log10(high),
             step=_STEP,
@@ -62,11 +59,6 @@ class LogSlider(pmui.FloatSlider):
             sizing_mode="stretch_width",
             sx=look,
         )
-
-    @property
-    def _linked_properties(self) -> tuple[str, ...]:
-        """What is heard of the browser: "value_throttled", which comes with every step, would be worked off too."""
-        return ("value",)
 
     def _place_of(self, value: float, start: float, end: float) -> float:
         return start if value <= 0 else min(max(math.log10(value), self._lowest), end)

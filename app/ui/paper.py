@@ -6,27 +6,15 @@ just before printing. The rest is style: each part's own sheet says what it does
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from bokeh.document import Document
 from bokeh.events import DocumentReady
 from bokeh.models import CustomJS
 
 _WIDTH = 690  # CSS pixels of an A4 sheet between its margins, less a frame's
 
-_SCRIPT = (
-    """
-const style = document.createElement("style")
-style.textContent = "@media print { @page { margin: 12mm } html, body { height: auto !important } }"
-document.head.append(style)
-const figures = (root) => [...root.querySelectorAll("*")].flatMap((element) =>
-  element.classList.contains("bk-Figure") ? [element] : element.shadowRoot ? figures(element.shadowRoot) : [])
-window.addEventListener("beforeprint", () => {
-  for (const figure of figures(document)) figure.style.zoom = Math.min(1, WIDTH / (figure.offsetWidth || 1))
-})
-window.addEventListener("afterprint", () => {
-  for (const figure of figures(document)) figure.style.zoom = ""
-})
-""".replace("WIDTH", str(_WIDTH))
-)  # fmt: skip
+_SCRIPT = Path(__file__).with_suffix(".js").read_text("utf-8").replace("WIDTH", str(_WIDTH))
 
 
 def fit_to_paper(document: Document) -> None:

@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterable
 
 import panel as pn
 
+from app.upstream.frozen_models import frozen_models
+
 _LONGEST = 0.1  # seconds of a turn in which another piece is begun; what a turn costs besides is about as much
 _BETWEEN = 0.01  # seconds: the dozen frames of a slider step come in, and it is answered
 
@@ -27,13 +29,9 @@ def in_turns(pieces: Iterable[Callable[[], None]]) -> None:
     async def run() -> None:
         while waiting and document.session_context is not None and not document.session_context.destroyed:
             until = time.monotonic() + _LONGEST
-            with pn.io.hold():
-                document.models._push_freeze()  # Bokeh walks through the whole document for each change of its parts
-                try:
-                    while waiting and time.monotonic() < until:
-                        waiting.popleft()()
-                finally:
-                    document.models._pop_freeze()
+            with pn.io.hold(), frozen_models(document):
+                while waiting and time.monotonic() < until:
+                    waiting.popleft()()
             await asyncio.sleep(_BETWEEN)
 
     pn.state.execute(run)

@@ -1,8 +1,12 @@
 """What a model of Bokeh's holds unless told otherwise is worked out once for each kind of model.
 
-As shipped (Bokeh 3.9), each look at a property nobody has set copies and checks its default anew, which is half of
-the work of sending a page and a third of finding what a change of its parts has added. Values that could change are
-left alone: each model has its own.
+Each look at a property that nobody has set copies and checks its default anew, which is half of the work of sending a
+page and a third of finding what a change of its parts has added. Values that could change are left alone: each model
+has its own.
+
+Written for: Bokeh 3.9.2
+Upstream: bokeh/bokeh#13174 (merged: less of it, not none)
+Needless when: tests/app/upstream/test_defaults.py::test_as_shipped_a_default_is_worked_out_at_each_look fails
 """
 
 from __future__ import annotations

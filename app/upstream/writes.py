@@ -8,6 +8,10 @@ forgotten when its last change came just as the one before had been written: the
 next thing that person did.
 
 Here every change takes its place in the connection's own line when it is put into words.
+
+Written for: Panel 1.9.4, Bokeh 3.9.2
+Upstream: holoviz/panel#6443, holoviz/panel#6667 (merged: in order among Panel's own)
+Needless when: tests/app/upstream/test_writes.py::test_all_is_sent_at_once_and_in_the_order_it_was_made fails
 """
 
 from __future__ import annotations

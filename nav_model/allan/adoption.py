@@ -1,8 +1,4 @@
-"""A log's figures put into a design, with a note in its description that says where they came from.
-
-A note is one line, ``imu.angle_random_walk = 2.441 °/√h: rms of gyro x, y, z ...``. It stands for the value it
-quotes: once the design holds another value the note is history, and `noted_origin` no longer gives it.
-"""
+"""A log's results put into a design, with their origin: how they were found, and in which log."""
 
 from __future__ import annotations
 
@@ -26,19 +22,20 @@ _LONGEST_NAME = 80
 
 @dataclass(frozen=True)
 class Adoption:
-    """Changes for `Design.replace`: dotted keys in SI with the description, and units to write them in."""
+    """What `Design.replace` takes, by dotted key: values in SI, units to write them in, where they come from."""
 
     changes: dict[str, Value]
     written: dict[str, str]
+    origins: dict[str, str]
 
 
-def adopt_random_walks(design: Design, result: LogAnalysis) -> Adoption:
-    """The triad random walks of a static log, rounded to four digits, as changes to `design`.
+def adopt_random_walks(result: LogAnalysis) -> Adoption:
+    """The triad random walks of a static log, rounded to four digits, as changes to a design.
 
     A triad that did not resolve its random walk changes nothing; with neither resolved there are no changes.
     """
     quoted: dict[str, str] = {}
-    notes: dict[str, str] = {}
+    origins: dict[str, str] = {}
     for quantity, key in WALK_KEYS.items():
         found = triad_random_walk(result, quantity)
         if found is None:
@@ -46,21 +43,21 @@ def adopt_random_walks(design: Design, result: LogAnalysis) -> Adoption:
         unit, _ = UNITS[quantity]["random_walk"]
         dimension = _quantity(key).dimension
         quoted[key] = format_quantity(found.value, unit, dimension, _DIGITS)
-        notes[key] = f"{_said(found, unit, dimension)}, from static log {_log(result.provenance)}"
-    return _with_notes(design, quoted, notes)
+        origins[key] = f"{_said(found, unit, dimension)}, from static log {_log(result.provenance)}"
+    return _adoption(quoted, origins)
 
 
 def adopt_vibration_factor(design: Design, result: MotionAnalysis, bench: BenchNoise) -> Adoption:
     """The vibration factor of a log in motion over `bench` as a change to `design`.
 
-    Raises ValueError when the result has no factor, or when `bench` is no longer what the design states: the
+    Raises InputError when the result has no factor, or when `bench` is no longer what the design states: the
     factor multiplies the design's own random walks.
     """
     if result.vibration_factor is None:
-        raise ValueError("vibration_factor: the log was analysed without bench noise; there is no factor")
+        raise InputError(VIBRATION_KEY, "the log was analysed without bench noise; there is no factor")
     if bench != bench_of(design):
-        raise ValueError(
-            "vibration_factor: the design's random walks have changed since this log was analysed; analyse it again"
+        raise InputError(
+            VIBRATION_KEY, "the design's random walks have changed since this log was analysed; analyse it again"
         )
     low, high = result.band_hz
     walks = " and ".join(
@@ -68,11 +65,11 @@ def adopt_vibration_factor(design: Design, result: MotionAnalysis, bench: BenchN
         for key, walk in zip(WALK_KEYS.values(), (bench.angle_random_walk, bench.velocity_random_walk), strict=True)
         if walk is not None
     )
-    note = (
+    origin = (
         f"noise from {low:g} to {high:g} Hz over the design's {walks}, from log in motion "
         f"{_log(result.provenance)}; {MOTION_CAVEAT}"
     )
-    return _with_notes(design, {VIBRATION_KEY: f"{result.vibration_factor:.{_DIGITS}g}"}, {VIBRATION_KEY: note})
+    return _adoption({VIBRATION_KEY: f"{result.vibration_factor:.{_DIGITS}g}"}, {VIBRATION_KEY: origin})
 
 
 def bench_of(design: Design) -> BenchNoise:
@@ -80,33 +77,12 @@ def bench_of(design: Design) -> BenchNoise:
     return BenchNoise(design.imu.angle_random_walk, design.imu.velocity_random_walk)
 
 
-def noted_origin(design: Design, key: str) -> str | None:
-    """What the description says of the value under `key`, if it is still the value the note quotes."""
-    for line in design.description.splitlines():
-        if not line.startswith(f"{key} = "):
-            continue
-        text, _, origin = line.removeprefix(f"{key} = ").partition(": ")
-        try:
-            quoted = _quantity(key).read(text).value
-        except InputError:
-            continue
-        if quoted == design[key]:
-            return origin
-    return None
-
-
-def _with_notes(design: Design, quoted: dict[str, str], notes: dict[str, str]) -> Adoption:
-    """The quoted values with the description, in which a note on the same key replaces the one before."""
-    if not quoted:
-        return Adoption({}, {})
+def _adoption(quoted: dict[str, str], origins: dict[str, str]) -> Adoption:
     read = {key: _quantity(key).read(text) for key, text in quoted.items()}
-    kept = [
-        line for line in design.description.splitlines() if not any(line.startswith(f"{key} = ") for key in notes)
-    ]
-    lines = [f"{key} = {text}: {notes[key]}" for key, text in quoted.items()]
     return Adoption(
-        changes={**{key: parsed.value for key, parsed in read.items()}, "description": "\n".join([*kept, *lines])},
+        changes={key: parsed.value for key, parsed in read.items()},
         written={key: parsed.unit for key, parsed in read.items()},
+        origins=origins,
     )
 
 

@@ -12,8 +12,8 @@ from typing import BinaryIO
 
 import numpy as np
 
-from nav_model.allan.log_names import LogFormatError
 from nav_model.allan.noise_terms import FloatArray
+from nav_model.errors import InputError
 
 _CHUNK_LINES = 50_000
 _HEADER_LINES = 200
@@ -33,7 +33,7 @@ class CsvTable:
 def read_csv_table(stream: BinaryIO, file_name: str, most_rows: int) -> CsvTable:
     """Read comma, semicolon, tab or blank separated numbers, with or without header and #/% comment lines.
 
-    Nothing but decimal numbers is accepted below the header. Raises LogFormatError with the line number for
+    Nothing but decimal numbers is accepted below the header. Raises InputError with the line number for
     text, empty fields, a changed number of columns, NaN or infinity, more than `most_rows` rows, or text that
     is not UTF-8.
     """
@@ -41,7 +41,7 @@ def read_csv_table(stream: BinaryIO, file_name: str, most_rows: int) -> CsvTable
     try:
         return _read(text, file_name, most_rows)
     except UnicodeDecodeError as error:
-        raise LogFormatError(f"{file_name}: not a text file (byte {error.start} is not UTF-8)") from error
+        raise InputError(file_name, f"not a text file (byte {error.start} is not UTF-8)") from error
     finally:
         text.detach()
 
@@ -52,37 +52,37 @@ def _read(text: io.TextIOWrapper, file_name: str, most_rows: int) -> CsvTable:
     for _ in range(_HEADER_LINES):
         line = text.readline(_LONGEST_LINE)
         if line == "":
-            raise LogFormatError(f"{file_name}: no numbers found")
+            raise InputError(file_name, "no numbers found")
         if len(line) >= _LONGEST_LINE:
-            raise LogFormatError(f"{file_name}, line {len(header) + 1}: longer than {_LONGEST_LINE} characters")
+            raise InputError(file_name, f"line {len(header) + 1}: longer than {_LONGEST_LINE} characters")
         if _is_data(line):
             first = line
             break
         header.append(line)
     if not first:
-        raise LogFormatError(f"{file_name}: the first {_HEADER_LINES} lines hold no numbers; not an inertial log")
+        raise InputError(file_name, f"the first {_HEADER_LINES} lines hold no numbers; not an inertial log")
     delimiter = next((mark for mark in ",;\t" if mark in first), None)
     columns = len(_fields(first, delimiter))
     names = _names(header, delimiter, columns)
     first_line = len(header) + 1
     blocks: list[FloatArray] = []
     line_number, rows = first_line, 0
-    pending = [first, *_lines(text, _CHUNK_LINES - 1)]
+    pending = [first, *_lines(text, _CHUNK_LINES - 1, file_name)]
     while pending:
         block = _parse(pending, delimiter, columns, file_name, line_number)
         rows += len(block)
         if rows > most_rows:
-            raise LogFormatError(f"{file_name}: more than {most_rows} rows; cut the log or raise the limit")
+            raise InputError(file_name, f"more than {most_rows} rows; cut the log or raise the limit")
         blocks.append(block)
         line_number += len(pending)
-        pending = list(_lines(text, _CHUNK_LINES))
+        pending = list(_lines(text, _CHUNK_LINES, file_name))
     return CsvTable(names, np.concatenate(blocks), first_line, _rate(header))
 
 
-def _lines(text: io.TextIOWrapper, count: int) -> Iterator[str]:
+def _lines(text: io.TextIOWrapper, count: int, file_name: str) -> Iterator[str]:
     for line in islice(text, count):
         if len(line) > _LONGEST_LINE:
-            raise LogFormatError(f"a line is longer than {_LONGEST_LINE} characters; not an inertial log")
+            raise InputError(file_name, f"a line is longer than {_LONGEST_LINE} characters; not an inertial log")
         yield line
 
 
@@ -134,31 +134,33 @@ def _parse(lines: list[str], delimiter: str | None, columns: int, file_name: str
     try:
         block = np.loadtxt(kept, delimiter=delimiter, comments=None, ndmin=2, dtype=np.float64)
     except ValueError as error:
-        raise _complaint(lines, delimiter, columns, file_name, first_line) or LogFormatError(
-            f"{file_name}: {error}"
+        raise _complaint(lines, delimiter, columns, file_name, first_line) or InputError(
+            file_name, f"{error}"
         ) from error
     if block.shape[1] != columns or not np.all(np.isfinite(block)):
-        raise _complaint(lines, delimiter, columns, file_name, first_line) or LogFormatError(
-            f"{file_name}: {block.shape[1]} columns from line {first_line}, {columns} before"
+        raise _complaint(lines, delimiter, columns, file_name, first_line) or InputError(
+            file_name, f"{block.shape[1]} columns from line {first_line}, {columns} before"
         )
     return np.asarray(block)
 
 
 def _complaint(
     lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int
-) -> LogFormatError | None:
+) -> InputError | None:
     """What is wrong with the first bad line, found slowly once the fast parser has refused."""
     for offset, line in enumerate(lines):
         if not line.strip():
             continue
-        where = f"{file_name}, line {first_line + offset}"
+        where = f"line {first_line + offset}"
         fields = _fields(line, delimiter)
         if len(fields) != columns:
-            return LogFormatError(f"{where}: {len(fields)} columns, {columns} in the lines before")
+            return InputError(file_name, f"{where}: {len(fields)} columns, {columns} in the lines before")
         for column, field in enumerate(fields, start=1):
             if not _is_number(field):
                 shown = field[:40] or "nothing"
-                return LogFormatError(f"{where}, column {column}: {shown!r} is not a number")
+                return InputError(file_name, f"{where}, column {column}: {shown!r} is not a number")
             if not math.isfinite(float(field)):
-                return LogFormatError(f"{where}, column {column}: {field[:40]!r}; only finite numbers are allowed")
+                return InputError(
+                    file_name, f"{where}, column {column}: {field[:40]!r}; only finite numbers are allowed"
+                )
     return None

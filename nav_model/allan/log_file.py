@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from nav_model.allan.csv_table import read_csv_table
 from nav_model.allan.imu_log import AXIS_LETTERS, ImuLog
-from nav_model.allan.log_names import LogFormatError, Meaning, Scale, meaning_of, scale_of
+from nav_model.allan.log_names import Meaning, Scale, meaning_of, scale_of
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.allan.npz_arrays import read_npz_arrays
+from nav_model.errors import InputError
 
 IGNORED = "-"
 RATE_TOLERANCE = 0.01
@@ -81,8 +82,8 @@ def read_log(
 ) -> ImuLog:
     """Read a path, bytes or binary stream into an ImuLog.
 
-    The format is told by its first bytes (ZIP: NPZ; otherwise delimited text). Raises LogFormatError, a
-    ValueError, naming the file, row or array, what was found and what is allowed.
+    The format is told by its first bytes (ZIP: NPZ; otherwise delimited text). Raises InputError under the
+    name of the file, or of the unit to give, with row or array, what was found and what is allowed.
     """
     options, limits = options or LogOptions(), limits or Limits()
     content, name = _content(source, file_name, limits)
@@ -97,12 +98,13 @@ def read_log(
     temperature = next((c.values for c in found.columns if c.meaning.role == "temperature"), None)
     lengths = {role: len(signal) for role, signal in signals.items() if signal is not None}
     if not lengths:
-        raise LogFormatError(
-            f"{name}: no gyro or accelerometer columns recognised; "
-            "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`"
+        raise InputError(
+            name,
+            "no gyro or accelerometer columns recognised; "
+            "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`",
         )
     if len(set(lengths.values())) > 1:
-        raise LogFormatError(f"{name}: {lengths['gyro']} gyro but {lengths['accelerometer']} accelerometer samples")
+        raise InputError(name, f"{lengths['gyro']} gyro but {lengths['accelerometer']} accelerometer samples")
     samples = next(iter(lengths.values()))
     if temperature is not None and len(temperature) != samples:
         temperature = None
@@ -125,15 +127,15 @@ def _content(source: str | Path | bytes | BinaryIO, file_name: str | None, limit
         path = Path(source)
         name = file_name or path.name
         if not path.is_file():
-            raise LogFormatError(f"{name}: no such file")
+            raise InputError(name, "no such file")
         with path.open("rb") as handle:
             content = handle.read(limits.file_bytes + 1)
     else:
         content, name = source.read(limits.file_bytes + 1), file_name or "upload"
     if len(content) > limits.file_bytes:
-        raise LogFormatError(f"{name}: larger than {limits.file_bytes / 1e6:.0f} MB")
+        raise InputError(name, f"larger than {limits.file_bytes / 1e6:.0f} MB")
     if not content:
-        raise LogFormatError(f"{name}: empty file")
+        raise InputError(name, "empty file")
     return content, name
 
 
@@ -142,19 +144,21 @@ def _from_csv(content: bytes, name: str, options: LogOptions, limits: Limits) ->
     width = table.data.shape[1]
     names = options.columns if options.columns is not None else table.names
     if names is None:
-        raise LogFormatError(
-            f"{name}: no header names its {width} columns; give `columns`, such as "
-            "time,gyro_x,gyro_y,gyro_z,accelerometer_x,accelerometer_y,accelerometer_z"
+        raise InputError(
+            name,
+            f"no header names its {width} columns; give `columns`, such as "
+            "time,gyro_x,gyro_y,gyro_z,accelerometer_x,accelerometer_y,accelerometer_z",
         )
     if len(names) != width:
-        raise LogFormatError(f"{name}: {len(names)} column names given, {width} columns in the file")
+        raise InputError(name, f"{len(names)} column names given, {width} columns in the file")
     columns = []
     for index, label in enumerate(names):
         meaning = None if label == IGNORED else meaning_of(label)
         if meaning is None and options.columns is not None and label != IGNORED:
-            raise LogFormatError(
-                f"{name}: column name {label!r} is not understood; allowed: time, gyro_x .. gyro_z, "
-                f"accelerometer_x .. accelerometer_z, temperature, {IGNORED}"
+            raise InputError(
+                name,
+                f"column name {label!r} is not understood; allowed: time, gyro_x .. gyro_z, "
+                f"accelerometer_x .. accelerometer_z, temperature, {IGNORED}",
             )
         if meaning is not None:
             columns.append(_Column(label, meaning, table.data[:, index]))
@@ -168,9 +172,10 @@ def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) ->
     chosen = dict(options.arrays or {})
     for role, label in chosen.items():
         if label not in arrays or role not in ("gyro", "accelerometer", "time", "temperature"):
-            raise LogFormatError(
-                f"{name}: arrays {role}={label!r}; roles are gyro, accelerometer, time, temperature, "
-                f"arrays are {', '.join(sorted(arrays))}"
+            raise InputError(
+                name,
+                f"arrays {role}={label!r}; roles are gyro, accelerometer, time, temperature, "
+                f"arrays are {', '.join(sorted(arrays))}",
             )
         stated = meaning_of(label)
         meanings[label] = Meaning(role, None, stated.unit if stated and stated.role == role else None)
@@ -207,14 +212,12 @@ def _scalars(arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, str], float 
 
 def _npz_columns(label: str, meaning: Meaning, array: NDArray[Any], name: str, limits: Limits) -> list[_Column]:
     if len(array) > limits.rows:
-        raise LogFormatError(f"{name}, array {label!r}: {len(array)} rows; at most {limits.rows}")
+        raise InputError(name, f"array {label!r}: {len(array)} rows; at most {limits.rows}")
     if array.ndim == 1:
         return [_Column(label, meaning, array)]
     if meaning.role in _SENSORS and array.ndim == 2 and array.shape[1] == 3 and meaning.axis is None:
         return [_Column(label, Meaning(meaning.role, axis, meaning.unit), array[:, axis]) for axis in range(3)]
-    raise LogFormatError(
-        f"{name}, array {label!r}: shape {array.shape}; one column, or three for a triad, is allowed"
-    )
+    raise InputError(name, f"array {label!r}: shape {array.shape}; one column, or three for a triad, is allowed")
 
 
 def _six_columns(arrays: Mapping[str, NDArray[Any]], count_units: Mapping[str, str]) -> list[_Column]:
@@ -235,26 +238,23 @@ def _signal(
     axes = [column.meaning.axis for column in columns]
     labels = ", ".join(column.label for column in columns)
     if None in axes or len(set(axes)) < len(axes):
-        raise LogFormatError(
-            f"{name}: several or unclear {role} columns ({labels}); say which by `columns` or `arrays`"
-        )
+        raise InputError(name, f"several or unclear {role} columns ({labels}); say which by `columns` or `arrays`")
     columns.sort(key=lambda column: column.meaning.axis or 0)
     if [column.meaning.axis for column in columns] != [0, 1, 2]:
-        raise LogFormatError(f"{name}: {role} columns {labels}; x, y and z are needed, each once")
+        raise InputError(name, f"{role} columns {labels}; x, y and z are needed, each once")
     scale = _scale(role, columns[0], found, options, name)
     signal = np.empty((len(columns[0].values), 3))
     for axis, column in enumerate(columns):
         if len(column.values) != len(signal):
-            raise LogFormatError(
-                f"{name}: {column.label} has {len(column.values)} samples, {labels} differ in length"
-            )
+            raise InputError(name, f"{column.label} has {len(column.values)} samples, {labels} differ in length")
         np.multiply(column.values, scale.factor * (rate_hz if scale.per_sample else 1.0), out=signal[:, axis])
     bad = np.flatnonzero(~np.isfinite(signal).all(axis=1))
     if len(bad):
         axis = int(np.flatnonzero(~np.isfinite(signal[bad[0]]))[0])
-        raise LogFormatError(
-            f"{name}, {found.row_word} {found.first_row + bad[0]}: {role}_{AXIS_LETTERS[axis]} is not "
-            f"a finite number ({len(bad)} such rows)"
+        raise InputError(
+            name,
+            f"{found.row_word} {found.first_row + bad[0]}: {role}_{AXIS_LETTERS[axis]} is not "
+            f"a finite number ({len(bad)} such rows)",
         )
     source = " .. ".join(dict.fromkeys((columns[0].label, columns[-1].label)))
     kind = "increments per sample" if scale.per_sample else "rates"
@@ -267,8 +267,8 @@ def _scale(role: str, column: _Column, found: _Found, options: LogOptions, name:
     stated = found.count_units.get(role) if column.meaning.unit in ("counts", "raw", None) else column.meaning.unit
     unit = given or stated
     if unit is None:
-        raise LogFormatError(
-            f"{name}: the unit of {column.label!r} is not stated; give `{role}_unit` ({_UNIT_EXAMPLES[role]})"
+        raise InputError(
+            name, f"the unit of {column.label!r} is not stated; give `{role}_unit` ({_UNIT_EXAMPLES[role]})"
         )
     return scale_of(role, unit)
 
@@ -277,22 +277,22 @@ def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> fl
     """The rate from the options, the file's word or its time column, which must agree (RATE_TOLERANCE)."""
     stated = options.rate_hz if options.rate_hz is not None else found.rate_hz
     if stated is not None and not (math.isfinite(stated) and stated > 0.0):
-        raise LogFormatError(f"{name}: rate {stated} Hz; a positive number is needed")
+        raise InputError(name, f"rate {stated} Hz; a positive number is needed")
     times = [column for column in found.columns if column.meaning.role == "time"]
     if len(times) > 1:
-        raise LogFormatError(
-            f"{name}: several time columns ({', '.join(t.label for t in times)}); say which by `columns` or `arrays`"
+        raise InputError(
+            name, f"several time columns ({', '.join(t.label for t in times)}); say which by `columns` or `arrays`"
         )
     if not times or len(times[0].values) < 2:
         if stated is None:
-            raise LogFormatError(f"{name}: no time column and no rate; give the rate in Hz")
+            raise InputError(name, "no time column and no rate; give the rate in Hz")
         notes.append(f"rate {stated:g} Hz as stated")
         return stated
     measured = _rate_of_time(times[0], found, name, stated)
     if stated is not None and abs(measured / stated - 1.0) > RATE_TOLERANCE:
-        raise LogFormatError(
-            f"{name}: rate stated as {stated:g} Hz, but {times[0].label!r} runs at {measured:.5g} Hz; "
-            "correct one of them"
+        raise InputError(
+            name,
+            f"rate stated as {stated:g} Hz, but {times[0].label!r} runs at {measured:.5g} Hz; correct one of them",
         )
     notes.append(f"rate {measured:.6g} Hz from {times[0].label}")
     return stated if stated is not None else measured
@@ -302,7 +302,7 @@ def _rate_of_time(column: _Column, found: _Found, name: str, stated: float | Non
     time = np.asarray(column.values, dtype=np.float64)
     if not np.all(np.isfinite(time)):
         row = found.first_row + int(np.flatnonzero(~np.isfinite(time))[0])
-        raise LogFormatError(f"{name}, {found.row_word} {row}: the time is not a finite number")
+        raise InputError(name, f"{found.row_word} {row}: the time is not a finite number")
     unit = column.meaning.unit
     step = np.diff(column.values).astype(np.float64)
     median = float(np.median(step))
@@ -312,22 +312,22 @@ def _rate_of_time(column: _Column, found: _Found, name: str, stated: float | Non
             None,
         )
     factor = scale_of("time", unit or "s").factor
-    where = f"{name}, {found.row_word}"
     if median <= 0.0 or np.any(step <= 0.0):
         row = found.first_row + int(np.argmin(step)) + 1
-        raise LogFormatError(
-            f"{where} {row}: the time does not increase; ignore its column with '{IGNORED}' and give the rate"
+        raise InputError(
+            name,
+            f"{found.row_word} {row}: the time does not increase; "
+            f"ignore its column with '{IGNORED}' and give the rate",
         )
     worst = int(np.argmax(step))
     if step[worst] > _GAP * median:
         gaps = int(np.count_nonzero(step > _GAP * median))
-        raise LogFormatError(
-            f"{where} {found.first_row + worst + 1}: irregular rate, a step of {step[worst] * factor:.6g} s "
-            f"where {median * factor:.6g} s is usual ({gaps} such); cut the log there"
+        raise InputError(
+            name,
+            f"{found.row_word} {found.first_row + worst + 1}: irregular rate, a step of {step[worst] * factor:.6g} s "
+            f"where {median * factor:.6g} s is usual ({gaps} such); cut the log there",
         )
     rate = len(step) / (float(time[-1] - time[0]) * factor)
     if unit is None and not 0.1 <= rate <= 1e5:
-        raise LogFormatError(
-            f"{name}: {column.label!r} read in seconds gives {rate:.3g} Hz; state its unit or the rate"
-        )
+        raise InputError(name, f"{column.label!r} read in seconds gives {rate:.3g} Hz; state its unit or the rate")
     return rate

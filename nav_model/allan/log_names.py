@@ -12,10 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from nav_model.constants import DEGREE, STANDARD_GRAVITY
-
-
-class LogFormatError(ValueError):
-    """A log that cannot be read as it stands; the message names what, where, and what is allowed."""
+from nav_model.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -101,7 +98,7 @@ def scale_of(role: str, unit: str) -> Scale:
     """Scale of a unit text such as "deg/s", "°/s", "0.05 deg/s" (counts of 0.05 deg/s) or "0.1 arcsec"
     (increments).
 
-    Raises LogFormatError naming the unit and the allowed ones.
+    Raises InputError under ``gyro_unit`` or ``accelerometer_unit``, with the units allowed.
     """
     match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?\s*(.+?)\s*", unit)
     text = _normal_unit(match.group(2)) if match else ""
@@ -113,9 +110,10 @@ def scale_of(role: str, unit: str) -> Scale:
             text = ""
     allowed = _UNITS[role]
     if text not in allowed or not 0.0 < number < math.inf:
-        raise LogFormatError(
-            f"{role} unit {unit!r} is not understood; allowed: {', '.join(allowed)}, "
-            "or a number and one of these per count"
+        raise InputError(
+            f"{role}_unit",
+            f"{unit!r} is not understood; allowed: {', '.join(allowed)}, or a number and one of these per count",
+            unit,
         )
     factor, per_sample = allowed[text]
     return Scale(number * factor, per_sample, unit.strip())

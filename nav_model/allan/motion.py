@@ -18,6 +18,7 @@ import numpy as np
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.allan.result import UNITS, Provenance
+from nav_model.errors import InputError
 
 DEFAULT_BAND_FROM_HZ = 10.0
 BLOCK_S = 5.0
@@ -84,19 +85,21 @@ def analyse_motion(
         ("velocity_random_walk", bench.velocity_random_walk),
     ):
         if value is not None and not 0.0 < value < np.inf:
-            raise ValueError(f"bench {field}: {value}; a positive number is needed")
+            raise InputError(f"bench.{field}", f"{value} is not allowed; a positive number is needed", value)
     nyquist = log.rate_hz / 2.0
     length = round(BLOCK_S * log.rate_hz)
     first = int(np.ceil(band_from_hz * length / log.rate_hz))
     if band_from_hz <= 0.0 or length // 2 - first < _FEWEST_COEFFICIENTS:
-        raise ValueError(
-            f"band_from_hz: {band_from_hz:g}; it must lie between 0 and well below half the rate, {nyquist:g} Hz"
+        raise InputError(
+            "band_from_hz",
+            f"{band_from_hz:g} is not allowed; it must lie between 0 and well below half the rate, {nyquist:g} Hz",
+            band_from_hz,
         )
     if log.samples < 2 * length:
-        raise ValueError(f"log: {log.duration_s:.3g} s; at least {2 * BLOCK_S:g} s are needed")
+        raise InputError(log.file_name, f"{log.duration_s:.3g} s; at least {2 * BLOCK_S:g} s are needed")
     axes = log.axes()
     if not axes:
-        raise ValueError("log: neither gyro nor accelerometer data; at least one is needed")
+        raise InputError(log.file_name, "neither gyro nor accelerometer data; at least one is needed")
     found = []
     for index, (name, quantity, signal) in enumerate(axes):
         if progress is not None:

@@ -9,7 +9,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.allan.log_names import LogFormatError
+from nav_model.errors import InputError
 
 _MOST_MEMBERS = 200
 _HEADER_ALLOWANCE = 4096
@@ -18,7 +18,7 @@ _HEADER_ALLOWANCE = 4096
 def read_npz_arrays(stream: BinaryIO, file_name: str, most_bytes: int) -> dict[str, NDArray[Any]]:
     """Numeric arrays of an NPZ archive by name.
 
-    Refused (LogFormatError): a broken archive, members that are not .npy arrays, object (pickle) or text
+    Refused (InputError): a broken archive, members that are not .npy arrays, object (pickle) or text
     dtypes, arrays whose header or directory entry declares more than `most_bytes` in total, and entries whose
     two sizes disagree.
     """
@@ -26,37 +26,39 @@ def read_npz_arrays(stream: BinaryIO, file_name: str, most_bytes: int) -> dict[s
         with zipfile.ZipFile(stream) as archive:
             return _read_members(archive, file_name, most_bytes)
     except (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError) as error:
-        raise LogFormatError(f"{file_name}: damaged NPZ archive ({error})") from error
+        raise InputError(file_name, f"damaged NPZ archive ({error})") from error
 
 
 def _read_members(archive: zipfile.ZipFile, file_name: str, most_bytes: int) -> dict[str, NDArray[Any]]:
     members = archive.infolist()
     if len(members) > _MOST_MEMBERS:
-        raise LogFormatError(f"{file_name}: {len(members)} arrays; at most {_MOST_MEMBERS}")
+        raise InputError(file_name, f"{len(members)} arrays; at most {_MOST_MEMBERS}")
     declared = sum(member.file_size for member in members)
     if declared > most_bytes:
-        raise LogFormatError(
-            f"{file_name}: unpacks to {declared / 1e6:.0f} MB; at most {most_bytes / 1e6:.0f} MB are allowed"
+        raise InputError(
+            file_name, f"unpacks to {declared / 1e6:.0f} MB; at most {most_bytes / 1e6:.0f} MB are allowed"
         )
     arrays: dict[str, NDArray[Any]] = {}
     for member in members:
         name = member.filename.removesuffix(".npy")
-        where = f"{file_name}, array {name!r}"
+        where = f"array {name!r}"
         if not member.filename.endswith(".npy") or member.flag_bits & 1:
-            raise LogFormatError(f"{where}: not a plain .npy array")
+            raise InputError(file_name, f"{where}: not a plain .npy array")
         with archive.open(member) as handle:
-            size = _declared_size(handle, where)
+            size = _declared_size(handle, file_name, where)
         if size > member.file_size:
-            raise LogFormatError(f"{where}: its header declares {size} bytes, the archive holds {member.file_size}")
+            raise InputError(
+                file_name, f"{where}: its header declares {size} bytes, the archive holds {member.file_size}"
+            )
         with archive.open(member) as handle:
             try:
                 arrays[name] = np.lib.format.read_array(handle, allow_pickle=False)
             except ValueError as error:
-                raise LogFormatError(f"{where}: {error}") from error
+                raise InputError(file_name, f"{where}: {error}") from error
     return arrays
 
 
-def _declared_size(handle: Any, where: str) -> int:
+def _declared_size(handle: Any, file_name: str, where: str) -> int:
     """Bytes of data the .npy header promises; refuses anything but numbers."""
     try:
         version = np.lib.format.read_magic(handle)
@@ -65,7 +67,7 @@ def _declared_size(handle: Any, where: str) -> int:
         )
         shape, _, dtype = read_header(handle, max_header_size=_HEADER_ALLOWANCE)
     except ValueError as error:
-        raise LogFormatError(f"{where}: not a readable .npy array ({error})") from error
+        raise InputError(file_name, f"{where}: not a readable .npy array ({error})") from error
     if dtype.kind not in "fiub":
-        raise LogFormatError(f"{where}: holds {dtype}, not numbers; objects and text are never unpacked")
+        raise InputError(file_name, f"{where}: holds {dtype}, not numbers; objects and text are never unpacked")
     return math.prod(shape) * dtype.itemsize

@@ -22,6 +22,7 @@ from nav_model.allan.remedy import Cause, what_would_resolve
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance
 from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings
+from nav_model.errors import InputError
 
 # Both shares were set on the logs at hand: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
 # accelerometers under a 0.6 Hz line.
@@ -54,13 +55,13 @@ def analyse_log(
     """Noise parameters of a static log, axis by axis.
 
     `progress` receives a fraction and what is being done; `cancelled` is asked before each axis and
-    AnalysisCancelled raised when it answers True. Raises ValueError when the log is empty or shorter than the
-    fit needs. Method: likelihood.py for the coefficients, axis_fit.py for real-log departures, deviation.py
-    for curves.
+    AnalysisCancelled raised when it answers True. Raises InputError under the log's name when it is empty,
+    ValueError when it is shorter than the fit needs. Method: likelihood.py for the coefficients, axis_fit.py for
+    real-log departures, deviation.py for curves.
     """
     axes = log.axes()
     if not axes:
-        raise ValueError("log: neither gyro nor accelerometer data; at least one is needed")
+        raise InputError(log.file_name, "neither gyro nor accelerometer data; at least one is needed")
     interval_s = 1.0 / log.rate_hz
     results = []
     for index, (name, quantity, signal) in enumerate(axes):

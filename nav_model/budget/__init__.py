@@ -1,13 +1,12 @@
 """From a design to its budget: one pass through the closed forms.
 
-`analyse` composes the closed forms through `nav_model.budget.figures`; pages, reports and JSON read its result.
+`analyse` composes the closed forms through `nav_model.budget.figures` into the `Budget` of `nav_model.budget.result`,
+which pages, reports and JSON read. A figure here is a standard deviation that a requirement limits.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,126 +25,18 @@ from nav_model.budget.figures import (
     sampled,
     settled,
 )
+from nav_model.budget.result import Budget, Outage, PhaseLine, Sar, Sigmas, SteadyState
 from nav_model.budget.shares import Shares, coast_shares, steady_shares, velocity_shares
-from nav_model.budget.verdict import Verdict, judge
+from nav_model.budget.verdict import judge
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.sar import geometry, phase
 from nav_model.sar.impulse_response import ImpulseResponse, quadratic_response
 
+__all__ = ["COAST_POINTS", "Budget", "analyse"]
+
 COAST_POINTS = 300
 _NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
-
-
-@dataclass(frozen=True)
-class Sigmas:
-    """Standard deviations of the navigation errors at one moment: m, m/s, rad."""
-
-    position_horizontal: float
-    position_vertical: float
-    velocity_horizontal: float
-    velocity_vertical: float
-    tilt: float
-
-
-@dataclass(frozen=True)
-class SteadyState:
-    """The settled filter.
-
-    ``closed`` is the cycle rms in closed form [T-3], [T-4]; ``prior`` and ``posterior`` are the discrete
-    filter just before and after a fix [T-8], slow GNSS error included. ``asymptote`` is [T-7]: position,
-    velocity, tilt, horizontal. ``lambda_dt`` is the larger of the two channels. ``shares`` gives, for each
-    kind of error, the share of each source in its variance [T-18].
-    """
-
-    closed: Sigmas
-    prior: Sigmas
-    posterior: Sigmas
-    gyro_dominance: float
-    asymptote: tuple[float, float, float]
-    lambda_dt: float
-    shares: Mapping[str, Shares]
-
-
-@dataclass(frozen=True)
-class Coast:
-    """Sigmas against time since the last fix, arrays of one length: s, m, m/s, rad.
-
-    ``position_*``, ``velocity_*`` and ``tilt`` are the polynomials [T-9], [T-10] with the residual biases in
-    quadrature; ``refined_*`` is [T-17] with the same biases. ``shares_horizontal`` and ``shares_vertical``
-    split the variance of position at the end of ``duration``.
-    """
-
-    duration: float
-    time: Array
-    position_horizontal: Array
-    position_vertical: Array
-    velocity_horizontal: Array
-    velocity_vertical: Array
-    tilt: Array
-    yaw_growth: Array
-    refined_horizontal: Array
-    refined_vertical: Array
-    perfect_start_horizontal: Array
-    perfect_start_vertical: Array
-    initial_tilt: Array
-    end_refined_horizontal: float
-    end_refined_vertical: float
-    shares_horizontal: Shares
-    shares_vertical: Shares
-
-
-@dataclass(frozen=True)
-class PhaseLine:
-    """One source of the phase budget: 1σ in rad; ``share`` is of the quadratic-phase variance."""
-
-    source: str
-    quadratic: float
-    cubic: float
-    detrended: float
-    share: float
-    detrended_share: float
-
-
-@dataclass(frozen=True)
-class Sar:
-    """The phase budget of the aperture: s, m, rad.
-
-    ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
-    what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe.
-    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18], ``velocity_shares`` the
-    variance of along-track velocity at the start of the aperture.
-    """
-
-    wavelength: float
-    aperture_time: float
-    aperture_length: float
-    cell_length: float
-    window: str
-    autofocus_order: int
-    quadratic: float
-    cubic: float
-    detrended: float
-    along_track_quadratic: float
-    lines: tuple[PhaseLine, ...]
-    tilt_shares: Shares
-    velocity_shares: Shares
-    impulse_response: ImpulseResponse | None
-    after_autofocus: ImpulseResponse | None
-
-
-@dataclass(frozen=True)
-class Budget:
-    """Everything known about a design, immutable, in SI.
-
-    `nav_model.budget.provenance` says which equation each number comes from.
-    """
-
-    design: Design
-    steady_state: SteadyState
-    coast: Coast
-    sar: Sar
-    verdict: Verdict
 
 
 def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
@@ -165,15 +56,24 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     ------
     InputError
         If `times` are not finite, negative or beyond the bounds of ``coast.duration``, if the aperture that
-        follows from the radar's figures is longer than ``radar.aperture_time`` may be, or if the design's
-        figures are so far apart that double precision cannot hold them together.
+        follows from the radar's inputs is longer than ``radar.aperture_time`` may be, or if the design's
+        values are so far apart that double precision cannot hold them together.
+
+    Examples
+    --------
+    >>> from nav_model import Design, analyse
+    >>> budget = analyse(Design({"imu.angle_random_walk": 1e-5, "requirements.tilt": 1e-3}))
+    >>> f"{budget.steady_state.prior.tilt:.3e} rad"
+    '6.706e-05 rad'
+    >>> budget.verdict.closes
+    True
     """
     try:
         return _analyse(design, times)
     except ArithmeticError as error:
         key = "gnss.correlated_noise" if design.gnss.correlated else "imu.angle_random_walk"
         reason = f"{design[key]:.3g} (SI) gives no figure beside the other noises: {error}"
-        raise InputError(key, reason) from error
+        raise InputError(key, reason, design[key]) from error
 
 
 def _analyse(design: Design, times: ArrayLike | None) -> Budget:
@@ -212,10 +112,10 @@ def _refuse_long_aperture(aperture: float) -> None:
 def _times(design: Design, times: ArrayLike | None) -> Array:
     if times is None:
         return np.linspace(0.0, design.coast.duration, COAST_POINTS)
-    time = np.atleast_1d(np.asarray(times, float))
+    time = np.atleast_1d(np.array(times, float))  # a copy: the budget's arrays are read-only, the caller's stay his
     longest = design.coast.param["duration"].bounds[1]
     if time.ndim != 1 or not np.all(np.isfinite(time) & (time >= 0) & (time <= longest)):
-        raise InputError("times", f"{times!r} is not allowed; seconds from 0 to {longest:g}")
+        raise InputError("times", f"{times!r} is not allowed; seconds from 0 to {longest:g}", times)
     return time
 
 
@@ -242,7 +142,7 @@ def _steady_state(inputs: Inputs, closed: Sawtooth, moments: Cycle, white: Cycle
     )
 
 
-def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, time: Array) -> Coast:
+def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, time: Array) -> Outage:
     a, w, g = x.sigma_a, x.sigma_w, x.g
     p, v = closed
     duration = float(x.duration)
@@ -267,9 +167,7 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, ti
         "perfect_start_vertical": np.sqrt(perfect[1]),
         "initial_tilt": np.sqrt(growth.initial_tilt(p.p33, g, time)),
     }
-    for curve in curves.values():
-        curve.flags.writeable = False
-    return Coast(
+    return Outage(
         duration=duration,
         end_refined_horizontal=float(refined_horizontal[-1]),
         end_refined_vertical=float(refined_vertical[-1]),

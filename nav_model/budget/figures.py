@@ -49,7 +49,7 @@ VARIABLES: tuple[str, ...] = tuple(
 
 LONGEST_APERTURE = float(Radar.param["aperture_time"].bounds[1])  # s
 
-Value = ArrayLike | None
+Replacement = ArrayLike | None
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Inputs:
         return steady.fix_density(self.fix_vertical, self.interval)
 
 
-def inputs_of(design: Design, changes: Mapping[str, Value] | None = None) -> Inputs:
+def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) -> Inputs:
     """The inputs of a design, some of them replaced.
 
     Parameters

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from nav_model.budget import Budget, Sigmas
 from nav_model.budget.provenance import cautions, provenance
+from nav_model.budget.result import Budget, Check, Sigmas
 from nav_model.sar.impulse_response import ImpulseResponse
 
 
@@ -89,11 +89,16 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "closes": verdict.closes,
             "confidence": verdict.confidence,
             "tightest": verdict.tightest.name if verdict.tightest else None,
-            "requirements": [asdict(check) for check in verdict.checks],
+            "requirements": [_check(check) for check in verdict.checks],
         },
         "cautions": list(cautions(budget)),
         "provenance": {key: asdict(entry) for key, entry in provenance(budget).items()},
     }
+
+
+def _check(check: Check) -> dict[str, Any]:
+    """A check under the names of before, among which its basis is the "figure"."""
+    return {"figure" if name == "basis" else name: value for name, value in asdict(check).items()}
 
 
 def _sigmas(sigmas: Sigmas) -> dict[str, Any]:

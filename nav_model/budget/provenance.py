@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from nav_model.budget import Budget
+from nav_model.budget.result import Budget
 from nav_model.design import Design
 
 WIDE_SAWTOOTH = 0.5

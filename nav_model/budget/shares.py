@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +13,7 @@ from nav_model.analytic.discrete import Sawtooth
 from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
 from nav_model.analytic.steady_state import Array, Horizontal
 from nav_model.budget.figures import Inputs
+from nav_model.frozen import FrozenMapping
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
 ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
@@ -55,7 +55,7 @@ def steady_shares(x: Inputs, closed: Sawtooth, prior: Sawtooth, white: Sawtooth)
             kept = min(float(without / with_slow), 1.0)
             by_kind[kind] = {source: share * kept for source, share in by_kind[kind].items()}
             by_kind[kind][SLOW_GNSS] = 1 - kept
-    return MappingProxyType({kind: MappingProxyType(shares) for kind, shares in by_kind.items()})
+    return FrozenMapping({kind: FrozenMapping(shares) for kind, shares in by_kind.items()})
 
 
 def coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -> tuple[Shares, Shares]:
@@ -95,7 +95,7 @@ def _grown_parts(x: Inputs, time: ArrayLike) -> dict[str, growth.HorizontalGrowt
 def _normalised(variances: Mapping[str, Array | float]) -> Shares:
     values = {source: float(variance) for source, variance in variances.items()}
     whole = math.fsum(values.values())
-    return MappingProxyType({source: value / whole for source, value in values.items()})
+    return FrozenMapping({source: value / whole for source, value in values.items()})
 
 
 def velocity_shares(x: Inputs, p: Horizontal, start: Horizontal) -> Shares:

@@ -2,82 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from nav_model.budget.figures import FIGURES
+from nav_model.budget.result import Check, Outage, Sar, SteadyState, Verdict
+from nav_model.budget.shares import Shares
 from nav_model.design import Design
-
-if TYPE_CHECKING:
-    from nav_model.budget import Coast, Sar, SteadyState
-
-
-@dataclass(frozen=True)
-class Check:
-    """One requirement held against its figure.
-
-    ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
-    over, 1 - value/limit, negative when the requirement is not met. ``figure`` says which of the model's
-    figures was taken, ``equation`` where it comes from. ``dominant`` is the budget line with the largest
-    share of the variance; ``sensor`` is the largest once an initial tilt is charged to the noises that
-    cause it.
-    """
-
-    name: str
-    label: str
-    dimension: str
-    value: float
-    sigma: float
-    limit: float
-    margin: float
-    met: bool
-    figure: str
-    equation: str
-    dominant: str
-    dominant_share: float
-    sensor: str
-    sensor_share: float
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """All checks, in the order of the requirements; ``tightest`` is the one with the least margin."""
-
-    closes: bool
-    confidence: float
-    checks: tuple[Check, ...]
-    tightest: Check | None
 
 
 @dataclass(frozen=True)
 class _Figure:
+    """One sigma of what a requirement limits, on which `basis`, and whose it is."""
+
     sigma: float
-    figure: str
+    basis: str
     equation: str
-    shares: Mapping[str, float]
-
-
-CHECKS: Mapping[str, str] = {
-    "quadratic_phase": "quadratic_phase",
-    "along_track_quadratic_phase": "quadratic_phase",
-    "detrended_phase": "detrended_phase",
-    "horizontal_position": "horizontal_position",
-    "vertical_position": "vertical_position",
-    "horizontal_velocity": "horizontal_velocity",
-    "vertical_velocity": "vertical_velocity",
-    "tilt": "tilt",
-    "coast_horizontal_position": "coast_horizontal_position",
-    "coast_vertical_position": "coast_vertical_position",
-}
-"""Every check there can be, in the order of a verdict -> the requirement whose limit it is held against."""
+    shares: Shares
 
 
 def checked(design: Design) -> tuple[str, ...]:
     """Names of the checks a design's requirements ask for, in the order of its verdict; nothing is worked out."""
-    return tuple(name for name, key in CHECKS.items() if getattr(design.requirements, key) is not None)
+    return tuple(name for name, key in FIGURES.items() if getattr(design.requirements, key) is not None)
 
 
-def judge(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> Verdict:
+def judge(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) -> Verdict:
     """Check every requirement that is given.
 
     In steady state the prior, the worst of the cycle, is checked unless the design chooses otherwise; after
@@ -88,7 +36,7 @@ def judge(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> 
     figures = _figures(design, steady_state, coast, sar)
     checks = []
     for name in checked(design):
-        figure, limit_key = figures[name], CHECKS[name]
+        figure, limit_key = figures[name], FIGURES[name]
         limit = getattr(design.requirements, limit_key)
         declaration = design.requirements.param[limit_key]
         value = confidence * figure.sigma
@@ -107,7 +55,7 @@ def judge(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> 
                 limit=limit,
                 margin=margin,
                 met=value <= limit,
-                figure=figure.figure,
+                basis=figure.basis,
                 equation=figure.equation,
                 dominant=dominant,
                 dominant_share=figure.shares[dominant],
@@ -119,7 +67,7 @@ def judge(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> 
     return Verdict(all(check.met for check in checks), confidence, tuple(checks), tightest)
 
 
-def _by_sensor(shares: Mapping[str, float], tilt_shares: Mapping[str, float]) -> dict[str, float]:
+def _by_sensor(shares: Shares, tilt_shares: Shares) -> dict[str, float]:
     """Shares charged to what can be bought: initial tilt to its makers, coast to the gyros. [T-18]"""
     charged: dict[str, float] = {}
     for source, share in shares.items():
@@ -129,7 +77,7 @@ def _by_sensor(shares: Mapping[str, float], tilt_shares: Mapping[str, float]) ->
     return charged
 
 
-def _figures(design: Design, steady_state: SteadyState, coast: Coast, sar: Sar) -> dict[str, _Figure]:
+def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) -> dict[str, _Figure]:
     chosen = design.requirements.steady_state
     sigmas = getattr(steady_state, chosen)
     label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]

@@ -120,7 +120,7 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
             try:
                 parsed, target = parse_quantity(item["value"], _EXTRA[kind][key]), extra
             except QuantityError as error:
-                raise InputError(where, str(error)) from error
+                raise InputError(where, error.reason, error.value) from error
         else:
             name_of_input, declaration = _input(kind, key, where)
             parsed, target = declaration.read(item["value"], key), values
@@ -152,4 +152,4 @@ def find(kind: Kind, name: str) -> Entry:
     for entry in entries.values():
         if entry.name.casefold() == name.strip().casefold():
             return entry
-    raise InputError(f"{kind}.preset", f"{name!r} is not in the catalogue; it has {', '.join(entries)}")
+    raise InputError(f"{kind}.preset", f"{name!r} is not in the catalogue; it has {', '.join(entries)}", name)

@@ -1,21 +1,21 @@
 """A design: everything a person can set, as immutable, typed, bounded, documented values in SI.
 
-A `Design` is a value. It is never changed in place; `Design.replace` makes the next one, which is what
-undo, links and comparisons are built on. Its parts are the Param classes of `nav_model.design.parts`, and the file
-reader (`nav_model.design.file`), the link (`nav_model.design.link`) and the widgets are derived from their
-declarations: adding an input is adding one declaration there.
+A `Design` is a value: it travels between processes as it is, and it is never changed in place. `Design.replace`
+makes the next one, which is what undo, links and comparisons are built on. Its parts are the Param classes of
+`nav_model.design.parts`, and the file reader (`nav_model.design.file`), the link (`nav_model.design.link`) and the
+widgets are derived from their declarations: adding an input is adding one declaration there.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from types import MappingProxyType
 from typing import Any, cast
 
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import (
     INPUTS,
+    LONGEST_ORIGIN,
     PARTS,
     PRESET_KEYS,
     TOP_KEYS,
@@ -29,7 +29,8 @@ from nav_model.design.parts import (
     all_keys,
     declaration_of,
 )
-from nav_model.errors import InputError
+from nav_model.errors import InputError, shown
+from nav_model.frozen import FrozenMapping
 
 Value = float | int | bool | str | None
 
@@ -42,10 +43,12 @@ class Design:
     imu, gnss, flight, coast, radar, requirements
         The parts; every quantity in SI.
     written : mapping
-        Dotted key -> unit the value was written in, for showing and saving it the way it came. Not part
-        of the design's identity.
+        Dotted key -> unit the value was written in, for showing and saving it the way it came.
+    origins : mapping
+        Dotted key -> where the value came from, such as a log or a data sheet: one line.
 
-    Two designs are equal when every value is, whatever units they were written in.
+    Two designs are equal when their values and texts are, whatever units they were written in and wherever the
+    values came from: `written` and `origins` are not part of a design's identity, nor of its hash.
     """
 
     imu: Imu
@@ -55,27 +58,45 @@ class Design:
     radar: Radar
     requirements: Requirements
     written: Mapping[str, str]
+    origins: Mapping[str, str]
     _values: dict[str, Value]
 
-    def __init__(self, values: Mapping[str, Value] | None = None, written: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self,
+        values: Mapping[str, Value] | None = None,
+        written: Mapping[str, str] | None = None,
+        origins: Mapping[str, str] | None = None,
+    ) -> None:
         """Make a design from dotted keys in SI; a key not given takes its default.
 
         Raises
         ------
         InputError
-            For an unknown key or a value out of bounds.
+            For an unknown key, a value out of bounds, or an origin that is not one line of text.
         """
         given = dict(values or {})
         texts = {key: str(given.pop(key, "")) for key in TOP_KEYS}
-        self._fill(texts, {part.section: part(**own) for part, own in _by_part(given)}, written or {})
+        self._fill(texts, {part.section: part(**own) for part, own in _by_part(given)}, written or {}, origins or {})
 
-    def _fill(self, texts: dict[str, str], parts: Mapping[str, Part], written: Mapping[str, str]) -> None:
+    def _fill(
+        self,
+        texts: Mapping[str, str],
+        parts: Mapping[str, Part],
+        written: Mapping[str, str],
+        origins: Mapping[str, str],
+    ) -> None:
         flat: dict[str, Value] = dict(texts)
         for section, part in parts.items():
             if f"{section}.preset" in PRESET_KEYS:
                 flat[f"{section}.preset"] = getattr(part, "preset")  # noqa: B009  # only some parts have it
             flat |= {f"{section}.{name}": getattr(part, name) for name in INPUTS[section]}
-        self.__dict__.update(parts, written=MappingProxyType(dict(written)), _values=flat)
+        for key, origin in origins.items():
+            _check_origin(key, origin)
+        self.__dict__.update(parts, written=FrozenMapping(written), origins=FrozenMapping(origins), _values=flat)
+
+    def __reduce__(self) -> tuple[type[Design], tuple[dict[str, Value], dict[str, str], dict[str, str]]]:
+        """Through the constructor: what comes back from another process is checked and immutable too."""
+        return type(self), (self._values, dict(self.written), dict(self.origins))
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a Design does not change; make another with replace()")
@@ -102,13 +123,21 @@ class Design:
         """Dotted keys and values in SI."""
         return iter(self._values.items())
 
-    def replace(self, changes: Mapping[str, Value], written: Mapping[str, str] | None = None) -> Design:
-        """The design that differs in `changes` (dotted keys, SI); `written` updates the units remembered.
+    def replace(
+        self,
+        changes: Mapping[str, Value],
+        written: Mapping[str, str] | None = None,
+        origins: Mapping[str, str] | None = None,
+    ) -> Design:
+        """The design that differs in `changes` (dotted keys, SI).
+
+        `written` updates the units remembered, `origins` where values came from; a value that changes loses the
+        origin it had.
 
         Raises
         ------
         InputError
-            For an unknown key or a value out of bounds.
+            For an unknown key, a value out of bounds, or an origin that is not one line of text.
         """
         given = dict(changes)
         texts = {key: str(given.pop(key, self._values[key])) for key in TOP_KEYS}
@@ -118,8 +147,9 @@ class Design:
         for part, own in _by_part(kept | given):
             if part.section in touched:
                 parts[part.section] = part(**own)
+        held = {key: origin for key, origin in self.origins.items() if changes.get(key, self[key]) == self[key]}
         new = Design.__new__(Design)
-        new._fill(texts, parts, {**self.written, **(written or {})})
+        new._fill(texts, parts, {**self.written, **(written or {})}, {**held, **(origins or {})})
         return new
 
     def unit(self, key: str) -> str:
@@ -149,12 +179,22 @@ class Design:
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 
+def _check_origin(key: str, origin: object) -> None:
+    where = f"origins.{key}"
+    if key not in all_keys():
+        raise InputError(where, f"unknown key; in quotes, one of {', '.join(all_keys())}", origin)
+    if not isinstance(origin, str) or not origin.strip() or len(origin.splitlines()) != 1:
+        raise InputError(where, f"{shown(origin)} is not a line of text in quotes", origin)
+    if len(origin) > LONGEST_ORIGIN:
+        raise InputError(where, f"longer than {LONGEST_ORIGIN} characters")
+
+
 def _by_part(values: Mapping[str, Value]) -> list[tuple[type[Part], dict[str, Any]]]:
     """Values sorted into the keyword arguments of each part."""
     own: dict[str, dict[str, Any]] = {part.section: {} for part in PARTS}
     for key, value in values.items():
         section, _, name = key.rpartition(".")
         if key not in PRESET_KEYS and name not in INPUTS.get(section, {}):
-            raise InputError(key, f"unknown key; allowed are {', '.join(all_keys())}")
+            raise InputError(key, f"unknown key; allowed are {', '.join(all_keys())}", value)
         own[section][name] = value
     return [(part, own[part.section]) for part in PARTS]

@@ -97,12 +97,12 @@ class BaseQuantity(param.Number[_T]):
         if val is None and self.allow_None:
             return
         if isinstance(val, bool) or not isinstance(val, int | float):
-            raise InputError(self.key, f"{shown(val)} is not a number")
+            raise InputError(self.key, f"{shown(val)} is not a number", val)
         low, high = self.limits
         include_low, include_high = self.inclusive_bounds
         inside = (val >= low if include_low else val > low) and (val <= high if include_high else val < high)
         if not inside:  # NaN lands here too
-            raise InputError(self.key, f"{self.show(float(val))} is not allowed; {self.allowed()}")
+            raise InputError(self.key, f"{self.show(float(val))} is not allowed; {self.allowed()}", val)
 
     def show(self, value: float, digits: int | None = 6) -> str:
         """Value in SI as text in this input's usual unit; without `digits` the shortest text that reads back."""
@@ -148,7 +148,7 @@ class BaseQuantity(param.Number[_T]):
         dimension = alternative.dimension if reciprocal and alternative else self.dimension
         if not isinstance(text, str):
             examples = ", ".join(f'"{example}"' for example in DIMENSIONS[dimension].examples)
-            raise InputError(where, f"{shown(text)} is not a quantity in quotes; write for example {examples}")
+            raise InputError(where, f"{shown(text)} is not a quantity in quotes; write for example {examples}", text)
         try:
             exact, unit = parse_exact(text, dimension)
             if reciprocal and alternative:
@@ -157,9 +157,9 @@ class BaseQuantity(param.Number[_T]):
             parsed = Parsed(float(exact), unit)
             self._validate(parsed.value)
         except QuantityError as error:
-            raise InputError(where, str(error)) from error
+            raise InputError(where, error.reason, text) from error
         except (InputError, OverflowError, ZeroDivisionError) as error:
-            raise InputError(where, f"{text.strip()!r} is not allowed; {self.allowed(reciprocal)}") from error
+            raise InputError(where, f"{text.strip()!r} is not allowed; {self.allowed(reciprocal)}", text) from error
         return parsed
 
     def _plain(self, text: Any, where: str) -> float:
@@ -167,9 +167,9 @@ class BaseQuantity(param.Number[_T]):
             try:
                 number = float(text)
             except ValueError as error:
-                raise InputError(where, f"{shown(text)} is not a number; {self.allowed()}") from error
+                raise InputError(where, f"{shown(text)} is not a number; {self.allowed()}", text) from error
         elif isinstance(text, bool) or not isinstance(text, int | float):
-            raise InputError(where, f"{shown(text)} is not a number; {self.allowed()}")
+            raise InputError(where, f"{shown(text)} is not a number; {self.allowed()}", text)
         else:
             number = math.inf if abs(text) >= 1e300 else float(text)  # no float holds a huge integer
         self._validate(number)
@@ -242,7 +242,7 @@ class Choice(param.Selector[Any]):
 
     def _validate(self, val: Any) -> None:
         if not any(val == option and type(val) is type(option) for option in self.objects):
-            raise InputError(self.key, f"{shown(val)} is not one of {', '.join(map(_spelled, self.objects))}")
+            raise InputError(self.key, f"{shown(val)} is not one of {', '.join(map(_spelled, self.objects))}", val)
 
     def read(self, text: Any) -> Any:
         """The option `text` names.
@@ -258,7 +258,7 @@ class Choice(param.Selector[Any]):
                 return option
             if isinstance(text, str) and not isinstance(option, str) and text.strip().lower() == _spelled(option):
                 return option
-        raise InputError(self.key, f"{shown(text)} is not one of {', '.join(map(_spelled, options))}")
+        raise InputError(self.key, f"{shown(text)} is not one of {', '.join(map(_spelled, options))}", text)
 
 
 def _spelled(option: Any) -> str:

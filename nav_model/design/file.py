@@ -14,12 +14,15 @@ from typing import Any
 
 import tomli_w
 
-from nav_model.catalogue import Kind, find
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+from nav_model.design.presets import preset_fill, preset_of
 from nav_model.errors import InputError, shown
 
+ORIGINS = "origins"
+"""The table of a design file that says where values came from, each under its dotted key in quotes."""
 MAX_BYTES = 1_000_000  # a design is two kilobytes; anything far larger is another kind of file
 _MAX_TEXT = 10_000
 
@@ -124,21 +127,25 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         table = tables.setdefault(section, {})
         if not isinstance(table, dict):
             raise InputError(section, f"must be a section, [{section}]")
-        if key in PRESET_KEYS:  # the new unit's figures replace the file's
-            for filled in find(_kind(section), text).values:
-                _drop(table, section, filled)
+        if key in PRESET_KEYS:  # the new unit's values replace the file's
+            for filled in preset_fill(section, text)[0].keys() - {key}:
+                _drop(tables, section, filled.rpartition(".")[2])
         else:
             found = _input_named(section, name)
-            _drop(table, section, found[0] if found else name)
+            _drop(tables, section, found[0] if found else name)
         table[name] = text
     return tables
 
 
-def _drop(table: dict[str, Any], section: str, name: str) -> None:
+def _drop(tables: dict[str, Any], section: str, name: str) -> None:
+    """Forget what the file states for an input, and where it says the value came from."""
     declaration = INPUTS[section][name]
+    table = tables[section]
     table.pop(name, None)
     if isinstance(declaration, BaseQuantity) and declaration.alternative:
         table.pop(declaration.alternative.key, None)
+    if isinstance(tables.get(ORIGINS), dict):
+        tables[ORIGINS].pop(f"{section}.{name}", None)
 
 
 def _build(tables: dict[str, Any]) -> Design:
@@ -147,13 +154,15 @@ def _build(tables: dict[str, Any]) -> Design:
     for key, content in tables.items():
         if key in TOP_KEYS:
             values[key] = _text(key, content)
-        elif key not in INPUTS:
+        elif key not in (*INPUTS, ORIGINS):
             raise InputError(key, _unknown(""))
         elif not isinstance(content, dict):
-            raise InputError(key, f"must be a section, [{key}], not {shown(content)}")
+            raise InputError(key, f"must be a section, [{key}], not {shown(content)}", content)
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
-    return Design(values, written)
+    design = Design(values, written)
+    origins = tables.get(ORIGINS) or noted_origins(design)
+    return design.replace({}, origins=origins) if origins else design
 
 
 def _read_section(section: str, table: dict[str, Any], values: dict[str, Value], written: dict[str, str]) -> None:
@@ -185,20 +194,6 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
         values[f"{section}.preset"] = preset_values[f"{section}.preset"]
 
 
-def preset_fill(section: str, name: str) -> tuple[dict[str, Value], dict[str, str]]:
-    """Dotted keys that a preset fills, in SI, and the units to show them in.
-
-    Raises
-    ------
-    InputError
-        If the catalogue has no such entry.
-    """
-    entry = find(_kind(section), name)
-    values: dict[str, Value] = {f"{section}.preset": entry.name}
-    values |= {f"{section}.{key}": item.value for key, item in entry.values.items()}
-    return values, {f"{section}.{key}": item.unit for key, item in entry.values.items()}
-
-
 def _refuse_gap(preset: str, values: Mapping[str, Value]) -> None:
     """A sensor whose sheet is silent must not quietly take a default."""
     for name in ("velocity_random_walk", "angle_random_walk"):
@@ -206,19 +201,15 @@ def _refuse_gap(preset: str, values: Mapping[str, Value]) -> None:
             raise InputError(f"imu.{name}", f"the catalogue has none for {preset!r}; state it in the file")
 
 
-def _kind(section: str) -> Kind:
-    return "imu" if section == "imu" else "radar"
-
-
 def _text(key: str, content: Any) -> str:
     if not isinstance(content, str):
-        raise InputError(key, f"{shown(content)} is not text in quotes")
+        raise InputError(key, f"{shown(content)} is not text in quotes", content)
     if len(content) > _MAX_TEXT:
         raise InputError(key, f"longer than {_MAX_TEXT} characters")
     try:
         content.encode()
     except UnicodeEncodeError as error:  # bytes of a command line that are no text
-        raise InputError(key, f"{shown(content)} is not Unicode text") from error
+        raise InputError(key, f"{shown(content)} is not Unicode text", content) from error
     return content
 
 
@@ -233,13 +224,13 @@ def _input_named(section: str, name: str) -> tuple[str, BaseQuantity[Any] | Choi
 
 def _unknown(section: str) -> str:
     if not section:
-        return f"unknown key; allowed are {', '.join((*TOP_KEYS, *(f'[{s}]' for s in INPUTS)))}"
+        return f"unknown key; allowed are {', '.join((*TOP_KEYS, *(f'[{s}]' for s in (*INPUTS, ORIGINS))))}"
     preset = ["preset"] if f"{section}.preset" in PRESET_KEYS else []
     return f"unknown key; [{section}] has {', '.join((*preset, *INPUTS[section]))}"
 
 
 def format_design(design: Design) -> str:
-    """TOML text of a design: every value stated, in the unit it was given in."""
+    """TOML text of a design: every value stated, in the unit it was given in, with its origin if it has one."""
     tables: dict[str, Any] = {key: design[key] for key in TOP_KEYS if design[key]}
     for section, declarations in INPUTS.items():
         table: dict[str, Any] = {}
@@ -254,22 +245,6 @@ def format_design(design: Design) -> str:
                 name, value = declaration.write(float(value), design.written.get(f"{section}.{name}", ""))
             table[name] = value
         tables[section] = table
+    if design.origins:
+        tables[ORIGINS] = dict(design.origins)
     return tomli_w.dumps(tables)
-
-
-def preset_of(design: Design, section: str) -> str | None:
-    """Name of the section's preset, if it has one."""
-    key = f"{section}.preset"
-    value = design[key] if key in PRESET_KEYS else None
-    return value if isinstance(value, str) else None
-
-
-def deviations(design: Design, section: str) -> frozenset[str]:
-    """Names of the inputs whose value is not the preset's (empty without a preset)."""
-    name = preset_of(design, section)
-    if name is None:
-        return frozenset()
-    values, _ = preset_fill(section, name)
-    return frozenset(
-        key.rpartition(".")[2] for key, value in values.items() if key not in PRESET_KEYS and design[key] != value
-    )

@@ -1,7 +1,8 @@
 """A design as a short URL query and back.
 
 Only what differs from the defaults (or from the presets named) is written, under short names and in ASCII
-units: ``imu=LN-200&gn=3cm&f=1.3GHz``. Reading it gives an equal design.
+units: ``imu=LN-200&gn=3cm&f=1.3GHz``. Where a value came from follows under ``origin.`` and its short name:
+``origin.arw=datasheet``. Reading it gives an equal design with the same origins.
 """
 
 from __future__ import annotations
@@ -11,13 +12,15 @@ from urllib.parse import parse_qsl, quote_plus, urlencode
 
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.file import preset_fill
+from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
 STUDY_PREFIX = "study."
 """What the names of a suborbital study's inputs start with, where they stand beside a design's."""
+_ORIGIN_PREFIX = "origin."
 _NONE = "none"
 _SHORT: dict[str, str] = {
     declaration.short: f"{section}.{name}"
@@ -41,6 +44,7 @@ def to_query(design: Design) -> str:
         value = design[key]
         if value != base[key] or type(value) is not type(base[key]):
             pairs.append((short, _to_text(key, value, design)))
+    pairs += [(_ORIGIN_PREFIX + short, design.origins[key]) for short, key in _SHORT.items() if key in design.origins]
     return urlencode(pairs, safe="()/^-.:", quote_via=quote_plus)
 
 
@@ -78,6 +82,7 @@ def from_query(query: str) -> Design:
     pairs = pairs_of(query)
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
+    origins: dict[str, str] = {}
     names = [short for short, _ in pairs]
     for short in names:
         if names.count(short) > 1:
@@ -90,11 +95,14 @@ def from_query(query: str) -> Design:
     for short, text in pairs:
         if short in TOP_KEYS:
             values[short] = text
+        elif short.removeprefix(_ORIGIN_PREFIX) in _SHORT and short.startswith(_ORIGIN_PREFIX):
+            origins[_SHORT[short.removeprefix(_ORIGIN_PREFIX)]] = text
         elif short not in _PRESET_SHORT:
             if short not in _SHORT:
                 raise InputError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
             _read(_SHORT[short], text, values, written)
-    return Design(values, written)
+    design = Design(values, written)
+    return design.replace({}, origins=origins or noted_origins(design))
 
 
 def _read(key: str, text: str, values: dict[str, Value], written: dict[str, str]) -> None:

@@ -16,8 +16,8 @@ from nav_model.design.requirements import Requirements
 from nav_model.design.sensors import Gnss, Imu
 
 __all__ = [
-    "INPUTS", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss", "Imu", "Part", "Radar",
-    "Requirements", "all_keys", "declaration_of",
+    "INPUTS", "LONGEST_ORIGIN", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss",
+    "Imu", "Part", "Radar", "Requirements", "all_keys", "declaration_of",
 ]  # fmt: skip
 
 PARTS: tuple[type[Part], ...] = (Imu, Gnss, Flight, Coast, Radar, Requirements)
@@ -31,6 +31,9 @@ PRESET_KEYS = tuple(f"{part.section}.preset" for part in PARTS if "preset" in pa
 
 TOP_KEYS = ("name", "description")
 """Keys above the sections: plain text."""
+
+LONGEST_ORIGIN = 1000
+"""Characters of a value's origin, which is one line."""
 
 
 def declaration_of(key: str) -> BaseQuantity[Any] | Choice:

@@ -28,7 +28,7 @@ class Whole(Quantity):
     def _validate(self, val: Any) -> None:
         super()._validate(val)
         if val != round(val):
-            raise InputError(self.key, f"{val:g} is not a whole number")
+            raise InputError(self.key, f"{val:g} is not a whole number", val)
 
 
 class _Several(param.Parameter[Any]):
@@ -44,7 +44,7 @@ class _Several(param.Parameter[Any]):
 
     def _parts(self, text: Any, example: str) -> list[str]:
         if not isinstance(text, str):
-            raise InputError(self.key, f"{shown(text)} is not text in quotes; write for example {example!r}")
+            raise InputError(self.key, f"{shown(text)} is not text in quotes; write for example {example!r}", text)
         return [part.strip() for part in re.split(r"[,;]", text)]
 
 
@@ -81,12 +81,12 @@ class Axes(_Several):
     def _validate(self, val: Any) -> None:
         count = len(self.default)
         if not isinstance(val, tuple) or len(val) != count:
-            raise InputError(self.key, f"{shown(val)} is not {_COUNTS[count]} numbers")
+            raise InputError(self.key, f"{shown(val)} is not {_COUNTS[count]} numbers", val)
         most = self.softbounds[1]
         for number in val:
             if not abs(number) <= most:  # NaN lands here too
                 said = f"is not allowed; each axis must be at most {self._one(most, 6)} in size"
-                raise InputError(self.key, f"{self._one(number, 6)} {said}")
+                raise InputError(self.key, f"{self._one(number, 6)} {said}", val)
 
     def show(self, value: tuple[float, ...], digits: int | None = 6) -> str:
         """A value in SI as text in the usual unit, "60, 0, 0 arcsec", which `read` takes back; without `digits`
@@ -110,12 +110,12 @@ class Axes(_Several):
         parts, count = self._parts(text, self.show(self.default)), len(self.default)
         if len(parts) not in (1, count):
             said = f"has {len(parts)} values; give one for all axes, or {_COUNTS[count]}"
-            raise InputError(self.key, f"{shown(text.strip())} {said}")
+            raise InputError(self.key, f"{shown(text.strip())} {said}", text)
         last = _unit_of(parts[-1]) or unit
         try:
             numbers = [parse_quantity(with_unit(part, last), self.dimension).value for part in parts]
         except QuantityError as error:
-            raise InputError(self.key, str(error)) from error
+            raise InputError(self.key, error.reason, text) from error
         value = tuple(numbers if len(numbers) > 1 else numbers * count)
         self._validate(value)
         return value
@@ -127,7 +127,7 @@ class Intervals(_Several):
     def _validate(self, val: Any) -> None:
         for start, stop in val:
             if not 0 <= start < stop < math.inf:
-                raise InputError(self.key, f"{start:g}-{stop:g} s must start at 0 or later, and before it stops")
+                raise InputError(self.key, f"{start:g}-{stop:g} s must start at 0 or later, and before it stops", val)
 
     def show(self, value: Spans, digits: int | None = None) -> str:
         """Intervals as text that `read` takes back, always with every digit."""
@@ -146,7 +146,7 @@ class Intervals(_Several):
         for part in filter(None, self._parts(text, example)):
             match = _SPAN.fullmatch(part)
             if match is None:
-                raise InputError(self.key, f"{part[:40]!r} is not an interval; write for example {example!r}")
+                raise InputError(self.key, f"{part[:40]!r} is not an interval; write for example {example!r}", text)
             spans.append((float(match[1]), float(match[2])))
         self._validate(spans)
         return tuple(spans)

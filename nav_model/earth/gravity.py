@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.compiled import kernel
+from nav_model.compiled import part
 from nav_model.constants import (
     EARTH_RATE,
     GRAVITATIONAL_PARAMETER,
@@ -54,7 +54,7 @@ def _field(radius: Any, s: Any, j: FloatArray) -> tuple[Any, Any]:
     return k * radial, k * axial
 
 
-field_kernel = kernel(_field)
+field_kernel = part(_field)
 """`_field` compiled: (radius m, sine of latitude, J2..J6) -> (radial, axial), m/s²."""
 
 

@@ -10,12 +10,13 @@ Source: Shuster, A survey of attitude representations, Journal of the Astronauti
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.compiled import kernel
+from nav_model.compiled import part
 
 FloatArray = NDArray[np.float64]
 
@@ -155,10 +156,10 @@ def _terms(w: Any, x: Any, y: Any, z: Any) -> tuple[Any, ...]:
     )
 
 
-_terms_kernel = kernel(_terms)
+_terms_kernel = part(_terms)
 
 
-@kernel
+@part
 def write_matrix(q: FloatArray, out: FloatArray) -> None:
     """Write the 3 x 3 matrix of the unit quaternion `q` into `out`."""
     terms = _terms_kernel(q[0], q[1], q[2], q[3])
@@ -166,7 +167,7 @@ def write_matrix(q: FloatArray, out: FloatArray) -> None:
         out[i // 3, i % 3] = terms[i]
 
 
-@kernel
+@part
 def _half_angle(x: float, y: float, z: float) -> tuple[float, float]:
     """cos(a/2) - 1 and sin(a/2)/a of a rotation vector of length a, without loss of digits for small ones."""
     square = x * x + y * y + z * z
@@ -175,12 +176,12 @@ def _half_angle(x: float, y: float, z: float) -> tuple[float, float]:
             -square / 8.0 * (1.0 - square / 48.0 * (1.0 - square / 120.0)),
             0.5 - square / 48.0 * (1.0 - square / 80.0 * (1.0 - square / 168.0)),
         )
-    angle = np.sqrt(square)
-    quarter = np.sin(0.25 * angle)
-    return -2.0 * quarter * quarter, np.sin(0.5 * angle) / angle
+    angle = math.sqrt(square)
+    quarter = math.sin(0.25 * angle)
+    return -2.0 * quarter * quarter, math.sin(0.5 * angle) / angle
 
 
-@kernel
+@part
 def rotate(q: FloatArray, bx: float, by: float, bz: float, nx: float, ny: float, nz: float) -> None:
     """q <- exp(n) q exp(b): a rotation vector `b` in body axes and `n` in navigation axes, in place.
 
@@ -204,7 +205,7 @@ def rotate(q: FloatArray, bx: float, by: float, bz: float, nx: float, ny: float,
     q[0], q[1], q[2], q[3] = q0 + d0, q1 + d1, q2 + d2, q3 + d3
 
 
-@kernel
+@part
 def normalise(q: FloatArray) -> None:
     """Scale `q` back to unit length: one Newton step, enough where rounding is all there is to remove."""
     excess = 0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0)

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from nav_model.compiled import kernel
+from nav_model.compiled import part
 from nav_model.constants import EARTH_RATE, FLATTENING, GRAVITATIONAL_PARAMETER, SEMI_MAJOR_AXIS
 
 ECCENTRICITY_SQUARED: Final = FLATTENING * (2.0 - FLATTENING)
@@ -46,5 +46,5 @@ def normal_gravity(sin_latitude: Any, height: Any) -> Any:
     return surface * (1.0 - first * ratio + 3.0 * ratio * ratio)
 
 
-curvature_radii_kernel = kernel(curvature_radii)
-normal_gravity_kernel = kernel(normal_gravity)
+curvature_radii_kernel = part(curvature_radii)
+normal_gravity_kernel = part(normal_gravity)

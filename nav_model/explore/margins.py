@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
-from nav_model.budget.figures import FIGURES, Inputs, Value, figures, inputs_of
+from nav_model.budget.figures import FIGURES, Inputs, Replacement, figures, inputs_of
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
@@ -25,7 +25,7 @@ def limits(design: Design) -> dict[str, float]:
     return {name: limit / confidence for name, limit in given if limit is not None}
 
 
-def ratios(design: Design, changes: Mapping[str, Value] | None = None) -> dict[str, Array]:
+def ratios(design: Design, changes: Mapping[str, Replacement] | None = None) -> dict[str, Array]:
     """Value over limit of every requirement given; met at or below one. Margin is one minus it.
 
     `changes` replaces inputs by numbers or arrays, as in `nav_model.budget.figures.inputs_of`.

@@ -60,7 +60,7 @@ def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
         If `figure` is not one of `nav_model.budget.figures.FIGURES`.
     """
     if figure not in FIGURES:
-        raise InputError("result", f"{figure!r} is not one of {', '.join(FIGURES)}")
+        raise InputError("result", f"{figure!r} is not one of {', '.join(FIGURES)}", figure)
     keys = [key for key in stated(design) if design[key] != 0]
     slopes = log_derivatives(design, keys, (figure,))[figure]
     halved, doubled = (_scaled(design, keys, figure, factor) for factor in (0.5, 2.0))

@@ -23,7 +23,6 @@ import numpy as np
 
 from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.design import Design, Value
-from nav_model.design.file import parse_design
 from nav_model.errors import InputError
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
@@ -127,8 +126,10 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Executor | 
         with ExitStack() as stack:
             try:
                 pool, threads = stack.enter_context(cluster_pool(scheduler))
-            except (ImportError, OSError, RuntimeError, ValueError) as error:
-                raise InputError("--scheduler", str(error)) from error
+            except InputError as error:
+                raise error.under("--scheduler") from error
+            except (ImportError, OSError, RuntimeError) as error:
+                raise InputError("--scheduler", str(error), scheduler) from error
             yield pool, 4 * threads
     elif workers > 1:
         with worker_pool(workers) as executor:
@@ -214,9 +215,8 @@ def _designs(plan: Plan, start: int, stop: int) -> Iterator[Design]:
 
 
 @functools.lru_cache(maxsize=512)
-def _varied(text: str, changes: tuple[tuple[tuple[str, Value], ...], ...]) -> Design:
+def _varied(design: Design, changes: tuple[tuple[tuple[str, Value], ...], ...]) -> Design:
     """The design with what cannot be an array: choices, presets, limits."""
-    design = parse_design(text)
     for change in changes:
         design = design.replace(dict(change))
     return design

@@ -22,7 +22,7 @@ from typing import Any
 
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, refusal, specification
+from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, specification
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
 from nav_model.units import QuantityError, parse_quantity
 
@@ -92,22 +92,22 @@ def read_flight(table: Any, folder: Path) -> SweepFlight:
 
 def _whole(key: str, value: Any) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
-        raise InputError(key, f"{value!r} is not a whole number")
+        raise InputError(key, f"{value!r} is not a whole number", value)
     return value
 
 
 def _time(key: str, value: Any) -> float:
     try:
         if not isinstance(value, str):
-            raise QuantityError('a time is written with its unit, such as "500 s"')
+            raise InputError(key, f'{value!r}: a time is written with its unit, such as "500 s"', value)
         return parse_quantity(value, "time").value
     except QuantityError as error:
-        raise InputError(key, f"{value!r}: {error}") from error
+        raise InputError(key, f"{value!r}: {error.reason}", value) from error
 
 
 def _outages(key: str, value: Any) -> tuple[tuple[float, float], ...]:
     if not isinstance(value, list) or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
-        raise InputError(key, f'{value!r} is not a list of pairs such as [["400 s", "500 s"]]')
+        raise InputError(key, f'{value!r} is not a list of pairs such as [["400 s", "500 s"]]', value)
     return tuple((_time(key, start), _time(key, stop)) for start, stop in value)
 
 
@@ -125,16 +125,18 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
     if value in NAMED_TRAJECTORIES:
         return str(value)
     if not isinstance(value, str):
-        raise InputError("simulate.trajectory", f"{value!r} is not a name or a file")
+        raise InputError("simulate.trajectory", f"{value!r} is not a name or a file", value)
     from nav_model.simulation.trajectory import read_trajectory
 
     try:
         return read_trajectory(folder / value)
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
-        raise InputError("simulate.trajectory", f"{value!r} is neither one of {known} nor a file to read") from error
+        raise InputError(
+            "simulate.trajectory", f"{value!r} is neither one of {known} nor a file to read", value
+        ) from error
     except ValueError as error:
-        raise InputError("simulate.trajectory", str(error)) from error
+        raise InputError("simulate.trajectory", str(error), value) from error
 
 
 def check_flight(flight: SweepFlight, design: Design) -> None:
@@ -149,7 +151,7 @@ def check_flight(flight: SweepFlight, design: Design) -> None:
         flight.specification(design)
     except InputError as error:
         if "." not in error.key:
-            raise InputError(f"simulate.{error.key}", error.reason) from error
+            raise error.under(f"simulate.{error.key}") from error
 
 
 def fly(flight: SweepFlight, design: Design) -> dict[str, float | str]:
@@ -167,7 +169,7 @@ def fly(flight: SweepFlight, design: Design) -> dict[str, float | str]:
         spec = flight.specification(design)
         result = simulate(spec, closed_form=closed_form(design, spec))
     except (ValueError, ArithmeticError) as error:
-        reason = str(refusal(error, design) if isinstance(error, ValueError) else error)
+        reason = str(error)
         empty = {f"{name}_{kind}_{unit}": _NOT_FLOWN for name, unit in names for kind in _KINDS}
         return {"filter_verdict": "", "nees_mean": _NOT_FLOWN, "nees_low": _NOT_FLOWN, "nees_high": _NOT_FLOWN,
                 **empty, "not_flown": reason}  # fmt: skip

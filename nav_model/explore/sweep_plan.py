@@ -32,8 +32,9 @@ import tomli_w
 from nav_model.budget.figures import FIGURES
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.file import format_design, parse_design, preset_fill, read_bytes
+from nav_model.design.file import parse_design, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
+from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import SweepFlight, check_flight, read_flight
@@ -59,11 +60,11 @@ class Axis:
 class Plan:
     """A sweep, plain data so that it travels to any worker.
 
-    ``design`` is TOML text. Row n of a grid runs through the last axis fastest. ``flight`` says how every design
+    Row n of a grid runs through the last axis fastest. ``flight`` says how every design
     is flown, None when the closed forms are enough.
     """
 
-    design: str
+    design: Design
     axes: tuple[Axis, ...]
     together: bool
     results: tuple[str, ...]
@@ -86,7 +87,7 @@ class Plan:
         """SHA-256 of everything that decides the output."""
         content = {
             "format": _FORMAT,
-            "design": parse_design(self.design).content_hash,
+            "design": self.design.content_hash,
             "axes": [[axis.key, axis.shown, [dict(change) for change in axis.changes]] for axis in self.axes],
             "together": self.together,
             "results": self.results,
@@ -128,7 +129,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
     design = _design(tables.get("design"), folder)
     combine = tables.get("combine", "grid")
     if combine not in ("grid", "together"):
-        raise InputError("combine", f"{combine!r} is not one of grid, together")
+        raise InputError("combine", f"{combine!r} is not one of grid, together", combine)
     vary = tables.get("vary")
     if not isinstance(vary, dict) or not vary:
         raise InputError("vary", 'gives no input; write for example gnss.position_noise = ["2 cm", "1 m"]')
@@ -141,7 +142,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
         raise InputError("combine", f"together needs lists of one length; they have {lengths}")
     flight = read_flight(tables["simulate"], folder) if "simulate" in tables else None
     size = _part_size(tables, _FLIGHTS_PER_PART if flight else _ROWS_PER_PART)
-    plan = Plan(format_design(design), axes, combine == "together", _results(tables), size, flight)
+    plan = Plan(design, axes, combine == "together", _results(tables), size, flight)
     if plan.rows > MOST_ROWS:
         raise InputError("vary", f"asks for {plan.rows} designs; at most {MOST_ROWS} go in one sweep")
     if flight is not None:
@@ -163,14 +164,14 @@ def _results(tables: Mapping[str, Any]) -> tuple[str, ...]:
         raise InputError("results", f"must be a list out of {', '.join(FIGURES)}")
     for name in given:
         if name not in FIGURES:
-            raise InputError("results", f"{name!r} is not one of {', '.join(FIGURES)}")
+            raise InputError("results", f"{name!r} is not one of {', '.join(FIGURES)}", name)
     return tuple(name for name in FIGURES if name in given)
 
 
 def _part_size(tables: Mapping[str, Any], usual: int) -> int:
     size = tables.get("rows_per_part", usual)
     if not isinstance(size, int) or isinstance(size, bool) or not 1 <= size <= 100_000:
-        raise InputError("rows_per_part", f"{size!r} is not a whole number from 1 to 100000")
+        raise InputError("rows_per_part", f"{size!r} is not a whole number from 1 to 100000", size)
     return size
 
 
@@ -219,9 +220,9 @@ def _range(key: str, spec: Mapping[str, Any]) -> list[float]:
     low, high = declaration.read(spec["from"]).value, declaration.read(spec["to"]).value
     points, spacing = spec["points"], spec.get("spacing", "linear")
     if not isinstance(points, int) or isinstance(points, bool) or not 2 <= points <= MOST_POINTS:
-        raise InputError(key, f"points = {points!r} is not a whole number from 2 to {MOST_POINTS}")
+        raise InputError(key, f"points = {points!r} is not a whole number from 2 to {MOST_POINTS}", points)
     if spacing not in ("log", "linear"):
-        raise InputError(key, f"spacing {spacing!r} is not one of log, linear")
+        raise InputError(key, f"spacing {spacing!r} is not one of log, linear", spacing)
     if spacing == "log" and min(low, high) <= 0:
         raise InputError(key, "a log range must stay above zero")
     space = np.geomspace if spacing == "log" else np.linspace

@@ -100,7 +100,7 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     if x_key == y_key:
         raise InputError(y_key, "is on both axes; choose two different inputs")
     if result not in RESULTS:
-        raise InputError("result", f"{result!r} is not one of {', '.join(RESULTS)}")
+        raise InputError("result", f"{result!r} is not one of {', '.join(RESULTS)}", result)
     if result == ALL and not limits(design):
         raise InputError("requirements", "none is given; state at least one limit, or map a single figure")
     count = size or SIZE

@@ -97,17 +97,19 @@ def read_uncertain(key: str, text: str) -> Uncertain:
         middle, _, factor = text.partition("*/")
         spread = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*", factor)
         if not spread or not 1 < float(spread[1]) <= 10:
-            raise InputError(key, f"{text!r}: the factor behind */ must be a number above 1 and at most 10")
+            raise InputError(key, f"{text!r}: the factor behind */ must be a number above 1 and at most 10", text)
         return Uncertain("lognormal", declaration.read(middle.strip()).value, float(spread[1]))
     body, log, _ = text.partition(" log")
     low, dots, high = body.partition("..")
     if not dots:
-        raise InputError(key, f"{text!r} is not a range; write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR")
+        raise InputError(
+            key, f"{text!r} is not a range; write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR", text
+        )
     ends = declaration.read(low.strip()).value, declaration.read(high.strip()).value
     if not ends[0] < ends[1]:
-        raise InputError(key, f"{text!r}: the lower end must be below the upper")
+        raise InputError(key, f"{text!r}: the lower end must be below the upper", text)
     if log and ends[0] <= 0:
-        raise InputError(key, f"{text!r}: a log range must start above zero")
+        raise InputError(key, f"{text!r}: a log range must start above zero", text)
     return Uncertain("log-uniform" if log else "uniform", *ends)
 
 

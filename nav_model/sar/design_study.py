@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
+from nav_model.errors import InputError
 from nav_model.sar.advice import Advice, advise
 from nav_model.sar.decomposition import Band, band
 from nav_model.sar.design_case import DesignCase, Engine, conditions, design_case, required_phase
@@ -137,11 +138,11 @@ def chunks(runs: int, engine: Engine = "fast") -> list[int]:
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer than 20 runs, which give no 5-95 % band, or more than 20,000.
     """
     if not 20 <= runs <= MOST_RUNS:
-        raise ValueError(f"runs: {runs}; from 20 to {MOST_RUNS} are needed")
+        raise InputError("runs", f"{runs} is not allowed; from 20 to {MOST_RUNS} are needed", runs)
     size = _CHUNK[engine]
     return [size] * (runs // size) + [runs % size] * (runs % size > 0)
 

@@ -8,13 +8,14 @@ from contextlib import contextmanager
 from typing import Any
 
 from nav_model.compiled import room_digest
+from nav_model.errors import InputError
 
 
 @contextmanager
 def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor, int]]:
     """A pool for `simulate(pool=..., workers=...)` on the scheduler at `address`, and its number of threads.
 
-    A chunk lost with its worker is flown again by another; a result counts once. Raises ValueError where no
+    A chunk lost with its worker is flown again by another; a result counts once. Raises InputError where no
     scheduler answers or it has no workers, RuntimeError where a worker's simulator is not the same as this
     one, ImportError where the `cluster` extra is not installed.
     """
@@ -26,11 +27,11 @@ def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor
     try:
         client: Any = connect(address, timeout=timeout, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise ValueError(f"scheduler = {address!r}: no Dask scheduler answers there ({error})") from error
+        raise InputError("scheduler", f"no Dask scheduler answers at {address!r} ({error})", address) from error
     with client:
         threads = sum(client.nthreads().values())
         if threads == 0:
-            raise ValueError(f"scheduler = {address!r}: it has no workers")
+            raise InputError("scheduler", f"{address!r} has no workers", address)
         strangers = [worker for worker, digest in client.run(room_digest).items() if digest != room_digest()]
         if strangers:
             raise RuntimeError(f"worker {strangers[0]} has another version of nav_model.simulation; update it")

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from nav_model.analytic import coast as growth
 from nav_model.budget.figures import inputs_of, sampled, settled
-from nav_model.design.file import parse_design
+from nav_model.design import Design
 from nav_model.simulation.result import STATES, SimulationResult, chi_square_band
 from nav_model.simulation.schedule import plan
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
@@ -87,19 +87,16 @@ class Chain:
     flight: FloatArray
 
 
-def chain(design_file: str, spec: SimulationSpec) -> Chain:
-    """The chain of a study; kept for the last few, as a page asks again while runs are flying.
-
-    design_file: the design as TOML text.
-    """
-    return _chain(design_file, replace(spec, runs=1, seed=0, keep_runs=False))
+def chain(design: Design, spec: SimulationSpec) -> Chain:
+    """The chain of a study; kept for the last few, as a page asks again while runs are flying."""
+    return _chain(design, replace(spec, runs=1, seed=0, keep_runs=False))
 
 
 @lru_cache(maxsize=4)
-def _chain(design_file: str, spec: SimulationSpec) -> Chain:
+def _chain(design: Design, spec: SimulationSpec) -> Chain:
     schedule = plan(spec)
     coast_s, elapsed_s = schedule.coast_s, schedule.outputs.time_s
-    x = inputs_of(parse_design(design_file))
+    x = inputs_of(design)
     yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * elapsed_s)
     flat = []
     for start in (settled(x), sampled(x, slow=False).posterior):

@@ -8,7 +8,7 @@ held against the same figures every other face shows.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -18,9 +18,6 @@ from numpy.typing import NDArray
 from nav_model.analytic.steady_state import yaw_variance
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import format_design, parse_design
-from nav_model.design.parts import declaration_of
 from nav_model.errors import InputError
 from nav_model.simulation.specification import (
     TRAJECTORY_KINDS,
@@ -42,18 +39,6 @@ FloatArray = NDArray[np.float64]
 NAMED_TRAJECTORIES: Final = tuple(kind for kind in TRAJECTORY_KINDS if kind != "file")
 LONGEST_OUTAGE: Final = 7200.0
 """Seconds: as far as the closed forms of a design are followed."""
-
-# What the specification calls a thing, and the key or option under which a person gave it.
-_GIVEN_AS: Final[Mapping[str, str]] = {
-    "ImuModel.rate": "imu.rate",
-    "gnss.interval": "gnss.interval",
-    "TrajectorySpec.speed": "flight.speed",
-    "TrajectorySpec.climb_rate": "flight.speed",
-    "TrajectorySpec.latitude": "flight.latitude",
-    "TrajectorySpec.height": "flight.altitude",
-    "FilterModel.states": "states",
-    "outages": "outage",
-}
 
 
 def specification(
@@ -87,64 +72,45 @@ def specification(
     settled = analyse(design).steady_state.closed
     longest = max((stop - start for start, stop in outages), default=0.0)
     if longest > LONGEST_OUTAGE:
-        raise InputError("outage", f"{longest:g} s long; at most {LONGEST_OUTAGE:g} s go")
+        raise InputError("outage", f"{longest:g} s long; at most {LONGEST_OUTAGE:g} s go", longest)
     slow = gnss.correlated_noise if gnss.correlated else 0.0
-    try:
-        return SimulationSpec(
-            imu=ImuModel(
-                gyro=more.triad("gyro", imu.angle_random_walk, imu.gyro_bias),
-                accelerometer=more.triad("accelerometer", imu.velocity_random_walk, imu.accelerometer_bias),
-                rate=imu.rate,
-                vibration_factor=imu.vibration_factor,
-            ),
-            gnss=GnssModel(
-                position_noise=gnss.position_noise,
-                vertical_position_noise=gnss.vertical_position_noise,
-                interval=gnss.interval,
-                markov_noise=slow,
-                vertical_markov_noise=slow,
-                markov_time=gnss.correlation_time,
-                velocity_noise=more["receiver.velocity_noise"],
-                lever_arm=more.lever_arm(),
-            ),
-            trajectory=_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
-            filter=more.filter(states),
-            initial=InitialErrors(
-                position=settled.position_horizontal,
-                velocity=settled.velocity_horizontal,
-                tilt=settled.tilt,
-                yaw=more["filter.initial_yaw"] or 0.0,
-            ),
-            runs=runs,
-            seed=seed,
-            duration=duration,
-            outages=tuple((float(start), float(stop)) for start, stop in outages),
-            every=every,
-            keep_runs=keep_runs,
-        )
-    except ValueError as error:
-        raise refusal(error, design) from error
-
-
-def refusal(error: ValueError, design: Design) -> InputError:
-    """What the simulator refused, under the key of the design or the option it was given as."""
-    if isinstance(error, InputError):
-        return error
-    name, found, rest = str(error).partition(" = ")
-    if not found:
-        return InputError("trajectory", str(error).removeprefix("trajectory: "))
-    key = _GIVEN_AS.get(name, name.rpartition(".")[2])
-    value, _, allowed = rest.partition(": ")
-    if "." in key:
-        quantity = declaration_of(key)
-        assert isinstance(quantity, BaseQuantity)
-        value = quantity.show(float(design[key]))  # type: ignore[arg-type]  # a required quantity is a number
-    return InputError(key, f"{value} cannot be simulated; {allowed}")
+    return SimulationSpec(
+        imu=ImuModel(
+            gyro=more.triad("gyro", imu.angle_random_walk, imu.gyro_bias),
+            accelerometer=more.triad("accelerometer", imu.velocity_random_walk, imu.accelerometer_bias),
+            rate=imu.rate,
+            vibration_factor=imu.vibration_factor,
+        ),
+        gnss=GnssModel(
+            position_noise=gnss.position_noise,
+            vertical_position_noise=gnss.vertical_position_noise,
+            interval=gnss.interval,
+            markov_noise=slow,
+            vertical_markov_noise=slow,
+            markov_time=gnss.correlation_time,
+            velocity_noise=more["receiver.velocity_noise"],
+            lever_arm=more.lever_arm(),
+        ),
+        trajectory=_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
+        filter=more.filter(states),
+        initial=InitialErrors(
+            position=settled.position_horizontal,
+            velocity=settled.velocity_horizontal,
+            tilt=settled.tilt,
+            yaw=more["filter.initial_yaw"] or 0.0,
+        ),
+        runs=runs,
+        seed=seed,
+        duration=duration,
+        outages=tuple((float(start), float(stop)) for start, stop in outages),
+        every=every,
+        keep_runs=keep_runs,
+    )
 
 
 def _flight(design: Design, kind: str) -> TrajectorySpec:
     if kind not in NAMED_TRAJECTORIES:
-        raise InputError("trajectory", f"{kind!r} is not known; {', '.join(NAMED_TRAJECTORIES)}, or a CSV file")
+        raise InputError("trajectory", f"{kind!r} is not known; {', '.join(NAMED_TRAJECTORIES)}, or a CSV file", kind)
     flight = design.flight
     return TrajectorySpec(
         kind=kind,  # type: ignore[arg-type]  # checked above
@@ -159,20 +125,19 @@ def _flight(design: Design, kind: str) -> TrajectorySpec:
 class DesignClosedForm:
     """The closed forms of a design as `simulate` takes them; picklable, so it travels to a worker.
 
-    design_file: the design as TOML text. initial_yaw: sigma at the start [rad].
+    initial_yaw: sigma at the start [rad].
     Called with (coast_s, elapsed_s), both (outputs,), it gives the sigmas (outputs, 9) of `result.STATES`:
     [T-3], [T-4] where fixes come, [T-9], [T-10] in an outage, residual biases in quadrature; yaw [T-5].
     """
 
-    design_file: str
+    design: Design
     initial_yaw: float
 
     def __call__(self, coast_s: FloatArray, elapsed_s: FloatArray) -> FloatArray:
-        design = parse_design(self.design_file)
-        coast = analyse(design, coast_s).coast
+        coast = analyse(self.design, coast_s).coast
         level, upright, tilt = coast.position_horizontal, coast.position_vertical, coast.tilt
         speed, sink = coast.velocity_horizontal, coast.velocity_vertical
-        density = design.imu.angle_random_walk * design.imu.vibration_factor
+        density = self.design.imu.angle_random_walk * self.design.imu.vibration_factor
         yaw = np.sqrt(self.initial_yaw**2 + yaw_variance(density, elapsed_s))
         sigmas: FloatArray = np.stack([level, level, upright, speed, speed, sink, tilt, tilt, yaw], axis=1)
         return sigmas
@@ -180,7 +145,7 @@ class DesignClosedForm:
 
 def closed_form(design: Design, spec: SimulationSpec) -> DesignClosedForm:
     """The closed forms of `design` for a study of it."""
-    return DesignClosedForm(format_design(design), spec.initial.yaw)
+    return DesignClosedForm(design, spec.initial.yaw)
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +157,7 @@ class SimulationStudy:
     shape (outputs, 3). departures: where filter and closed form part. conditions: what a reader must know.
     """
 
-    design_file: str
+    design: Design
     result: SimulationResult
     refined_sigma: FloatArray
     path: FloatArray
@@ -205,13 +170,12 @@ def study_of(design: Design, result: SimulationResult) -> SimulationStudy:
     from nav_model.simulation.conditions import conditions
     from nav_model.simulation.departures import chain, departures
 
-    text = format_design(design)
     return SimulationStudy(
-        design_file=text,
+        design=design,
         result=result,
         refined_sigma=_refined(design, result.coast_s),
         path=_path(result),
-        departures=tuple(departures(result, chain(text, result.spec), settling_s=settling(design))),
+        departures=tuple(departures(result, chain(design, result.spec), settling_s=settling(design))),
         conditions=conditions(design, result.spec),
     )
 
@@ -240,7 +204,7 @@ def settling(design: Design) -> float:
 
 
 def conclude(
-    design_file: str, spec: SimulationSpec, total: Statistics, nominal: RunRecord, wall_s: float
+    design: Design, spec: SimulationSpec, total: Statistics, nominal: RunRecord, wall_s: float
 ) -> SimulationStudy:
     """The study from the runs summed so far, `spec.runs` of them, for a worker process to make.
 
@@ -248,7 +212,6 @@ def conclude(
     """
     from nav_model.simulation.result import summarise
 
-    design = parse_design(design_file)
     return study_of(design, summarise(spec, total, nominal, closed_form(design, spec), wall_s))
 
 
@@ -304,5 +267,5 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
     ]
     document["conditions"] = list(study.conditions)
     document["added"] = {key: STUDY_KEYS[key].show(value) for key, value in added(study.result.spec).items()}
-    document["design"] = parse_design(study.design_file).name
+    document["design"] = study.design.name
     return document

@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel
+from nav_model.compiled import kernel, part
 from nav_model.constants import EARTH_RATE
 from nav_model.earth.rotation import normalise, rotate
 from nav_model.earth.wgs84 import curvature_radii_kernel
 from nav_model.simulation.kalman import update
+from nav_model.simulation.layout import (
+    ATTITUDE,
+    BIASES,
+    GYRO,
+    HEIGHT,
+    LATITUDE,
+    LONGITUDE,
+    POSITION,
+    QUATERNION,
+    TRIADS,
+    VELOCITY,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -52,7 +65,7 @@ class Tuning(NamedTuple):
     velocity_sigma: float
 
 
-@kernel
+@part
 def take_fix(
     state: FloatArray,
     truth: Truth,
@@ -74,59 +87,81 @@ def take_fix(
     rate: the INS's bias-corrected inertial rate, body axes [rad/s]. Residuals are predicted minus measured.
     """
     n = covariance.shape[0]
-    row = np.zeros(n)
-    meridian, prime = curvature_radii_kernel(np.sin(state[0]))
-    cos_lat = np.cos(state[0])
-    true_position, true_matrix = truth.position[fix], truth.matrix[fix]
-    residual = np.empty(3)
-    residual[0] = (state[0] - true_position[0]) * (meridian + state[2])
-    residual[1] = (state[1] - true_position[1]) * (prime + state[2]) * cos_lat
-    residual[2] = true_position[2] - state[2]
+    # Rows of `work` beyond those of `update`.
+    row, lever, swing, cross = work[3, 0], work[3, 1], work[3, 2], work[3, 3]
+    sin_lat, cos_lat = math.sin(state[LATITUDE]), math.cos(state[LATITUDE])
+    meridian, prime = curvature_radii_kernel(sin_lat)
     arm = receiver.lever_arm
-    lever = matrix @ arm
-    residual += lever - true_matrix @ arm
-    estimate[:] = 0.0
+    for i in range(3):
+        lever[i] = matrix[i, 0] * arm[0] + matrix[i, 1] * arm[1] + matrix[i, 2] * arm[2]
+    for i in range(n):
+        estimate[i] = 0.0
     nis = 0.0
     for i in range(3):
-        row[:] = 0.0
-        row[i] = 1.0
-        j, k = (i + 1) % 3, (i + 2) % 3
-        row[6 + j], row[6 + k] = -lever[k], lever[j]
+        if i == 0:
+            residual = (state[LATITUDE] - truth.position[fix, 0]) * (meridian + state[HEIGHT])
+        elif i == 1:
+            residual = (state[LONGITUDE] - truth.position[fix, 1]) * (prime + state[HEIGHT]) * cos_lat
+        else:
+            residual = truth.position[fix, 2] - state[HEIGHT]
+        true_lever = 0.0
+        for j in range(3):
+            true_lever += truth.matrix[fix, i, j] * arm[j]
+        _observe(row, n, POSITION + i, i, lever)
         noise = receiver.white[i] * generator.standard_normal() + markov[i]
         error[i] = noise
-        nis += update(covariance, row, residual[i] - noise, tuning.position_sigma[i] ** 2, estimate, work)
+        residual += lever[i] - true_lever
+        nis += update(covariance, row, residual - noise, tuning.position_sigma[i] ** 2, estimate, work)
     if receiver.velocity > 0.0:
-        earth = np.array([EARTH_RATE * cos_lat, 0.0, -EARTH_RATE * np.sin(state[0])])
-        swing = matrix @ np.cross(rate - matrix.T @ earth, arm)
-        true_swing = true_matrix @ np.cross(truth.body_rate[fix], arm)
         for i in range(3):
-            row[:] = 0.0
-            row[3 + i] = 1.0
+            # The rate against the Earth, body axes, turned by the arm.
             j, k = (i + 1) % 3, (i + 2) % 3
-            row[6 + j], row[6 + k] = -swing[k], swing[j]
+            earth_j = EARTH_RATE * (cos_lat * matrix[0, j] - sin_lat * matrix[2, j])
+            earth_k = EARTH_RATE * (cos_lat * matrix[0, k] - sin_lat * matrix[2, k])
+            cross[i] = (rate[j] - earth_j) * arm[k] - (rate[k] - earth_k) * arm[j]
+        for i in range(3):
+            swing[i] = matrix[i, 0] * cross[0] + matrix[i, 1] * cross[1] + matrix[i, 2] * cross[2]
+        for i in range(3):
+            true_swing = 0.0
+            for axis in range(3):
+                j, k = (axis + 1) % 3, (axis + 2) % 3
+                turn = truth.body_rate[fix, j] * arm[k] - truth.body_rate[fix, k] * arm[j]
+                true_swing += truth.matrix[fix, i, axis] * turn
+            _observe(row, n, VELOCITY + i, i, swing)
             # A rate error, bias or noise, swings the arm: C (-dw x l) = C [l x] dw, row i.
             x = matrix[i, 1] * arm[2] - matrix[i, 2] * arm[1]
             y = matrix[i, 2] * arm[0] - matrix[i, 0] * arm[2]
             z = matrix[i, 0] * arm[1] - matrix[i, 1] * arm[0]
-            for gyro in range(12, n, 6):
+            for gyro in range(BIASES + GYRO, n, TRIADS):
                 row[gyro], row[gyro + 1], row[gyro + 2] = x, y, z
             variance = tuning.velocity_sigma**2 + tuning.rate_variance * (x * x + y * y + z * z)
-            difference = state[3 + i] + swing[i] - truth.velocity[fix, i] - true_swing[i]
+            difference = state[VELOCITY + i] + swing[i] - truth.velocity[fix, i] - true_swing
             noise = receiver.velocity * generator.standard_normal()
             nis += update(covariance, row, difference - noise, variance, estimate, work)
     return nis
 
 
+@part
+def _observe(row: FloatArray, n: int, state: int, axis: int, arm: FloatArray) -> None:
+    """H (n) of one component: 1 at its own state, and the row `axis` of [arm x] at the attitude's."""
+    for i in range(n):
+        row[i] = 0.0
+    row[state] = 1.0
+    j, k = (axis + 1) % 3, (axis + 2) % 3
+    row[ATTITUDE + j], row[ATTITUDE + k] = -arm[k], arm[j]
+
+
 @kernel
 def correct(state: FloatArray, bias: FloatArray, estimate: FloatArray) -> None:
     """Take the estimated error out of the navigation state and the bias estimates (12)."""
-    meridian, prime = curvature_radii_kernel(np.sin(state[0]))
-    state[1] -= estimate[1] / ((prime + state[2]) * np.cos(state[0]))
-    state[0] -= estimate[0] / (meridian + state[2])
-    state[2] += estimate[2]
+    meridian, prime = curvature_radii_kernel(math.sin(state[LATITUDE]))
+    state[LONGITUDE] -= estimate[POSITION + 1] / ((prime + state[HEIGHT]) * math.cos(state[LATITUDE]))
+    state[LATITUDE] -= estimate[POSITION] / (meridian + state[HEIGHT])
+    state[HEIGHT] += estimate[POSITION + 2]
     for i in range(3):
-        state[3 + i] -= estimate[3 + i]
-    rotate(state[6:10], 0.0, 0.0, 0.0, estimate[6], estimate[7], estimate[8])
-    normalise(state[6:10])
-    for i in range(len(estimate) - 9):
-        bias[i] -= estimate[9 + i]
+        state[VELOCITY + i] -= estimate[VELOCITY + i]
+    quaternion = state[QUATERNION : QUATERNION + 4]
+    rotate(quaternion, 0.0, 0.0, 0.0, estimate[ATTITUDE], estimate[ATTITUDE + 1], estimate[ATTITUDE + 2])
+    normalise(quaternion)
+    for i in range(len(estimate) - BIASES):
+        bias[i] -= estimate[BIASES + i]

@@ -12,12 +12,25 @@ Integrated Navigation Systems*, 2nd ed., ch. 14; Bucy and Joseph 1968 for the up
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel
+from nav_model.compiled import kernel, part
 from nav_model.constants import EARTH_RATE
 from nav_model.earth.wgs84 import curvature_radii_kernel, normal_gravity_kernel
+from nav_model.simulation.layout import (
+    ACCELEROMETER,
+    ATTITUDE,
+    BIASES,
+    GYRO,
+    HEIGHT,
+    LATITUDE,
+    POSITION,
+    TRIADS,
+    VELOCITY,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -28,16 +41,19 @@ def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out
 
     state: navigation state; force: specific force, NED [m/s^2]; matrix: body to NED.
     """
-    out[:] = 0.0
-    sin_lat, cos_lat = np.sin(state[0]), np.cos(state[0])
+    for i in range(BIASES):
+        for j in range(out.shape[1]):
+            out[i, j] = 0.0
+    sin_lat, cos_lat = math.sin(state[LATITUDE]), math.cos(state[LATITUDE])
     tangent = sin_lat / cos_lat
     meridian, prime = curvature_radii_kernel(sin_lat)
-    rn, re = meridian + state[2], prime + state[2]
-    vn, ve, vd = state[3], state[4], state[5]
+    rn, re = meridian + state[HEIGHT], prime + state[HEIGHT]
+    vn, ve, vd = state[VELOCITY], state[VELOCITY + 1], state[VELOCITY + 2]
     # Position: NED metres at the moving point.
-    out[0, 0], out[0, 2], out[0, 3] = -vd / rn, vn / rn, 1.0
-    out[1, 0], out[1, 1], out[1, 2], out[1, 4] = ve * tangent / rn, -vd / re - tangent * vn / rn, ve / re, 1.0
-    out[2, 5] = 1.0
+    out[0, 0], out[0, 2] = -vd / rn, vn / rn
+    out[1, 0], out[1, 1], out[1, 2] = ve * tangent / rn, -vd / re - tangent * vn / rn, ve / re
+    for i in range(3):
+        out[POSITION + i, VELOCITY + i] = 1.0
     # How transport and Earth rates change with position (columns 0, 2) and velocity (3, 4).
     for column in (0, 2, 3, 4):
         tn, te, td, en, ed = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -51,41 +67,40 @@ def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out
         else:
             tn, td = 1.0 / re, -tangent / re
         wn, we, wd = 2.0 * en + tn, te, 2.0 * ed + td
-        out[3, column] -= we * vd - wd * ve
-        out[4, column] -= wd * vn - wn * vd
-        out[5, column] -= wn * ve - we * vn
-        out[6, column] = en + tn
-        out[7, column] = te
-        out[8, column] = ed + td
-    out[5, 2] += 2.0 * normal_gravity_kernel(sin_lat, state[2]) / np.sqrt(rn * re)
+        out[VELOCITY, column] -= we * vd - wd * ve
+        out[VELOCITY + 1, column] -= wd * vn - wn * vd
+        out[VELOCITY + 2, column] -= wn * ve - we * vn
+        out[ATTITUDE, column] = en + tn
+        out[ATTITUDE + 1, column] = te
+        out[ATTITUDE + 2, column] = ed + td
+    out[VELOCITY + 2, POSITION + 2] += 2.0 * normal_gravity_kernel(sin_lat, state[HEIGHT]) / math.sqrt(rn * re)
     earth_n, earth_d = EARTH_RATE * cos_lat, -EARTH_RATE * sin_lat
     tn, te, td = ve / re, -vn / rn, -ve * tangent / re
-    _subtract_cross(out, 3, 3, 2.0 * earth_n + tn, te, 2.0 * earth_d + td)
-    _subtract_cross(out, 6, 6, earth_n + tn, te, earth_d + td)
-    _subtract_cross(out, 3, 6, -force[0], -force[1], -force[2])
-    for first in range(9, out.shape[1], 6):
+    coriolis = (2.0 * earth_n + tn, te, 2.0 * earth_d + td)
+    frame = (earth_n + tn, te, earth_d + td)
+    for i in range(3):
+        # -[w x], row i: columns i + 1 and i + 2 hold w[i + 2] and -w[i + 1].
+        j, k = (i + 1) % 3, (i + 2) % 3
+        out[VELOCITY + i, VELOCITY + j] += coriolis[k]
+        out[VELOCITY + i, VELOCITY + k] -= coriolis[j]
+        out[ATTITUDE + i, ATTITUDE + j] += frame[k]
+        out[ATTITUDE + i, ATTITUDE + k] -= frame[j]
+        out[VELOCITY + i, ATTITUDE + j] -= force[k]
+        out[VELOCITY + i, ATTITUDE + k] += force[j]
+    for first in range(BIASES, out.shape[1], TRIADS):
         for i in range(3):
             for j in range(3):
-                out[3 + i, first + j] = -matrix[i, j]
-                out[6 + i, first + 3 + j] = matrix[i, j]
+                out[VELOCITY + i, first + ACCELEROMETER + j] = -matrix[i, j]
+                out[ATTITUDE + i, first + GYRO + j] = matrix[i, j]
 
 
-@kernel
-def _subtract_cross(out: FloatArray, row: int, column: int, x: float, y: float, z: float) -> None:
-    out[row, column + 1] += z
-    out[row, column + 2] -= y
-    out[row + 1, column] -= z
-    out[row + 1, column + 2] += x
-    out[row + 2, column] += y
-    out[row + 2, column + 1] -= x
-
-
-@kernel
+@part
 def _times(left: FloatArray, right: FloatArray, scale: float, out: FloatArray) -> None:
     """out = scale * left[:, :9] @ right, skipping zeros of `left`: the dynamics are sparse."""
-    for i in range(9):
-        out[i] = 0.0
-        for k in range(9):
+    for i in range(BIASES):
+        for j in range(right.shape[1]):
+            out[i, j] = 0.0
+        for k in range(BIASES):
             weight = scale * left[i, k]
             if weight != 0.0:
                 for j in range(right.shape[1]):
@@ -112,71 +127,73 @@ def propagate(
     the biases, n - 9 at least. work: (4, n, n) of working space.
     """
     n = covariance.shape[0]
-    step, square, cube, product = work[0, :9], work[1, :9], work[2, :9], work[3]
-    for i in range(9):
+    step, square, cube, product = work[0], work[1], work[2], work[3]
+    for i in range(BIASES):
         for j in range(n):
             step[i, j] = dynamics[i, j] * dt
     _times(step, step, 0.5, square)
     _times(step, square, 1.0 / 3.0, cube)
-    for i in range(9):
+    for i in range(BIASES):
         for j in range(n):
             step[i, j] += square[i, j] + cube[i, j]
         step[i, i] += 1.0
     # product = Phi P; the bias rows of Phi are diagonal.
-    for i in range(9):
-        product[i] = 0.0
+    for i in range(BIASES):
+        for j in range(n):
+            product[i, j] = 0.0
         for k in range(n):
             weight = step[i, k]
             if weight != 0.0:
                 for j in range(n):
                     product[i, j] += weight * covariance[k, j]
-    for i in range(9):
-        for j in range(i, 9):
+    for i in range(BIASES):
+        for j in range(i, BIASES):
             total = 0.0
             for k in range(n):
                 total += product[i, k] * step[j, k]
             covariance[i, j] = total
             covariance[j, i] = total
-    for j in range(9, n):
-        kept = np.exp(-decay_rate[j - 9] * dt)
-        for i in range(9):
+    for j in range(BIASES, n):
+        kept = math.exp(-decay_rate[j - BIASES] * dt)
+        for i in range(BIASES):
             covariance[i, j] = kept * product[i, j]
             covariance[j, i] = covariance[i, j]
-        for i in range(9, j + 1):
-            covariance[i, j] *= kept * np.exp(-decay_rate[i - 9] * dt)
+        for i in range(BIASES, j + 1):
+            covariance[i, j] *= kept * math.exp(-decay_rate[i - BIASES] * dt)
             covariance[j, i] = covariance[i, j]
         # Exact for a Gauss-Markov bias, however long the step.
-        decay = 2.0 * decay_rate[j - 9]
-        covariance[j, j] += bias_drive[j - 9] * (-np.expm1(-decay * dt) / decay if decay > 0.0 else dt)
+        decay = 2.0 * decay_rate[j - BIASES]
+        covariance[j, j] += bias_drive[j - BIASES] * (-math.expm1(-decay * dt) / decay if decay > 0.0 else dt)
     _add_white_noise(covariance, force, dt, accelerometer_density**2, gyro_density**2)
 
 
-@kernel
+@part
 def _add_white_noise(covariance: FloatArray, f: FloatArray, dt: float, qa: float, qg: float) -> None:
     d2, d3 = dt * dt, dt * dt * dt
     norm = f[0] * f[0] + f[1] * f[1] + f[2] * f[2]
     for i in range(3):
-        covariance[i, i] += qa * d3 / 3.0
-        covariance[3 + i, 3 + i] += qa * dt
-        covariance[6 + i, 6 + i] += qg * dt
-        covariance[i, 3 + i] += qa * d2 / 2.0
-        covariance[3 + i, i] += qa * d2 / 2.0
+        p, v = POSITION + i, VELOCITY + i
+        covariance[p, p] += qa * d3 / 3.0
+        covariance[v, v] += qa * dt
+        covariance[ATTITUDE + i, ATTITUDE + i] += qg * dt
+        covariance[p, v] += qa * d2 / 2.0
+        covariance[v, p] += qa * d2 / 2.0
         for j in range(3):
             spread = -f[i] * f[j]
             if i == j:
                 spread += norm
-            covariance[i, j] += qg * spread * d3 * d2 / 20.0
-            covariance[i, 3 + j] += qg * spread * d2 * d2 / 8.0
-            covariance[3 + j, i] += qg * spread * d2 * d2 / 8.0
-            covariance[3 + i, 3 + j] += qg * spread * d3 / 3.0
+            covariance[p, POSITION + j] += qg * spread * d3 * d2 / 20.0
+            covariance[p, VELOCITY + j] += qg * spread * d2 * d2 / 8.0
+            covariance[VELOCITY + j, p] += qg * spread * d2 * d2 / 8.0
+            covariance[v, VELOCITY + j] += qg * spread * d3 / 3.0
     for i in range(3):
         # [f x], row i: columns i + 1 and i + 2 hold -f[i + 2] and f[i + 1].
         j, k = (i + 1) % 3, (i + 2) % 3
-        for column, value in ((j, -f[k]), (k, f[j])):
-            covariance[i, 6 + column] += qg * value * d3 / 6.0
-            covariance[6 + column, i] += qg * value * d3 / 6.0
-            covariance[3 + i, 6 + column] += qg * value * d2 / 2.0
-            covariance[6 + column, 3 + i] += qg * value * d2 / 2.0
+        for column, value in ((ATTITUDE + j, -f[k]), (ATTITUDE + k, f[j])):
+            covariance[POSITION + i, column] += qg * value * d3 / 6.0
+            covariance[column, POSITION + i] += qg * value * d3 / 6.0
+            covariance[VELOCITY + i, column] += qg * value * d2 / 2.0
+            covariance[column, VELOCITY + i] += qg * value * d2 / 2.0
 
 
 @kernel
@@ -239,8 +256,8 @@ def normalised_square(covariance: FloatArray, error: FloatArray, work: FloatArra
                 value -= work[i, k] * work[j, k]
             if i == j:
                 if not value > 0.0:
-                    return np.nan
-                work[i, i] = np.sqrt(value)
+                    return math.nan
+                work[i, i] = math.sqrt(value)
             else:
                 work[i, j] = value / work[j, j]
     solution = np.empty(n)

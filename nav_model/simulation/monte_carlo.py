@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from nav_model.processes import worker_pool
 from nav_model.simulation.result import ClosedForm, SimulationResult, summarise
 from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
-from nav_model.simulation.specification import SimulationSpec
+from nav_model.simulation.specification import SimulationSpec, refused
 from nav_model.simulation.statistics import Statistics
 
 FloatArray = NDArray[np.float64]
@@ -64,7 +64,7 @@ def local_pool(workers: int, kind: Literal["process", "thread"] = "process") -> 
     """A pool of this machine's processes (spawned, so safe beside threads) or threads. Shut it down after
     use."""
     if workers < 1:
-        raise ValueError(f"workers = {workers!r}: must be 1 or more")
+        raise refused("workers", workers, "must be 1 or more")
     if kind == "thread":
         return ThreadPoolExecutor(workers, thread_name_prefix="simulation")
     return worker_pool(workers)
@@ -129,7 +129,7 @@ def simulate(
     """
     began = time.perf_counter()
     if workers < 1:
-        raise ValueError(f"workers = {workers!r}: must be 1 or more")
+        raise refused("workers", workers, "must be 1 or more")
     nominal = fly_without_errors(spec)
     scale = nominal.filter_sigma[POSTERIOR]
     total = Statistics.empty(scale)

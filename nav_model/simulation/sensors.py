@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel
+from nav_model.compiled import kernel, part
 from nav_model.simulation.specification import TriadModel
 
 FloatArray = NDArray[np.float64]
@@ -62,7 +62,7 @@ def draw_triad(model: TriadModel, rate: float, vibration_factor: float, generato
     )
 
 
-@kernel
+@part
 def measure(triad: Triad, true: FloatArray, dt: float, generator: np.random.Generator, out: FloatArray) -> None:
     """Reported increment (3) of one sample from the true one (3); advances the moving biases by the
     sample."""
@@ -80,7 +80,7 @@ def measure(triad: Triad, true: FloatArray, dt: float, generator: np.random.Gene
             triad.walk[i] += triad.walk_drive * generator.standard_normal()
         if triad.quantum > 0.0:
             total = value + triad.residual[i]
-            value = np.floor(total / triad.quantum + 0.5) * triad.quantum
+            value = math.floor(total / triad.quantum + 0.5) * triad.quantum
             triad.residual[i] = total - value
         out[i] = value
 

@@ -9,11 +9,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel
+from nav_model.compiled import kernel, part
 from nav_model.earth.rotation import write_matrix
 from nav_model.earth.wgs84 import curvature_radii_kernel
 from nav_model.simulation.fixes import Receiver, Truth, Tuning, correct, take_fix
 from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate
+from nav_model.simulation.layout import (
+    ACCELEROMETER,
+    ATTITUDE,
+    BIASES,
+    GYRO,
+    HEIGHT,
+    LATITUDE,
+    LONGITUDE,
+    POSITION,
+    QUATERNION,
+    TRIADS,
+    VELOCITY,
+)
 from nav_model.simulation.schedule import FIX, OUTPUT, Schedule, plan
 from nav_model.simulation.sensors import Triad, draw_triad, measure
 from nav_model.simulation.specification import GnssModel, ImuModel, SimulationSpec, TriadModel
@@ -56,7 +69,7 @@ class RunRecord:
     fix_error: FloatArray
 
 
-@kernel
+@part
 def _write(
     state: FloatArray,
     truth: Truth,
@@ -67,32 +80,38 @@ def _write(
     covariance: FloatArray,
     error: FloatArray,
     variance: FloatArray,
-) -> FloatArray:
-    """Errors and variances at output `k`, attitude as roll, pitch, yaw; returns the error in the filter's own
-    states."""
+    own: FloatArray,
+) -> None:
+    """Errors and variances at output `k`, attitude as roll, pitch, yaw; the error in the filter's own states goes
+    to `own`."""
     n = covariance.shape[0]
-    own = np.empty(n)
-    meridian, prime = curvature_radii_kernel(np.sin(truth.position[k, 0]))
+    latitude = truth.position[k, 0]
+    meridian, prime = curvature_radii_kernel(math.sin(latitude))
     height = truth.position[k, 2]
-    own[0] = (state[0] - truth.position[k, 0]) * (meridian + height)
-    own[1] = (state[1] - truth.position[k, 1]) * (prime + height) * np.cos(truth.position[k, 0])
-    own[2] = height - state[2]
-    own[3:6] = state[3:6] - truth.velocity[k]
-    turn = matrix @ truth.matrix[k].T
-    own[6] = 0.5 * (turn[1, 2] - turn[2, 1])
-    own[7] = 0.5 * (turn[2, 0] - turn[0, 2])
-    own[8] = 0.5 * (turn[0, 1] - turn[1, 0])
-    own[9:] = bias_error[: n - 9]
-    error[:] = own
+    own[POSITION] = (state[LATITUDE] - latitude) * (meridian + height)
+    own[POSITION + 1] = (state[LONGITUDE] - truth.position[k, 1]) * (prime + height) * math.cos(latitude)
+    own[POSITION + 2] = height - state[HEIGHT]
+    for i in range(3):
+        own[VELOCITY + i] = state[VELOCITY + i] - truth.velocity[k, i]
+        # Half the difference of two opposite elements of C C_true', a rotation that is close to none.
+        row, column = (i + 1) % 3, (i + 2) % 3
+        one, other = 0.0, 0.0
+        for j in range(3):
+            one += matrix[row, j] * truth.matrix[k, column, j]
+            other += matrix[column, j] * truth.matrix[k, row, j]
+        own[ATTITUDE + i] = 0.5 * (one - other)
+    for i in range(BIASES, n):
+        own[i] = bias_error[i - BIASES]
     for i in range(n):
+        error[i] = own[i]
         variance[i] = covariance[i, i]
     for i in range(3):
-        error[6 + i], variance[6 + i] = 0.0, 0.0
+        turned, spread = 0.0, 0.0
         for j in range(3):
-            error[6 + i] += error_map[i, j] * own[6 + j]
+            turned += error_map[k, i, j] * own[ATTITUDE + j]
             for m in range(3):
-                variance[6 + i] += error_map[i, j] * covariance[6 + j, 6 + m] * error_map[i, m]
-    return own
+                spread += error_map[k, i, j] * covariance[ATTITUDE + j, ATTITUDE + m] * error_map[k, i, m]
+        error[ATTITUDE + i], variance[ATTITUDE + i] = turned, spread
 
 
 @kernel
@@ -116,38 +135,43 @@ def _fly(
 ) -> None:
     """Fly one run: every IMU sample through the INS, the filter at its events. Changes what it is given."""
     n = covariance.shape[0]
-    work = np.empty((4, n, n))
-    dynamics = np.empty((9, n))
+    work, dynamics = np.empty((4, n, n)), np.empty((BIASES, n))
     matrix, mean_matrix = np.empty((3, 3)), np.empty((3, 3))
-    window, scratch, force, estimate = np.zeros((3, 6)), np.empty(6), np.zeros(3), np.zeros(n)
-    bias_error = np.empty(12)
-    markov = np.empty(3)
+    # Samples in turn; then vectors of working space.
+    window, scratch, force, markov, rate = np.zeros((3, 6)), np.empty(6), np.zeros(3), np.empty(3), np.empty(3)
+    estimate, own, bias_error = np.zeros(n), np.empty(n), np.empty(len(bias))
     for i in range(3):
         markov[i] = receiver.markov[i] * gnss_noise.standard_normal()
-    write_matrix(state[6:10], matrix)
-    last_step, last_fix, fix, output = 0, 0, 0, 0
+    quaternion = state[QUATERNION : QUATERNION + 4]
+    write_matrix(quaternion, matrix)
+    # Not a literal 0, for which Numba would compile what takes these indices a second time.
+    none: int = np.int64(0)  # type: ignore[assignment]
+    last_step, last_fix, fix, output = none, none, none, none
     for k in range(-1, len(events)):
         # Rows 0 and 1 of the increments end at time 0: they only fill the window.
-        now, before, earlier = window[(k + 1) % 3], window[k % 3], window[(k - 1) % 3]
-        measure(accelerometer, increments[k + 1, :3], dt, imu_noise, now[:3])
-        measure(gyro, increments[k + 1, 3:], dt, imu_noise, now[3:])
+        sample, now = increments[k + 1], window[(k + 1) % 3]
+        measure(accelerometer, sample[:3], dt, imu_noise, now[:3])
+        measure(gyro, sample[3:], dt, imu_noise, now[3:])
         for i in range(6):
-            now[i] -= (bias[i] + bias[6 + i]) * dt
+            now[i] -= (bias[i] + bias[TRIADS + i]) * dt
         if k == 0:  # a walk starts here, not with the samples before
-            accelerometer.walk[:] = 0.0
-            gyro.walk[:] = 0.0
+            for i in range(3):
+                accelerometer.walk[i] = 0.0
+                gyro.walk[i] = 0.0
         if k > 0:
-            advance(state, now, before, earlier, dt, force, scratch)
+            advance(state, now, window[k % 3], window[(k - 1) % 3], dt, force, scratch)
         if k < 0 or events[k] == 0:
             continue
         if k > last_step:
             elapsed = (k - last_step) * dt
-            mean_matrix[:] = matrix
-            write_matrix(state[6:10], matrix)
-            mean_matrix += matrix
-            mean_matrix *= 0.5
             for i in range(3):
                 force[i] /= elapsed
+                for j in range(3):
+                    mean_matrix[i, j] = matrix[i, j]
+            write_matrix(quaternion, matrix)
+            for i in range(3):
+                for j in range(3):
+                    mean_matrix[i, j] = (mean_matrix[i, j] + matrix[i, j]) * 0.5
             error_dynamics(state, force, mean_matrix, dynamics)
             propagate(
                 covariance,
@@ -160,18 +184,19 @@ def _fly(
                 tuning.bias_drive,
                 work,
             )
-            force[:] = 0.0
-            for i in range(12):
-                bias[i] *= np.exp(-tuning.decay_rate[i] * elapsed)
+            for i in range(3):
+                force[i] = 0.0
+            for i in range(len(bias)):
+                bias[i] *= math.exp(-tuning.decay_rate[i] * elapsed)
             last_step = k
         for phase in range(2):
             if phase == 1 and events[k] & FIX:
-                kept = np.exp(-(k - last_fix) * dt / receiver.markov_time)
+                kept = math.exp(-(k - last_fix) * dt / receiver.markov_time)
                 for i in range(3):
-                    fresh = receiver.markov[i] * np.sqrt(1.0 - kept * kept) * gnss_noise.standard_normal()
+                    fresh = receiver.markov[i] * math.sqrt(1.0 - kept * kept) * gnss_noise.standard_normal()
                     markov[i] = kept * markov[i] + fresh
+                    rate[i] = now[GYRO + i] / dt
                 last_fix = k
-                rate = now[3:] / dt
                 record.nis[fix] = take_fix(
                     state,
                     fixes,
@@ -188,26 +213,29 @@ def _fly(
                     record.fix_error[fix],
                 )
                 correct(state, bias, estimate)
-                write_matrix(state[6:10], matrix)
+                write_matrix(quaternion, matrix)
                 fix += 1
             if events[k] & OUTPUT:
                 for i in range(3):
-                    bias_error[i] = bias[i] - accelerometer.fixed[i] - accelerometer.walk[i]
-                    bias_error[3 + i] = bias[3 + i] - gyro.fixed[i] - gyro.walk[i]
-                    bias_error[6 + i] = bias[6 + i] - accelerometer.markov[i]
-                    bias_error[9 + i] = bias[9 + i] - gyro.markov[i]
-                if n == 15:
-                    bias_error[:6] += bias_error[6:]
-                own = _write(
+                    a, g = ACCELEROMETER + i, GYRO + i
+                    bias_error[a] = bias[a] - accelerometer.fixed[i] - accelerometer.walk[i]
+                    bias_error[g] = bias[g] - gyro.fixed[i] - gyro.walk[i]
+                    bias_error[TRIADS + a] = bias[TRIADS + a] - accelerometer.markov[i]
+                    bias_error[TRIADS + g] = bias[TRIADS + g] - gyro.markov[i]
+                if n == BIASES + TRIADS:
+                    for i in range(TRIADS):
+                        bias_error[i] += bias_error[TRIADS + i]
+                _write(
                     state,
                     outputs,
                     output,
                     bias_error,
-                    error_map[output],
+                    error_map,
                     matrix,
                     covariance,
                     record.error[phase, output],
                     record.variance[phase, output],
+                    own,
                 )
                 if phase == 1:
                     record.nees[output] = normalised_square(covariance, own, work[0])

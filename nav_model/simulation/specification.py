@@ -11,14 +11,44 @@ from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from typing import Final, Literal, get_args
 
+from nav_model.errors import InputError
+
 TrajectoryKind = Literal["wandering", "straight", "turns", "climb", "file"]
 TRAJECTORY_KINDS: Final[tuple[str, ...]] = get_args(TrajectoryKind)
 FILTER_STATES: Final = (9, 15, 21)
 HIGHEST_LATITUDE: Final = math.radians(85.0)
 
 
-def _refuse(name: str, value: object, allowed: str) -> ValueError:
-    return ValueError(f"{name} = {value!r}: must be {allowed}")
+# What is called one thing here and another where a person gives it: in a design, or as an option.
+_GIVEN_AS: Final = {
+    "ImuModel.rate": "imu.rate",
+    "GnssModel.interval": "gnss.interval",
+    "TrajectorySpec.speed": "flight.speed",
+    "TrajectorySpec.latitude": "flight.latitude",
+    "TrajectorySpec.height": "flight.altitude",
+    "outages": "outage",
+}
+
+
+def refused(name: str, value: object, allowed: str) -> InputError:
+    """That `value` cannot be simulated, under the name by which a person gives it and in that input's unit.
+
+    name: a field of `SimulationSpec`, or a field of one of its parts after the part's type and a dot.
+    """
+    key = _GIVEN_AS.get(name, name.rpartition(".")[2])
+    said = repr(value)
+    if "." in key and isinstance(value, float | int):
+        from nav_model.design.declaration import BaseQuantity
+        from nav_model.design.parts import declaration_of
+
+        declaration = declaration_of(key)
+        assert isinstance(declaration, BaseQuantity)
+        said = declaration.show(float(value))
+    return InputError(key, f"{said} cannot be simulated; {allowed}", value)
+
+
+def _refuse(name: str, value: object, allowed: str) -> InputError:
+    return refused(name, value, f"must be {allowed}")
 
 
 def _check(
@@ -28,7 +58,7 @@ def _check(
     non_negative: tuple[str, ...] = (),
     finite: tuple[str, ...] = (),
 ) -> None:
-    """Raise ValueError naming the first field of `owner` that is not finite, or not positive where it must
+    """Raise InputError naming the first field of `owner` that is not finite, or not positive where it must
     be."""
     for names, lowest, allowed in (
         (positive, math.ulp(0.0), "positive and finite"),
@@ -162,7 +192,8 @@ class TrajectorySpec:
         if self.speed > 3000.0:
             raise _refuse("TrajectorySpec.speed", self.speed, "at most 3000 m/s")
         if self.kind == "climb" and self.climb_rate >= 0.7 * max(self.speed, 1e-9):
-            raise _refuse("TrajectorySpec.climb_rate", self.climb_rate, "below 0.7 of the speed")
+            needed = f"more than {self.climb_rate / 0.7:.4g} m/s to climb at {self.climb_rate:g} m/s"
+            raise _refuse("TrajectorySpec.speed", self.speed, needed)
         if self.attitude_wander > math.radians(15.0):
             raise _refuse("TrajectorySpec.attitude_wander", self.attitude_wander, "at most 15 deg rms")
         if (self.kind == "file") != bool(self.samples):
@@ -258,7 +289,7 @@ class SimulationSpec:
         if self.every > self.duration:
             raise _refuse("every", self.every, f"at most the duration, {self.duration!r} s")
         sample = 1.0 / self.imu.rate
-        for name, value in (("every", self.every), ("gnss.interval", self.gnss.interval)):
+        for name, value in (("every", self.every), ("GnssModel.interval", self.gnss.interval)):
             if value < sample * (1.0 - 1e-9):
                 raise _refuse(name, value, f"at least one IMU sample, {sample!r} s")
         if self.duration * self.imu.rate > 1e8:

@@ -14,19 +14,30 @@ Dynamics 21(1-2), 1998; Titterton and Weston, *Strapdown Inertial Navigation Tec
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel
+from nav_model.compiled import kernel, part
 from nav_model.constants import EARTH_RATE
 from nav_model.earth.rotation import normalise, quaternion_from_matrix, rotate
 from nav_model.earth.wgs84 import curvature_radii_kernel, normal_gravity_kernel
+from nav_model.simulation.layout import (
+    HEIGHT,
+    LATITUDE,
+    LONGITUDE,
+    QUATERNION,
+    STATE_LENGTH,
+    VELOCITY,
+    VELOCITY_CHANGE,
+    WITHHELD,
+)
 
 FloatArray = NDArray[np.float64]
-STATE_LENGTH = 15
 
 
-@kernel
+@part
 def _product(weight: float, early: FloatArray, late: FloatArray, correction: FloatArray) -> None:
     """Add `weight` times one pair's coning (angle x angle) and sculling (both mixed products) to
     `correction`."""
@@ -40,7 +51,7 @@ def _product(weight: float, early: FloatArray, late: FloatArray, correction: Flo
     correction[5] += weight * (bx * ay - by * ax)
 
 
-@kernel
+@part
 def advance(
     state: FloatArray,
     now: FloatArray,
@@ -57,7 +68,8 @@ def advance(
     its mean. scratch: 6 numbers of working space.
     """
     # Coning and sculling, exact for a rate and a force that are quadratic in time over the three samples.
-    scratch[:] = 0.0
+    for i in range(6):
+        scratch[i] = 0.0
     _product(121.0 / 720.0, before, now, scratch)
     _product(-31.0 / 720.0, earlier, now, scratch)
     _product(1.0 / 720.0, earlier, before, scratch)
@@ -72,13 +84,15 @@ def advance(
     fz = vz + first * rz + second * (ax * ry - ay * rx) + scratch[2]
 
     # Position and velocity carried to the middle of the step for the Earth's terms.
-    vn, ve, vd = state[3], state[4], state[5]
-    mn, me, md = vn + 0.5 * state[10], ve + 0.5 * state[11], vd + 0.5 * state[12]
-    sin_lat, cos_lat = np.sin(state[0]), np.cos(state[0])
+    vn, ve, vd = state[VELOCITY], state[VELOCITY + 1], state[VELOCITY + 2]
+    mn = vn + 0.5 * state[VELOCITY_CHANGE]
+    me = ve + 0.5 * state[VELOCITY_CHANGE + 1]
+    md = vd + 0.5 * state[VELOCITY_CHANGE + 2]
+    sin_lat, cos_lat = math.sin(state[LATITUDE]), math.cos(state[LATITUDE])
     meridian, prime = curvature_radii_kernel(sin_lat)
     half = 0.5 * dt
-    shift = half * vn / (meridian + state[2])
-    height = state[2] - half * vd
+    shift = half * vn / (meridian + state[HEIGHT])
+    height = state[HEIGHT] - half * vd
     sin_lat, cos_lat = sin_lat + cos_lat * shift, cos_lat - sin_lat * shift
     meridian, prime = curvature_radii_kernel(sin_lat)
     north_radius, east_radius = meridian + height, prime + height
@@ -89,7 +103,8 @@ def advance(
     zx, zy, zz = (earth_n + transport_n) * dt, transport_e * dt, (earth_d + transport_d) * dt
 
     # Body to NED with the attitude at the start, NED turned half a step on.
-    q0, q1, q2, q3 = state[6], state[7], state[8], state[9]
+    quaternion = state[QUATERNION : QUATERNION + 4]
+    q0, q1, q2, q3 = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
     tx, ty, tz = 2.0 * (q2 * fz - q3 * fy), 2.0 * (q3 * fx - q1 * fz), 2.0 * (q1 * fy - q2 * fx)
     nx = fx + q0 * tx + q2 * tz - q3 * ty
     ny = fy + q0 * ty + q3 * tx - q1 * tz
@@ -106,16 +121,15 @@ def advance(
     dd = sz - (wx * me - wy * mn) * dt + normal_gravity_kernel(sin_lat, height) * dt
 
     # Trapezoid in velocity for the position; mid-step radii.
-    latitude_step = dt * (vn + 0.5 * dn) / north_radius + state[13]
-    longitude_step = dt * (ve + 0.5 * de) / (east_radius * cos_lat) + state[14]
-    latitude, longitude = state[0] + latitude_step, state[1] + longitude_step
-    state[13] = latitude_step - (latitude - state[0])
-    state[14] = longitude_step - (longitude - state[1])
-    state[0], state[1] = latitude, longitude
-    state[2] -= dt * (vd + 0.5 * dd)
-    state[3], state[4], state[5] = vn + dn, ve + de, vd + dd
-    state[10], state[11], state[12] = dn, de, dd
-    quaternion = state[6:10]
+    latitude_step = dt * (vn + 0.5 * dn) / north_radius + state[WITHHELD]
+    longitude_step = dt * (ve + 0.5 * de) / (east_radius * cos_lat) + state[WITHHELD + 1]
+    latitude, longitude = state[LATITUDE] + latitude_step, state[LONGITUDE] + longitude_step
+    state[WITHHELD] = latitude_step - (latitude - state[LATITUDE])
+    state[WITHHELD + 1] = longitude_step - (longitude - state[LONGITUDE])
+    state[LATITUDE], state[LONGITUDE] = latitude, longitude
+    state[HEIGHT] -= dt * (vd + 0.5 * dd)
+    state[VELOCITY], state[VELOCITY + 1], state[VELOCITY + 2] = vn + dn, ve + de, vd + dd
+    state[VELOCITY_CHANGE], state[VELOCITY_CHANGE + 1], state[VELOCITY_CHANGE + 2] = dn, de, dd
     rotate(quaternion, ax + cone_x, ay + cone_y, az + cone_z, -zx, -zy, -zz)
     normalise(quaternion)
 
@@ -124,18 +138,19 @@ def advance(
 def _navigate(state: FloatArray, increments: FloatArray, dt: float, every: int, out: FloatArray) -> None:
     force = np.zeros(3)
     scratch = np.empty(6)
-    out[0] = state[:10]
-    for k in range(1, len(increments) - 1):
-        advance(state, increments[k + 1], increments[k], increments[k - 1], dt, force, scratch)
+    for k in range(len(increments) - 1):
+        if k > 0:
+            advance(state, increments[k + 1], increments[k], increments[k - 1], dt, force, scratch)
         if k % every == 0:
-            out[k // every] = state[:10]
+            for i in range(VELOCITY_CHANGE):
+                out[k // every, i] = state[i]
 
 
 def initial_state(position: FloatArray, velocity: FloatArray, matrix: FloatArray) -> FloatArray:
     """Navigation state from geodetic position, NED velocity and body-to-NED matrix."""
     state = np.zeros(STATE_LENGTH)
-    state[:3], state[3:6] = position, velocity
-    state[6:10] = quaternion_from_matrix(matrix)
+    state[:VELOCITY], state[VELOCITY:QUATERNION] = position, velocity
+    state[QUATERNION:VELOCITY_CHANGE] = quaternion_from_matrix(matrix)
     return state
 
 

@@ -21,7 +21,7 @@ from nav_model.earth.rotation import FloatArray
 from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
 from nav_model.earth.wgs84 import curvature_radii
 from nav_model.errors import InputError
-from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec
+from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec, refused
 
 MARGIN_S = 5.0
 """Flights are planned this far beyond both ends, so that the spline is never extrapolated."""
@@ -185,22 +185,18 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     if spec.kind == "file":
         table = _table(spec)
         if duration > table[-1, 0] + 1e-9:
-            raise ValueError(f"duration = {duration!r}: must be at most the trajectory file's {table[-1, 0]:.3f} s")
+            raise refused("duration", duration, f"must be at most the trajectory file's {table[-1, 0]:.3f} s")
         return spline_through(table[:, 0], table[:, 1:])
     step = 0.5
     before, after = round(MARGIN_S / step), int(np.ceil(duration / step)) + round(MARGIN_S / step)
     t: FloatArray = np.linspace(-before * step, after * step, before + after + 1)
     plan = _PLANS[spec.kind](spec, t, duration)
     if spec.kind == "turns" and duration < 50.0 + 2.0 * np.pi / spec.turn_rate:
-        raise ValueError(
-            f"duration = {duration!r}: the turns take {50.0 + 2.0 * np.pi / spec.turn_rate:.0f} s, "
-            "allow more than that"
-        )
+        needed = 50.0 + 2.0 * np.pi / spec.turn_rate
+        raise refused("duration", duration, f"the turns take {needed:.0f} s, allow more than that")
     if spec.kind == "climb" and duration < 20.0 + spec.climb_height / spec.climb_rate:
-        raise ValueError(
-            f"duration = {duration!r}: the climb takes {20.0 + spec.climb_height / spec.climb_rate:.0f} s, "
-            "allow more than that"
-        )
+        needed = 20.0 + spec.climb_height / spec.climb_rate
+        raise refused("duration", duration, f"the climb takes {needed:.0f} s, allow more than that")
     wander, angle = (0.0, 0.0) if spec.kind == "straight" else (spec.wander, spec.attitude_wander)
     sideways = turbulence(t, wander, 25.0, 120.0, 1)
     height = plan.height + turbulence(t, wander, 25.0, 120.0, 2)
@@ -209,10 +205,11 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     east_rate = plan.ground_speed * np.sin(plan.heading) + sideways_rate * np.cos(plan.heading)
     latitude, longitude = _lay_on_earth(spec, t, north_rate, east_rate, height)
     if np.max(np.abs(latitude)) > HIGHEST_LATITUDE:
-        raise ValueError(
-            f"trajectory: latitude reaches {np.degrees(np.max(np.abs(latitude))):.1f} deg; "
+        raise InputError(
+            "trajectory",
+            f"latitude reaches {np.degrees(np.max(np.abs(latitude))):.1f} deg; "
             "must stay within 85 deg "
-            "of the equator (NED mechanisation)"
+            "of the equator (NED mechanisation)",
         )
     attitude = [turbulence(t, angle, 4.0, 25.0, key) for key in (3, 4, 5)]
     coordinates = [latitude, longitude, height, plan.roll + attitude[0], plan.pitch + attitude[1]]

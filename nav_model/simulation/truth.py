@@ -6,6 +6,7 @@ integrals over each IMU sample use two Gauss-Legendre points (fourth order, erro
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -40,108 +41,88 @@ class TruthStates:
 
 
 @kernel
-def _force_and_rate(origin: FloatArray, coefficients: FloatArray, u: float, out: FloatArray) -> None:
-    """Specific force (out[0:3], m/s^2) and inertial rate (out[3:6], rad/s), body axes, `u` s into one spline
-    piece.
-
-    origin, coefficients: latitude, longitude, height, roll, pitch, yaw as in `Trajectory`, powers (6, 6) from
-    5 down.
-    """
-    value = np.empty(6)
-    first = np.empty(6)
-    second = np.empty(6)
-    for i in range(6):
-        p, d, dd = coefficients[0, i], 0.0, 0.0
-        for power in range(1, 6):
-            dd = dd * u + 2.0 * d
-            d = d * u + p
-            p = p * u + coefficients[power, i]
-        value[i], first[i], second[i] = origin[i] + p, d, dd
-    sin_lat, cos_lat = np.sin(value[0]), np.cos(value[0])
-    height = value[2]
-    meridian, prime = curvature_radii_kernel(sin_lat)
-    lat_rate, lon_rate, climb = first[0], first[1], first[2]
-    # Derivatives of the two radii with latitude.
-    shared = ECCENTRICITY_SQUARED * sin_lat * cos_lat / (1.0 - ECCENTRICITY_SQUARED * sin_lat * sin_lat)
-    meridian_rate, prime_rate = 3.0 * meridian * shared * lat_rate, prime * shared * lat_rate
-    north = lat_rate * (meridian + height)
-    east_radius = (prime + height) * cos_lat
-    east = lon_rate * east_radius
-    north_acc = second[0] * (meridian + height) + lat_rate * (meridian_rate + climb)
-    east_acc = second[1] * east_radius + lon_rate * (
-        (prime_rate + climb) * cos_lat - (prime + height) * sin_lat * lat_rate
-    )
-    down_acc = -second[2]
-    # Rates of the NED frame: Earth's, and Earth's plus transport's.
-    earth_n, earth_d = EARTH_RATE * cos_lat, -EARTH_RATE * sin_lat
-    frame_n, frame_e, frame_d = earth_n + lon_rate * cos_lat, -lat_rate, earth_d - lon_rate * sin_lat
-    a, b, c = earth_n + frame_n, frame_e, earth_d + frame_d
-    down = -climb
-    force_n = north_acc + b * down - c * east
-    force_e = east_acc + c * north - a * down
-    force_d = down_acc + a * east - b * north - normal_gravity_kernel(sin_lat, height)
-    sr, cr = np.sin(value[3]), np.cos(value[3])
-    sp, cp = np.sin(value[4]), np.cos(value[4])
-    sy, cy = np.sin(value[5]), np.cos(value[5])
-    m00, m01, m02 = cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy
-    m10, m11, m12 = cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy
-    m20, m21, m22 = -sp, sr * cp, cr * cp
-    out[0] = m00 * force_n + m10 * force_e + m20 * force_d
-    out[1] = m01 * force_n + m11 * force_e + m21 * force_d
-    out[2] = m02 * force_n + m12 * force_e + m22 * force_d
-    roll_rate, pitch_rate, yaw_rate = first[3], first[4], first[5]
-    out[3] = roll_rate - yaw_rate * sp + m00 * frame_n + m10 * frame_e + m20 * frame_d
-    out[4] = pitch_rate * cr + yaw_rate * sr * cp + m01 * frame_n + m11 * frame_e + m21 * frame_d
-    out[5] = -pitch_rate * sr + yaw_rate * cr * cp + m02 * frame_n + m12 * frame_e + m22 * frame_d
-
-
-@kernel
 def _force_and_rate_at(
-    origin: FloatArray, breaks: FloatArray, coefficients: FloatArray, times: FloatArray, out: FloatArray
+    origin: FloatArray,
+    breaks: FloatArray,
+    coefficients: FloatArray,
+    times: FloatArray,
+    weight: float,
+    work: FloatArray,
+    out: FloatArray,
 ) -> None:
-    """`_force_and_rate` at increasing `times`, one row of `out` each."""
-    piece = 0
-    for k in range(len(times)):
-        while piece < len(breaks) - 2 and times[k] >= breaks[piece + 1]:
-            piece += 1
-        _force_and_rate(origin, coefficients[piece], times[k] - breaks[piece], out[k])
+    """Sum over each row of increasing `times` (rows, points) of specific force (out[:, 0:3], m/s^2) and inertial rate
+    (out[:, 3:6], rad/s), body axes, times `weight`.
 
-
-@kernel
-def _increments(
-    origin: FloatArray, breaks: FloatArray, coefficients: FloatArray, rate: float, first: int, out: FloatArray
-) -> None:
-    """Integrals of specific force and rate over IMU samples first, first + 1, ...: one row of `out` each."""
-    step = 1.0 / rate
-    offset = 0.5 / np.sqrt(3.0)
-    early = np.empty(6)
-    late = np.empty(6)
+    origin, breaks, coefficients: as in `Trajectory`; work: (3, 6) of working space. One kernel with nothing to call
+    but the Earth, as compiling is what a first use waits for.
+    """
+    value, first, second = work[0], work[1], work[2]
     piece = 0
-    for k in range(len(out)):
-        middle = (first + k + 0.5) * step
-        t = middle - offset * step
-        while piece < len(breaks) - 2 and t >= breaks[piece + 1]:
-            piece += 1
-        _force_and_rate(origin, coefficients[piece], t - breaks[piece], early)
-        t = middle + offset * step
-        while piece < len(breaks) - 2 and t >= breaks[piece + 1]:
-            piece += 1
-        _force_and_rate(origin, coefficients[piece], t - breaks[piece], late)
+    for k in range(times.shape[0]):
         for i in range(6):
-            out[k, i] = 0.5 * step * (early[i] + late[i])
+            out[k, i] = 0.0
+        for point in range(times.shape[1]):
+            while piece < len(breaks) - 2 and times[k, point] >= breaks[piece + 1]:
+                piece += 1
+            u = times[k, point] - breaks[piece]
+            for i in range(6):
+                p, d, dd = coefficients[piece, 0, i], 0.0, 0.0
+                for power in range(1, 6):
+                    dd = dd * u + 2.0 * d
+                    d = d * u + p
+                    p = p * u + coefficients[piece, power, i]
+                value[i], first[i], second[i] = origin[i] + p, d, dd
+            sin_lat, cos_lat = math.sin(value[0]), math.cos(value[0])
+            height = value[2]
+            meridian, prime = curvature_radii_kernel(sin_lat)
+            lat_rate, lon_rate, climb = first[0], first[1], first[2]
+            # Derivatives of the two radii with latitude.
+            shared = ECCENTRICITY_SQUARED * sin_lat * cos_lat / (1.0 - ECCENTRICITY_SQUARED * sin_lat * sin_lat)
+            meridian_rate, prime_rate = 3.0 * meridian * shared * lat_rate, prime * shared * lat_rate
+            north = lat_rate * (meridian + height)
+            east_radius = (prime + height) * cos_lat
+            east = lon_rate * east_radius
+            north_acc = second[0] * (meridian + height) + lat_rate * (meridian_rate + climb)
+            east_acc = second[1] * east_radius + lon_rate * (
+                (prime_rate + climb) * cos_lat - (prime + height) * sin_lat * lat_rate
+            )
+            down_acc = -second[2]
+            # Rates of the NED frame: Earth's, and Earth's plus transport's.
+            earth_n, earth_d = EARTH_RATE * cos_lat, -EARTH_RATE * sin_lat
+            frame_n, frame_e, frame_d = earth_n + lon_rate * cos_lat, -lat_rate, earth_d - lon_rate * sin_lat
+            a, b, c = earth_n + frame_n, frame_e, earth_d + frame_d
+            down = -climb
+            force_n = north_acc + b * down - c * east
+            force_e = east_acc + c * north - a * down
+            force_d = down_acc + a * east - b * north - normal_gravity_kernel(sin_lat, height)
+            sr, cr = math.sin(value[3]), math.cos(value[3])
+            sp, cp = math.sin(value[4]), math.cos(value[4])
+            sy, cy = math.sin(value[5]), math.cos(value[5])
+            m00, m01, m02 = cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy
+            m10, m11, m12 = cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy
+            m20, m21, m22 = -sp, sr * cp, cr * cp
+            out[k, 0] += m00 * force_n + m10 * force_e + m20 * force_d
+            out[k, 1] += m01 * force_n + m11 * force_e + m21 * force_d
+            out[k, 2] += m02 * force_n + m12 * force_e + m22 * force_d
+            roll_rate, pitch_rate, yaw_rate = first[3], first[4], first[5]
+            out[k, 3] += roll_rate - yaw_rate * sp + m00 * frame_n + m10 * frame_e + m20 * frame_d
+            out[k, 4] += pitch_rate * cr + yaw_rate * sr * cp + m01 * frame_n + m11 * frame_e + m21 * frame_d
+            out[k, 5] += -pitch_rate * sr + yaw_rate * cr * cp + m02 * frame_n + m12 * frame_e + m22 * frame_d
+        for i in range(6):
+            out[k, i] *= weight
 
 
 def specific_force_and_rate(trajectory: Trajectory, time_s: FloatArray) -> FloatArray:
     """Specific force [m/s^2] and inertial angular rate [rad/s] in body axes at increasing times, shape (n,
     6)."""
-    out = np.empty((len(time_s), 6))
-    _force_and_rate_at(
-        trajectory.origin,
-        trajectory.breaks,
-        trajectory.coefficients,
-        np.asarray(time_s, dtype=np.float64),
-        out,
-    )
+    return _summed(trajectory, np.array(time_s, dtype=np.float64)[:, None], 1.0)
+
+
+def _summed(trajectory: Trajectory, times: FloatArray, weight: float) -> FloatArray:
+    """`_force_and_rate_at` for a trajectory, shape (rows, 6)."""
+    out = np.empty((len(times), 6))
+    path = trajectory.origin, trajectory.breaks, trajectory.coefficients
+    _force_and_rate_at(*path, np.ascontiguousarray(times), weight, np.empty((3, 6)), out)
     return out
 
 
@@ -164,7 +145,9 @@ def perfect_increments(spec: TrajectorySpec, duration: float, rate: float) -> Fl
     The first two rows end at time 0: the mechanisation's coning and sculling terms look two samples back.
     """
     trajectory = plan_trajectory(spec, duration)
-    out = np.empty((round(duration * rate) + 2, 6))
-    _increments(trajectory.origin, trajectory.breaks, trajectory.coefficients, rate, -2, out)
+    step = 1.0 / rate
+    middle = (np.arange(-2, round(duration * rate)) + 0.5) * step
+    gauss = 0.5 / math.sqrt(3.0) * step
+    out = _summed(trajectory, np.stack([middle - gauss, middle + gauss], axis=1), 0.5 * step)
     out.flags.writeable = False
     return out

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel
+from nav_model.compiled import kernel, part
 from nav_model.constants import EARTH_RATE, SPHERE_RADIUS
 from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.earth.rotation import FloatArray, matrix_from_vector, vector_from_matrix
@@ -73,7 +73,7 @@ class NavigationErrors:
     source: str
 
 
-@kernel
+@part
 def _measured(
     p: FloatArray,
     force: FloatArray,
@@ -95,7 +95,7 @@ def _measured(
         w[a] = wa
 
 
-@kernel
+@part
 def _inertial_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy: FloatArray) -> None:
     """[B-3]; state: direction cosines C_bi by rows (9), inertial velocity (3), inertial position (3)."""
     x, yy, z = y[12], y[13], y[14]
@@ -113,7 +113,7 @@ def _inertial_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, 
     dy[11] += axial
 
 
-@kernel
+@part
 def _local_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy: FloatArray) -> None:
     """[B-2]; state: C_bn by rows (9), velocity over the Earth NED (3), latitude, longitude, height."""
     vn, ve, vd = y[9], y[10], y[11]
@@ -144,7 +144,7 @@ def _local_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy:
     dy[14] = -vd
 
 
-@kernel
+@part
 def _star_attitude(y: FloatArray, frame: FloatArray, local: bool, time: float) -> None:
     """Put the camera's body-to-inertial attitude into the state [B-7]; in local axes through the INS
     position."""

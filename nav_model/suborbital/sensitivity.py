@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel
+from nav_model.compiled import kernel, part
 from nav_model.constants import GRAVITATIONAL_PARAMETER
 from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
@@ -75,7 +75,7 @@ class NoiseSpread:
     source: str = "covariance of the linear error equations [B-4] under white noise [B-1]"
 
 
-@kernel
+@part
 def _forcing(c: FloatArray, f: FloatArray, w: FloatArray, s: FloatArray, acc: FloatArray, turn: FloatArray) -> None:
     """Columns of C df and C domega for a unit of each sensor parameter, into acc and turn (3, 61)."""
     for a in range(3):

@@ -23,6 +23,16 @@ def test_a_change_moves_design_and_budget_together(session: Session) -> None:
     assert session.budget.steady_state.closed.position_horizontal < before
 
 
+def test_an_origin_is_shown_at_once_and_comes_back_with_undo(session: Session) -> None:
+    key = "gnss.position_noise"
+    session.change({key: session.design.gnss.position_noise}, origins={key: "data sheet"})
+    assert (dict(session.design.origins), session.can_undo) == ({key: "data sheet"}, False)
+    session.change({key: 0.5})
+    assert dict(session.design.origins) == {}
+    session.undo()
+    assert dict(session.budget.design.origins) == {key: "data sheet"}
+
+
 @pytest.mark.parametrize(
     ("changes", "key"),
     [

@@ -14,29 +14,28 @@ import nav_model
 
 ROOM = Path(nav_model.__file__).parent
 FLY = """
-import math, time
-began = time.process_time()
+from numba.core.event import install_recorder
 from nav_model.simulation.single_run import fly_without_errors
 from nav_model.simulation.specification import ImuModel, SimulationSpec, TriadModel
 imu = ImuModel(TriadModel(random_walk=1e-4), TriadModel(random_walk=1e-3))
-sigma = fly_without_errors(SimulationSpec(imu, duration=10.0)).filter_sigma[1, -1, 2]
-print(sigma, time.process_time() - began)
+with install_recorder("numba:compile") as compiled:
+    sigma = fly_without_errors(SimulationSpec(imu, duration=10.0)).filter_sigma[1, -1, 2]
+print(sigma, len(compiled.buffer))
 """
 
 
-def fly(root: Path) -> tuple[float, float]:
-    """Down sigma after 10 s and processor seconds taken, in a fresh process that imports nav_model from `root`."""
+def fly(root: Path) -> tuple[float, int]:
+    """Down sigma after 10 s and how often Numba compiled, in a fresh process that imports nav_model from `root`."""
     done = subprocess.run([sys.executable, "-c", FLY], cwd=root, capture_output=True, text=True, check=True)
-    sigma, seconds = done.stdout.split()
-    return float(sigma), float(seconds)
+    sigma, compiled = done.stdout.split()
+    return float(sigma), int(compiled)
 
 
-def test_a_fresh_process_starts_quickly_from_the_cache():
+def test_a_fresh_process_takes_everything_from_the_cache():
+    """Compiling takes ten seconds and more, loading what is compiled a tenth of one: `benchmarks` has the times."""
     fly(ROOM.parent)
-    _sigma, seconds = fly(ROOM.parent)
-    # The promise is 3 s, 0.9 s were measured; a cold compile takes more than 10. Processor time, as the machine
-    # may be busy: with imports and compiled code at hand nothing here waits for anything else.
-    assert seconds < 3.0
+    _sigma, compiled = fly(ROOM.parent)
+    assert compiled == 0
 
 
 @pytest.mark.slow
@@ -97,3 +96,23 @@ def test_a_changed_callee_is_compiled_again(tmp_path, file, old, new, expected):
     assert changed != text
     source.write_text(changed)
     assert abs(fall() - expected) < 0.04
+
+
+def test_as_shipped_a_changed_callee_goes_unnoticed(tmp_path):
+    """Numba without the digest: the caller's cached code still holds the old callee."""
+    (tmp_path / "callee.py").write_text("from numba import njit\n@njit(cache=True)\ndef inner():\n    return 1\n")
+    (tmp_path / "caller.py").write_text(
+        "from numba import njit\nfrom callee import inner\n@njit(cache=True)\ndef outer():\n    return inner()\n"
+    )
+
+    def outer() -> str:
+        code = "from caller import outer; print(outer())"
+        environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+        )
+        return done.stdout.strip()
+
+    assert outer() == "1"
+    (tmp_path / "callee.py").write_text("from numba import njit\n@njit(cache=True)\ndef inner():\n    return 22\n")
+    assert outer() == "1"

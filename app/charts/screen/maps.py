@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ _PALETTE = ("#f4f8fb", "#dfebf4", "#c3d9ea", "#93b7d3", "#5d8fb5", "#2f6690")
 _RANGE = (1 / 8, 8.0)
 _CONTOUR = {0.5: ("dotted", 1.5, "half"), 1.0: ("solid", 3.0, "limit"), 2.0: ("dashed", 1.5, "twice")}
 _RED = STYLES["limit"].colour
+_TIMES = Path(__file__).with_name("times_labels.js").read_text("utf-8")
 
 
 class RankFigure:
@@ -131,7 +133,7 @@ class MapFigure:
             ColorBar(
                 color_mapper=mapper, width=10, title="× " + chart.reference.replace("this design's value", "now"),
                 ticker=FixedTicker(ticks=[0.125, 0.25, 0.5, 1, 2, 4, 8]), title_text_font_size="11px",
-                formatter=CustomJSTickFormatter(code="return tick < 1 ? '1/' + Math.round(1 / tick) : String(tick)"),
+                formatter=CustomJSTickFormatter(code=_TIMES),
             ),
             "right",
         )  # fmt: skip

@@ -9,7 +9,7 @@ import param
 from app.session import Session
 from nav_model.catalogue import Entry, catalogue, find
 from nav_model.design import Design
-from nav_model.design.file import deviations, preset_fill, preset_of
+from nav_model.design.presets import deviations, kind_of, preset_fill, preset_of
 
 
 class PresetControl(pn.viewable.Viewer):
@@ -22,7 +22,7 @@ class PresetControl(pn.viewable.Viewer):
         self._session = session
         self.section = section
         self.key = f"{section}.preset"
-        entries = catalogue("imu" if section == "imu" else "radar")
+        entries = catalogue(kind_of(section))
         options: dict[str, str] = {"none": ""}
         options |= {_preset_label(entry): entry.name for entry in entries.values()}
         self.select = pmui.Select(

@@ -9,11 +9,10 @@ import param
 
 from app.session import Session
 from app.ui.log_slider import LogSlider
-from nav_model.catalogue import find
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import preset_of
 from nav_model.design.parts import declaration_of
+from nav_model.design.presets import entry_of, preset_of
 from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS, format_quantity
 
@@ -92,10 +91,11 @@ class QuantityControl(pn.viewable.Viewer):
 
     def differs(self, old: Design, new: Design) -> bool:
         """Whether anything shown here is another: most controls sleep through a slider's step."""
+        return self._seen(old) != self._seen(new)
+
+    def _seen(self, design: Design) -> tuple[object, ...]:
         section = self.key.partition(".")[0]
-        return (old[self.key], old.unit(self.key), preset_of(old, section)) != (
-            new[self.key], new.unit(self.key), preset_of(new, section)
-        )  # fmt: skip
+        return design[self.key], design.unit(self.key), preset_of(design, section), design.origins.get(self.key)
 
     def show(self, design: Design) -> None:
         """Follow the design in force."""
@@ -178,12 +178,13 @@ def _with_unit(text: str, unit: str) -> str:
 
 
 def _origin(design: Design, key: str, whole: bool) -> str:
-    """Where a value came from, when a preset has something to say about it."""
+    """Where a value came from, when the design or a preset has something to say about it."""
     section, _, name = key.rpartition(".")
-    preset = preset_of(design, section)
-    if preset is None:
+    if whole and key in design.origins:
+        return f"From: {design.origins[key]}."
+    entry = entry_of(design, section)
+    if entry is None:
         return ""
-    entry = find("imu" if section == "imu" else "radar", preset)
     sheet = entry.extra.get(name)
     if sheet is not None:
         return f"{entry.name}'s sheet: {sheet.text} {sheet.kind}, not the residual." if whole else ""

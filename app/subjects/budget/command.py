@@ -75,7 +75,7 @@ def check_lines(path: str, budget: Budget) -> list[str]:
         value, limit = (format_quantity(x, unit, declaration.dimension, 4) for x in (check.value, check.limit))
         lines.append(
             f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {value} (limit {limit}, "
-            f"margin {100 * check.margin:+.1f} %, {check.figure} {check.equation}, "
+            f"margin {100 * check.margin:+.1f} %, {check.basis} {check.equation}, "
             f"dominated by {check.sensor} {100 * check.sensor_share:.0f} %)"
         )
     if not verdict.checks:

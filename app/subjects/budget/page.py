@@ -25,7 +25,7 @@ from app.ui.html_pane import html_pane
 from app.ui.turns import in_turns
 from nav_model.budget import Budget
 from nav_model.budget.provenance import cautions
-from nav_model.budget.verdict import Check
+from nav_model.budget.result import Check
 from nav_model.sar.geometry import phase_to_metres
 
 # Chart, height in pixels, columns of twelve on a wide screen.
@@ -187,7 +187,7 @@ def requirement_table(budget: Budget) -> str:
         f"<td class='num'>{show(check.value, check.dimension)}</td>"
         f"<td class='num'>{show(check.limit, check.dimension)}</td>"
         f"<td class='num'>{signed_percent(check.margin)}</td>"
-        f"<td>{escape(check.figure)} {prose(check.equation)}</td>"
+        f"<td>{escape(check.basis)} {prose(check.equation)}</td>"
         f"<td>{escape(check.sensor)} {percent(check.sensor_share)}</td></tr>"
         for check in verdict.checks
     )

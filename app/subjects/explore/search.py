@@ -19,7 +19,7 @@ from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from nav_model.budget import Budget
 from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.errors import InputError

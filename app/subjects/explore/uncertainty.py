@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import panel as pn
 import panel_material_ui as pmui
 import param
@@ -18,10 +16,9 @@ from app.ui.theme import FRAME
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
-from nav_model.design.file import format_design, parse_design
 from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
-from nav_model.explore.uncertainty import UncertainVerdict, read_uncertain, uncertain_verdict
+from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 from nav_model.units import format_quantity
 
 _INPUTS = (
@@ -41,17 +38,6 @@ _KNOWLEDGE = (
     "10 × 1024 quasi-random samples (scrambled Sobol points) through the formulas of the budget, inputs independent; "
     "95 % confidence interval from the ten, never narrower than three designs in all."
 )
-
-
-def verdict_of_text(design: str, ranges: Mapping[str, str]) -> UncertainVerdict:
-    """The uncertain verdict of a design as TOML: what a worker process runs.
-
-    Raises
-    ------
-    InputError
-        As `uncertain_verdict`.
-    """
-    return uncertain_verdict(parse_design(design), {key: read_uncertain(key, text) for key, text in ranges.items()})
 
 
 class UncertaintyPanel(pn.viewable.Viewer):
@@ -122,8 +108,8 @@ class UncertaintyPanel(pn.viewable.Viewer):
             self.run.cancel()
             self._answer.object = _EMPTY
         elif not any(box.error_state for box in self._boxes.values()):
-            text = format_design(self.session.design)
-            pn.state.execute(lambda: self.run.start(lambda _: elsewhere(verdict_of_text, text, ranges)))
+            design, inputs = self.session.design, {key: read_uncertain(key, text) for key, text in ranges.items()}
+            pn.state.execute(lambda: self.run.start(lambda _: elsewhere(uncertain_verdict, design, inputs)))
 
     @param.depends("run.running", watch=True)
     def _tell(self) -> None:

@@ -15,7 +15,7 @@ from app.charts.screen.figures import to_bokeh
 from app.document.pane import html_of
 from app.document.prose import prose
 from app.library.store import Revision
-from app.report import report_of_texts
+from app.report import report_bytes
 from app.subjects.review.charts import phase_comparison, position_comparison
 from app.subjects.review.comparison import difference_tables
 from app.subjects.review.desk import BUTTON, LOOK, Desk
@@ -75,8 +75,8 @@ class CompareView:
     async def _report(self, kind: str) -> io.BytesIO:
         self._desk.session.running = True
         try:
-            texts = [revision.text for revision in self._revisions]
-            return io.BytesIO(await elsewhere(report_of_texts, texts, f".{kind}"))
+            budgets = [revision.budget() for revision in self._revisions]
+            return io.BytesIO(await elsewhere(report_bytes, budgets, f".{kind}"))
         finally:
             self._desk.session.running = False
 

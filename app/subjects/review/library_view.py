@@ -20,7 +20,7 @@ from app.library.store import Library, Revision, Saved
 from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button
 from app.ui.html_pane import html_pane
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from nav_model.design.file import parse_design
 from nav_model.errors import InputError
 

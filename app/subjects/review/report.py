@@ -9,7 +9,7 @@ from app.document.wording import requirement_quantity
 from app.library.reviews import Comment, Decision, Review
 from app.library.texts import moment
 from nav_model.budget import Budget
-from nav_model.budget.verdict import Check
+from nav_model.budget.result import Check
 from nav_model.design.parts import INPUTS
 
 

@@ -27,7 +27,7 @@ from app.library.reviews import (
 )
 from app.library.store import Library
 from app.library.texts import counted
-from app.report import report_of_texts
+from app.report import report_bytes
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button
 from app.subjects.review.overview import overview
 from app.subjects.review.report import (
@@ -41,7 +41,7 @@ from app.subjects.review.report import (
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.work.pool import elsewhere
-from nav_model.budget.verdict import Check
+from nav_model.budget.result import Check
 from nav_model.design.parts import INPUTS
 
 _NONE = "choose a review"
@@ -304,8 +304,8 @@ class ReviewRoom:
         assert self._review is not None
         self._desk.session.running = True
         try:
-            texts = [revision.text for revision in self._review.revisions]
-            return io.BytesIO(await elsewhere(report_of_texts, texts, f".{kind}", audit_sections(self._review)))
+            budgets = [revision.budget() for revision in self._review.revisions]
+            return io.BytesIO(await elsewhere(report_bytes, budgets, f".{kind}", None, audit_sections(self._review)))
         finally:
             self._desk.session.running = False
 

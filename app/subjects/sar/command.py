@@ -58,8 +58,8 @@ def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
         raise InputError("--workers", f"{options.workers} is not allowed; 1 or more")
     try:
         chunks(options.runs)
-    except ValueError as error:
-        raise InputError("--runs", str(error)) from error
+    except InputError as error:
+        raise error.under("--runs") from error
     if options.engine == "fast":
         return to_json(design_study(design, options.runs, options.seed))
     flown = _flown(design, options)

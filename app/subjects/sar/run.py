@@ -9,8 +9,7 @@ from app.charts.kinds import Array, PictureChart
 from app.work.pool import elsewhere
 from app.work.run import Run
 from app.work.simulator import made_ready, prepare
-from nav_model.budget import Budget, analyse
-from nav_model.design.file import format_design, parse_design
+from nav_model.budget import Budget
 from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
@@ -58,7 +57,7 @@ async def run_strategies(run: Run, budget: Budget, runs: int, seed: int, engine:
     if engine == "simulator":
         _, beside = await _study(run, budget, max(runs, LEAST_BESIDE), seed, "fast", "error model: ")
     run.tell("Forming the pictures")
-    points, scene = await elsewhere(pictures_of_text, format_design(budget.design), study.typical)
+    points, scene = await elsewhere(pictures, budget, study.typical)
     return SarResult(case, study, points, scene, beside)
 
 
@@ -78,7 +77,6 @@ async def _study(
     return case, gather(budget, case, tuning, seed, parts, history)
 
 
-def pictures_of_text(text: str, residual: Array) -> tuple[Pictures, Pictures]:
-    """Both pictures for a design as text, in a worker."""
-    budget = analyse(parse_design(text, "design"))
+def pictures(budget: Budget, residual: Array) -> tuple[Pictures, Pictures]:
+    """Of the points and of the scene, with this residual; in a worker process."""
     return point_pictures(budget, residual), scene_pictures(budget, residual)

@@ -20,7 +20,7 @@ from app.subjects.sar.run import SarResult
 from app.ui.fields import number
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.errors import InputError

@@ -30,7 +30,7 @@ from app.ui.chart_pane import ChartView
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.alone import run_alone
 from app.work.run import Run
 from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibration_factor, bench_of
@@ -200,8 +200,8 @@ class LogPanel(pn.viewable.Viewer):
     def _adopt(self, offer: Callable[[], Adoption]) -> None:
         try:
             adoption = offer()
-            problem = self.session.change(adoption.changes, adoption.written)
-        except ValueError as error:
+            problem = self.session.change(adoption.changes, adoption.written, adoption.origins)
+        except InputError as error:
             problem = error
         if problem:
             self._say(f"Not taken over. {problem}")
@@ -218,7 +218,7 @@ class StaticResult(pn.viewable.Viewer):
         self.analysis: LogAnalysis | None = None
         self.head, self.tables = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
         self.use = _button("Use these in the design", variant="contained")
-        self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(session.design, self._known)))
+        self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(self._known)))
         self.axis = pmui.Select(label="Axis", description="", size="small", width=220, margin=(8, 14), options=[])
         self.axis.param.watch(lambda event: self._feed() if event.new else None, "value")
         self._charts: list[ChartView] = []
@@ -245,7 +245,7 @@ class StaticResult(pn.viewable.Viewer):
         names = [axis.name for axis in analysis.axes]
         with pn.io.hold():
             self.head.object = "<h3>Log at rest</h3>" + html_of(provenance_text(analysis.provenance), offer(analysis))
-            self.use.disabled = not adopt_random_walks(self._session.design, analysis).changes
+            self.use.disabled = not adopt_random_walks(analysis).changes
             self.tables.object = html_of(*coefficient_tables(analysis), *remedies(analysis), *warnings(analysis))
             self.axis.param.update(options=names, value=self.axis.value if self.axis.value in names else names[0])
             if self._charts:

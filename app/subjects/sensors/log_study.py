@@ -72,8 +72,6 @@ def study_log(request: LogRequest, progress: Progress) -> Study:
     progress(0.0, READING)
     try:
         log = read_log(request.source, request.options, request.file_name, request.limits)
-    except ValueError as error:
-        raise _refusal(error, _name(request)) from error
     except OSError as error:
         where = request.file_name or str(request.source)
         raise InputError(where, f"cannot be read: {error.strerror or error}") from error
@@ -81,8 +79,10 @@ def study_log(request: LogRequest, progress: Progress) -> Study:
         if request.motion:
             return analyse_motion(log, request.bench, progress=progress)
         return analyse_log(log, progress=progress)
-    except ValueError as error:
-        raise _refusal(error, _name(request)) from error
+    except InputError:
+        raise
+    except ValueError as error:  # of a step that knows no file, such as a log too short to fit
+        raise InputError(_name(request), str(error)) from error
 
 
 def study_to_json(study: Study) -> dict[str, Any]:
@@ -92,9 +92,3 @@ def study_to_json(study: Study) -> dict[str, Any]:
 
 def _name(request: LogRequest) -> str:
     return request.file_name or (Path(request.source).name if not isinstance(request.source, bytes) else "upload")
-
-
-def _refusal(error: ValueError, name: str) -> InputError:
-    """The message under the file's name, which most messages of the reader already begin with."""
-    text = str(error)
-    return InputError(name, text.removeprefix(name).removeprefix(":").lstrip(", ").strip())

@@ -15,7 +15,7 @@ from app.ui.html_pane import block_pane
 from app.ui.sortable_table import SortableTable
 from nav_model.budget import Budget
 from nav_model.catalogue import Kind
-from nav_model.design.file import preset_of
+from nav_model.design.presets import preset_of
 
 _KINDS: tuple[Kind, ...] = ("imu", "radar")
 

@@ -6,16 +6,16 @@ from collections.abc import Iterable
 
 from app.document.blocks import Answer, Bullets, Cell, Column, Table, Text
 from app.document.numbers import NONE, number, show_in
+from app.document.wording import printable
 from app.subjects.sensors.charts import TERM_NAMES
-from nav_model.allan.adoption import VIBRATION_KEY, WALK_KEYS, noted_origin
+from nav_model.allan.adoption import VIBRATION_KEY, WALK_KEYS
 from nav_model.allan.motion import BLOCK_S, MOTION_CAVEAT, MotionAnalysis
 from nav_model.allan.noise_terms import TERMS
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance, triad_random_walk
-from nav_model.catalogue import find
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import preset_of
 from nav_model.design.parts import declaration_of
+from nav_model.design.presets import entry_of
 
 _TRIADS = {"gyro": "Gyros", "accelerometer": "Accelerometers"}
 
@@ -41,16 +41,15 @@ def _origin_row(design: Design, key: str) -> tuple[Cell, ...]:
 
 
 def _origin(design: Design, key: str) -> Cell:
-    noted = noted_origin(design, key)
-    if noted is not None:
-        return Cell(noted, "log", "good")
+    if key in design.origins:
+        return Cell(printable(design.origins[key]), "noted", "good")
     if key == VIBRATION_KEY:
         return Cell("bench value; a log in motion refines it" if design[key] == 1 else "set by hand")
-    preset = preset_of(design, "imu")
-    item = find("imu", preset).values.get(key.rpartition(".")[2]) if preset else None
-    if item is None or item.value != design[key]:
+    entry = entry_of(design, "imu")
+    item = entry.values.get(key.rpartition(".")[2]) if entry else None
+    if entry is None or item is None or item.value != design[key]:
         return Cell("set by hand")
-    text = f"catalogue, {preset}: {item.source}"
+    text = f"catalogue, {entry.name}: {item.source}"
     return Cell(text) if item.confirmed else Cell(text, f"⚠ {item.status}", "warn")
 
 

@@ -15,7 +15,6 @@ from nav_model.simulation.design_study import (
     NAMED_TRAJECTORIES,
     SimulationStudy,
     closed_form,
-    refusal,
     specification,
     study_of,
 )
@@ -105,8 +104,8 @@ def _specification(
             more=more,
         )
         plan_trajectory(spec.trajectory, spec.duration)  # refuses what cannot be flown before anything is prepared
-    except ValueError as error:
-        raise _as_option(refusal(error, design)) from error
+    except InputError as error:
+        raise _as_option(error) from error
     kept = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
     if keep_runs and kept > _LARGEST_KEPT:
         raise InputError("-o", f"every run's errors would take {kept / 1e9:.3g} GB; fewer --runs or a longer --every")
@@ -115,7 +114,7 @@ def _specification(
 
 def _as_option(error: InputError) -> InputError:
     """A refusal under the option's name; a key of the design keeps its own."""
-    return error if "." in error.key else InputError(f"--{error.key}", error.reason)
+    return error if "." in error.key else error.under(f"--{error.key}")
 
 
 def _trajectory(name: str) -> str | TrajectorySpec:
@@ -163,9 +162,9 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> S
                 workers = options.workers or max(1, (os.cpu_count() or 2) - 1)
                 workers = min(workers, len(chunks(spec)))
                 result = simulate(spec, workers=workers, closed_form=compare, progress=progress)
-        except ValueError as error:
-            raise _as_option(refusal(error, design)) from error
-        except (ArithmeticError, ImportError, OSError, RuntimeError) as error:
+        except InputError as error:
+            raise _as_option(error) from error
+        except (ArithmeticError, ImportError, OSError, RuntimeError, ValueError) as error:
             raise InputError("simulate", str(error)) from error
     print(result.verdict, file=sys.stderr)
     return study_of(design, result)

@@ -28,7 +28,7 @@ from app.ui.fields import number, whole_number
 from app.ui.grid import grid
 from app.ui.html_pane import block_pane, html_pane, stale_mark
 from app.ui.run_bar import RunBar
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from app.work.run import Run
 from app.work.simulator import prepare
@@ -198,10 +198,9 @@ class SimulatePage(pn.viewable.Viewer):
         done = flown.study.result.spec
         partial = f"Partial: {done.runs} of {flown.wanted} runs. " if flown.partial else ""
         wall_s = shown(flown.study.result.wall_s)
-        said = (
-            f"{partial}{title_of(flown.design)}: {done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}."
-        )
-        if same_subject(flown.design, self._session.design):
+        design = flown.study.design
+        said = f"{partial}{title_of(design)}: {done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}."
+        if same_subject(design, self._session.design):
             return html_of(Text(said))
         return html_of(Text(said)) + stale_mark("The instruments or the flight have changed since.")
 

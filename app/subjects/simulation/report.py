@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 from app.document.blocks import Section
 from app.document.chart_block import chart_block
 from app.subjects.simulation.charts import CHARTS, outage_chart
 from app.subjects.simulation.tables import findings, verdict
 from nav_model.design import Design
-from nav_model.design.file import parse_design
 from nav_model.simulation.design_study import SimulationStudy
 
 REFERENCES = (
@@ -21,13 +18,12 @@ REFERENCES = (
 
 def belongs(study: SimulationStudy, design: Design) -> bool:
     """Whether the study was flown for exactly this design."""
-    return _content_hash(study.design_file) == design.content_hash
+    return study.design.content_hash == design.content_hash
 
 
 def of_design(study: SimulationStudy) -> str:
     """The design it was flown for."""
-    design = parse_design(study.design_file)
-    return f"{design.name or 'without a name'} ({design.content_hash[:12]})"
+    return f"{study.design.name or 'without a name'} ({study.design.content_hash[:12]})"
 
 
 def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
@@ -42,9 +38,3 @@ def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
             tuple(chart_block(draw(study), key) for draw in drawn),
         ),
     )
-
-
-@lru_cache(maxsize=32)
-def _content_hash(design_file: str) -> str:
-    """Asked for at every step of a slider."""
-    return parse_design(design_file).content_hash

@@ -14,8 +14,7 @@ from app.work.pool import elsewhere, size
 from app.work.run import Run
 from app.work.simulator import made_ready, prepare
 from nav_model.design import Design
-from nav_model.design.file import format_design
-from nav_model.simulation.design_study import SimulationStudy, conclude, refusal
+from nav_model.simulation.design_study import SimulationStudy, conclude
 from nav_model.simulation.specification import SimulationSpec
 
 if TYPE_CHECKING:
@@ -27,9 +26,8 @@ _LOOK_SECONDS = 2.0  # between results shown while runs are still flying
 
 @dataclass(frozen=True)
 class Flown:
-    """A study of `design`, of all the runs asked for (``wanted``) or of those flown so far."""
+    """A study of all the runs asked for (``wanted``) or of those flown so far."""
 
-    design: Design
     study: SimulationStudy
     wanted: int
 
@@ -49,11 +47,8 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
     ArithmeticError
         Where the filter does not hold.
     """
-    try:
-        nominal = await made_ready(run, _nominal(spec))
-        return await _fly(run, design, spec, nominal)
-    except ValueError as error:
-        raise refusal(error, design) from error
+    nominal = await made_ready(run, _nominal(spec))
+    return await _fly(run, design, spec, nominal)
 
 
 async def _nominal(spec: SimulationSpec) -> RunRecord:
@@ -71,14 +66,13 @@ async def _fly(run: Run, design: Design, spec: SimulationSpec, nominal: RunRecor
     from nav_model.simulation.single_run import POSTERIOR
     from nav_model.simulation.statistics import Statistics
 
-    text = format_design(design)
     scale = nominal.filter_sigma[POSTERIOR]
     total = Statistics.empty(scale)
     began = looked = time.monotonic()
 
     async def study(runs: Statistics) -> Flown:
         wall_s, so_far = time.monotonic() - began, replace(spec, runs=runs.runs)
-        return Flown(design, await elsewhere(conclude, text, so_far, runs, nominal, wall_s), spec.runs)
+        return Flown(await elsewhere(conclude, design, so_far, runs, nominal, wall_s), spec.runs)
 
     async def look(runs: Statistics) -> None:
         run.show(await study(runs))

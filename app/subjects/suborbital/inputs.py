@@ -14,7 +14,7 @@ from app.session import Session
 from app.subjects.suborbital.controls import InputControl, input_controls
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
-from app.ui.upload import LimitedFileInput
+from app.upstream.file_input import LimitedFileInput
 from nav_model.design.link import MAX_QUERY
 from nav_model.errors import InputError
 from nav_model.suborbital.flight_file import BOUNDS

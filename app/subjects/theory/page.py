@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from functools import cache
 from html import escape
+from pathlib import Path
 
 import panel as pn
 import param
@@ -39,20 +40,7 @@ _FIELDS = {
     "allan": "Sensor logs",
 }
 _POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_STYLE = """<style>
-.contents { display: flex; flex-wrap: wrap; gap: 2px 18px; list-style: none; padding: 0; margin: 8px 0 0; }
-.here { outline: 2px solid; outline-offset: 4px; border-radius: 2px; }
-section, h2 { scroll-margin-top: 72px; }
-.equation:target, .here { background: color-mix(in srgb, currentColor 6%, transparent); }
-h2 { font-size: 20px; font-weight: 600; margin: 18px 0 4px; }
-.equation { border-top: 1px solid color-mix(in srgb, currentColor 15%, transparent); padding: 10px 0; }
-.equation h3 { display: flex; gap: 10px; }
-.equation p { margin: 4px 0 0; max-width: 90ch; }
-.math { overflow-x: auto; padding: 8px 0; }
-math { font-size: 17px; }
-.math math { display: block math; text-align: left; width: max-content; }
-th math { font-size: 15px; }
-</style>"""
+_STYLE = f"<style>{Path(__file__).with_suffix('.css').read_text('utf-8')}</style>"
 
 
 class TheoryPage(pn.viewable.Viewer):

@@ -19,6 +19,7 @@ from nav_model.design.file import parse_design
 from nav_model.equations import EQUATIONS, SYMBOLS
 from nav_model.units import format_quantity
 
+pytestmark = pytest.mark.usefixtures("charts_drawn_once")
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 HOSTILE = '<script>alert(1)</script> #strong[x] $x$ @ref \\ *b* _i_ [T-99] {{7*7}} // `c` ~ "q" <T-3>'
 

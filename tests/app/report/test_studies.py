@@ -20,12 +20,12 @@ from app.report import report_bytes
 from app.report.content import report_of
 from app.report.studies import belonging, study_sections
 from app.session import Session
-from app.subjects.sar.run import SarResult, pictures_of_text
+from app.subjects.sar.run import SarResult, pictures
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.file import format_design, read_design
+from nav_model.design.file import read_design
 from nav_model.design.parts import declaration_of
 from nav_model.equations import SYMBOLS
 from nav_model.sar.design_case import design_case
@@ -40,6 +40,7 @@ from nav_model.suborbital.survey import run_survey
 from nav_model.suborbital.survey_json import survey_json
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
+pytestmark = pytest.mark.usefixtures("charts_drawn_once")
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 MOST_BYTES = 3_000_000  # of the sections on their way to a worker
 
@@ -54,7 +55,7 @@ def findings(design) -> dict[str, Any]:
     spec = specification(design, runs=20, duration=140.0, outages=((100.0, 140.0),))
     simulation = study_of(design, simulate(spec, workers=1, closed_form=closed_form(design, spec)))
     study = design_study(design, 40, 3)
-    points, scene = pictures_of_text(format_design(design), study.typical)
+    points, scene = pictures(study.budget, study.typical)
     settings = from_design(DEFAULTS, design)
     survey = run_survey(settings)
     return {
@@ -310,13 +311,14 @@ def test_a_report_without_studies_is_what_it_was(design):
 
 
 def test_a_noted_origin_stands_in_the_table_of_inputs(design):
-    note = "imu.angle_random_walk = 0.12 °/√h: rms of gyro x, y, z, from static log bench.csv (sha256 0123)"
+    origin = "rms of gyro x, y, z, from static log bench.csv (sha256 0123)"
     walk = declaration_of("imu.angle_random_walk").read("0.12 °/√h").value
-    noted = design.replace({"imu.angle_random_walk": walk, "description": note}, {"imu.angle_random_walk": "°/√h"})
+    key = "imu.angle_random_walk"
+    noted = design.replace({key: walk}, {key: "°/√h"}, {key: origin})
     report = report_of([analyse(noted)], NOW)
     inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
     row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
-    assert (row[1].mark, row[2].text) == ("noted", note.partition(": ")[2])
+    assert (row[1].mark, row[2].text) == ("noted", origin)
     stale = noted.replace({"imu.angle_random_walk": 2 * walk})
     report = report_of([analyse(stale)], NOW)
     inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
@@ -364,7 +366,7 @@ def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
     ("arguments", "said"),
     [
         (["--with", "weather"], "--with: 'weather' is not a study; simulation, sar, suborbital"),
-        (["--with", "sar", "--runs", "3"], "--runs: 3; from 20"),
+        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed; from 20"),
         (["--with", "sar", "--seed", "-1"], "--seed: -1"),
         (["--with", "simulation", "--outage", "then"], "--outage: 'then'"),
     ],

@@ -53,7 +53,7 @@ def test_login_form_must_come_from_the_page(visitor: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    "wanted", ["https://example.org/", "//example.org/", "/\\example.org", "javascript:alert(1)"]
+    "wanted", ["https://example.org/", "//example.org/", "/\\example.org", "/\t/example.org", "javascript:alert(1)"]
 )
 def test_login_does_not_send_anybody_elsewhere(visitor: Any, wanted: str) -> None:
     assert visitor.ask(f"/login?next={urllib.parse.quote(wanted, safe='')}")[0] == 400

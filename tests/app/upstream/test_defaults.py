@@ -75,3 +75,22 @@ def test_a_theme_comes_before_what_is_remembered() -> None:
     document.add_root(title)
     assert title.text_font_size == "99px"
     assert Title().text_font_size == "13px"
+
+
+def test_as_shipped_a_default_is_worked_out_at_each_look(monkeypatch: pytest.MonkeyPatch) -> None:
+    worked_out: list[str] = []
+    shipped = PropertyDescriptor.instance_default
+
+    def counted(descriptor: PropertyDescriptor[Any], model: Any) -> Any:
+        worked_out.append(descriptor.name)
+        return shipped(descriptor, model)
+
+    monkeypatch.setattr(PropertyDescriptor, "instance_default", counted)
+    looks = []
+    for hand in (_AS_SHIPPED, defaults._get_default):
+        defaults._known.clear()
+        monkeypatch.setattr(PropertyDescriptor, "_get_default", hand)
+        title, worked_out[:] = Title(), []
+        assert title.text_font_size == title.text_font_size == "13px"
+        looks.append(worked_out.count("text_font_size"))
+    assert looks == [2, 1]

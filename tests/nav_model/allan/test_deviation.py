@@ -84,7 +84,7 @@ def test_limits_cover_white_noise():
     assert np.all(inside <= 0.985 * 400)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     scale=st.floats(1e-6, 1e6),
     offset=st.floats(-10.0, 10.0),
@@ -110,3 +110,16 @@ def test_default_times_are_whole_samples_up_to_a_quarter():
 def test_impossible_averaging_time_is_refused(tau: float):
     with pytest.raises(ValueError, match="tau_s"):
         overlapping_allan_deviation(np.arange(1000.0), 0.01, np.array([tau]))
+
+
+def test_equals_allantools():
+    """Deviations and pairs of a walk with an offset a million times its steps, and of white noise."""
+    import allantools
+
+    noise = np.random.default_rng(7).standard_normal(5000)
+    for signal in (noise, 1e6 + np.cumsum(noise)):
+        found = overlapping_allan_deviation(signal, 0.01)
+        factors = np.round(found.tau_s / 0.01)
+        _, theirs, _, pairs = allantools.oadev(signal - signal.mean(), rate=1.0, data_type="freq", taus=factors)
+        np.testing.assert_allclose(found.deviation, theirs, rtol=1e-12)
+        np.testing.assert_array_equal(found.pairs, pairs)

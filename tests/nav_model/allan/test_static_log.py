@@ -136,7 +136,7 @@ def test_whole_size_log_fits_in_memory(shared_data: Path):
         from pathlib import Path
         from nav_model.allan.log_file import read_log
         from nav_model.allan.static_log import analyse_log
-        assert "allantools" not in sys.modules and "scipy" not in sys.modules
+        assert "scipy" not in sys.modules
         seen = []
         analyse_log(read_log(sys.argv[1]), progress=lambda fraction, what: seen.append(fraction))
         assert seen == sorted(seen) and seen[0] == 0.0 and seen[-1] == 1.0 and len(seen) == 7

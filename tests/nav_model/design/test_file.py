@@ -12,8 +12,9 @@ import nav_model
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import deviations, format_design, parse_design, preset_fill, read_design
+from nav_model.design.file import format_design, parse_design, read_design
 from nav_model.design.parts import INPUTS
+from nav_model.design.presets import deviations, preset_fill
 from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS
 
@@ -48,7 +49,7 @@ def designs(draw):
     return Design(values, written)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(designs())
 def test_writing_and_reading_again_gives_the_same_design_and_the_same_text(design):
     text = format_design(design)

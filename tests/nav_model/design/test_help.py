@@ -9,8 +9,8 @@ from nav_model.budget import analyse
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import preset_fill
 from nav_model.design.parts import INPUTS
+from nav_model.design.presets import preset_fill
 
 EVERY = [(section, name) for section, names in INPUTS.items() for name in names]
 REACHED = [key for key in INPUTS["requirements"] if key not in {"confidence", "steady_state"} and "phase" not in key]

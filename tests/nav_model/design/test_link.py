@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.file import preset_fill
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import INPUTS
+from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS, parse_quantity
 
@@ -43,7 +43,7 @@ def designs(draw: st.DrawFn) -> Design:
     return Design(values, written)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(designs())
 def test_round_trip(design: Design) -> None:
     assert from_query(to_query(design)) == design

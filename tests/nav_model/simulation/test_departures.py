@@ -10,7 +10,6 @@ import pytest
 from scipy.linalg import expm, solve_discrete_are
 
 from nav_model.design import Design
-from nav_model.design.file import format_design
 from nav_model.simulation.departures import CAUSES, Departure, chain
 from nav_model.simulation.design_study import SimulationStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
@@ -51,7 +50,7 @@ def channel_after(seconds: float, start: np.ndarray) -> np.ndarray:
 
 def test_the_flat_links_of_the_chain_match_solvers_of_others() -> None:
     spec = specification(PAPER, duration=250.0, outages=[(200, 250)], trajectory="straight")
-    links = chain(format_design(PAPER), spec)
+    links = chain(PAPER, spec)
     phi_q = channel_after(1.0, np.zeros((3, 3)))
     phi = expm(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, G], [0.0, 0.0, 0.0]]))
     h = np.array([[1.0, 0.0, 0.0]])
@@ -68,7 +67,7 @@ def test_the_flat_links_of_the_chain_match_solvers_of_others() -> None:
 
 def test_the_steps_multiply_to_the_whole_way_from_closed_form_to_filter() -> None:
     found = study(trajectory="turns", states=15, added={"accelerometer.bias_instability": "1 mg"})
-    links, result = chain(found.design_file, found.result.spec), found.result
+    links, result = chain(found.design, found.result.spec), found.result
     stations = [result.closed_form_sigma, links.bare, links.fixes, links.earth, links.flight]
     stations.append(result.filter_sigma[POSTERIOR, :, :9])
     product = np.prod([after / before for before, after in pairwise(stations)], axis=0)

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from nav_model.design import Design
-from nav_model.design.file import format_design
 from nav_model.simulation.departures import chain, departures
 from nav_model.simulation.monte_carlo import SimulationCancelled, chunks, local_pool, run_chunk, simulate
 from nav_model.simulation.result import to_arrays, to_csv, to_json
@@ -85,7 +84,7 @@ def test_the_result_is_the_same_bits_whatever_flies_the_runs(short):
 
 
 def test_progress_counts_every_run_and_cancel_stops(short):
-    spec, seen, stop = replace(short, runs=300), [], threading.Event()
+    spec, seen, stop = replace(short, runs=300, duration=20.0, outages=()), [], threading.Event()
 
     def progress(done: int, total: int) -> None:
         seen.append((done, total))
@@ -110,7 +109,7 @@ def test_memory_does_not_grow_with_the_runs(short):
     spec = replace(short, duration=10.0, outages=(), every=0.1, keep_runs=False)
     simulate(spec)
     peaks = []
-    for runs in (64, 640):
+    for runs in (64, 320):
         tracemalloc.start()
         simulate(replace(spec, runs=runs))
         peaks.append(tracemalloc.get_traced_memory()[1])
@@ -157,7 +156,7 @@ def check_against_closed_form(spec: SimulationSpec) -> float:
         columns = [0, 1, 3, 4, 6, 7] + ([2, 5] if after <= 45.0 else [])
         assert np.all((ratio[columns] > low) & (ratio[columns] < high)), after
         seen.append(np.abs(ratio[columns] - 1).max())
-    found = departures(result, chain(format_design(Design({"flight.speed": 50.0})), spec))
+    found = departures(result, chain(Design({"flight.speed": 50.0}), spec))
     assert not any(d.group == "position" and d.axis == "north" and d.start_s > 400.0 for d in found)
     assert all(d.reason for d in found)
     share = result.tilt_share_m[-1, 0] / result.closed_form_sigma[-1, 0]

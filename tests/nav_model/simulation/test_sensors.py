@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from nav_model.errors import InputError
 from nav_model.simulation.sensors import draw_triad, measure_increments
 from nav_model.simulation.specification import GnssModel, ImuModel, TriadModel
 
@@ -75,12 +76,13 @@ def test_scale_factor_and_misalignment_are_a_matrix_of_the_stated_sigmas():
         (lambda: TriadModel(random_walk=-1.0), "random_walk"),
         (lambda: TriadModel(correlation_time=0.0), "correlation_time"),
         (lambda: TriadModel(turn_on_bias=math.inf), "turn_on_bias"),
-        (lambda: ImuModel(TriadModel(), TriadModel(), rate=5.0), "rate"),
+        (lambda: ImuModel(TriadModel(), TriadModel(), rate=5.0), "imu.rate"),
         (lambda: GnssModel(position_noise=0.0), "position_noise"),
         (lambda: GnssModel(velocity_noise=-1.0), "velocity_noise"),
         (lambda: GnssModel(lever_arm=(0.0, math.nan, 0.0)), "lever_arm"),
     ],
 )
 def test_instruments_that_cannot_be_are_refused(build, named):
-    with pytest.raises(ValueError, match=named):
+    with pytest.raises(InputError, match="cannot be simulated; must be") as caught:
         build()
+    assert caught.value.key == named

@@ -10,6 +10,7 @@ import pytest
 from nav_model.constants import EARTH_RATE
 from nav_model.earth.trajectory_file import COLUMNS
 from nav_model.earth.wgs84 import normal_gravity
+from nav_model.errors import InputError
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.trajectory import parse_trajectory, plan_trajectory, read_trajectory
 from nav_model.simulation.truth import specific_force_and_rate
@@ -79,16 +80,17 @@ def test_the_climb_gains_its_height():
     ("settings", "named"),
     [
         ({"kind": "spiral"}, "kind"),
-        ({"latitude": math.radians(86)}, "latitude"),
-        ({"speed": -1.0}, "speed"),
-        ({"height": math.nan}, "height"),
-        ({"kind": "climb", "climb_rate": 60.0}, "climb_rate"),
+        ({"latitude": math.radians(86)}, "flight.latitude"),
+        ({"speed": -1.0}, "flight.speed"),
+        ({"height": math.nan}, "flight.altitude"),
+        ({"kind": "climb", "climb_rate": 60.0}, "flight.speed"),
         ({"kind": "file"}, "samples"),
     ],
 )
 def test_flights_that_cannot_be_are_refused(settings, named):
-    with pytest.raises(ValueError, match=named):
+    with pytest.raises(InputError, match="cannot be simulated; must be") as caught:
         TrajectorySpec(**settings)
+    assert caught.value.key == named
 
 
 def test_flights_that_do_not_fit_are_refused():

@@ -15,7 +15,7 @@ from app.document.pane import html_of
 from app.library.place import library, use_library
 from app.library.reviews import Review, add_comment, decide, open_review, sign
 from app.library.store import Library
-from app.report import report_of_texts
+from app.report import report_bytes
 from app.subjects.review.compare import comparison_link
 from app.subjects.review.comparison import difference_tables
 from app.subjects.review.report import audit_sections, audit_table, status_table
@@ -23,6 +23,7 @@ from nav_model.budget import Budget, analyse
 from nav_model.design.file import read_design
 from nav_model.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("charts_drawn_once")
 EXAMPLES = Path(__file__).parents[4] / "examples"
 HOSTILE = "<script>alert(1)</script> #panic() $x$ {{7*7}}"
 
@@ -46,10 +47,10 @@ def signed(tmp_path: Path, budgets: list[Budget]) -> Iterator[Review]:
 
 
 def test_the_audit_travels_with_the_report_and_stays_text(signed: Review) -> None:
-    texts = [revision.text for revision in signed.revisions]
-    page = report_of_texts(texts, ".html", audit_sections(signed)).decode()
+    budgets = [revision.budget() for revision in signed.revisions]
+    page = report_bytes(budgets, ".html", added=audit_sections(signed)).decode()
     assert "<script>alert(1)" not in page
-    pages = pypdf.PdfReader(io.BytesIO(report_of_texts(texts, ".pdf", audit_sections(signed)))).pages
+    pages = pypdf.PdfReader(io.BytesIO(report_bytes(budgets, ".pdf", added=audit_sections(signed)))).pages
     printed = "".join("".join(sheet.extract_text() for sheet in pages).split())
     assert signed.seal is not None
     for said in (signed.seal, *(item.content_hash for item in signed.items), "Chief", "inputanglerandomwalk"):

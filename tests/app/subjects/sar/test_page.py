@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from waiting import soon
 
 import app.subjects.sar.run as sar_run
 import app.subjects.sar.upload as sar_upload
@@ -53,8 +54,7 @@ def sar(session: Session) -> SarPage:
 def run(sar: SarPage) -> None:
     async def until_done() -> None:
         sar._begin()
-        while sar.run.running:
-            await asyncio.sleep(0.01)
+        await soon(lambda: not sar.run.running, "the end of the run")
 
     asyncio.run(until_done())
 
@@ -151,8 +151,7 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     def form(**changes: Any) -> str:
         async def change() -> None:
             upload.param.update(**changes)
-            while upload.run.running:
-                await asyncio.sleep(0.01)
+            await soon(lambda: not upload.run.running, "the end of the forming")
 
         asyncio.run(change())
         return upload._bar.state.object
@@ -177,8 +176,7 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
 
     async def study_again() -> None:
         sar._begin()
-        while sar.run.running or upload.run.running:
-            await asyncio.sleep(0.01)
+        await soon(lambda: not sar.run.running and not upload.run.running, "the end of both")
 
     asyncio.run(study_again())
     assert pictures._view.visible  # formed with the new study's error

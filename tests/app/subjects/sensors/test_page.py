@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from waiting import PATIENCE, soon
 
 from app.document.pane import html_of
 from app.serving.server import first_design
@@ -19,7 +20,6 @@ from app.subjects.sensors.charts import axis_chart, triad_chart
 from app.subjects.sensors.log_study import LogRequest, study_log
 from app.subjects.sensors.page import SensorsPage
 from app.subjects.sensors.tables import coefficient_tables, origin_table
-from app.ui.upload import LimitedFileInput
 from app.work.alone import RunLost, run_alone
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import LogOptions
@@ -123,11 +123,10 @@ def test_cancel_ends_the_process_at_once(tmp_path: Path):
     async def cancelled() -> None:
         request = LogRequest(path, options=LogOptions(rate_hz=100.0, gyro_unit="rad/s"))
         task = asyncio.create_task(run_alone(study_log, request, progress=lambda fraction, what: said.append(what)))
-        while not said:
-            await asyncio.sleep(0.05)
+        await soon(lambda: said, "word of the study")
         task.cancel()
         with pytest.raises(asyncio.CancelledError):
-            await asyncio.wait_for(task, 2.0)
+            await asyncio.wait_for(task, PATIENCE)
 
     asyncio.run(cancelled())
     assert "done" not in said
@@ -147,33 +146,6 @@ def test_a_process_that_dies_is_an_answer(monkeypatch: pytest.MonkeyPatch, capfd
     with pytest.raises(RunLost, match="without an answer"):
         asyncio.run(run_alone(study_log, "not a request", progress=lambda fraction, what: None))
     assert "Traceback" in capfd.readouterr().err
-
-
-def test_uploads_are_limited_where_they_arrive():
-    refused: list[str] = []
-    taken: list[bytes] = []
-    widget = LimitedFileInput(refused.append, max_file_size=1000)
-    widget.param.watch(lambda event: taken.append(event.new), "value")
-
-    def send(*chunks: bytes) -> None:
-        widget._handle_msg({"status": "initializing"})
-        for number, data in enumerate(chunks, start=1):
-            widget._handle_msg(
-                {"status": "upload_event", "name": "a", "chunk": number, "total_chunks": len(chunks),
-                 "mime_type": "", "data": data}
-            )  # fmt: skip
-        widget._handle_msg({"status": "finished"})
-
-    send(b"x" * 600, b"y" * 400)
-    assert [len(content) for content in taken] == [1000]
-    send(b"x" * 600, b"y" * 401)
-    send()
-    widget._handle_msg({"status": "error", "error": "File too large"})
-    assert refused == ["larger than 0 MB", "the file is empty", "File too large"]
-    assert len(taken) == 1
-    assert not widget._file_buffer
-    send(b"again")
-    assert taken[-1] == b"again"
 
 
 def test_catalogue_marks_what_is_not_confirmed():

@@ -7,10 +7,12 @@ import re
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 
 import numpy as np
 import param
 import pytest
+from waiting import soon
 
 from app.charts.kinds import to_csv
 from app.charts.legend import legend_html
@@ -37,14 +39,15 @@ from nav_model.simulation.monte_carlo import simulate
 DESIGN = Design({"name": "<b>paper</b>", "flight.speed": 50.0})
 
 
-def _study(**options: object) -> SimulationStudy:
-    spec = specification(DESIGN, **{"runs": 12, "duration": 60.0, "every": 2.0, **options})  # type: ignore[arg-type]
+@cache
+def _study(outages: tuple[tuple[float, float], ...] = (), runs: int = 12, states: int = 9) -> SimulationStudy:
+    spec = specification(DESIGN, runs=runs, duration=60.0, every=2.0, outages=outages, states=states)
     return study_of(DESIGN, simulate(spec, closed_form=closed_form(DESIGN, spec)))
 
 
 @pytest.fixture(scope="module")
 def study() -> SimulationStudy:
-    return _study(outages=[(40, 60)])
+    return _study(((40, 60),))
 
 
 def _fly(spec_options: dict[str, object], during: Callable[[Run], None] = lambda run: None) -> tuple[Run, list[str]]:
@@ -70,7 +73,7 @@ def _fly(spec_options: dict[str, object], during: Callable[[Run], None] = lambda
 
 
 def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
-    options: dict[str, object] = {"runs": 80, "duration": 60.0, "every": 2.0, "outages": [(40, 60)]}
+    options: dict[str, object] = {"runs": 80, "duration": 60.0, "every": 2.0, "outages": ((40, 60),)}
     run, said = _fly(options)
     assert said[0] == "Preparing the simulator"
     done = [int(words.split()[0]) for words in said if words.endswith("of 80 runs")]
@@ -78,7 +81,7 @@ def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
     assert (done[0], done[-1]) == (0, 80)
     assert not run.result.partial
     assert run.message == ""
-    assert np.array_equal(run.result.study.result.rms, _study(**options).result.rms)
+    assert np.array_equal(run.result.study.result.rms, _study(((40, 60),), runs=80).result.rms)
 
 
 def test_what_is_found_so_far_is_shown_and_stays_partial_when_the_run_is_cancelled(
@@ -156,7 +159,7 @@ def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: Simulatio
     assert len({line.label for line in chart.lines}) == len(chart.lines)
     assert "[" in chart.y_label
     assert "[" in chart.x_label
-    for other in (_study(outages=[(10, 20), (30, 35)], runs=3), _study(runs=2, states=15)):
+    for other in (_study(((10, 20), (30, 35)), runs=3), _study(runs=2, states=15)):
         fed = describe(other)
         figure.feed(fed)
         nothing = chart.key == "sim-outage" and not other.result.spec.outages
@@ -231,7 +234,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert page._specification().imu.gyro.bias_instability == 0.0
     assert page._more.given.object == ""
     assert not page._bar.state.object
-    page.run.result = Flown(DESIGN, study, 12)
+    page.run.result = Flown(study, 12)
     figures = [chart.figure.plot for chart in page._charts]
     assert len(figures) == len(CHARTS)
     assert session.findings["simulation"] is study
@@ -244,7 +247,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert "stale" in page._note.object
     session.undo()
     other = _study(runs=7)
-    page.run.result = Flown(session.design, other, 200)
+    page.run.result = Flown(other, 200)
     assert [chart.figure.plot for chart in page._charts] == figures
     assert "stale" not in page._note.object
     assert "Partial: 7 of 200 runs." in page._note.object
@@ -264,8 +267,7 @@ def test_what_the_fields_refuse_is_said_at_the_bar() -> None:
 
     async def begin() -> None:
         page._begin()
-        while page.run.running:
-            await asyncio.sleep(0.01)
+        await soon(lambda: not page.run.running, "the end of the run")
 
     with ThreadPoolExecutor(1) as thread:
         thread.submit(asyncio.run, begin()).result()

@@ -1,4 +1,12 @@
-"""An upload that is limited where it arrives: the browser's own check is a courtesy, this one holds."""
+"""An upload is limited where it arrives.
+
+panel-material-ui checks the size in the browser alone, which is a courtesy: the server takes a file in chunks and
+keeps any number of them. It also says "Uploaded" of a file that was refused, and writes a small button's words large.
+
+Written for: panel-material-ui 0.16.6
+Upstream: panel-extensions/panel-material-ui#282 (open), on chunks; none found for the rest, searched 2026-11-22
+Needless when: tests/app/upstream/test_file_input.py::test_as_shipped_any_amount_is_kept fails
+"""
 
 from __future__ import annotations
 
@@ -9,15 +17,12 @@ import panel_material_ui as pmui
 
 
 class LimitedFileInput(pmui.FileInput):
-    """A `FileInput` that drops whatever exceeds `max_file_size` and says so through `refused`.
-
-    The widget takes a file in chunks and would keep any number of them.
-    """
+    """A `FileInput` that drops whatever exceeds `max_file_size` and says so through `refused`."""
 
     def __init__(self, refused: Callable[[str], None], **params: Any) -> None:
-        # What became of the file is said beside it: as shipped the button says "Uploaded" of a refused one too.
+        # What became of the file is said beside it: the button would say "Uploaded" of a refused one too.
         shipped = {"uploaded_label": f"{params.get('label', 'File')}: {{filename}}"}
-        if params.get("size") == "small":  # as shipped its words stay as large as those of a large one
+        if params.get("size") == "small":  # its words would stay as large as those of a large one
             shipped["sx"] = {"fontSize": "0.8125rem"}
         super().__init__(**shipped | params)
         self._refused = refused

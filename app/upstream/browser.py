@@ -1,0 +1,24 @@
+"""What is overridden in the browser: the scripts of this folder, applied by an invisible part of the page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from panel.custom import JSComponent
+
+_SCRIPTS = ("style_writes", "canvas_styles", "select_keys", "back_button", "layout_passes")
+
+
+def _script(name: str) -> str:
+    return Path(__file__).with_name(f"{name}.js").read_text(encoding="utf-8")
+
+
+class Repairs(JSComponent):
+    """Must stand on the page once, outside what is hidden; each script sees this part as `view`."""
+
+    _esm = (
+        "export function render({ view }) {\n"
+        + "if (!window.navbudget_repaired) {\nwindow.navbudget_repaired = true\n"
+        + "".join(f"{{\n{_script(name)}}}\n" for name in _SCRIPTS)
+        + '}\nreturn document.createElement("span")\n}\n'
+    )

@@ -1,0 +1,14 @@
+"""A column may grow over the window it stands in.
+
+Bokeh lets nothing grow over 100 % of what it stands in: in a page's main column the window, for each table and column
+below. What is taller would hang over the next.
+
+Written for: Bokeh 3.9.2, panel-material-ui 0.16.6
+Upstream: none found, searched 2026-11-22
+Needless when: tests/browser/test_as_shipped.py::test_a_column_does_not_grow_over_the_window fails
+"""
+
+from __future__ import annotations
+
+FULL_HEIGHT = {"max-height": "none"}
+"""Styles of the page's main column."""

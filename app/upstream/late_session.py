@@ -1,0 +1,60 @@
+"""A session is made when the browser connects, not when the page is asked for.
+
+Panel builds the session for every request of the page, a second of work, in the process that answers it: whoever only
+looks, and every robot, makes one, and the connection must reach the same process. Here a page is text made once, and
+each visitor gets it with a token of a session that does not exist yet.
+
+Written for: Panel 1.9.4, Bokeh 3.9.2
+Upstream: none found, searched 2026-11-22
+Needless when: tests/app/upstream/test_late_session.py::test_as_shipped_who_only_looks_makes_a_session fails
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import bokeh.resources
+from bokeh.document import Document
+from bokeh.server.views.static_handler import StaticHandler
+from bokeh.util.token import generate_jwt_token, generate_session_id
+from panel.io.resources import LOCAL_DIST, Resources
+from panel.io.server import DocHandler, server_html_page_for_session
+
+
+def page_of(document: Document, title: str) -> Callable[[str], str]:
+    """What a browser loads before it connects, for the token of its session.
+
+    Made from a session's document like any: all pages load the same, and have the same roots.
+    """
+    token = secrets.token_hex(32)
+    resources = bokeh.resources.Resources(mode="server", root_url="/", path_versioner=StaticHandler.append_version)
+    text = server_html_page_for_session(
+        SimpleNamespace(document=document, token=token),
+        Resources.from_bokeh(resources),
+        title,
+        template=document.template,
+        template_variables=document.template_variables,
+    )
+    return lambda given: text.replace(token, given)
+
+
+def new_token(handler: DocHandler) -> str:
+    """For a session of whoever asks now, not yet made."""
+    server = handler.application
+    return generate_jwt_token(
+        generate_session_id(server.secret_key, server.sign_sessions),
+        server.secret_key,
+        server.sign_sessions,
+        extra_payload=handler._generate_token_payload(),
+        expiration=server.session_token_expiration,
+    )
+
+
+def sheets_from_here(document: Document) -> None:
+    """Have a session load its style sheets from this server.
+
+    Panel says so only where a page is sent with its session, and otherwise takes them from the network.
+    """
+    document.template_variables["dist_url"] = LOCAL_DIST

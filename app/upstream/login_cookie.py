@@ -1,0 +1,23 @@
+"""The cookie of a login is for this site only, and over TLS only if the page came that way.
+
+Panel sets it without SameSite and without Secure.
+
+Written for: Panel 1.9.4
+Upstream: none found, searched 2026-11-22
+Needless when: tests/app/upstream/test_login_cookie.py::test_as_shipped_the_cookie_travels_anywhere fails
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from panel.auth import BasicLoginHandler
+
+
+class CookieForThisSite(BasicLoginHandler):
+    """A login whose cookies stay here."""
+
+    def set_secure_cookie(self, name: str, value: str | bytes, *arguments: Any, **options: Any) -> None:
+        """As Tornado, with SameSite and perhaps Secure."""
+        secure = self.request.protocol == "https"
+        super().set_secure_cookie(name, value, *arguments, **{**options, "samesite": "Lax", "secure": secure})

@@ -1,0 +1,172 @@
+"""What `nav_model.budget.analyse` finds: immutable, in SI, and picklable."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array
+from nav_model.budget.shares import Shares
+from nav_model.design import Design
+from nav_model.sar.impulse_response import ImpulseResponse
+
+
+@dataclass(frozen=True)
+class Sigmas:
+    """Standard deviations of the navigation errors at one moment: m, m/s, rad."""
+
+    position_horizontal: float
+    position_vertical: float
+    velocity_horizontal: float
+    velocity_vertical: float
+    tilt: float
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """The settled filter.
+
+    ``closed`` is the cycle rms in closed form [T-3], [T-4]; ``prior`` and ``posterior`` are the discrete
+    filter just before and after a fix [T-8], slow GNSS error included. ``asymptote`` is [T-7]: position,
+    velocity, tilt, horizontal. ``lambda_dt`` is the larger of the two channels. ``shares`` gives, for each
+    kind of error, the share of each source in its variance [T-18].
+    """
+
+    closed: Sigmas
+    prior: Sigmas
+    posterior: Sigmas
+    gyro_dominance: float
+    asymptote: tuple[float, float, float]
+    lambda_dt: float
+    shares: Mapping[str, Shares]
+
+
+@dataclass(frozen=True)
+class Outage:
+    """Sigmas against time since the last fix, arrays of one length: s, m, m/s, rad.
+
+    ``position_*``, ``velocity_*`` and ``tilt`` are the polynomials [T-9], [T-10] with the residual biases in
+    quadrature; ``refined_*`` is [T-17] with the same biases. ``shares_horizontal`` and ``shares_vertical``
+    split the variance of position at the end of ``duration``.
+    """
+
+    duration: float
+    time: Array
+    position_horizontal: Array
+    position_vertical: Array
+    velocity_horizontal: Array
+    velocity_vertical: Array
+    tilt: Array
+    yaw_growth: Array
+    refined_horizontal: Array
+    refined_vertical: Array
+    perfect_start_horizontal: Array
+    perfect_start_vertical: Array
+    initial_tilt: Array
+    end_refined_horizontal: float
+    end_refined_vertical: float
+    shares_horizontal: Shares
+    shares_vertical: Shares
+
+    def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            value = getattr(self, name)
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+    def __reduce__(self) -> tuple[type[Outage], tuple[Any, ...]]:
+        """Through the constructor, so that the arrays are read-only in another process too."""
+        return type(self), tuple(getattr(self, name) for name in self.__dataclass_fields__)
+
+
+@dataclass(frozen=True)
+class PhaseLine:
+    """One source of the phase budget: 1σ in rad; ``share`` is of the quadratic-phase variance."""
+
+    source: str
+    quadratic: float
+    cubic: float
+    detrended: float
+    share: float
+    detrended_share: float
+
+
+@dataclass(frozen=True)
+class Sar:
+    """The phase budget of the aperture: s, m, rad.
+
+    ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
+    what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe.
+    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18], ``velocity_shares`` the
+    variance of along-track velocity at the start of the aperture.
+    """
+
+    wavelength: float
+    aperture_time: float
+    aperture_length: float
+    cell_length: float
+    window: str
+    autofocus_order: int
+    quadratic: float
+    cubic: float
+    detrended: float
+    along_track_quadratic: float
+    lines: tuple[PhaseLine, ...]
+    tilt_shares: Shares
+    velocity_shares: Shares
+    impulse_response: ImpulseResponse | None
+    after_autofocus: ImpulseResponse | None
+
+
+@dataclass(frozen=True)
+class Check:
+    """One requirement held against its figure.
+
+    ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
+    over, 1 - value/limit, negative when the requirement is not met. ``basis`` says which of the model's
+    results was taken (prior, refined, closed form ...), ``equation`` where it comes from. ``dominant`` is the
+    budget line with the largest share of the variance; ``sensor`` is the largest once an initial tilt is charged
+    to the noises that cause it.
+    """
+
+    name: str
+    label: str
+    dimension: str
+    value: float
+    sigma: float
+    limit: float
+    margin: float
+    met: bool
+    basis: str
+    equation: str
+    dominant: str
+    dominant_share: float
+    sensor: str
+    sensor_share: float
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All checks, in the order of the requirements; ``tightest`` is the one with the least margin."""
+
+    closes: bool
+    confidence: float
+    checks: tuple[Check, ...]
+    tightest: Check | None
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Everything known about a design, immutable, in SI.
+
+    `nav_model.budget.provenance` says which equation each number comes from.
+    """
+
+    design: Design
+    steady_state: SteadyState
+    coast: Outage
+    sar: Sar
+    verdict: Verdict

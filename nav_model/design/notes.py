@@ -1,0 +1,32 @@
+"""Origins as earlier design files told them: in lines of the description, ``imu.rate = 250 Hz: data sheet, page 3``.
+
+Files written today have them in ``[origins]``; only files and links without one are read for such lines.
+"""
+
+from __future__ import annotations
+
+from nav_model.design import Design
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import LONGEST_ORIGIN, declaration_of
+from nav_model.errors import InputError
+
+
+def noted_origins(design: Design) -> dict[str, str]:
+    """Dotted key -> origin, from every line of the description that quotes the value the design has.
+
+    A line that quotes another value is history, and any other line plain text: neither is an origin. Of two lines
+    on one key the first counts.
+    """
+    found: dict[str, str] = {}
+    for line in design.description.splitlines():
+        key, _, note = line.partition(" = ")
+        quoted, _, origin = note.partition(": ")
+        try:
+            declaration = declaration_of(key)
+            if not isinstance(declaration, BaseQuantity) or declaration.read(quoted).value != design[key]:
+                continue
+        except (KeyError, InputError):
+            continue
+        if origin.strip() and len(origin) <= LONGEST_ORIGIN:
+            found.setdefault(key, origin)
+    return found

@@ -1,0 +1,35 @@
+"""The line of a page follows its own session's work."""
+
+from __future__ import annotations
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+
+from app.upstream.busy_line import follow_own_work
+
+
+class _Session(param.Parameterized):
+    running = param.Boolean(False)
+
+
+def _followers() -> int:
+    """How many follow the flag of the whole server."""
+    return len(pn.state._param__private.watchers.get("busy", {}).get("value", []))
+
+
+def test_as_shipped_every_page_follows_one_flag() -> None:
+    before = _followers()
+    kept = pmui.Page()
+    assert _followers() == before + 1
+    assert not kept.busy
+
+
+def test_it_follows_one_session_and_no_more() -> None:
+    before, page, session = _followers(), pmui.Page(), _Session()
+    follow_own_work(page, session.param.running)
+    assert _followers() == before
+    session.running = True
+    assert page.busy
+    session.running = False
+    assert not page.busy

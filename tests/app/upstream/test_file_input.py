@@ -1,0 +1,50 @@
+"""An upload is limited where it arrives."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel_material_ui as pmui
+import pytest
+
+from app.upstream.file_input import LimitedFileInput
+
+
+def _send(widget: pmui.FileInput, *chunks: bytes) -> None:
+    """As a browser that does not check."""
+    widget._handle_msg({"status": "initializing"})
+    for number, data in enumerate(chunks, start=1):
+        widget._handle_msg(
+            {"status": "upload_event", "name": "a", "chunk": number, "total_chunks": len(chunks),
+             "mime_type": "", "data": data}
+        )  # fmt: skip
+    widget._handle_msg({"status": "finished"})
+
+
+def test_as_shipped_any_amount_is_kept() -> None:
+    widget = pmui.FileInput(max_file_size=1000)
+    _send(widget, b"x" * 600, b"y" * 600)
+    assert len(widget.value) == 1200
+
+
+@pytest.fixture
+def widget() -> Any:
+    refused: list[str] = []
+    found = LimitedFileInput(refused.append, max_file_size=1000)
+    return found, refused
+
+
+def test_what_is_too_large_is_dropped(widget: Any) -> None:
+    upload, refused = widget
+    taken: list[bytes] = []
+    upload.param.watch(lambda event: taken.append(event.new), "value")
+    _send(upload, b"x" * 600, b"y" * 400)
+    assert [len(content) for content in taken] == [1000]
+    _send(upload, b"x" * 600, b"y" * 401)
+    _send(upload)
+    upload._handle_msg({"status": "error", "error": "File too large"})
+    assert refused == ["larger than 0 MB", "the file is empty", "File too large"]
+    assert len(taken) == 1
+    assert not upload._file_buffer
+    _send(upload, b"again")
+    assert taken[-1] == b"again"

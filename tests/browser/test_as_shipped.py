@@ -1,0 +1,112 @@
+"""What the libraries do in the browser without `app.upstream`: each override can go when its test here fails.
+
+That the product does otherwise is shown by test_layout, test_accessibility, test_first_minutes and their neighbours.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+_IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
+_PASSES = """() => {
+  const [root] = Bokeh.index.roots, measure = root.measure_layout.bind(root)
+  let passes = 0
+  root.measure_layout = () => { passes++; measure() }
+  for (let i = 0; i < 5; i++) root.compute_layout()
+  delete root.measure_layout
+  const hidden = (view) => (view.layoutable_views ?? []).some((child) => !child.model.visible || hidden(child))
+  return [passes, Bokeh.index.roots.some(hidden)]
+}"""
+_REWRITE = """() => {
+  const { InlineStyleSheet } = Bokeh.require("core/dom"), sheet = new InlineStyleSheet(":host { color: red; }")
+  const written = sheet.el.firstChild
+  sheet.replace(":host { color: red; }")
+  return sheet.el.firstChild !== written
+}"""
+_ASKED = """() => {
+  const figures = (view) => [...(view.model.type === "Figure" ? [view] : []),
+    ...[...(view.child_views ?? [])].flatMap(figures)]
+  const ask = window.getComputedStyle
+  const { VisualProperties } = Bokeh.require("core/visuals/visual")
+  const shipped = VisualProperties.prototype._get_css_value
+  return [shipped, () => ""].map((look) => {
+    let asked = 0
+    VisualProperties.prototype._get_css_value = look
+    window.getComputedStyle = (...what) => { asked++; return ask(...what) }
+    for (const view of Bokeh.index.roots.flatMap(figures)) { view._invalidate_all = true; view.paint() }
+    window.getComputedStyle = ask
+    VisualProperties.prototype._get_css_value = shipped
+    return asked
+  })
+}"""
+
+
+@pytest.fixture(scope="module")
+def shipped(browser: Browser) -> Iterator[Page]:
+    """The page of `as_shipped_page`, opened."""
+    program = Path(__file__).with_name("as_shipped_page.py")
+    with subprocess.Popen([sys.executable, str(program)], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        page = browser.new_page()
+        page.goto(f"http://127.0.0.1:{int(process.stdout.readline())}/")
+        page.wait_for_function(_IDLE, timeout=60_000)
+        page.get_by_role("combobox", name="choice").wait_for(timeout=60_000)
+        page.locator(".bk-Figure").wait_for(timeout=60_000)
+        yield page
+        page.close()
+        process.terminate()
+
+
+def test_a_followed_link_is_written_into_the_history_twice(shipped: Page) -> None:
+    before = shipped.evaluate("() => history.length")
+    shipped.evaluate("""() => {
+      const push = history.pushState.bind(history)
+      window.pushed = 0
+      history.pushState = (...what) => { window.pushed++; push(...what) }
+    }""")
+    shipped.get_by_role("link", name="there").click()
+    shipped.wait_for_function("() => window.pushed > 0")
+    assert shipped.evaluate("() => history.length") == before + 2
+    assert shipped.evaluate("() => location.hash") == "#there"
+
+
+def test_every_wish_is_a_pass_over_hidden_parts_too(shipped: Page) -> None:
+    passes, hidden = shipped.evaluate(_PASSES)
+    assert passes == 5
+    assert hidden
+
+
+def test_a_choice_does_not_open_by_keyboard(shipped: Page) -> None:
+    choice = shipped.get_by_role("combobox", name="choice")
+    choice.focus()
+    for key in ("Enter", " ", "ArrowDown"):
+        shipped.keyboard.press(key)
+        shipped.wait_for_timeout(100)
+        assert choice.get_attribute("aria-expanded") == "false"
+
+
+def test_a_sheet_is_written_again_with_the_same_text(shipped: Page) -> None:
+    assert shipped.evaluate(_REWRITE)
+
+
+def test_a_paint_asks_for_computed_styles(shipped: Page) -> None:
+    as_shipped, without = shipped.evaluate(_ASKED)
+    assert as_shipped > 2 * without > 0
+
+
+def test_the_busy_line_has_no_name(shipped: Page) -> None:
+    assert shipped.get_by_role("progressbar").first.get_attribute("aria-label") is None
+
+
+def test_a_column_does_not_grow_over_the_window(shipped: Page) -> None:
+    high, limit = shipped.locator(".bk-Column, .bk-panel-models-layout-Column").first.evaluate(
+        "element => [element.clientHeight, getComputedStyle(element).maxHeight]"
+    )
+    assert limit == "100%"
+    assert high < 3000

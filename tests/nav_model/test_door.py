@@ -1,0 +1,40 @@
+"""`from nav_model import ...`: what it offers, what it loads, and that its examples are true."""
+
+import doctest
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import nav_model
+import nav_model.budget
+import nav_model.frozen
+from nav_model.budget import Budget
+
+ROOT = Path(nav_model.__file__).parent.parent
+
+
+def test_every_name_of_the_door_is_there_and_no_other():
+    assert {getattr(nav_model, name) for name in nav_model.__all__} >= {Budget, nav_model.budget.analyse}
+    with pytest.raises(AttributeError, match="no attribute 'bogus'"):
+        nav_model.bogus  # noqa: B018
+    budget = nav_model.analyse(nav_model.read_design(ROOT / "examples" / "tactical_x_band.toml"))
+    assert isinstance(budget, Budget)
+    with pytest.raises(nav_model.InputError):
+        nav_model.parse_design("[imu]\nbogus = 1\n")
+
+
+def test_the_door_loads_nothing_before_it_is_asked():
+    code = "import sys, nav_model; print([m for m in sys.modules if m.startswith('nav_model.') or m == 'numpy'])"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    "module", [nav_model, nav_model.budget, nav_model.frozen], ids=lambda module: module.__name__
+)
+def test_the_examples_in_docstrings_are_true(module):
+    found = doctest.testmod(module)
+    assert found.attempted > 0
+    assert found.failed == 0
