@@ -10,8 +10,8 @@ import panel as pn
 import param
 
 from app.charts.kinds import PictureChart
-from app.charts.pictures import picture_gallery
 from app.charts.print.svg import to_svg
+from app.charts.screen.pictures import picture_gallery
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.work.pool import elsewhere

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import argparse
+
 from app.charts.kinds import Drawing
+from app.console.progress import count_runs
 from app.document.blocks import Block, Section, Text
 from app.document.chart_block import chart_block
 from app.document.numbers import degrees
 from app.document.wording import title_of
 from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
-from app.subjects.sar.run import SarResult
+from app.subjects.sar.run import SarResult, pictures
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_said
 from nav_model.design import Design
+from nav_model.errors import InputError
+from nav_model.sar.design_case import design_case
+from nav_model.sar.design_study import design_study
 from nav_model.sar.geometry import metres_to_phase
 
 REFERENCES = (
@@ -18,6 +24,31 @@ REFERENCES = (
     "3(8), 1965 (8). After Kim, Fellerhoff and Kohler, 2001 (6), and Song et al., 2015 and 2017 (7): "
     "reconstructions, the literature names the schemes and not their gains.",
 )
+
+
+_RUNS = 200
+
+
+def study(design: Design, options: argparse.Namespace) -> SarResult:
+    """The study that `navbudget report --with sar` asks for, progress on standard error.
+
+    Raises
+    ------
+    InputError
+        For an option or a key of the design that cannot be used.
+    """
+    runs = _RUNS if options.runs is None else options.runs
+    if options.seed < 0:
+        raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+    try:
+        with count_runs("SAR: ") as progress:
+            found = design_study(design, runs, options.seed, progress)
+    except InputError as error:
+        if error.key != "runs":
+            raise
+        raise error.under("--runs") from error
+    points, scene = pictures(found.budget, found.typical)
+    return SarResult(design_case(found.budget), found, points, scene)
 
 
 def belongs(result: SarResult, design: Design) -> bool:
@@ -36,7 +67,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
     study = result.study
     budget, closed = study.budget, study.closed
     parts, lobe, integrated, *engines = run_tables(study, result.beside, key)
-    pictures = (point_picture(result.points), scene_picture(result.scene), result.uploaded)
+    images = (point_picture(result.points), scene_picture(result.scene), result.uploaded)
     phase = degrees(float(metres_to_phase(1e-3, budget.sar.wavelength)))
 
     def drawn(*charts: Drawing) -> tuple[Block, ...]:
@@ -66,7 +97,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
                 integrated,
             ),
         ),
-        Section(f"{key}-sar-images", "SAR: images", drawn(*(chart for chart in pictures if chart is not None))),
+        Section(f"{key}-sar-images", "SAR: images", drawn(*(chart for chart in images if chart is not None))),
         Section(
             f"{key}-sar-maps",
             "SAR: which strategy wins where",

@@ -14,8 +14,8 @@ from waiting import soon
 import app.subjects.sar.run as sar_run
 import app.subjects.sar.upload as sar_upload
 from app.charts.kinds import PictureChart, to_csv
-from app.charts.pictures import picture_gallery
 from app.charts.print.svg import to_svg
+from app.charts.screen.pictures import picture_gallery
 from app.cli import main
 from app.serving.server import first_design
 from app.session import Session
