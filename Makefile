@@ -4,7 +4,7 @@ PORT ?= 5006
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 
-.PHONY: run lock test test-slow validation bench load lint system clean
+.PHONY: run lock test check test-slow validation bench load lint system clean
 .DEFAULT_GOAL := run
 
 # Installs what a lock file names, each file checked against its digest. uv does so in a fraction of pip's time; where
@@ -51,19 +51,19 @@ system:
 	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends $$missing; }
 
 lint: .venv/.test
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	$(BIN)/mypy
-	$(BIN)/lint-imports
-	$(BIN)/hadolint Dockerfile
+	$(BIN)/python tests/support/run.py lint
 
-test: .venv/.test system lint
-	$(BIN)/python -m pytest -n 3 --dist loadfile -p no:benchmark --ignore tests/browser
-	$(BIN)/python -m pytest -n 2 --dist load -p no:benchmark tests/browser
+# Lint and both halves of the tests, each to its end. ORDER=random runs the files, and what is in each, in random order.
+test: .venv/.test system
+	$(BIN)/python tests/support/run.py test $(ORDER)
 
+# A minute at most, for while one works: lint and what is quick of the tests without a browser.
+check: .venv/.test
+	$(BIN)/python tests/support/run.py check $(ORDER)
+
+# What is too long for every time: many runs, and the longer ways through the browser.
 test-slow: .venv/.test system
-	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark --ignore tests/browser
-	$(BIN)/python -m pytest -n 2 -m slow -p no:benchmark tests/browser
+	$(BIN)/python tests/support/run.py slow $(ORDER)
 
 # What the Theory page says results were compared with, from the tests that compare them.
 validation: .venv/.test

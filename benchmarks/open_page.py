@@ -111,7 +111,7 @@ class Tab:
         self._closing = True
         self.connection.close()
         if self._reading is not None:
-            await asyncio.wait([self._reading], timeout=5)
+            await self._reading  # the server's answer; without it the socket would be left to the collector
 
     async def send(self, kind: str, content: Any) -> None:
         """Send a message; text goes as it is."""
@@ -139,6 +139,8 @@ class Tab:
                     self._answered.set_result(None)
             elif kind == "ERROR":
                 self.errors.append(str(content))
+        if self._reply is not None and not self._reply.done():
+            self._reply.set_exception(ConnectionError("the server hung up"))
         if not self._closing:
             self.errors.append(f"the server hung up: {self.connection.close_code} {self.connection.close_reason}")
 

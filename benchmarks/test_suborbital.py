@@ -23,8 +23,7 @@ from nav_model.suborbital.survey import run_survey
 def page():
     """The page with its first answer, as a person has it before touching a slider."""
     page = SuborbitalPage(Session(first_design()))
-    page.survey = run_survey(DEFAULTS)
-    page.follow()
+    page.exact.result = run_survey(DEFAULTS)
     return page
 
 

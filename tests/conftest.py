@@ -14,10 +14,57 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is first impo
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
+
+# No example is wrong for being slow. The same examples every time, so that a verdict is the code's; `make test-slow`
+# searches on among new ones.
+_PATIENT = settings(deadline=None, print_blob=True, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("searching", _PATIENT)
+settings.register_profile("steady", _PATIENT, derandomize=True)
+settings.load_profile("steady")
 
 RECORD = Path(__file__).parents[1] / "app" / "subjects" / "theory" / "validation.json"
 _rows = {}
 _differences = {}
+LONG = (
+    "app/library/test_postgresql.py",
+    "app/report/test_files.py",
+    "app/report/test_studies.py",
+    "app/report/test_writing.py",
+    "app/serving/test_deploy.py",
+    "app/serving/test_door.py",
+    "app/serving/test_end.py",
+    "app/serving/test_hostile_messages.py",
+    "app/serving/test_limits.py",
+    "app/serving/test_oauth.py",
+    "app/serving/test_supervisor.py",
+    "app/subjects/review/test_report.py",
+    "app/subjects/sar/test_page.py::test_sar_command_flies_the_simulator",
+    "app/subjects/sar/test_page.py::test_the_simulator_is_a_second_engine",
+    "app/subjects/sensors/test_page.py",
+    "app/subjects/simulation/test_command.py::test_the_command_in_a_process_of_its_own_with_workers",
+    "app/subjects/simulation/test_run.py::test_a_flight_that_cannot_be_flown",
+    "app/subjects/simulation/test_run.py::test_a_run_tells_progress",
+    "app/subjects/simulation/test_run.py::test_cancel_ends_at_once",
+    "app/subjects/suborbital/test_command.py",
+    "app/subjects/suborbital/test_page.py::test_exact_run_in_a_process",
+    "app/subjects/suborbital/test_page.py::test_white_noise_is_flown",
+    "nav_model/allan/test_adoption.py",
+    "nav_model/allan/test_remedy.py",
+    "nav_model/allan/test_static_log.py",
+    "nav_model/analytic/test_discrete.py",
+    "nav_model/explore/test_sweep.py",
+    "nav_model/sar/test_flown_engine.py",
+    "nav_model/simulation/test_departures.py",
+    "nav_model/simulation/test_kalman.py::test_error_dynamics_match_finite_differences",
+    "nav_model/simulation/test_monte_carlo.py",
+    "nav_model/suborbital/test_sensitivity.py",
+    "nav_model/suborbital/test_study.py",
+    "nav_model/suborbital/test_survey.py",
+    "nav_model/test_compiled.py",
+    "nav_model/test_processes.py",
+)
+"""Files and tests that `make check` leaves out: seconds of servers, processes, databases, reports and flights."""
 
 
 def pytest_addoption(parser):
@@ -26,7 +73,11 @@ def pytest_addoption(parser):
     )
 
 
+@pytest.hookimpl(tryfirst=True)  # before the marks are selected by
 def pytest_collection_modifyitems(config, items):
+    for item in items:
+        if item.nodeid.removeprefix("tests/").startswith(LONG):
+            item.add_marker("long")
     if config.getoption("--write-validation"):
         recording = [item for item in items if {"compared", "differs"} & set(getattr(item, "fixturenames", ()))]
         config.hook.pytest_deselected(items=[item for item in items if item not in recording])

@@ -11,7 +11,9 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+from waiting import PATIENCE
 
 _FLAGS = [
     "--disable-gpu",
@@ -32,6 +34,8 @@ _STILL = """() => {
     && roots.every(root => root.getAnimations().every(animation => animation.playState !== "running"))
 }"""
 
+_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
 # What the cards say; boxes and curves change in the same turn.
 _SAYS = """() => {
   const said = [], roots = [document]
@@ -44,7 +48,8 @@ _SAYS = """() => {
 }"""
 
 
-expect.set_options(timeout=20_000)  # a loaded machine is slow, not wrong
+_MS = 1e3 * PATIENCE
+expect.set_options(timeout=_MS)
 
 
 @pytest.fixture(scope="session")
@@ -66,7 +71,14 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         assert line.startswith("NavBudget on http://"), line
         yield line.split()[-1]
         process.terminate()
-        assert process.wait(timeout=20) is not None
+        assert process.wait(PATIENCE) is not None
+
+
+@pytest.fixture
+def context(context: BrowserContext) -> BrowserContext:
+    """Whatever is waited for is waited for patiently."""
+    context.set_default_timeout(_MS)
+    return context
 
 
 @contextmanager
@@ -90,8 +102,8 @@ def _watched(page: Page, server: str) -> Iterator[Callable[..., Page]]:
     def open_(path: str = "/", **size: int) -> Page:
         page.set_viewport_size({"width": size.get("width", 1440), "height": size.get("height", 900)})
         page.goto(server + path)
-        page.wait_for_function(_IDLE, timeout=60_000)
-        page.get_by_role("status").first.wait_for(timeout=60_000)
+        page.wait_for_function(_IDLE)
+        page.get_by_role("status").first.wait_for()
         return page
 
     yield open_
@@ -110,8 +122,11 @@ def visit(page: Page, server: str) -> Iterator[Callable[..., Page]]:
 def plain(browser: Browser, server: str) -> Iterator[Page]:
     """The first design's page, for tests that change nothing on it: opening one takes seconds."""
     page = browser.new_page()
+    page.set_default_timeout(_MS)
     with _watched(page, server) as open_:
-        yield open_()
+        open_()
+        expect(page.locator(".bk-Figure:visible")).to_have_count(6)  # those below the first screen come later
+        yield page
     page.close()
 
 
@@ -124,13 +139,47 @@ def desk(plain: Page) -> Iterator[Page]:
     plain.wait_for_function(f"said => ({_SAYS})() === said", arg=said)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def settled() -> Callable[[Page], None]:
-    """Wait until nothing moves: while colours fade over, nothing has its contrast."""
+    """Wait until the page has answered and nothing on it moves."""
 
     def wait(page: Page) -> None:
-        page.wait_for_timeout(300)
-        page.wait_for_function(_STILL, timeout=60_000)
-        page.wait_for_timeout(100)
+        page.evaluate(_TWO_FRAMES)  # what was asked for has begun
+        page.wait_for_function(_STILL)
 
     return wait
+
+
+@pytest.fixture(scope="session")
+def accessible(settled: Callable[[Page], None]) -> Callable[..., None]:
+    """Nothing that axe finds serious is left (``every``: nothing it finds at all); `where` says of what page.
+
+    While colours fade over, nothing has its contrast: a finding counts that is there when the page has come to rest.
+    """
+
+    def look(page: Page, every: bool) -> list[tuple[str, str]]:
+        settled(page)
+        found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]}).response["violations"]
+        return [(v["id"], v["nodes"][0]["html"]) for v in found if every or v["impact"] in {"serious", "critical"}]
+
+    def check(page: Page, where: str = "", *, every: bool = False) -> None:
+        for _ in range(10):
+            if not (found := look(page, every)):
+                return
+            page.wait_for_timeout(500)
+        pytest.fail(f"{where}: {found}")
+
+    return check
+
+
+@pytest.fixture(scope="session")
+def fits(settled: Callable[[Page], None]) -> Callable[[Page, int], None]:
+    """Make the window so wide, or leave it; nothing of the page is wider."""
+
+    def check(page: Page, width: int) -> None:
+        if page.viewport_size and page.viewport_size["width"] != width:
+            page.set_viewport_size({"width": width, "height": 844})
+        settled(page)
+        page.wait_for_function("width => document.documentElement.scrollWidth <= width", arg=width)
+
+    return check

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from playwright.sync_api import Page, expect
+from waiting import until
 
 Visit = Callable[..., Page]
 
@@ -90,27 +91,25 @@ _ALL = ("SAR", "Explore", "Simulate", "Suborbital", "Budget")
     ],
 )
 def test_no_part_of_a_page_is_drawn_over_another(
-    visit: Visit, width: int, height: int, names: tuple[str, ...]
+    visit: Visit, settled: Callable[[Page], None], width: int, height: int, names: tuple[str, ...]
 ) -> None:
     page = visit(width=width, height=height)
     page.keyboard.press("Escape")  # where the window is narrow the design is a drawer
-    covered = {}
     for name in names:
         page.get_by_role("tab", name=name, exact=True).click()
         if name == "SAR":
-            expect(page.get_by_role("button", name="Eight point targets: SVG")).to_be_visible(timeout=60_000)
+            expect(page.get_by_role("button", name="Eight point targets: SVG")).to_be_visible()
         if name == "Simulate":
             page.get_by_role("button", name="Start", exact=True).click()
-            expect(page.get_by_role("button", name="Everything (JSON)")).to_be_visible(timeout=60_000)
+            expect(page.get_by_role("button", name="Everything (JSON)")).to_be_visible()
         if name == "Suborbital":
-            expect(page.get_by_role("heading", name="What the star tracker")).to_be_visible(timeout=60_000)
+            expect(page.get_by_role("heading", name="What the star tracker")).to_be_visible()
         if name == "Budget":
             page.get_by_role("button", name="Examples").click()
         page.wait_for_function("(name) => location.hash === '#' + name.toLowerCase()", arg=name)
         expect(page.locator(".bk-Figure:visible").last).to_be_visible()
-        page.wait_for_timeout(500)
-        covered[name] = page.evaluate(_OVERLAPS)
-    assert not any(covered.values()), covered
+        settled(page)
+        until(lambda: not page.evaluate(_OVERLAPS), f"{name} with nothing drawn over anything else")
 
 
 def test_fifty_wishes_in_one_frame_are_one_pass(plain: Page, settled: Callable[[Page], None]) -> None:
@@ -128,7 +127,9 @@ def test_a_repaint_works_out_no_styles(plain: Page, settled: Callable[[Page], No
 
 
 @pytest.mark.slow
-def test_a_hidden_page_is_not_measured_and_stands_right_when_shown_again(visit: Visit) -> None:
+def test_a_hidden_page_is_not_measured_and_stands_right_when_shown_again(
+    visit: Visit, settled: Callable[[Page], None]
+) -> None:
     page = visit()
     regime = page.locator(".bk-Figure").last
     expect(regime).to_be_visible()
@@ -146,7 +147,7 @@ def test_a_hidden_page_is_not_measured_and_stands_right_when_shown_again(visit: 
     page.get_by_role("tab", name="Budget", exact=True).click()
     expect(regime).to_be_visible()
     page.wait_for_function("() => window.measured > 0")
-    page.wait_for_timeout(300)
+    settled(page)
     wide = page.evaluate(
         """() => Bokeh.index.roots.map(root => {
           const figures = (view) => [...(view.model.type === "Figure" && view.el.offsetParent ? [view] : []),

@@ -31,10 +31,10 @@ def test_the_design_the_study_and_their_revision_outlive_a_reload(visit: Visit) 
     expect(bias).to_have_value("7, 8, 9 °/h")
 
     page.reload()
-    expect(page.get_by_role("alert").filter(has_text=_BACK)).to_be_visible(timeout=60_000)
+    expect(page.get_by_role("alert").filter(has_text=_BACK)).to_be_visible()
     expect(box).to_have_value("0.1 °/√h")
     expect(page.get_by_role("textbox", name="Design", exact=True)).to_have_value("Reloaded <b>")
-    expect(bias).to_have_value("7, 8, 9 °/h", timeout=60_000)
+    expect(bias).to_have_value("7, 8, 9 °/h")
     page.get_by_role("tab", name="Review", exact=True).click()
     expect(following).to_be_visible()
     page.get_by_role("button", name="Undo").click()
@@ -56,12 +56,12 @@ def test_a_page_opened_anew_takes_nothing_back_and_nothing_wrong_is_taken(visit:
         JSON.stringify({at: "/", who: "", link: "arw=<img src=x onerror=alert(1)>", base: "../../x.1"}))""")
     page.reload()
     said = page.get_by_role("alert").filter(has_text="could not be taken up again")
-    expect(said).to_contain_text("<img src=x onerror=alert(1)>", timeout=60_000)
+    expect(said).to_contain_text("<img src=x onerror=alert(1)>")
     expect(box).to_have_value("0.15 °/√h")
     page.evaluate("""() => sessionStorage.setItem("navbudget-design",
         JSON.stringify({at: "/", who: "somebody else", link: "arw=0.2deg/sqrt(h)", base: ""}))""")
     page.reload()
-    page.wait_for_function("() => JSON.parse(sessionStorage.getItem('navbudget-design')).who === ''", timeout=60_000)
+    page.wait_for_function("() => JSON.parse(sessionStorage.getItem('navbudget-design')).who === ''")
     page.wait_for_timeout(1500)
     expect(box).to_have_value("0.15 °/√h")
     expect(page.get_by_text(_BACK)).to_have_count(0)
@@ -72,13 +72,14 @@ _CANVAS = """() => [...Bokeh.documents[0]._all_models.values()].filter(m => m.ty
   .map(figure => figure.border_fill_color)"""
 
 
-def test_a_page_in_dark_stays_dark(visit: Visit) -> None:
+def test_a_page_in_dark_stays_dark(visit: Visit, settled: Callable[[Page], None]) -> None:
     page = visit()
     light, on_light = page.evaluate(_GROUND), page.evaluate(_CANVAS)
     page.get_by_role("button", name="Toggle theme").click()
     page.wait_for_function(f"(before) => ({_GROUND})() !== before", arg=light)
     page.wait_for_function("() => document.cookie.includes('navbudget-theme=dark')")
-    page.wait_for_timeout(500)
+    page.wait_for_function(f"(light) => ({_CANVAS})().every(colour => !light.includes(colour))", arg=on_light)
+    settled(page)
     dark, on_dark = page.evaluate(_GROUND), page.evaluate(_CANVAS)
     page = visit()
     assert page.evaluate(_GROUND) == dark

@@ -13,7 +13,7 @@ Visit = Callable[..., Page]
 
 def downloaded(page: Page) -> str:
     """The HTML report as the button gives it."""
-    with page.expect_download(timeout=120_000) as waiting:
+    with page.expect_download() as waiting:
         page.get_by_role("button", name="HTML report").click()
     return Path(waiting.value.path()).read_text(encoding="utf-8")
 
@@ -22,7 +22,7 @@ def downloaded(page: Page) -> str:
 def test_the_runs_on_the_sar_page_are_in_the_report_while_the_design_stays(visit: Visit) -> None:
     page = visit()
     page.get_by_role("tab", name="SAR").click()
-    expect(page.get_by_text("The runs match the design.")).to_be_visible(timeout=60_000)
+    expect(page.get_by_text("The runs match the design.")).to_be_visible()
     box = page.get_by_role("checkbox", name="SAR")
     expect(box).to_be_checked()
     sentence = page.get_by_text("runs the least median residual is").inner_text()

@@ -7,7 +7,6 @@ import math
 import re
 import subprocess
 import sys
-import time
 import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
+from waiting import PATIENCE, until
 
 Visit = Callable[..., Page]
 
-_COMPILING = 180_000  # ms: the first use of a clone compiles the simulator
 _HEADER = "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg"
 
 
@@ -77,7 +76,7 @@ def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name
     enter(page, "Runs", "8")
     enter(page, "Outages [s]", "40,60")
     page.get_by_role("button", name="Start", exact=True).click()
-    expect(page.get_by_role("status").filter(has_text="8 × 60 s")).to_be_visible(timeout=_COMPILING)
+    expect(page.get_by_role("status").filter(has_text="8 × 60 s")).to_be_visible()
     expect(page.get_by_text("The flight is the file's")).to_be_visible()
 
     with page.expect_download() as waiting:
@@ -98,7 +97,7 @@ def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name
 
 
 def heavy_tasks(server: str) -> float:
-    with urllib.request.urlopen(server + "/metrics", timeout=10) as answer:
+    with urllib.request.urlopen(server + "/metrics") as answer:
         return float(re.search(r"^navbudget_heavy_tasks (\S+)", answer.read().decode(), re.M)[1])  # type: ignore[index]
 
 
@@ -110,7 +109,7 @@ def forgetful() -> Iterator[str]:
         assert process.stdout is not None
         yield process.stdout.readline().split()[-1]
         process.terminate()
-        process.wait(timeout=20)
+        process.wait(PATIENCE)
 
 
 @pytest.mark.slow
@@ -121,11 +120,8 @@ def test_closing_the_page_ends_its_runs(page: Page, forgetful: str) -> None:
     enter(page, "Runs", "2000")
     enter(page, "Length [s]", "2000")
     page.get_by_role("button", name="Start", exact=True).click()
-    expect(page.get_by_text(re.compile(r"[1-9]\d* of 2000 runs, \d+ s left"))).to_be_visible(timeout=_COMPILING)
+    expect(page.get_by_text(re.compile(r"[1-9]\d* of 2000 runs, \d+ s left"))).to_be_visible()
     assert heavy_tasks(forgetful) > 0
     page.goto("about:blank")
     # The chunk a worker has in hand ends by itself; nothing of the many minutes left is begun.
-    until = time.monotonic() + 60
-    while heavy_tasks(forgetful) > 0:
-        assert time.monotonic() < until, "runs went on after the page was closed"
-        time.sleep(0.3)
+    until(lambda: heavy_tasks(forgetful) == 0, "the end of the runs of a closed page")

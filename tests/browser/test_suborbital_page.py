@@ -9,18 +9,20 @@ from pathlib import Path
 from urllib.parse import urljoin
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
 Visit = Callable[..., Page]
+Check = Callable[..., None]
 
 
 @pytest.mark.slow
-def test_first_answer_slider_exact_run_stars_file_and_phone(visit: Visit, tmp_path: Path) -> None:
+def test_first_answer_slider_exact_run_stars_file_and_phone(
+    visit: Visit, tmp_path: Path, accessible: Check, fits: Check
+) -> None:
     page = visit()
     page.get_by_role("tab", name="Suborbital").click()
     sentence = page.get_by_text("What the star tracker did and did not repair")
-    expect(sentence).to_be_visible(timeout=90_000)  # the first run on a machine compiles
+    expect(sentence).to_be_visible()  # the first run on a machine compiles
     status = page.get_by_role("status").filter(has=sentence)
     expect(status).to_contain_text("off by 38.6 km")
     expect(status).to_contain_text("does not stabilise the height")
@@ -34,8 +36,8 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(visit: Visit, tmp_pa
     expect(status).to_contain_text("Moved by the linear sensitivity matrix")
     expect(gyros).not_to_contain_text("26.7 km")
     page.get_by_role("button", name="Recompute exactly").click()
-    expect(page.get_by_role("button", name="Cancel")).to_be_visible()
-    expect(status).to_contain_text("the linear answer was off by", timeout=60_000)
+    expect(page.get_by_role("button", name="Cancel")).to_be_enabled()
+    expect(status).to_contain_text("the linear answer was off by")
 
     box = page.get_by_role("textbox", name="Gyro bias, constant", exact=True)
     box.fill("5 kg")
@@ -64,28 +66,21 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(visit: Visit, tmp_pa
     bad = tmp_path / "mine.csv"
     bad.write_text("a,b\n1,2\n")
     page.locator("input[type=file][accept='.csv']").set_input_files(bad)
-    expect(page.get_by_text("mine.csv: columns time_s")).to_be_visible(timeout=60_000)
+    expect(page.get_by_text("mine.csv: line 1: columns time_s")).to_be_visible()
     expect(status).to_contain_text("the linear answer was off by")
 
-    assert_accessible(page)
-    page.set_viewport_size({"width": 390, "height": 844})
-    page.wait_for_timeout(500)
-    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
-
-
-def assert_accessible(page: Page) -> None:
-    found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]}).response["violations"]
-    assert [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in {"serious", "critical"}] == []
+    accessible(page)
+    fits(page, 390)
 
 
 @pytest.mark.slow
-def test_a_study_is_saved_changed_opened_and_shared(visit: Visit, tmp_path: Path) -> None:
+def test_a_study_is_saved_changed_opened_and_shared(visit: Visit, tmp_path: Path, accessible: Check) -> None:
     page = visit()
     page.goto(urljoin(page.url, "/?study.gyros.bias=6,8,4deg/h"))
     box = page.get_by_role("textbox", name="Gyro bias, constant", exact=True)
-    expect(box).to_have_value("6, 8, 4 °/h", timeout=60_000)
+    expect(box).to_have_value("6, 8, 4 °/h")
     expect(page.get_by_role("tab", name="Suborbital")).to_have_attribute("aria-selected", "true")
-    expect(page.get_by_text("does not stabilise the height")).to_be_visible(timeout=90_000)
+    expect(page.get_by_text("does not stabilise the height")).to_be_visible()
 
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Save study").click()
@@ -106,10 +101,10 @@ def test_a_study_is_saved_changed_opened_and_shared(visit: Visit, tmp_path: Path
 
     page.get_by_role("tab", name="Sensor errors").click()
     expect(page.get_by_role("heading", name="Gyro error, z axis")).to_be_visible()
-    assert_accessible(page)
+    accessible(page)
     page.get_by_role("tab", name="White noise").click()
     page.get_by_role("button", name="Fly the ensemble").click()
     expect(page.get_by_role("region", name="White noise at the end of the flight")).to_contain_text(
-        re.compile("yes|no"), timeout=90_000
+        re.compile("yes|no")
     )
-    assert_accessible(page)
+    accessible(page)

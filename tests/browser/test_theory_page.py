@@ -19,17 +19,15 @@ _COUNT = """() => {
 }"""
 
 
-def test_every_equation_is_set_offline(visit: Visit) -> None:
+def test_every_equation_is_set_offline(visit: Visit, fits: Callable[[Page, int], None]) -> None:
     page = visit()
     page.get_by_text("Theory", exact=True).first.click()
     expect(page.locator("section.equation math")).to_have_count(len(ALL_EQUATIONS))
     expect(page.locator("#T-2")).to_contain_text("√")
     expect(page.get_by_role("region", name="Results and what each was compared with")).to_contain_text("SciPy")
     expect(page.get_by_role("region", name="Figures stated elsewhere, beside ours")).to_contain_text("0.900 m")
-    assert page.evaluate("() => document.documentElement.scrollWidth") <= 1440
-    page.set_viewport_size({"width": 390, "height": 844})
-    page.wait_for_timeout(300)
-    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    fits(page, 1440)
+    fits(page, 390)
 
 
 def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
@@ -77,7 +75,7 @@ def test_the_address_of_an_equation_opens_there(visit: Visit, server: str) -> No
     page = visit()
     page.goto("about:blank")
     page.goto(server + "/#theory-S-5")
-    expect(page.locator("#S-5")).to_be_focused(timeout=60_000)
+    expect(page.locator("#S-5")).to_be_focused()
     assert page.locator("#S-5").evaluate(_IN_VIEW)
     for nowhere in ("#theory-<img src=x>", "#nonsense:S-5", "#theory-"):
         page.evaluate("hash => { location.hash = hash }", nowhere)

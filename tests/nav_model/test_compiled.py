@@ -14,29 +14,28 @@ import nav_model
 
 ROOM = Path(nav_model.__file__).parent
 FLY = """
-import math, time
-began = time.process_time()
+from numba.core.event import install_recorder
 from nav_model.simulation.single_run import fly_without_errors
 from nav_model.simulation.specification import ImuModel, SimulationSpec, TriadModel
 imu = ImuModel(TriadModel(random_walk=1e-4), TriadModel(random_walk=1e-3))
-sigma = fly_without_errors(SimulationSpec(imu, duration=10.0)).filter_sigma[1, -1, 2]
-print(sigma, time.process_time() - began)
+with install_recorder("numba:compile") as compiled:
+    sigma = fly_without_errors(SimulationSpec(imu, duration=10.0)).filter_sigma[1, -1, 2]
+print(sigma, len(compiled.buffer))
 """
 
 
-def fly(root: Path) -> tuple[float, float]:
-    """Down sigma after 10 s and processor seconds taken, in a fresh process that imports nav_model from `root`."""
+def fly(root: Path) -> tuple[float, int]:
+    """Down sigma after 10 s and how often Numba compiled, in a fresh process that imports nav_model from `root`."""
     done = subprocess.run([sys.executable, "-c", FLY], cwd=root, capture_output=True, text=True, check=True)
-    sigma, seconds = done.stdout.split()
-    return float(sigma), float(seconds)
+    sigma, compiled = done.stdout.split()
+    return float(sigma), int(compiled)
 
 
-def test_a_fresh_process_starts_quickly_from_the_cache():
+def test_a_fresh_process_takes_everything_from_the_cache():
+    """Compiling takes ten seconds and more, loading what is compiled a tenth of one: `benchmarks` has the times."""
     fly(ROOM.parent)
-    _sigma, seconds = fly(ROOM.parent)
-    # The promise is 3 s, 0.9 s were measured; a cold compile takes more than 10. Processor time, as the machine
-    # may be busy: with imports and compiled code at hand nothing here waits for anything else.
-    assert seconds < 3.0
+    _sigma, compiled = fly(ROOM.parent)
+    assert compiled == 0
 
 
 @pytest.mark.slow

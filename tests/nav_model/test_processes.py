@@ -7,6 +7,7 @@ import sys
 
 import psutil
 import pytest
+from waiting import PATIENCE
 
 _POOL = """
 import os, sys, time
@@ -33,5 +34,5 @@ def test_workers_end_when_their_parent_is_killed(tmp_path, module: str, name: st
         workers = psutil.Process(process.pid).children(recursive=True)
         assert told <= {worker.pid for worker in workers}
         process.kill()
-    _, alive = psutil.wait_procs(workers, timeout=30)
+    _, alive = psutil.wait_procs(workers, timeout=PATIENCE)
     assert not alive

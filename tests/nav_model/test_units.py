@@ -24,7 +24,7 @@ FINITE = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e250, max_
 
 
 @pytest.mark.parametrize(("dimension", "unit"), EVERY_UNIT, ids=lambda value: value)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(value=FINITE)
 def test_printing_and_reading_again_gives_the_same_float(dimension, unit, value):
     text = format_quantity(value, unit, dimension)
@@ -34,7 +34,7 @@ def test_printing_and_reading_again_gives_the_same_float(dimension, unit, value)
 
 
 @pytest.mark.parametrize(("dimension", "unit"), EVERY_UNIT, ids=lambda value: value)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(number=st.decimals(min_value="1e-6", max_value="1e6", places=6).filter(lambda d: d > 0))
 def test_reading_then_printing_keeps_what_a_person_wrote(dimension, unit, number):
     """Up to fifteen digits every decimal survives the trip through a float, in whatever unit."""
@@ -127,7 +127,7 @@ def test_canonical_symbols_are_fixed_points_and_examples_parse(dimension, unit):
 
 
 @pytest.mark.parametrize(("dimension", "unit"), EVERY_UNIT, ids=lambda value: value)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(number=st.floats(min_value=1e-9, max_value=1e9))
 def test_conversion_there_and_back_stays_within_one_rounding(dimension, unit, number):
     assert from_si(to_si(number, unit, dimension), unit, dimension) == pytest.approx(number, rel=3e-16)

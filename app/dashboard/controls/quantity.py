@@ -8,6 +8,7 @@ import panel_material_ui as pmui
 import param
 
 from app.session import Session
+from app.ui.input_box import InputBox
 from app.ui.log_slider import LogSlider
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
@@ -36,24 +37,17 @@ _EMPTY: dict[str, str] = {
 }
 
 
-class QuantityControl(pn.viewable.Viewer):
-    """Box, unit and perhaps slider of one quantity.
-
-    What the widgets say is compared with the design in force: a widget that only follows it changes nothing.
-    """
+class QuantityControl(InputBox):
+    """Box, unit and perhaps slider of one quantity."""
 
     explained: bool = param.Boolean(default=False, doc="Whether the whole help line is shown.")
-    error: str = param.String(doc="Why what was typed last is refused; empty if it was taken.")
 
     def __init__(self, session: Session, key: str) -> None:
-        super().__init__()
         declaration = declaration_of(key)
         assert isinstance(declaration, BaseQuantity)
-        self.key = key
         self._session = session
         self._declaration = declaration
-        self._shown: Value = None
-        self.box = pmui.TextInput(
+        box = pmui.TextInput(
             label=str(declaration.label),
             placeholder=_EMPTY.get(key, "not checked" if declaration.allow_None else ""),
             margin=(10, 4, 0, 10),
@@ -61,27 +55,24 @@ class QuantityControl(pn.viewable.Viewer):
             # Help may run on under the unit chooser: the box alone is too narrow to read in.
             sx={"& .MuiFormHelperText-root": {"marginRight": "-100px" if declaration.dimension else "0"}},
         )
+        super().__init__(key, box, self._make_slider(key) if key in _SLIDERS else None)
         self.unit: pmui.Select | None = None
         if declaration.dimension:
             self.unit = pmui.Select(
                 label="unit",
                 options=list(DIMENSIONS[declaration.dimension].units),
+                value=session.design.unit(key),
                 width=104,
                 margin=(10, 10, 0, 0),
             )
-        self.slider = self._make_slider() if key in _SLIDERS else None
-        self.show(session.design)
-        self.box.param.watch(self._typed, "value")
-        if self.unit is not None:
             self.unit.param.watch(self._unit_chosen, "value")
-        if self.slider is not None:
-            self.slider.param.watch(self._slid, "value")
+        self.listen()
 
-    def _make_slider(self) -> LogSlider:
+    def _make_slider(self, key: str) -> LogSlider:
         d = self._declaration
         low, high = d.softbounds  # type: ignore[misc]
         zero = d.limits[0] == 0 and d.inclusive_bounds[0]
-        value = self._session.design[self.key]
+        value = self._session.design[key]
         assert isinstance(value, float | int)
         return LogSlider(str(d.label), low, high, d.unit, d.dimension, zero, float(value))
 
@@ -99,33 +90,40 @@ class QuantityControl(pn.viewable.Viewer):
 
     def show(self, design: Design) -> None:
         """Follow the design in force."""
-        value = design[self.key]
-        if value != self._shown:
-            self._shown, self.error = value, ""
-        if self.unit is not None:
-            self.unit.value = design.unit(self.key)
-        if self.slider is not None and value is not None:
-            self.slider.follow(float(value))
-        if not self.error:
-            self.box.value = self._text(design)
-        self._help()
+        self.follow()
 
-    def _text(self, design: Design) -> str:
-        value = design[self.key]
+    def follow(self) -> None:
+        """Show the value in force and its unit."""
+        if self.unit is not None:
+            self.unit.value = self._session.design.unit(self.key)
+        super().follow()
+
+    def value(self) -> Value:
+        """The value in force, SI."""
+        return self._session.design[self.key]
+
+    def text(self) -> str:
+        """The value in force in its unit."""
+        value = self.value()
         if value is None:
             return ""
         assert isinstance(value, float | int)
         dimension = self._declaration.dimension
-        return format_quantity(value, design.unit(self.key), dimension) if dimension else f"{value:g}"
+        return format_quantity(value, self._session.design.unit(self.key), dimension) if dimension else f"{value:g}"
+
+    def size(self) -> float | None:
+        """The value in force, SI."""
+        value = self.value()
+        return float(value) if isinstance(value, float | int) else None
+
+    def help(self) -> str:
+        """Where the value came from, and the declaration's help if it is asked for."""
+        said = (_origin(self._session.design, self.key, self.explained), self._full_help() if self.explained else "")
+        return " ".join(part for part in said if part)
 
     @param.depends("explained", watch=True)
-    def _help(self) -> None:
-        design = self._session.design
-        said = (_origin(design, self.key, self.explained), self._full_help() if self.explained else "")
-        text = self.error or " ".join(part for part in said if part)
-        if (self.box.helper_text, self.box.error_state) != (text, bool(self.error)):
-            # In one message: a second one could undo what is typed between the two.
-            self.box.param.update(helper_text=text, error_state=bool(self.error))
+    def _explain(self) -> None:
+        self.say()
 
     def _full_help(self) -> str:
         d = self._declaration
@@ -133,39 +131,26 @@ class QuantityControl(pn.viewable.Viewer):
         sheet = d.datasheet if d.datasheet.startswith("Not ") else f"Data sheet: {d.datasheet}"
         return " ".join(part for part in (str(d.doc), sheet, typical) if part)
 
-    def _put(self, value: Value, unit: str = "") -> None:
-        refused = self._session.change({self.key: value}, {self.key: unit} if unit else None)
-        self.error = "" if refused is None else refused.reason if refused.key == self.key else str(refused)
-        self.show(self._session.design)
+    def _change(self, value: Value, unit: str) -> InputError | None:
+        return self._session.change({self.key: value}, {self.key: unit} if unit else None)
 
-    def _typed(self, event: param.parameterized.Event) -> None:
-        if event.new == self._text(self._session.design):
-            self.error = ""
-            self._help()
-            return
-        text = event.new.strip()
+    def take(self, text: str) -> InputError | None:
+        """Put a text in force; a bare number takes the unit beside the box."""
+        text = text.strip()
         if not text and self._declaration.allow_None:
-            self._put(None)
-            return
-        try:
-            value, unit = self._declaration.read(_with_unit(text, self.unit.value if self.unit else ""))
-        except InputError as error:
-            self.error = error.reason
-            self._help()
-            return
-        self._put(value, unit)
+            return self._change(None, "")
+        value, unit = self._declaration.read(_with_unit(text, self.unit.value if self.unit else ""))
+        return self._change(value, unit)
+
+    def take_size(self) -> InputError | None:
+        """Put in force what the slider says, in the unit in force."""
+        assert self.slider is not None
+        unit = self._session.design.unit(self.key)
+        return self._change(self.slider.amount(unit, self._declaration.dimension), unit)
 
     def _unit_chosen(self, event: param.parameterized.Event) -> None:
         if event.new != self._session.design.unit(self.key):
-            self._put(self._session.design[self.key], event.new)
-
-    def _slid(self, _: param.parameterized.Event) -> None:
-        assert self.slider is not None
-        design = self._session.design
-        value = design[self.key]
-        if value is None or not self.slider.shows(float(value)):
-            unit = design.unit(self.key)
-            self._put(self.slider.amount(unit, self._declaration.dimension), unit)
+            self.put(lambda: self._change(self.value(), event.new))
 
 
 def _with_unit(text: str, unit: str) -> str:

@@ -7,9 +7,9 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from app.console.files import put_file
+from app.console.progress import show_progress
 from nav_model.design.declaration import Choice
 from nav_model.design.file import parse_design, read_bytes
 from nav_model.errors import InputError
@@ -18,7 +18,7 @@ from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.noise_ensemble import MOST_RUNS, fly_noise
 from nav_model.suborbital.settings import DEFAULTS, from_design, read_changes
 from nav_model.suborbital.study_file import format_study, is_study, parse_study
-from nav_model.suborbital.survey import Survey, run_survey
+from nav_model.suborbital.survey import run_survey
 from nav_model.suborbital.survey_json import noise_json, survey_json
 
 
@@ -63,20 +63,17 @@ def run(
         flown = (Path(trajectory).name, read_bytes(trajectory, BOUNDS.most_bytes))
     if save is not None:
         put_file(save, format_study(settings, flown).encode("utf-8"))
-    said: list[str] = []
-
-    def progress(share: float, what: str) -> None:
-        line = f"suborbital: {10 * int(10 * share)} % {what}"
-        if line not in said:
-            said.append(line)
-            print(line, file=sys.stderr, flush=True)
-
     try:
-        survey = run_survey(settings, flown, progress=progress)
-        answer = survey_json(survey)
-        answer["design"] = None if design is None else design.name
-        if noise_runs:
-            answer["white_noise_monte_carlo"] = _noise(survey, noise_runs, progress)
+        with show_progress() as show:
+            survey = run_survey(settings, flown, progress=lambda share, what: show(what, share))
+            answer = survey_json(survey)
+            answer["design"] = None if design is None else design.name
+            if noise_runs:
+                covariance = None if survey.track is None else survey.track.covariance
+                answer["white_noise_monte_carlo"] = noise_json(
+                    fly_noise(survey.study, noise_runs, int(settings["seed"]), covariance,
+                              progress=lambda share, what: show(what, share))
+                )  # fmt: skip
     except InputError:
         raise
     except ValueError as error:
@@ -84,8 +81,3 @@ def run(
     json.dump(answer, sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
     sys.stdout.write("\n")
     return 0
-
-
-def _noise(survey: Survey, runs: int, progress: Any) -> dict[str, Any]:
-    covariance = None if survey.track is None else survey.track.covariance
-    return noise_json(fly_noise(survey.study, runs, int(survey.settings["seed"]), covariance, progress=progress))

@@ -1,8 +1,7 @@
-"""The inputs of the suborbital study on its page: one control per declaration, derived from it.
+"""One input of the suborbital study on its page, derived from its declaration.
 
 A box takes text with units (three axes separated by commas); where a range is explored by hand a slider on a log
-scale moves the size, keeping the ratio of the axes. Text that is refused shows its message at the box and leaves
-the last good value in force.
+scale moves the size, keeping the ratio of the axes.
 """
 
 from __future__ import annotations
@@ -14,130 +13,97 @@ import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 
+from app.ui.input_box import InputBox
 from app.ui.log_slider import LogSlider
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.several import Axes
 from nav_model.errors import InputError
 from nav_model.suborbital.input_table import INPUTS
-from nav_model.suborbital.settings import DEFAULTS, Settings, Value, read_value
+from nav_model.suborbital.settings import DEFAULTS, GP1, Settings, Value, read_value
 
-Slid = BaseQuantity | Axes
+_EMPTY = {"tracker.from_height": "from lift-off", "camera.focal_length": "from the field of view"}
+
 Put = Callable[[str, Value], InputError | None]
 
 
-class InputControl:
-    """Box or select of one input, and perhaps a slider. `put` changes the study and says what is wrong, if
-    anything."""
+class InputControl(InputBox):
+    """Box or select of one input, and perhaps a slider.
 
-    def __init__(self, key: str, settings: Settings, put: Put) -> None:
-        self.key = key
+    Parameters
+    ----------
+    key : str
+        Dotted key of the input.
+    settings : callable
+        The settings in force.
+    put : callable
+        Puts a value in force, or says why not.
+    """
+
+    def __init__(self, key: str, settings: Callable[[], Settings], put: Put) -> None:
+        self._settings, self._put_value = settings, put
         self._declared = declared = INPUTS[key]
-        self._put_value = put
-        self._writing = False
-        self._shown: Value = settings[key]
-        look: dict[str, Any] = {
-            "label": str(declared.label),
-            "description": "",
-            "size": "small",
-            "margin": (9, 10, 0, 10),
-            "sizing_mode": "stretch_width",
-        }
+        look: dict[str, Any] = {"label": str(declared.label), "margin": (9, 10, 0, 10)}
+        look |= {"description": "", "size": "small", "sizing_mode": "stretch_width"}
         if isinstance(declared, Choice):
-            self.box: Any = pmui.Select(options=list(declared.objects), value=settings[key], **look)
+            box = pmui.Select(options=list(declared.objects), value=settings()[key], **look)
         else:
-            optional = isinstance(declared, BaseQuantity) and declared.allow_None
-            self.box = pmui.TextInput(
-                value=_text(settings, key), placeholder="from lift-off" if optional else "none", **look
-            )
-        self.box.param.watch(self._typed, "value")
-        self.slider: LogSlider | None = None
+            box = pmui.TextInput(placeholder=_EMPTY.get(key, "none"), **look)
+        slider = None
         # A slider where a narrower range than the bounds is declared for one.
-        if isinstance(declared, Slid) and declared.softbounds != declared.limits:
-            self.slider = LogSlider(
-                str(declared.label), *declared.softbounds, declared.unit, declared.dimension,
-                zero=declared.limits[0] == 0, value=_size(self._shown),
+        if isinstance(declared, BaseQuantity | Axes) and declared.softbounds != declared.limits:
+            low, high = declared.softbounds  # type: ignore[misc]  # Param's may be None, ours are not
+            slider = LogSlider(
+                str(declared.label), low, high, declared.unit, declared.dimension,
+                zero=declared.limits[0] == 0, value=_size(settings()[key]),
             )  # fmt: skip
-            self.slider.param.watch(self._slid, "value")
-        self._help(settings)
+        super().__init__(key, box, slider)
+        self.listen()
 
-    @property
-    def view(self) -> pn.viewable.Viewable:
-        """The control as it stands in the column."""
+    def __panel__(self) -> pn.viewable.Viewable:
         if self.slider is None:
             return self.box
         return pn.Column(self.box, self.slider, margin=0, sizing_mode="stretch_width")
 
-    def show(self, settings: Settings) -> None:
-        """Follow the settings in force."""
-        self._writing = True
-        self._shown = settings[self.key]
-        text = _text(settings, self.key)
-        if self.box.value != text:
-            self.box.value = text
-        if self.slider is not None:
-            self.slider.follow(_size(self._shown))
-        self._help(settings)
-        self._writing = False
+    def value(self) -> Value:
+        """The value in force, SI."""
+        value: Value = self._settings()[self.key]
+        return value
 
-    def _help(self, settings: Settings, error: str = "") -> None:
-        changed = settings[self.key] != DEFAULTS[self.key]
-        default = DEFAULTS.show(self.key) or "none"
+    def text(self) -> str:
+        """The value in force in its usual unit."""
+        return "" if self.value() is None else self._settings().show(self.key)
+
+    def size(self) -> float:
+        """Size of the largest axis in force, SI."""
+        return _size(self.value())
+
+    def help(self) -> str:
+        """What the input is, or what GP-1 has and where this value came from."""
+        settings = self._settings()
+        if self.value() == DEFAULTS[self.key]:
+            return str(self._declared.doc)
         origin = settings.origin[self.key]
         source = f" ({origin})" if origin.startswith("design") else ""
-        text = error or (f"≠ GP-1: {default}{source}" if changed else str(self._declared.doc))
-        if getattr(self.box, "helper_text", None) != text:
-            self.box.helper_text = text
-        if not isinstance(self._declared, Choice) and self.box.error_state != bool(error):
-            self.box.error_state = bool(error)
+        return f"≠ {GP1}: {DEFAULTS.show(self.key) or 'none'}{source}"
 
-    def _typed(self, event: Any) -> None:
-        if self._writing:
-            return
-        try:
-            value = read_value(self.key, event.new, getattr(self._declared, "unit", ""))
-        except InputError as error:
-            self._refuse(error)
-            return
-        self._put(value)
+    def take(self, text: str) -> InputError | None:
+        """Put a text in force; a number without a unit takes the usual one."""
+        return self._put_value(self.key, read_value(self.key, text, getattr(self._declared, "unit", "")))
 
-    def _slid(self, event: Any) -> None:
-        if self._writing:
-            return
+    def take_size(self) -> InputError | None:
+        """Put the slider's size in force: in whole steps, or with the ratio of the axes kept."""
         declared = self._declared
-        assert isinstance(declared, Slid)
         assert self.slider is not None
+        assert isinstance(declared, BaseQuantity | Axes)
         size = self.slider.amount(declared.unit, declared.dimension)
-        if not isinstance(declared, Axes):
-            self._put(declared.step * max(1, round(size / declared.step)) if declared.step else size)
-            return
-        pattern = self._shown if _size(self._shown) > 0 else declared.default
-        if _size(pattern) == 0:
-            pattern = (1.0,) * len(declared.default)
-        assert isinstance(pattern, tuple)
-        self._put(tuple(float(p) * size / _size(pattern) for p in pattern))  # type: ignore[arg-type]
-
-    def _put(self, value: Value) -> None:
-        error = self._put_value(self.key, value)
-        if error is not None:
-            self._refuse(error)
-
-    def _refuse(self, error: InputError) -> None:
-        self.box.helper_text = error.reason if error.key == self.key else str(error)
-        if not isinstance(self._declared, Choice):
-            self.box.error_state = True
+        if isinstance(declared, BaseQuantity):
+            step = declared.step
+            return self._put_value(self.key, step * max(1, round(size / step)) if step else size)
+        even = (1.0,) * len(declared.default)
+        ratio = next(axes for axes in (self.value(), declared.default, even) if _size(axes) > 0)
+        return self._put_value(self.key, tuple(float(axis) * size / _size(ratio) for axis in ratio))
 
 
-def _text(settings: Settings, key: str) -> str:
-    return "" if settings[key] is None else settings.show(key)
-
-
-def _size(value: Value) -> float:
+def _size(value: Any) -> float:
     """Size of a value for a slider: of the largest axis."""
-    if value is None:
-        return 0.0
-    return float(np.max(np.abs(np.asarray(value, dtype=np.float64))))
-
-
-def input_controls(keys: list[str], settings: Settings, put: Put) -> list[InputControl]:
-    """Controls of some inputs, in order."""
-    return [InputControl(key, settings, put) for key in keys]
+    return 0.0 if value is None else float(np.max(np.abs(np.asarray(value, dtype=np.float64))))

@@ -9,9 +9,12 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
+from app.document.blocks import Text
+from app.document.pane import html_of
 from app.session import Session
-from app.subjects.suborbital.controls import InputControl, input_controls
+from app.subjects.suborbital.controls import InputControl
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.upstream.file_input import LimitedFileInput
@@ -32,28 +35,26 @@ _FILE_HELP = (
 )
 
 
-class InputPanel:
-    """Settings and trajectory in force, and the column that changes them.
+class InputPanel(pn.viewable.Viewer):
+    """Settings and trajectory in force, and the column that changes them."""
 
-    changed: called after every accepted change of the settings; flown: when another trajectory shall be flown.
-    """
+    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    settings: Settings = param.ClassSelector(class_=Settings, default=DEFAULTS, instantiate=False)
+    trajectory: Trajectory = param.Parameter(doc="Name and content of the file flown; None: the golden flight.")
 
-    def __init__(self, session: Session, changed: Callable[[], None], flown: Callable[[], None]) -> None:
-        self._session, self._changed, self._flown = session, changed, flown
-        self.settings: Settings = DEFAULTS
-        self.trajectory: Trajectory = None
+    def __init__(self, session: Session) -> None:
+        super().__init__(session=session)
         self.controls: list[InputControl] = []
         self.notice = pmui.Alert(object="", severity="error", closeable=True, visible=False, margin=(4, 14))
-        if session.study_link:
-            try:
-                self.settings = from_link(session.study_link)
-            except InputError as error:
-                self.say(f"The link's study was not used. {error}")
-        session.param.watch(self._follow_link, "study_link")
-        self.view = self._layout()
+        self._view = self._layout()
+        self._follow_link()
 
-    def _follow_link(self, event: Any) -> None:
-        link = event.new
+    def __panel__(self) -> pn.Column:
+        return self._view
+
+    @param.depends("session.study_link", watch=True)
+    def _follow_link(self) -> None:
+        link = self.session.study_link
         if link and link != to_link(self.settings) and (problem := self.adopt(lambda: from_link(link))):
             self.say(f"The link's study was not used. {problem}")
 
@@ -63,10 +64,10 @@ class InputPanel:
 
     # --- layout ----------------------------------------------------------------------------------------
 
-    def _layout(self) -> pn.viewable.Viewable:
+    def _layout(self) -> pn.Column:
         self._sections = [pn.Column(margin=0, sizing_mode="stretch_width") for _ in GROUPS]
         narrow = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
-        opened = [] if narrow else [_OPEN]  # on a phone the inputs stand above the charts
+        opened = [] if narrow else [_OPEN]  # on a phone the inputs are above the charts
         accordion = pmui.Accordion(
             *zip(GROUPS, self._sections, strict=True),
             active=opened,
@@ -97,13 +98,21 @@ class InputPanel:
             callback=lambda: io.BytesIO(format_study(self.settings, self.trajectory).encode("utf-8")),
             filename="suborbital-study.toml", label="Save study", icon="save", description="", **_LOOK,
         )  # fmt: skip
-        link = pmui.Button(label="Link to study", icon="link", **_LOOK)
-        take = pmui.Button(label="Take the design's IMU", icon="input", **_LOOK)
-        back = pmui.Button(label="GP-1 again", icon="restart_alt", **_LOOK)
-        link.on_click(self._put_link)
-        take.on_click(lambda _: self.adopt(lambda: from_design(self.settings, self._session.design)))
-        back.on_click(lambda _: self.adopt(lambda: DEFAULTS))
-        return [self.file, save, link, take, back]
+
+        def button(label: str, icon: str, pressed: Callable[[], object]) -> pmui.Button:
+            return pmui.Button(label=label, icon=icon, on_click=lambda _: pressed(), **_LOOK)
+
+        return [
+            self.file,
+            save,
+            button("Link to study", "link", self._put_link),
+            button("Copy IMU from design", "input", self._take_design),
+            button("Reset to GP-1 reference case", "restart_alt", lambda: self.adopt(lambda: DEFAULTS)),
+        ]
+
+    def _take_design(self) -> None:
+        problem = self.adopt(lambda: from_design(self.settings, self.session.design))
+        self.say(f"The design's IMU was not copied. {problem}" if problem else "")
 
     def _flight_file(self) -> pn.viewable.Viewable:
         self.trajectory_file = LimitedFileInput(
@@ -111,11 +120,13 @@ class InputPanel:
             accept=".csv", icon="upload_file", max_file_size=BOUNDS.most_bytes, description="", **_LOOK,
         )  # fmt: skip
         self.trajectory_file.param.watch(self._uploaded, "value")
-        self._golden = pmui.Button(label="Golden flight again", visible=False, **_LOOK)
-        self._golden.on_click(lambda _: self._fly(None))
+        golden = pmui.Button(
+            label="Golden flight again", visible=self.param.trajectory.rx.is_not(None),
+            on_click=lambda _: self.param.update(trajectory=None), **_LOOK,
+        )  # fmt: skip
         self._file_said = html_pane(_FILE_HELP, margin=(0, 12))
         return pn.Column(
-            pn.FlexBox(self.trajectory_file, self._golden, margin=(4, 4, 0, 4), sizing_mode="stretch_width"),
+            pn.FlexBox(self.trajectory_file, golden, margin=(4, 4, 0, 4), sizing_mode="stretch_width"),
             self._file_said,
             sizing_mode="stretch_width",
             margin=0,
@@ -125,9 +136,9 @@ class InputPanel:
         if self._sections[index].objects:
             return
         keys = [declared.key for declared in list(GROUPS.values())[index]]
-        controls = input_controls(keys, self.settings, self.put)
+        controls = [InputControl(key, lambda: self.settings, self.put) for key in keys]
         self.controls += controls
-        self._sections[index].objects = [control.view for control in controls]
+        self._sections[index].objects = controls
 
     # --- what a person does ------------------------------------------------------------------------------
 
@@ -142,15 +153,14 @@ class InputPanel:
         except InputError as error:
             return error
         with pn.io.hold():
-            self._show(settings)
-            self._changed()
+            self.settings = settings
         return None
 
-    def _show(self, settings: Settings) -> None:
-        self.settings = settings
-        self._session.study_link = to_link(settings)
+    @param.depends("settings", watch=True)
+    def _show(self) -> None:
+        self.session.study_link = to_link(self.settings)
         for control in self.controls:
-            control.show(settings)
+            control.follow()
 
     def _opened(self, event: Any) -> None:
         if not event.new:
@@ -168,15 +178,11 @@ class InputPanel:
             return
         self.say("")
         with pn.io.hold():
-            self._show(study.settings)
-            if study.trajectory != self.trajectory:
-                self._fly(study.trajectory)
-            else:
-                self._changed()
+            self.param.update(settings=study.settings, trajectory=study.trajectory)
 
-    def _put_link(self, _: Any) -> None:
-        self._session.study_link = to_link(self.settings)
-        query = self._session.link
+    def _put_link(self) -> None:
+        self.session.study_link = to_link(self.settings)
+        query = self.session.link
         if len(query) > MAX_QUERY:
             self.say("The study does not fit into an address; save it as a file instead.")
             return
@@ -191,15 +197,14 @@ class InputPanel:
         if event.new:
             content, name = event.new, str(self.trajectory_file.filename or "file")
             self.trajectory_file.clear()
-            self._fly((name, content))
+            self.trajectory = (name, content)
 
-    def _fly(self, trajectory: Trajectory) -> None:
-        self.take(trajectory)
-        self._flown()
+    def refuse(self, flown: Trajectory, reason: str) -> None:
+        """Go back to the trajectory flown before and say why."""
+        self.say(f"Trajectory not taken. {reason}")
+        self.trajectory = flown
 
-    def take(self, trajectory: Trajectory) -> None:
-        """Put another trajectory in force (None: the golden flight) without flying it yet."""
-        self.trajectory = trajectory
-        self._golden.visible = trajectory is not None
-        said = _FILE_HELP if trajectory is None else f'<p class="know" role="note">Flown: {escape(trajectory[0])}</p>'
-        self._file_said.object = said
+    @param.depends("trajectory", watch=True)
+    def _say_flown(self) -> None:
+        flown = self.trajectory
+        self._file_said.object = html_of(Text(f"Flown: {flown[0]}")) if flown else _FILE_HELP

@@ -5,206 +5,166 @@ from __future__ import annotations
 import asyncio
 import io
 import json
-import time
-from html import escape
-from typing import Any
 
 import panel as pn
-import panel_material_ui as pmui
+import param
 
-from app.document.prose import prose
+from app.document.pane import html_of
 from app.session import Session
-from app.subjects.suborbital.answer import answer, waiting
+from app.subjects.suborbital.answer import WAITING, answer
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
 from app.subjects.suborbital.inputs import InputPanel, Trajectory
-from app.subjects.suborbital.noise import NoiseRun
+from app.subjects.suborbital.noise import NoisePanel
 from app.subjects.suborbital.tabs import StudyTabs
+from app.ui.downloads import download
 from app.ui.grid import cell, grid
-from app.ui.html_pane import html_pane
+from app.ui.html_pane import block_pane
+from app.ui.run_bar import RunBar
 from app.work.alone import RunLost, run_alone
 from app.work.pool import elsewhere
+from app.work.run import Run
 from nav_model.budget import Budget
 from nav_model.suborbital.study import Gap, Study, position_gap
 from nav_model.suborbital.survey import Renewed, Survey, moved, needs_other_matrices, needs_run, renewed, run_survey
 from nav_model.suborbital.survey_json import gap_json, noise_json, survey_json
 
 _SETTLE_SECONDS = 0.6  # a slider that needs a new run has come to rest after this long
-_LOOK: dict[str, Any] = {"size": "small", "margin": 2}
 
 
-class SuborbitalPage:
-    """Everything below the tab. The first run starts when the page is opened."""
+class SuborbitalPage(pn.viewable.Viewer):
+    """Everything below the tab. The first run starts when the page is opened.
+
+    The result of `exact` is the last exact run; `renewal` makes the matrices that other frames or periods need.
+    """
+
+    exact: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
+    renewal: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
+    inputs: InputPanel = param.ClassSelector(class_=InputPanel, allow_None=False, instantiate=False, constant=True)
+    noise: NoisePanel = param.ClassSelector(class_=NoisePanel, allow_None=False, instantiate=False, constant=True)
+    tabs: StudyTabs = param.ClassSelector(class_=StudyTabs, allow_None=False, instantiate=False, constant=True)
 
     def __init__(self, session: Session) -> None:
+        noise = NoisePanel(session, lambda: self.tabs.shown)
+        super().__init__(
+            exact=session.new_run(), renewal=session.new_run(), inputs=InputPanel(session), noise=noise,
+            tabs=StudyTabs(noise),
+        )  # fmt: skip
         self._session = session
-        self.survey: Survey | None = None
-        self.shown: Shown | None = None
-        self.gap: Gap | None = None
-        self._flown: Trajectory = None  # the trajectory of `survey`
-        self._running: asyncio.Task[None] | None = None
-        self._renewing: asyncio.Task[None] | None = None
-        self._started = 0.0
-        self._answer = html_pane(waiting())
-        self.inputs = InputPanel(session, self.follow, self.run)
-        self.noise = NoiseRun(lambda: self.shown, self._look)
-        self.tabs = StudyTabs(self._look, self.noise.view)
-        self.view = pn.Column(
+        self._gap: Gap | None = None  # of the moved curves that the last exact run replaced
+        self._flown: Trajectory = None  # the trajectory of the last exact run
+        self._answer = block_pane(WAITING)
+        self.bar = RunBar(self.exact, self.run, "Recompute exactly")
+        self._view = pn.Column(
             self._answer,
-            self._run_bar(),
+            pn.Row(self.bar, download("Study (JSON)", "suborbital.json", self._json), sizing_mode="stretch_width"),
             self.inputs.notice,
-            grid(cell(3, self.inputs.view), cell(9, self.tabs.view), margin=(4, 6)),
+            grid(cell(3, self.inputs), cell(9, self.tabs), margin=(4, 6)),
             sizing_mode="stretch_width",
         )
         if pn.state.curdoc:
-            pn.state.on_session_destroyed(lambda _: self._close())
             self.run()
+
+    def __panel__(self) -> pn.Column:
+        return self._view
 
     def show(self, budget: Budget) -> None:
         """The design enters by the button only; the study has its own inputs."""
 
-    def _run_bar(self) -> pn.viewable.Viewable:
-        self._state = html_pane("", margin=(2, 14))
-        self.recompute = pmui.Button(label="Recompute exactly", icon="calculate", variant="outlined", **_LOOK)
-        self.cancel = pmui.Button(label="Cancel", icon="close", variant="outlined", visible=False, **_LOOK)
-        self._progress = pmui.LinearProgress(
-            value=0, variant="determinate", visible=False, sizing_mode="stretch_width", margin=(2, 14)
-        )
-        self.recompute.on_click(lambda _: self.run())
-        self.cancel.on_click(lambda _: self._stop())
-        export = pmui.FileDownload(
-            callback=self._json, filename="suborbital.json", label="Study (JSON)", variant="text", description="",
-            **_LOOK,
-        )  # fmt: skip
-        bar = pn.FlexBox(self.recompute, self.cancel, export, sizing_mode="stretch_width", margin=(2, 8))
-        return pn.Column(bar, self._progress, self._state, sizing_mode="stretch_width", margin=0)
+    @property
+    def survey(self) -> Survey | None:
+        """The last exact run."""
+        survey: Survey | None = self.exact.result
+        return survey
 
     # --- following the inputs ----------------------------------------------------------------------------
 
+    @param.depends("inputs.settings", "inputs.trajectory", watch=True)
     def follow(self) -> None:
         """Move the curves to the settings in force, or start what they need first."""
-        settings = self.inputs.settings
-        if self.survey is None:
+        survey, settings = self.survey, self.inputs.settings
+        if survey is None:
             self.run()
-        elif needs_run(self.survey, settings) or self.inputs.trajectory != self._flown:
+        elif needs_run(survey, settings) or self.inputs.trajectory != self._flown:
             self.run(_SETTLE_SECONDS)
-        elif needs_other_matrices(self.survey, settings):
-            if self._renewing is None:
-                self._renewing = asyncio.get_running_loop().create_task(self._renew())
+        elif needs_other_matrices(survey, settings):
+            self.renewal.start(lambda _: self._renew(survey))
         else:
-            self._show_moved(None)
+            self._show_moved(survey, None)
 
-    def _show_moved(self, renewal: Renewed | None) -> None:
-        assert self.survey is not None
+    def _show_moved(self, survey: Survey, renewal: Renewed | None) -> None:
         settings = self.inputs.settings
-        same = dict(settings.values) == dict(self.survey.settings.values)
-        self.gap = self.gap if same else None
-        self._put_on_screen(self.survey.study if same else moved(self.survey, settings, renewal))
+        same = dict(settings.values) == dict(survey.settings.values)
+        self._gap = self._gap if same else None
+        self._put_on_screen(survey, survey.study if same else moved(survey, settings, renewal))
 
-    async def _renew(self) -> None:
-        """Matrices for other frames or periods, in a worker; only the last settings count."""
-        try:
-            while True:
-                assert self.survey is not None
-                survey, settings = self.survey, self.inputs.settings
-                renewal = await elsewhere(renewed, survey.study, settings)
-                if settings is self.inputs.settings:
-                    break
-            if survey is self.survey:
-                with pn.io.hold():
-                    self._show_moved(renewal)
-        finally:
-            self._renewing = None
+    async def _renew(self, survey: Survey) -> None:
+        """Matrices for other frames or periods; those of settings that are no longer in force are dropped."""
+        settings = self.inputs.settings
+        renewal = await elsewhere(renewed, survey.study, settings)
+        if survey is self.survey and settings is self.inputs.settings:
+            with pn.io.hold():
+                self._show_moved(survey, renewal)
 
-    def run(self, settle: float = 0.0) -> None:
-        """Start an exact run at the settings in force; one under way is ended."""
-        self._stop()
-        self._running = asyncio.get_running_loop().create_task(self.run_exactly(settle))
+    @param.depends("renewal.message", watch=True)
+    def _say_renewal(self) -> None:
+        self.bar.message = self.renewal.message
 
-    def _stop(self) -> None:
-        if self._running is not None:
-            self._running.cancel()
+    def run(self, settle: float = 0.0) -> asyncio.Task[None]:
+        """Start an exact run at the settings in force, after `settle` seconds; one under way is cancelled."""
+        return self.exact.start(lambda run: self._run_survey(run, settle))
 
-    def _close(self) -> None:
-        self._stop()
-        self.noise.stop()
-
-    async def run_exactly(self, settle: float = 0.0) -> None:
-        """Run the survey in a process of its own and show it; progress and cancel are on the page."""
-        task = asyncio.current_task()
+    async def _run_survey(self, run: Run, settle: float) -> Survey | None:
         await asyncio.sleep(settle)
-        settings, trajectory, before = self.inputs.settings, self.inputs.trajectory, self.shown
-        self._started = time.monotonic()
-        self._session.running = True
-        self._busy(True)
-        self._progressed(0.0, "starting")
+        settings, trajectory, before = self.inputs.settings, self.inputs.trajectory, self.tabs.shown
         try:
-            survey: Survey = await run_alone(run_survey, settings, trajectory, progress=self._progressed)
+            survey: Survey = await run_alone(
+                run_survey, settings, trajectory, progress=lambda share, what: run.tell(what, share)
+            )
         except (ValueError, RunLost) as error:
-            if trajectory is not None and trajectory != self._flown:  # the file is refused, not kept
-                self.inputs.take(self._flown)
-            self._finish(task, f'<span class="mark">✗ Not computed.</span> {prose(str(error))}')
-            return
-        except asyncio.CancelledError:
-            self._finish(task, "Cancelled; what is shown is the last answer.")
-            raise
-        comparable = before is not None and not before.exact and self.survey is not None
-        if comparable and before is not None and not needs_run(before.survey, settings) and trajectory == self._flown:
-            self.gap = position_gap(before.study.pure.position_m, before.study.aided.position_m, survey.study)
-        else:
-            self.gap = None
-        self.survey, self._flown = survey, trajectory
-        with pn.io.hold():
-            self.tabs.last_moment(int(survey.star_frames[-1].time_s), len(survey.star_frames))
-            self._finish(task, "")
-            self.follow()
+            if trajectory is None or trajectory == self._flown:
+                raise
+            self.inputs.refuse(self._flown, str(error))
+            return self.survey
+        same_flight = before is not None and not needs_run(before.survey, settings) and trajectory == self._flown
+        self._gap, self._flown = None, trajectory
+        if before is not None and same_flight and not before.exact:
+            self._gap = position_gap(before.study.pure.position_m, before.study.aided.position_m, survey.study)
+        return survey
 
-    def _finish(self, task: asyncio.Task[None] | None, said: str) -> None:
-        """The run is over; a run that was replaced leaves the bar to the one that replaced it."""
-        if self._running is not None and self._running is not task:
-            return
-        self._running = None
-        self._session.running = False
-        self._busy(False)
-        self._state.object = _said(said) if said else ""
-
-    def _busy(self, busy: bool) -> None:
-        self.cancel.visible = self._progress.visible = busy
-
-    def _progressed(self, share: float, what: str) -> None:
-        spent = time.monotonic() - self._started
-        left = f", about {spent / share * (1 - share):.0f} s left" if share > 0.1 else ""
-        self._progress.value = round(100 * share)
-        self._state.object = _said(escape(f"Computing: {what}, {100 * share:.0f} %{left}"))
+    @param.depends("exact.result", watch=True)
+    def _show_exact(self) -> None:
+        if self.survey is not None:
+            with pn.io.hold():
+                self.tabs.last_moment(int(self.survey.star_frames[-1].time_s))
+                self.follow()
 
     # --- on screen ---------------------------------------------------------------------------------------
 
+    @param.depends("tabs.case", "tabs.channel", "tabs.aided_sources", "tabs.along_track", "tabs.moment",
+                   "noise.run.result", watch=True)  # fmt: skip
     def _look(self) -> None:
-        if self.shown is not None:
-            self._put_on_screen(self.shown.study)
+        if self.survey is not None and self.tabs.shown is not None:
+            self._put_on_screen(self.survey, self.tabs.shown.study)
 
-    def _put_on_screen(self, study: Study) -> None:
-        assert self.survey is not None
-        self.shown = Shown(
-            self.survey, study, **self.tabs.looks, ensemble=self.noise.ensemble_of(study), gap=self.gap
-        )
-        self._session.keep("suborbital", Finding(self.shown, self.inputs.settings))
+    def _put_on_screen(self, survey: Survey, study: Study) -> None:
+        ensemble = self.noise.ensemble_of(study)
+        shown = Shown(survey, study, **self.tabs.looks, ensemble=ensemble, gap=self._gap)
+        self._session.keep("suborbital", Finding(shown, self.inputs.settings))
         with pn.io.hold():
-            said = answer(self.shown, self.inputs.settings, self.gap)
+            said = html_of(*answer(shown, self.inputs.settings))
             if self._answer.object != said:
                 self._answer.object = said
-            self.tabs.show(self.shown)
+            self.noise.note(study)
+            self.tabs.shown = shown
 
     def _json(self) -> io.BytesIO:
-        if self.shown is None or self.survey is None:
+        shown = self.tabs.shown
+        if shown is None:
             return io.BytesIO(b"{}")
-        content = survey_json(self.survey, self.shown.study, self.inputs.settings)
-        if self.gap is not None:
-            content["linear_gap"] = gap_json(self.gap)
-        if self.shown.ensemble is not None:
-            content["white_noise_monte_carlo"] = noise_json(self.shown.ensemble)
+        content = survey_json(shown.survey, shown.study, self.inputs.settings)
+        if shown.gap is not None:
+            content["linear_gap"] = gap_json(shown.gap)
+        if shown.ensemble is not None:
+            content["white_noise_monte_carlo"] = noise_json(shown.ensemble)
         return io.BytesIO(json.dumps(content, ensure_ascii=False, allow_nan=False, indent=1).encode("utf-8"))
-
-
-def _said(text: str) -> str:
-    return f'<p class="know" role="note">{text}</p>'

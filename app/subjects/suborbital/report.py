@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable
 from dataclasses import replace
 
 from app.charts.kinds import Chart
-from app.document.blocks import Answer, Block, Cell, Column, Section, Text
-from app.document.blocks import Table as ReportTable
+from app.console.progress import show_progress
+from app.document.blocks import Block, Cell, Column, Section, Table, Text
 from app.document.chart_block import chart_block
-from app.document.numbers import number, percent
 from app.subjects.suborbital import charts, tables
+from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
 from nav_model.design import Design
+from nav_model.errors import InputError
 from nav_model.suborbital.input_table import GROUPS
-from nav_model.suborbital.settings import Settings, from_design
-from nav_model.suborbital.summary import explain
+from nav_model.suborbital.settings import DEFAULTS, Settings, from_design, read_changes
+from nav_model.suborbital.survey import run_survey
 
 _ERRORS = tuple(draw for channel in (2, 1, 0) for draw in (charts.source_chart(channel), charts.aided_chart(channel)))
 _SENSORS = tuple(charts.sensor_chart(sensor, axis) for sensor in (0, 1) for axis in range(3))
+_NOISE = tuple(map(charts.noise_chart, (2, 1, 0)))
 _FLIGHT = (
     charts.map_chart, charts.height_chart, charts.force_chart, charts.rate_chart, charts.gravity_chart,
 )  # fmt: skip
@@ -31,6 +34,25 @@ REFERENCES = (
     "suite.",
     "van Leeuwen, Hipparcos, the New Reduction of the Raw Data, Springer, 2007; CDS I/311: the camera's stars.",
 )
+
+
+def study(design: Design, options: argparse.Namespace) -> Finding:
+    """The study that `navbudget report --with suborbital` asks for, progress on standard error.
+
+    Raises
+    ------
+    InputError
+        For a key of the design or a seed that the study cannot take.
+    """
+    settings = read_changes(from_design(DEFAULTS, design), {"seed": str(options.seed)}, "command line")
+    try:
+        with show_progress() as show:
+            survey = run_survey(settings, progress=lambda share, what: show(f"suborbital: {what}", share))
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError("suborbital", str(error)) from error
+    return Finding(Shown(survey, survey.study, "all"), settings)
 
 
 def belongs(finding: Finding, design: Design) -> bool:
@@ -45,51 +67,36 @@ def of_design(finding: Finding) -> str:
 
 
 def sections(finding: Finding, key: str) -> tuple[Section, ...]:
-    """The plain sentence, the tables, the charts, every input with its origin."""
-    shown = finding.shown
+    """The answer, the tables, the charts, every input with its origin."""
+    shown, own = finding.shown, f"{key}-suborbital"
+
+    def section(part: str, title: str, *blocks: Block) -> Section:
+        return Section(f"{own}-{part}", f"Suborbital flight: {title}", blocks)
+
+    def table(build: Callable[[Shown], tables.NumberTable]) -> Table:
+        return build(shown).block(f"{own}-")
+
+    def drawn(*describe: Callable[[Shown], Chart]) -> tuple[Block, ...]:
+        return tuple(chart_block(draw(shown), own) for draw in describe)
+
+    # The prediction of white noise alone is a row of the sources.
+    noise = (*drawn(*_NOISE), table(tables.noise_table)) if shown.ensemble is not None else ()
     return (
         Section(
-            f"{key}-suborbital",
+            own,
             "Suborbital flight: what a star tracker repairs, and what it does not",
-            (*_answer(finding), *_paper_tables(shown, key)),
+            (*answer(shown, finding.settings), Text(_sensors(finding.settings)), *_paper_tables(shown, own)),
             REFERENCES,
         ),
-        Section(
-            f"{key}-suborbital-errors",
-            "Suborbital flight: errors by source, with and without star tracker",
-            (*_drawn((*_ERRORS, charts.growth_chart), shown, key),
-             _table(tables.source_table(shown), key), _table(tables.gap_table(shown), key)),
-        ),
-        Section(
-            f"{key}-suborbital-sensors",
-            "Suborbital flight: errors of the sensors",
-            (*_drawn(_SENSORS, shown, key), *_noise(shown, key)),
-        ),
-        Section(
-            f"{key}-suborbital-attitude",
-            "Suborbital flight: attitude and stars",
-            (*_drawn((charts.inertial_attitude_chart, charts.navigation_attitude_chart), shown, key),
-             _table(tables.method_table(shown), key),
-             *_drawn((charts.star_chart, charts.star_count_chart), shown, key)),
-        ),
-        Section(
-            f"{key}-suborbital-flight",
-            "Suborbital flight: trajectory and gravity",
-            (*_drawn(_FLIGHT, shown, key), _table(tables.gravity_table(shown), key)),
-        ),
-        Section(f"{key}-suborbital-inputs", "Suborbital flight: inputs of the study", (_inputs(finding, key),)),
+        section("errors", "errors by source, with and without star tracker",
+                *drawn(*_ERRORS, charts.growth_chart), table(tables.source_table), table(tables.gap_table)),
+        section("sensors", "errors of the sensors", *drawn(*_SENSORS), *noise),
+        section("attitude", "attitude and stars",
+                *drawn(charts.inertial_attitude_chart, charts.navigation_attitude_chart), table(tables.method_table),
+                *drawn(charts.star_chart, charts.star_count_chart)),
+        section("flight", "trajectory and gravity", *drawn(*_FLIGHT), table(tables.gravity_table)),
+        section("inputs", "inputs of the study", _inputs(finding.settings, own)),
     )  # fmt: skip
-
-
-def _drawn(describe: tuple[Callable[[Shown], Chart], ...], shown: Shown, key: str) -> tuple[Block, ...]:
-    return tuple(chart_block(draw(shown), f"{key}-suborbital") for draw in describe)
-
-
-def _noise(shown: Shown, key: str) -> tuple[Block, ...]:
-    """White noise flown against its prediction, where it was flown; the prediction alone is a row of the sources."""
-    if shown.ensemble is None:
-        return ()
-    return (*_drawn(tuple(map(charts.noise_chart, (2, 1, 0))), shown, key), _table(tables.noise_table(shown), key))
 
 
 def _takes_a_design(settings: Settings) -> bool:
@@ -100,72 +107,33 @@ def _has_unit_of(settings: Settings, design: Design) -> bool:
     return dict(from_design(settings, design).values) == dict(settings.values)
 
 
-def _answer(finding: Finding) -> tuple[Block, ...]:
-    """The plain sentence, whose sensors these are, how exact the answer is."""
-    study = finding.shown.study
-    sensors = (
-        "Sensors: this design's inertial unit gives white noise and constant biases; instability, scale factor, "
-        "misalignment and initial errors are those listed under the inputs of the study."
-        if _takes_a_design(finding.settings)
-        else "The study has inputs of its own, listed at its end; they are not this design's inertial unit."
-    )
-    exact = "Integrated exactly at these inputs."
-    if not finding.shown.exact:
-        exact = "Moved from the last exact run by the linear sensitivity matrix [B-4]."
-    elif finding.shown.gap is not None:
-        gap = finding.shown.gap
-        k = gap.names.index("all")
-        exact += (
-            f" The linear answer before was off by {number(float(gap.pure_m[k]), 3)} m "
-            f"({percent(float(gap.pure_share[k]))}) for the INS alone and "
-            f"{number(float(gap.aided_m[k]), 3)} m ({percent(float(gap.aided_share[k]))}) with it."
+def _sensors(settings: Settings) -> str:
+    """Whose sensors these are."""
+    if _takes_a_design(settings):
+        return (
+            "Sensors: this design's inertial unit gives white noise and constant biases; instability, scale factor, "
+            "misalignment and initial errors are those listed under the inputs of the study."
         )
-    frames = int(study.used.sum())
-    images = "star images" if finding.settings["camera.frames"] == "star images" else "a perfect camera"
-    return (
-        Answer("What the star tracker did and did not repair", "open", (explain(study),)),
-        Text(f"{sensors} {exact} {frames} frames from {images}."),
-    )
+    return "The study has its own inputs, listed at its end; they are not this design's inertial unit."
 
 
-def _table(table: tables.Table, key: str) -> ReportTable:
-    """A table of the page as a table of the report: the same rows, the same digits."""
-
-    def cell(value: tables.Cell) -> Cell:
-        if value is None:
-            return Cell("–", tone="quiet")
-        return Cell(value if isinstance(value, str) else tables.number(value, table.digits))
-
-    first = max(1.9, 0.28 * len(table.heads))  # the more columns of numbers, the narrower each
-    return ReportTable(
-        f"{key}-suborbital-{table.key}",
-        table.title,
-        (Column(table.heads[0], width=first), *(Column(head, numeric=True, width=1) for head in table.heads[1:])),
-        tuple(tuple(cell(value) for value in row) for row in table.rows),
-        table.knowledge,
-    )
+def _paper_tables(shown: Shown, own: str) -> tuple[Table, ...]:
+    """The four tables; the note they share is under the last."""
+    *first, last = (table.block(f"{own}-") for table in tables.paper_tables(shown))
+    return (*(replace(table, note="") for table in first), last)
 
 
-def _paper_tables(shown: Shown, key: str) -> tuple[ReportTable, ...]:
-    """The four tables; what all have under them stands under the last."""
-    *first, last = (_table(table, key) for table in tables.paper_tables(shown))
-    return (*(replace(table, note="") if table.note == last.note else table for table in first), last)
-
-
-def _inputs(finding: Finding, key: str) -> ReportTable:
+def _inputs(settings: Settings, own: str) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for title, group in GROUPS.items():
         rows.append((Cell(title),))
         rows += [
-            (
-                Cell(str(declared.label)),
-                Cell(finding.settings.show(declared.key) or "none"),
-                Cell(finding.settings.origin[declared.key]),
-            )
+            tuple(map(Cell, (str(declared.label), settings.show(declared.key) or "none",
+                             settings.origin[declared.key])))
             for declared in group
-        ]
-    return ReportTable(
-        f"{key}-suborbital-inputs-table",
+        ]  # fmt: skip
+    return Table(
+        f"{own}-inputs-table",
         "Every input of the suborbital study, with its origin",
         (Column("Input", width=1.3), Column("Value", width=1.2), Column("Origin", width=1.2)),
         tuple(rows),

@@ -1,4 +1,4 @@
-"""The tabs of the Suborbital page: which charts and tables stand on each, and what a person chooses there."""
+"""The tabs of the Suborbital page: the charts and tables of each, and what a person chooses there."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
 from app.charts.kinds import Chart
+from app.document.pane import html_of
 from app.subjects.suborbital import charts
 from app.subjects.suborbital.charts import CHANNELS, Shown
 from app.subjects.suborbital.tables import (
-    Table,
+    NumberTable,
     gap_table,
     gravity_table,
     method_table,
@@ -24,6 +26,7 @@ from app.subjects.suborbital.tables import (
     star_table,
 )
 from app.ui.chart_pane import ChartPane, chart_cells
+from app.ui.downloads import download
 from app.ui.grid import cell, grid
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME
@@ -40,12 +43,13 @@ class Tab:
 
     name: str
     charts: tuple[tuple[Describe, int, int], ...] = ()
-    tables: tuple[Callable[[Shown], Table], ...] = ()
+    tables: tuple[Callable[[Shown], NumberTable], ...] = ()
     beside: int = 1536  # width of the window from which charts stand beside each other, pixels
     chooses: tuple[str, ...] = ()
 
 
 _AXES = range(3)
+_SPACING_S = round(STAR_FRAME_SPACING_S)
 TABS: tuple[Tab, ...] = (
     Tab("Errors",
         tuple((make(c), 300, 6) for c in (2, 1, 0) for make in (charts.source_chart, charts.aided_chart)),
@@ -61,89 +65,77 @@ TABS: tuple[Tab, ...] = (
     Tab("Flight", ((charts.map_chart, 320, 6), (charts.height_chart, 320, 6), (charts.force_chart, 280, 6),
                    (charts.rate_chart, 280, 6), (charts.gravity_chart, 320, 12)), (gravity_table,)),
 )  # fmt: skip
-"""In the order they stand."""
+"""In their order on the page."""
 
 CASES = {"everything": "all"} | {name: name for name in (*CLASSES, *SOURCES, GRAVITY_ROW) if name != "all"}
 
 
-class StudyTabs:
+class StudyTabs(pn.viewable.Viewer):
     """A bar of tabs and the charts and tables under it; a tab is made when it is first opened, then fed.
 
-    looked: called when a person chooses another view; `looks` are the choices, fields of `Shown`.
+    The parameters are what a person chooses to look at.
     """
 
-    def __init__(self, looked: Callable[[], None], noise: pn.viewable.Viewable) -> None:
-        self._looked = looked
-        self.looks: dict[str, Any] = {
-            "case": "all", "channel": 2, "aided_sources": False, "along_track": False, "star_index": 50,
-        }  # fmt: skip
-        self._shown: Shown | None = None
+    case: str = param.Selector(objects=CASES, default="all", label="Error source")
+    channel: int = param.Selector(objects={name: i for i, name in enumerate(CHANNELS)}, default=2, label="Channel")
+    aided_sources: bool = param.Selector(
+        objects={"INS alone": False, "INS with star tracker": True}, default=False, label="Errors by source of"
+    )
+    along_track: bool = param.Selector(
+        objects={"north and east": False, "down-range and cross-range": True}, default=False, label="Horizontal axes"
+    )
+    moment: int = param.Integer(default=100, bounds=(0, 1500), step=_SPACING_S, label="Star frame at [s]")
+    shown: Shown | None = param.ClassSelector(class_=Shown, doc="What is on the page; None before the first answer.")
+
+    def __init__(self, noise: pn.viewable.Viewer) -> None:
+        super().__init__()
         self._panes: dict[int, list[ChartPane[Shown]]] = {}
-        self._tables: dict[int, list[tuple[SortableTable, Callable[[Shown], Table]]]] = {}
+        self._tables: dict[int, list[tuple[SortableTable, Callable[[Shown], NumberTable]]]] = {}
         self._contents: dict[int, pn.viewable.Viewable] = {}
-        # The tab in view alone stands in the browser: every layout there asks every figure, seen or not.
+        # Only the tab in view is in the browser: every layout there asks every figure, seen or not.
         self.place = pn.Column(sizing_mode="stretch_width", margin=0)
-        # Only the bar is Material, for keyboard and screen reader: figures must not stand inside it.
+        # Only the bar is Material, for keyboard and screen reader: figures must not be inside it.
         self.bar = pmui.Tabs(
             *((tab.name, pn.Spacer(height=0)) for tab in TABS), sizing_mode="stretch_width", margin=(0, 4)
         )
         self.bar.param.watch(self._turned, "active")
-        self._choosers = self._make_choosers() | {"noise": noise}
+        look: dict[str, Any] = {"description": "", "size": "small"}
+        self._choosers: dict[str, Any] = {
+            name: pmui.Select.from_param(self.param[name], width=width, margin=(10, 6, 4, 6), **look)
+            for name, width in (("case", 300), ("channel", 140), ("aided_sources", 200), ("along_track", 220))
+        }
+        self._choosers["moment"] = pmui.IntSlider.from_param(self.param.moment, width=260, margin=(4, 16), **look)
+        self._choosers["noise"] = noise
         self._chooser = pn.FlexBox(*self._chosen(0), sizing_mode="stretch_width", margin=0)
-        self.view = pn.Column(self.bar, self._chooser, self.place, sizing_mode="stretch_width")
+        self._view = pn.Column(self.bar, self._chooser, self.place, sizing_mode="stretch_width")
 
-    def _make_choosers(self) -> dict[str, pn.viewable.Viewable]:
-        def select(name: str, label: str, options: dict[str, Any], width: int) -> pmui.Select:
-            box = pmui.Select(
-                label=label, options=options, value=self.looks[name], width=width, description="", size="small",
-                margin=(10, 6, 4, 6),
-            )  # fmt: skip
-            box.param.watch(lambda event: self._look(name, event.new), "value")
-            return box
+    def __panel__(self) -> pn.Column:
+        return self._view
 
-        self.moment = pmui.IntSlider(
-            label="Star frame at [s]", description="", start=0, end=1500, step=round(STAR_FRAME_SPACING_S),
-            value=100, size="small", width=260, margin=(4, 16),
-        )  # fmt: skip
-        self.moment.param.watch(
-            lambda event: self._look("star_index", event.new // round(STAR_FRAME_SPACING_S)), "value"
-        )
-        return {
-            "case": select("case", "Error source", CASES, 300),
-            "channel": select("channel", "Channel", {name: i for i, name in enumerate(CHANNELS)}, 140),
-            "aided_sources": select(
-                "aided_sources", "Errors by source of", {"INS alone": False, "INS with star tracker": True}, 200
-            ),
-            "along_track": select(
-                "along_track", "Horizontal axes", {"north and east": False, "down-range and cross-range": True}, 220
-            ),
-            "moment": self.moment,
+    @property
+    def looks(self) -> dict[str, Any]:
+        """What a person looks at, as fields of `Shown`."""
+        return {"star_index": self.moment // _SPACING_S} | {
+            name: getattr(self, name) for name in ("case", "channel", "aided_sources", "along_track")
         }
 
-    def _chosen(self, index: int) -> list[pn.viewable.Viewable]:
+    def _chosen(self, index: int) -> list[Any]:
         return [self._choosers[name] for name in TABS[index].chooses]
 
-    def _look(self, name: str, value: Any) -> None:
-        self.looks[name] = value
-        self._looked()
-
-    def last_moment(self, seconds: int, frames: int) -> None:
+    def last_moment(self, seconds: int) -> None:
         """How far the time slider of the star frames goes."""
-        self.moment.end = seconds
-        self.looks["star_index"] = min(self.looks["star_index"], frames - 1)
+        self.moment = min(self.moment, seconds)
+        self.param.moment.bounds = (0, seconds)
 
     def _turned(self, event: Any) -> None:
         with pn.io.hold():
             self._chooser.objects = self._chosen(event.new)
             self._draw()
 
-    def show(self, shown: Shown) -> None:
-        """Feed the tab in view; the others are fed when they are opened."""
-        self._shown = shown
-        self._draw()
-
+    @param.depends("shown", watch=True)
     def _draw(self) -> None:
-        index, shown = self.bar.active, self._shown
+        """Feed the tab in view; the others are fed when they are opened."""
+        index, shown = self.bar.active, self.shown
         if shown is None:
             return
         if index not in self._contents:
@@ -157,13 +149,13 @@ class StudyTabs:
         for pane in self._panes[index]:
             pane.show(shown)
         for place, build in self._tables[index]:
-            place.html = build(shown).html
+            place.html = _table_html(build(shown))
 
     def _build(self, index: int, shown: Shown) -> None:
         tab = TABS[index]
         panes: list[ChartPane[Shown]] = []
         tables = [
-            (SortableTable(html=build(shown).html, sizing_mode="stretch_width", margin=(8, 12)), build)
+            (SortableTable(html=_table_html(build(shown)), sizing_mode="stretch_width", margin=(8, 12)), build)
             for build in tab.tables
         ]
         self._panes[index], self._tables[index] = panes, tables
@@ -171,16 +163,20 @@ class StudyTabs:
         cells += [cell(12, self._table_view(place, build, shown)) for place, build in tables]
         self._contents[index] = grid(*cells, beside=tab.beside, margin=(4, 0))
 
-    def _table_view(self, place: SortableTable, build: Callable[[Shown], Table], shown: Shown) -> pn.Column:
+    def _table_view(self, place: SortableTable, build: Callable[[Shown], NumberTable], shown: Shown) -> pn.Column:
         table = build(shown)
-        download = pmui.FileDownload(
-            callback=lambda: io.BytesIO(build(self.current()).csv().encode("utf-8")),
-            filename=f"{table.key}.csv", label=f"{table.title.partition(' at ')[0]}: CSV", variant="text",
-            description="", size="small", margin=2,
-        )  # fmt: skip
-        return pn.Column(place, download, styles=FRAME, sizing_mode="stretch_width", margin=0)
+        take = download(
+            f"{table.caption.partition(' at ')[0]}: CSV",
+            f"{table.key}.csv",
+            lambda: io.BytesIO(build(self.current()).csv().encode("utf-8")),
+        )
+        return pn.Column(place, take, styles=FRAME, sizing_mode="stretch_width", margin=0)
 
     def current(self) -> Shown:
         """What is on the page."""
-        assert self._shown is not None
-        return self._shown
+        assert self.shown is not None
+        return self.shown
+
+
+def _table_html(table: NumberTable) -> str:
+    return html_of(table.block(sortable=True))

@@ -20,7 +20,6 @@ _BAD = [
     "<script>alert(1)</script>", "1 °/√h/√h", "\x00", "∞", "1" * 5000,
 ]  # fmt: skip
 _SIGNED = {key for key in QUANTITIES if declaration_of(key).limits[0] < 0}  # type: ignore[union-attr]  # -1 is right
-REFUSED = [(key, text) for key in QUANTITIES for text in _BAD if not (key in _SIGNED and text == "-1")]
 
 
 @pytest.fixture
@@ -28,15 +27,19 @@ def session() -> Session:
     return Session(Design())
 
 
-@pytest.mark.parametrize(("key", "text"), REFUSED)
-def test_refused_text_is_said_at_the_field_and_changes_nothing(session: Session, key: str, text: str) -> None:
+@pytest.mark.parametrize("key", QUANTITIES)
+def test_refused_text_is_said_at_the_field_and_changes_nothing(session: Session, key: str) -> None:
     control = QuantityControl(session, key)
     budget = session.budget
-    control.box.value = text
-    assert session.budget is budget
-    assert control.box.error_state
-    assert control.box.helper_text
-    assert len(control.box.helper_text) < 400
+    for text in _BAD:
+        if key in _SIGNED and text == "-1":
+            continue
+        control.box.param.update(error_state=False, helper_text="")  # of the text before
+        control.box.value = text
+        assert session.budget is budget, text
+        assert control.box.error_state, text
+        assert control.box.helper_text, text
+        assert len(control.box.helper_text) < 400, text
 
 
 @pytest.mark.parametrize("key", QUANTITIES)

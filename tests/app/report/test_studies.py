@@ -40,6 +40,7 @@ from nav_model.suborbital.survey import run_survey
 from nav_model.suborbital.survey_json import survey_json
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
+pytestmark = pytest.mark.usefixtures("charts_drawn_once")
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 MOST_BYTES = 3_000_000  # of the sections on their way to a worker
 
@@ -90,8 +91,8 @@ def verdict(told: tuple[Section, ...], key: str) -> Answer:
 
 
 def value(cell: Cell) -> float:
-    """The number a cell begins with."""
-    return float(cell.text.split(" (")[0].replace("\u202f", "").replace("−", "-"))
+    """The number a cell begins with, or that it is less than."""
+    return float(cell.text.removeprefix("< ").split(" (")[0].replace("\u202f", "").replace("−", "-"))
 
 
 def squeezed(text: str) -> str:
@@ -115,9 +116,9 @@ def test_simulated_sigmas_are_those_of_the_studys_json(told, findings):
         found = document[group.lower()][axis]
         kinds = ("rms", "filter_sigma", "closed_form_sigma")
         expected = [scale * found[f"{kind}_{suffix}"][at] for kind in kinds]
-        assert [value(cell) for cell in row[1:4]] == pytest.approx(expected, rel=1e-3), row[0].text
+        assert [value(cell) for cell in row[1:4]] == pytest.approx(expected, rel=5e-3), row[0].text
         refined = found.get("refined_sigma_m", [None] * (at + 1))[at]
-        assert row[4].text == "–" if refined is None else value(row[4]) == pytest.approx(refined, rel=1e-3)
+        assert row[4].text == "–" if refined is None else value(row[4]) == pytest.approx(refined, rel=5e-3)
         assert value(row[5]) == pytest.approx(expected[0] / expected[2], abs=0.006)
 
 
@@ -185,7 +186,7 @@ def test_the_four_suborbital_tables_are_the_studys_json_beside_the_paper(told, f
             for part, cells in (("final_m", row[1:4]), ("aided_final_m", row[4:7])):
                 found = document[part][row[0].text]
                 expected = [found[axis] for axis in ("north", "east", "up")]
-                assert [value(cell) for cell in cells] == pytest.approx(expected, abs=0.51), row[0].text
+                assert [value(cell) for cell in cells] == pytest.approx(expected, rel=5e-3, abs=1e-3), row[0].text
             seen += 1
     assert seen == 8
     gyro_total = next(row for row in table(told, "suborbital-gyros").rows if row[0].text == "gyro total")
@@ -233,7 +234,7 @@ def test_every_mark_in_the_html_leads_to_its_equation(html):
     assert {"B-3", "T-16", "T-17"} <= said
     assert said <= ids
     # Not links are only an equation's own number, marks within an equation, and tables of a chart's numbers.
-    assert not re.findall(r'(?<!class="number")(?<!<td)(?<!<mtext)>\[[TSB]-\d+\]<(?!/a)', html)
+    assert not re.findall(r'(?<!class="num")(?<!<td)(?<!<mtext)>\[[TSB]-\d+\]<(?!/a)', html)
 
 
 def test_html_and_pdf_say_every_number_of_every_table(told, html, pages):
@@ -274,7 +275,7 @@ def test_a_study_of_another_design_is_left_out_and_that_is_said(findings, design
     said = " ".join(section.blocks[0].items)
     for word in ("Simulation", "SAR", "Suborbital", design.content_hash[:12], "another design"):
         assert word in said
-    assert belonging(findings, other) == {"Simulation": False, "SAR": False, "Suborbital flight": False}
+    assert belonging(findings, other) == {"simulation": False, "sar": False, "suborbital": False}
     assert all(belonging(findings, design).values())
 
 
@@ -358,7 +359,7 @@ def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
     ("arguments", "said"),
     [
         (["--with", "weather"], "--with: 'weather' is not a study; simulation, sar, suborbital"),
-        (["--with", "sar", "--runs", "3"], "--runs: 3; from 20"),
+        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed; from 20"),
         (["--with", "sar", "--seed", "-1"], "--seed: -1"),
         (["--with", "simulation", "--outage", "then"], "--outage: 'then'"),
     ],
@@ -374,13 +375,13 @@ def test_what_the_command_cannot_do_is_refused_in_one_line_and_writes_nothing(tm
 def test_the_default_simulation_of_a_report_flies_the_designs_own_outage(design, monkeypatch):
     import argparse
 
-    from app.report import console as report_command
     from app.subjects.simulation import console as simulate_command
+    from app.subjects.simulation import report as simulation_report
 
     asked: list[argparse.Namespace] = []
     monkeypatch.setattr(simulate_command, "fly_design", lambda _, options: asked.append(options))
     options = argparse.Namespace(runs=None, seed=1, duration=None, outages=[], trajectory="wandering", workers=None)
-    report_command._simulation(design, options)
+    simulation_report.study(design, options)
     (flown,) = asked
     spec = simulate_command._specification(design, NOTHING_ADDED, flown, keep_runs=False)
     assert spec.outages == ((400.0, 400.0 + design.coast.duration),)

@@ -9,8 +9,8 @@ import re
 import subprocess
 import sys
 import urllib.parse
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import WebSocketClientConnection, websocket_connect
+from waiting import PATIENCE
 
 from app.serving.passwords import password_line
 
@@ -37,7 +38,7 @@ class Served:
     def ask(
         self, path: str, body: dict[str, str] | None = None, **headers: str
     ) -> tuple[int, str, http.client.HTTPMessage]:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
         sent = {"Cookie": "; ".join(f"{k}={v}" for k, v in self.cookies.items()), **headers}
         if body is not None:
             sent["Content-Type"] = "application/x-www-form-urlencoded"
@@ -82,17 +83,16 @@ class Served:
     async def hang_up(connection: WebSocketClientConnection) -> None:
         """Close and let the server know."""
         connection.close()
-        with suppress(TimeoutError):
-            async with asyncio.timeout(0.5):
-                while await connection.read_message() is not None:
-                    pass
+        async with asyncio.timeout(PATIENCE):
+            while await connection.read_message() is not None:
+                pass
 
     def hello(self, token: str, origin: str | None = None, search: str = "") -> str | None:
         """The first thing the server says to a connection; None if it hangs up instead."""
 
         async def first() -> str | None:
             connection = await self.connect(token, origin, search)
-            said = await asyncio.wait_for(connection.read_message(), 20)
+            said = await asyncio.wait_for(connection.read_message(), PATIENCE)
             if said is not None:
                 await self.hang_up(connection)
             return said if said is None else str(said)
@@ -113,10 +113,10 @@ class Served:
 
 
 @contextmanager
-def _serving(*options: str, log: Path | None = None) -> Iterator[Served]:
+def _serving(*options: str, log: Path | None = None, program: Sequence[str] = ("-m", "app.cli")) -> Iterator[Served]:
     with open(log or os.devnull, "w") as errors:
         process = subprocess.Popen(
-            [sys.executable, "-m", "app.cli", "serve", "--port", "0", *options],
+            [sys.executable, *program, "serve", "--port", "0", *options],
             stdout=subprocess.PIPE,
             stderr=errors,
             text=True,
@@ -130,7 +130,7 @@ def _serving(*options: str, log: Path | None = None) -> Iterator[Served]:
             finally:
                 if process.poll() is None:
                     process.terminate()
-                assert process.wait(timeout=20) == 0
+                assert process.wait(PATIENCE) == 0
 
 
 @pytest.fixture(scope="session")
@@ -139,14 +139,14 @@ def serving() -> Callable[..., Any]:
     return _serving
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def people(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("people") / "people"
     path.write_text(f"# the team\n\n{password_line('ada', _PASSWORD)}\n{password_line('bob', _PASSWORD + '2')}\n")
     return path
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def guarded(people: Path) -> Iterator[Served]:
     with _serving("--password-file", str(people)) as served:
         yield served

@@ -22,6 +22,7 @@ import yaml
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.web import create_signed_value
 from tornado.websocket import websocket_connect
+from waiting import PATIENCE
 
 from app.cli import main
 
@@ -67,22 +68,23 @@ def test_the_image_starts_with_options_the_program_takes(capsys: pytest.CaptureF
 
 
 @contextmanager
-def _proxy(folder: Path, upstream: int, *addresses: str) -> Iterator[tuple[int, int]]:
+def _proxy(
+    folder: Path, upstream: int, listening: tuple[socket.socket, socket.socket], *addresses: str
+) -> Iterator[tuple[int, int]]:
     """nginx with the file of deploy/, its names and ports made those of this machine: https and http port.
 
+    It is handed the sockets that listen already, as an nginx that replaces a running one: no port is chosen now and
+    taken later, and whoever connects before it is there waits.
     The name ``navbudget`` has several addresses, as where compose runs several containers of one service. Names are
     looked up in a hosts file of our own, which only nginx sees.
     """
-    with socket.socket() as one, socket.socket() as two:
-        one.bind(("127.0.0.1", 0))
-        two.bind(("127.0.0.1", 0))
-        port, plain = one.getsockname()[1], two.getsockname()[1]
     subprocess.run(
         ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost",
          "-keyout", folder / "privkey.pem", "-out", folder / "fullchain.pem"],
         check=True, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     text = (ROOT / "deploy" / "nginx.conf").read_text()
+    port, plain = (one.getsockname()[1] for one in listening)
     for ours, theirs in (
         ("listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
         ("listen 80", f"listen 127.0.0.1:{plain}"),
@@ -104,16 +106,10 @@ def _proxy(folder: Path, upstream: int, *addresses: str) -> Iterator[tuple[int, 
              'mount --bind "$0" /etc/hosts && exec "$@"', folder / "hosts"]  # fmt: skip
     command = [*apart, str(_NGINX), "-c", str(folder / "nginx.conf"), "-p", str(folder)]
     subprocess.run([*command, "-t"], check=True, capture_output=True)
-    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
+    handed = [one.fileno() for one in listening]
+    environment = {**os.environ, "NGINX": "".join(f"{number};" for number in handed)}
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL, pass_fds=handed, env=environment) as process:
         try:
-            deadline = time.monotonic() + 20
-            while True:
-                try:
-                    socket.create_connection(("127.0.0.1", port)).close()
-                    break
-                except OSError:
-                    assert time.monotonic() < deadline
-                    time.sleep(0.05)
             yield port, plain
         finally:
             process.terminate()
@@ -129,16 +125,18 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
     trusting.check_hostname, trusting.verify_mode = False, ssl.CERT_NONE
     (tmp_path / "cookie").write_text("c" * 48)
     options = ["--password-file", str(people), "--cookie-secret-file", str(tmp_path / "cookie"),
-               "--behind-proxy", "--allow-origin", "localhost", "--log", "json"]  # fmt: skip
+               "--behind-proxy", "--allow-origin", "localhost", "--log", "json", "--processes", "1"]  # fmt: skip
     with (
         serving(*options, log=tmp_path / "one") as served,
         serving(*options, "--address", "127.0.0.2", "--port", str(served.port), log=tmp_path / "two"),
-        _proxy(tmp_path, served.port, "127.0.0.1", "127.0.0.2") as (port, plain),
+        socket.create_server(("127.0.0.1", 0)) as one,
+        socket.create_server(("127.0.0.1", 0)) as two,
+        _proxy(tmp_path, served.port, (one, two), "127.0.0.1", "127.0.0.2") as (port, plain),
     ):
         jar: dict[str, str] = {}
 
         def ask(path: str, body: str | None = None) -> tuple[int, str, Any]:
-            connection = http.client.HTTPSConnection("127.0.0.1", port, context=trusting, timeout=30)
+            connection = http.client.HTTPSConnection("127.0.0.1", port, context=trusting, timeout=PATIENCE)
             headers = {"Cookie": _cookies(jar), "Host": "localhost"}
             if body is not None:
                 headers["Content-Type"] = "application/x-www-form-urlencoded"
@@ -153,7 +151,7 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
             connection.close()
             return answer.status, text, answer.headers
 
-        redirect = http.client.HTTPConnection("127.0.0.1", plain, timeout=30)
+        redirect = http.client.HTTPConnection("127.0.0.1", plain, timeout=PATIENCE)
         redirect.request("GET", "/?f=9GHz", headers={"Host": "localhost"})
         assert redirect.getresponse().headers["Location"] == "https://localhost/?f=9GHz"
         redirect.close()
@@ -175,7 +173,7 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
                 headers={"Origin": origin, "Host": "localhost", "Cookie": _cookies(jar)},
             )  # fmt: skip
             connection = await websocket_connect(request, subprotocols=["bokeh", token[1]])
-            said = str(await asyncio.wait_for(connection.read_message(), 30))
+            said = str(await asyncio.wait_for(connection.read_message(), PATIENCE))
             await served.hang_up(connection)
             return said
 
@@ -185,7 +183,7 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
         # A session stays with the server that opened it, whichever of the two that is.
         logins = [
             create_signed_value("c" * 48, "user", "ada", clock=lambda age=age: time.time() - age).decode()
-            for age in range(16)
+            for age in range(24)
         ]
         for number, jar["user"] in enumerate(logins):
             assert ask(f"/try-{number}")[0] == 404

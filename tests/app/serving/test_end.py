@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import http.client
 import multiprocessing
 import os
@@ -10,11 +11,11 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 from open_page import Tab
+from waiting import PATIENCE, soon, until
 
 from app.work import alone as long_run
 from app.work import pool as workers
@@ -24,6 +25,12 @@ def children_of(pid: int) -> set[int]:
     found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True, check=False)
     direct = {int(word) for word in found.stdout.split()}
     return direct.union(*(children_of(child) for child in direct)) if direct else direct
+
+
+def refuses(host: str, port: int) -> bool:
+    """Whether nobody listens there."""
+    with socket.socket() as visitor:
+        return visitor.connect_ex((host, port)) == errno.ECONNREFUSED
 
 
 @pytest.mark.parametrize("signal_number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
@@ -40,18 +47,11 @@ def test_a_signal_leaves_no_process(signal_number: signal.Signals) -> None:
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline().startswith("NavBudget on")
-        deadline = time.monotonic() + 20
-        while len(family := children_of(process.pid)) < 2:  # a worker and the tracker of shared resources
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
-        began = time.monotonic()
+        until(lambda: len(children_of(process.pid)) >= 2, "a worker and the tracker of shared resources")
+        family = children_of(process.pid)
         process.send_signal(signal_number)
-        assert process.wait(timeout=15) == 0
-        assert time.monotonic() - began < 8
-    deadline = time.monotonic() + 5
-    while alive := {pid for pid in family if Path(f"/proc/{pid}").exists()}:
-        assert time.monotonic() < deadline, f"still running: {alive}"
-        time.sleep(0.05)
+        assert process.wait(PATIENCE) == 0  # the work in hand would take ten minutes
+    until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in family), "the end of the workers")
 
 
 def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path: Path) -> None:
@@ -71,17 +71,15 @@ def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path:
         async def stay() -> None:
             tab = await Tab.open(address)
             bars = (await tab.until(name="phase bars"))["id"]
-            kept = http.client.HTTPConnection(address.rpartition("/")[2], timeout=20)
+            kept = http.client.HTTPConnection(address.rpartition("/")[2], timeout=PATIENCE)
             kept.request("GET", "/liveness")
             assert kept.getresponse().read()
             process.send_signal(signal.SIGTERM)
             slider = tab.find(label="Angle random walk", show_value=False)
-            await asyncio.sleep(0.5)
+            await soon(lambda: refuses(kept.host, int(kept.port)), "a server that lets nobody in")
             answered = tab.expect({bars})
             await tab.set(slider["id"], value=slider["attributes"]["value"] - 0.02)
-            await asyncio.wait_for(answered, 20)
-            with pytest.raises(ConnectionRefusedError):
-                socket.create_connection((kept.host, int(kept.port)), timeout=5)
+            await asyncio.wait_for(answered, PATIENCE)
             kept.request("GET", "/")
             answer = kept.getresponse()
             assert answer.status == 503
@@ -91,7 +89,7 @@ def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path:
             await tab.close()
 
         asyncio.run(stay())
-        assert process.wait(timeout=20) == 0
+        assert process.wait(PATIENCE) == 0
 
 
 def test_heavy_work_steps_back_behind_the_pages(monkeypatch: pytest.MonkeyPatch) -> None:

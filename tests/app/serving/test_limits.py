@@ -6,12 +6,12 @@ import asyncio
 import json
 import re
 import socket
-import time
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from tornado.websocket import WebSocketClosedError
+from waiting import PATIENCE, until
 
 PASSWORD = "correct horse battery"
 
@@ -37,10 +37,7 @@ def test_session_limit(serving: Any) -> None:
         metrics = served.metrics()
         assert metrics["navbudget_sessions_limit"] == 2
         assert metrics["navbudget_sessions_refused_total"] == 1
-        deadline = time.monotonic() + 20
-        while served.ask("/")[0] == 503:
-            assert time.monotonic() < deadline, "closed pages keep their places"
-            time.sleep(0.2)
+        until(lambda: served.ask("/")[0] != 503, "a closed page's place")
 
 
 def test_metrics_and_liveness(visitor: Any) -> None:
@@ -66,7 +63,8 @@ def test_metrics_are_not_for_a_forwarded_stranger(visitor: Any) -> None:
 
 def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(serving: Any, people: Path, tmp_path: Path) -> None:
     log = tmp_path / "log"
-    with serving("--password-file", str(people), "--behind-proxy", "--log", "json", log=log) as served:
+    options = ("--password-file", str(people), "--behind-proxy", "--log", "json", "--processes", "1")
+    with serving(*options, log=log) as served:
         assert served.ask("/metrics", **{"X-Forwarded-For": "192.0.2.7"})[0] == 403
         found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
         assert found
@@ -88,7 +86,7 @@ def test_every_answer_keeps_other_sites_out(visitor: Any) -> None:
 
 
 def test_oversized_requests_do_not_stop_the_server(visitor: Any) -> None:
-    with socket.create_connection(("127.0.0.1", visitor.port), timeout=20) as raw:
+    with socket.create_connection(("127.0.0.1", visitor.port), timeout=PATIENCE) as raw:
         raw.sendall(b"POST /login HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10000000\r\n\r\n")
         assert raw.recv(100).startswith((b"HTTP/1.1 400", b"HTTP/1.1 413"))
     visitor.log_in("ada", PASSWORD)
@@ -130,6 +128,6 @@ def test_json_log_never_says_what_a_design_says(serving: Any, tmp_path: Path) ->
 
 def test_every_upload_is_bounded_where_it_arrives() -> None:
     """The widget's own limit is checked in the browser alone, which a hostile one leaves out."""
-    sources = {path.name: path.read_text() for path in (Path(__file__).parents[3] / "app").rglob("*.py")}
+    sources = {path: path.read_text() for path in (Path(__file__).parents[3] / "app").rglob("*.py")}
     assert sum("LimitedFileInput(" in text for text in sources.values()) >= 7
     assert not [name for name, text in sources.items() if re.search(r"\bFileInput\(|FileDropper\(", text)]

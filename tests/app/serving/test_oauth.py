@@ -16,6 +16,7 @@ from bokeh.util.token import generate_jwt_token, generate_session_id
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 from tornado.web import Application, RequestHandler
+from waiting import PATIENCE
 
 _SECRET = "secret-of-the-client"
 
@@ -84,16 +85,17 @@ def provider() -> Iterator[Provider]:
 
     thread = threading.Thread(target=lambda: asyncio.run(run()))
     thread.start()
-    assert ready.wait(10)
+    assert ready.wait(PATIENCE)
     yield found
     ((loop, over),) = stop
     loop.call_soon_threadsafe(over.set)
-    thread.join(10)
+    thread.join()
 
 
 def test_oauth_sends_to_the_provider(serving: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PANEL_OAUTH_SECRET", _SECRET)
-    with serving("--oauth-provider", "github", "--oauth-key", "the-id", "--oauth-allow", "ada") as served:
+    with serving("--oauth-provider", "github", "--oauth-key", "the-id", "--oauth-allow", "ada",
+                 "--processes", "1") as served:  # fmt: skip
         assert served.ask("/")[2]["Location"].startswith("./login")
         _, _, headers = served.ask("/login")
         assert headers["Location"].startswith("https://github.com/login/oauth/authorize?")
@@ -105,7 +107,7 @@ def test_oauth_sends_to_the_provider(serving: Any, monkeypatch: pytest.MonkeyPat
 def _fetch(address: str) -> str:
     """Where the provider sends a visitor on to."""
     parts = urllib.parse.urlsplit(address)
-    connection = http.client.HTTPConnection(parts.netloc, timeout=20)
+    connection = http.client.HTTPConnection(parts.netloc, timeout=PATIENCE)
     connection.request("GET", f"{parts.path}?{parts.query}")
     answer = connection.getresponse()
     answer.read()

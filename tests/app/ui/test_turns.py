@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
-import time
 from collections.abc import Callable
 from types import SimpleNamespace
+from typing import Any
 
 import panel as pn
 import pytest
@@ -15,12 +14,32 @@ from bokeh.document import Document
 from bokeh.server.session import ServerSession
 from panel.io.state import set_curdoc
 from tornado.ioloop import IOLoop
+from waiting import soon
 
+from app.ui import turns
 from app.ui.turns import in_turns
 
 
-def _in_a_session(work: Callable[[Document, SimpleNamespace], None], seconds: float) -> None:
-    """Call it in a session, then let others work for so long."""
+class _Clock:
+    """The time that `in_turns` sees; it passes when told to."""
+
+    now = 0.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> _Clock:
+    made = _Clock()
+    monkeypatch.setattr(turns, "time", made)
+    return made
+
+
+def _in_a_session(
+    work: Callable[[Document, SimpleNamespace], None], begun: list[Any], other: Callable[[], None] = lambda: None
+) -> None:
+    """Call it in a session; from when something has `begun`, do another's work in each turn of the loop."""
 
     async def run() -> None:
         document, context = Document(), SimpleNamespace(destroyed=False)
@@ -28,37 +47,42 @@ def _in_a_session(work: Callable[[Document, SimpleNamespace], None], seconds: fl
         session = ServerSession(ID("a"), document, IOLoop.current())
         with set_curdoc(document):
             work(document, context)
-        await asyncio.sleep(seconds)
+        await soon(lambda: begun, "the first piece")
+        while len(asyncio.all_tasks()) > 1:
+            other()
+            await asyncio.sleep(0)
         session.destroy()
 
     asyncio.run(run())
 
 
-def test_others_come_in_between() -> None:
-    done: list[tuple[int, float]] = []
+def test_others_come_in_between(clock: _Clock) -> None:
+    done: list[str] = []
 
     def piece(number: int) -> None:
-        time.sleep(0.06)
-        done.append((number, time.monotonic()))
+        clock.now += 0.06
+        done.append(str(number))
 
-    _in_a_session(lambda *_: in_turns([lambda n=n: piece(n) for n in range(6)]), 0.8)
-    assert [number for number, _ in done] == list(range(6))
-    gaps = [later - earlier - 0.06 for (_, earlier), (_, later) in itertools.pairwise(done)]
-    assert sum(gap > 0.008 for gap in gaps) >= 2  # three turns of two pieces
+    def other() -> None:
+        if done and done[-1] != "other":
+            done.append("other")
+
+    _in_a_session(lambda *_: in_turns([lambda n=n: piece(n) for n in range(6)]), done, other)
+    assert done == ["0", "1", "other", "2", "3", "other", "4", "5", "other"]  # a turn is 0.1 s and what was begun
 
 
-def test_nothing_is_made_for_a_closed_page() -> None:
+def test_nothing_is_made_for_a_closed_page(clock: _Clock) -> None:
     done: list[int] = []
 
     def work(_: Document, context: SimpleNamespace) -> None:
         def piece() -> None:
-            time.sleep(0.12)
+            clock.now += 0.12
             done.append(1)
             context.destroyed = True
 
         in_turns([piece] * 5)
 
-    _in_a_session(work, 0.4)
+    _in_a_session(work, done)
     assert done == [1]
 
 
@@ -74,7 +98,7 @@ def test_a_fault_is_told_and_leaves_the_document_able_to_change(monkeypatch: pyt
         kept.append(document)
         in_turns([fail])
 
-    _in_a_session(work, 0.1)
+    _in_a_session(work, told)
     assert kept[0].models._freeze_count == 0
     assert [type(fault) for fault in told] == [ZeroDivisionError]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Any
@@ -85,7 +84,7 @@ async def _two_changes(hands: _Hands, monkeypatch: pytest.MonkeyPatch) -> list[s
     await begun.wait()
     end.set()  # the first's task goes on before the second's begins
     hands.panel(doc, [connection], ["second"])
-    await asyncio.sleep(0.1)
+    await _turns()
     return connection.sent
 
 
@@ -161,8 +160,7 @@ def test_only_a_closed_page_is_left_out_of_the_log(caplog: pytest.LogCaptureFixt
         asyncio.get_running_loop().set_exception_handler(writes.closed_is_no_fault)
         left = asyncio.ensure_future(fail())
         await _turns()
-        del left
-        gc.collect()
+        del left  # the last that knew of it: told of here and now, without looking at what other tests left
 
     asyncio.run(leave_behind(WebSocketClosedError()))
     assert not caplog.records

@@ -84,7 +84,7 @@ def test_limits_cover_white_noise():
     assert np.all(inside <= 0.985 * 400)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     scale=st.floats(1e-6, 1e6),
     offset=st.floats(-10.0, 10.0),

@@ -39,7 +39,7 @@ def test_the_channel_of_this_page_is_the_matrix_exponential(fleet, reference):
         np.testing.assert_allclose(ours[1], added * np.outer(scale, scale), rtol=1e-10)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.lists(st.floats(0, 1), min_size=5, max_size=5))
 def test_solves_its_riccati_equation_over_the_whole_range_of_designs(fractions):
     a, w, g, dt, r = np.exp(LOW + np.array(fractions) * (HIGH - LOW))

@@ -12,7 +12,7 @@ from nav_model.explore.margins import ratios, worst
 from nav_model.explore.solve import SOLVED
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(data=st.data())
 def test_equal_to_analyse(data, designs):
     design = data.draw(designs)
@@ -43,7 +43,7 @@ def test_arrays_are_designs_side_by_side(closed_design):
                 assert value == pytest.approx(check.sigma, rel=1e-13), check.name
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(data=st.data())
 def test_every_figure_grows_with_every_noise_interval_and_time(data, designs):
     """Monotone where theory says so: what makes solving backwards a single root."""

@@ -95,7 +95,7 @@ def test_the_along_track_term_is_held_against_the_quadratic_limit_on_its_own():
 LIMITS = st.dictionaries(st.sampled_from(sorted(FIGURES)), st.floats(1e-4, 3.0), min_size=1)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(LIMITS, st.floats(0.2, 6.0))
 def test_closes_if_and_only_if_every_check_is_met(limits, confidence):
     budget = analyse(

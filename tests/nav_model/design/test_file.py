@@ -49,7 +49,7 @@ def designs(draw):
     return Design(values, written)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(designs())
 def test_writing_and_reading_again_gives_the_same_design_and_the_same_text(design):
     text = format_design(design)

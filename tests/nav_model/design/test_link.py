@@ -43,7 +43,7 @@ def designs(draw: st.DrawFn) -> Design:
     return Design(values, written)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(designs())
 def test_round_trip(design: Design) -> None:
     assert from_query(to_query(design)) == design

@@ -22,7 +22,7 @@ def _finite_difference(design, key, figure, h=1e-3):
     return (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(data=st.data())
 def test_agrees_with_finite_differences_of_the_whole_analysis(data, designs):
     design = data.draw(designs)
@@ -58,7 +58,7 @@ def test_shares_are_the_slopes_of_the_closed_form(closed_design):
         np.testing.assert_allclose(found[name], shares, rtol=1e-12)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_the_three_noises_account_for_all_of_a_settled_figure(data, designs):
     """Variance is homogeneous of degree one in the three variances, prior and posterior too."""

@@ -18,7 +18,7 @@ def _margin(design, key, value, requirement):
     return next(check.margin for check in checks if check.name == requirement)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(data=st.data())
 def test_every_solved_value_put_back_gives_margin_zero(data, designs):
     design = data.draw(designs)
@@ -30,7 +30,7 @@ def test_every_solved_value_put_back_gives_margin_zero(data, designs):
                 assert around[0] <= 1 <= around[1]
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(data=st.data())
 def test_all_together_is_the_least_and_closes(data, designs):
     design = data.draw(designs)
@@ -45,7 +45,7 @@ def test_all_together_is_the_least_and_closes(data, designs):
             assert any(answer.outcome == "no value" for answer in solution.each)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(data=st.data())
 def test_no_value_and_any_value_mean_it(data, designs):
     design = data.draw(designs)

@@ -1,11 +1,6 @@
 """Sweeps through the simulator: rows are the studies `simulate` makes, and agree with the closed forms."""
 
 import csv
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -75,7 +70,7 @@ def test_rows_are_studies_and_agree_with_the_closed_forms(plan_file, tmp_path, o
 
 
 @pytest.mark.slow
-def test_killed_and_finished_by_a_cluster_it_is_the_file_of_one_process(plan_file, tmp_path):
+def test_killed_and_finished_by_a_cluster_it_is_the_file_of_one_process(plan_file, tmp_path, kill_during_sweep):
     distributed = pytest.importorskip("distributed")
     text = FLOWN.replace("runs = 60", "runs = 20").replace(
         '["5 cm", "1 m"]', '["1 cm", "5 cm", "20 cm", "1 m", "5 m"]'
@@ -83,12 +78,7 @@ def test_killed_and_finished_by_a_cluster_it_is_the_file_of_one_process(plan_fil
     plan_file.write_text(text, "utf-8")
     plan = read_plan(plan_file)
     out, parts = tmp_path / "out.csv", tmp_path / "out.csv.parts"
-    command = [sys.executable, "-m", "app.cli", "sweep", str(plan_file), "-o", str(out)]
-    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
-        deadline = time.monotonic() + 120
-        while len(list(parts.glob("*.csv"))) < 2 and time.monotonic() < deadline:
-            time.sleep(0.01)
-        os.kill(process.pid, signal.SIGKILL)
+    kill_during_sweep(plan_file, out, 2)
     done = len(list(parts.glob("*.csv")))
     assert 2 <= done < plan.parts
     with distributed.LocalCluster(

@@ -185,7 +185,7 @@ def test_fixed_interval_shows_the_shoulder_the_null_based_ratio_hides():
     assert -18 < response.pslr_fixed_db < -16
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     shift=st.floats(-600, 600),
     quadratic=st.floats(0, 2.5),

@@ -26,7 +26,7 @@ def exact(geometry, time, error):
     return np.sqrt((moved**2).sum(axis=1)) - np.sqrt((vectors**2).sum(axis=1))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     grazing=angles,
     squint=st.floats(-0.35, 0.35),

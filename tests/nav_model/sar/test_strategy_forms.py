@@ -182,7 +182,7 @@ def test_exact_variance_without_a_fit_is_t15():
     assert variance == pytest.approx(free, rel=1e-4)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(ins=st.floats(1e-8, 1e2), fit=st.floats(1e-8, 1e2), rest=st.floats(0, 1.0))
 def test_the_shrunk_fit_loses_to_neither_and_is_the_best_weight(ins, fit, rest):
     best = shrunk_residual_variance(ins, fit, rest)

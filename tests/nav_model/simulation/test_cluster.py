@@ -7,6 +7,7 @@ import signal
 
 import numpy as np
 import pytest
+from waiting import refusing_port
 
 from nav_model.simulation.cluster import cluster_pool
 from nav_model.simulation.monte_carlo import simulate
@@ -45,7 +46,8 @@ def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):
 
 def test_a_scheduler_that_is_not_there_is_named():
     with (
-        pytest.raises(ValueError, match=r"scheduler: no Dask scheduler answers at 'tcp://127\.0\.0\.1:1'"),
-        cluster_pool("tcp://127.0.0.1:1", 1.0),
+        refusing_port() as port,
+        pytest.raises(ValueError, match=rf"scheduler: no Dask scheduler answers at 'tcp://127\.0\.0\.1:{port}'"),
+        cluster_pool(f"tcp://127.0.0.1:{port}", 1.0),
     ):
         pass

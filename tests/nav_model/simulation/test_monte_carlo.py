@@ -84,7 +84,7 @@ def test_the_result_is_the_same_bits_whatever_flies_the_runs(short):
 
 
 def test_progress_counts_every_run_and_cancel_stops(short):
-    spec, seen, stop = replace(short, runs=300), [], threading.Event()
+    spec, seen, stop = replace(short, runs=300, duration=20.0, outages=()), [], threading.Event()
 
     def progress(done: int, total: int) -> None:
         seen.append((done, total))
@@ -109,7 +109,7 @@ def test_memory_does_not_grow_with_the_runs(short):
     spec = replace(short, duration=10.0, outages=(), every=0.1, keep_runs=False)
     simulate(spec)
     peaks = []
-    for runs in (64, 640):
+    for runs in (64, 320):
         tracemalloc.start()
         simulate(replace(spec, runs=runs))
         peaks.append(tracemalloc.get_traced_memory()[1])

@@ -78,7 +78,7 @@ def test_resonant_forcing_is_the_limit():
     assert at == pytest.approx(near, rel=1e-4)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(a=st.floats(-1e-2, 1e-2), b=st.floats(-1e2, 1e2), t=st.floats(0.0, 3000.0), h=st.floats(0.0, 1e6))
 def test_channels_are_linear_and_start_at_the_initial_error(a, b, t, h):
     for form in (horizontal_error, vertical_error):

@@ -51,7 +51,7 @@ FREE = [
 STUDIES = st.fixed_dictionaries({}, optional={key: value_of(INPUTS[key]) for key in FREE})
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(STUDIES)
 def test_saved_and_opened_is_the_same_to_the_last_bit(changes):
     study = DEFAULTS.change(changes, "test")
@@ -64,7 +64,7 @@ def test_saved_and_opened_is_the_same_to_the_last_bit(changes):
     )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(STUDIES)
 def test_a_link_gives_the_same_study(changes):
     study = DEFAULTS.change(changes, "test")

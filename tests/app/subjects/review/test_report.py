@@ -16,13 +16,14 @@ from app.library.place import library, use_library
 from app.library.reviews import Review, add_comment, decide, open_review, sign
 from app.library.store import Library
 from app.report import report_bytes
+from app.report.comparison import difference_tables
 from app.subjects.review.compare import comparison_link
-from app.subjects.review.comparison import difference_tables
 from app.subjects.review.report import audit_sections, audit_table, status_table
 from nav_model.budget import Budget, analyse
 from nav_model.design.file import read_design
 from nav_model.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("charts_drawn_once")
 EXAMPLES = Path(__file__).parents[4] / "examples"
 HOSTILE = "<script>alert(1)</script> #panic() $x$ {{7*7}}"
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from param import parameterized
+from waiting import soon
 
 from app.library.place import library, use_library
 from app.serving.server import first_design
@@ -45,10 +46,17 @@ class _Scene:
         next(tick for _, tick in self.view._ticks if tick.label == name).value = value
 
     async def answer(self, *order: int) -> None:
-        await asyncio.sleep(0.1)
+        await self.still()
         for index in order:
             self.waiting[index].set()
-        await asyncio.sleep(0.25)
+        await self.still()
+
+    async def still(self) -> None:
+        """Wait until nothing goes on but waiting for the library."""
+        await soon(
+            lambda: len(asyncio.all_tasks()) - 1 == sum(not asked.is_set() for asked in self.waiting),
+            "what a tick sets off",
+        )
 
     @property
     def ticked(self) -> str:
@@ -105,7 +113,7 @@ def test_a_tick_taken_back_before_the_library_answers_is_not_picked(play: Any) -
     async def story(scene: _Scene) -> None:
         scene.tick("A")
         scene.tick("B")
-        await asyncio.sleep(0.1)
+        await scene.still()
         scene.tick("A", value=False)
         await scene.answer(0, 1)
 

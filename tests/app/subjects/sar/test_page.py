@@ -9,17 +9,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from waiting import soon
 
 import app.subjects.sar.run as sar_run
 import app.subjects.sar.upload as sar_upload
 from app.charts.kinds import to_csv
 from app.charts.print.svg import to_svg
+from app.charts.screen.pictures import gallery
 from app.cli import main
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.sar.charts import gnss_winner_chart
 from app.subjects.sar.page import SarPage
-from app.subjects.sar.pictures import gallery
 from app.subjects.sar.report import sections
 from app.subjects.sar.run import Progress, SarResult, SarRun
 from nav_model.budget import analyse
@@ -52,8 +53,7 @@ def sar(session: Session) -> SarPage:
 def run(sar: SarPage) -> None:
     async def until_done() -> None:
         await sar._begin()
-        while sar._run.running:
-            await asyncio.sleep(0.01)
+        await soon(lambda: not sar._run.running, "the end of the run")
 
     asyncio.run(until_done())
 
@@ -91,10 +91,9 @@ def test_a_run_is_told_step_by_step_and_cancelled_at_once(session: Session) -> N
 
     async def begin_and_cancel() -> None:
         runner.start(session.budget, 1000, 0)
-        while len(told) < 2:
-            await asyncio.sleep(0.001)
+        await soon(lambda: len(told) >= 2, "the first chunk")
         runner.cancel()
-        await asyncio.sleep(0.01)
+        await soon(lambda: not runner.running, "the end of the run")
 
     asyncio.run(begin_and_cancel())
     assert told[0] == Progress(0, 1000, None)

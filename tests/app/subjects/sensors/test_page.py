@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from waiting import PATIENCE, soon
 
 from app.document.pane import html_of
 from app.serving.server import first_design
@@ -122,11 +123,10 @@ def test_cancel_ends_the_process_at_once(tmp_path: Path):
     async def cancelled() -> None:
         request = LogRequest(path, options=LogOptions(rate_hz=100.0, gyro_unit="rad/s"))
         task = asyncio.create_task(run_alone(study_log, request, progress=lambda fraction, what: said.append(what)))
-        while not said:
-            await asyncio.sleep(0.05)
+        await soon(lambda: said, "word of the study")
         task.cancel()
         with pytest.raises(asyncio.CancelledError):
-            await asyncio.wait_for(task, 2.0)
+            await asyncio.wait_for(task, PATIENCE)
 
     asyncio.run(cancelled())
     assert "done" not in said

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from waiting import refusing_port
 
 import app.cli
 from app.cli import main
@@ -137,8 +138,9 @@ def test_a_scheduler_that_is_not_there_is_one_line(capsys, monkeypatch) -> None:
     pytest.importorskip("distributed")
     answer = cluster.cluster_pool
     monkeypatch.setattr(cluster, "cluster_pool", lambda address: answer(address, 1.0))
-    assert _simulate("--scheduler", "tcp://127.0.0.1:1") == 2
-    assert "--scheduler: no Dask scheduler answers at 'tcp://127.0.0.1:1'" in capsys.readouterr().err
+    with refusing_port() as port:
+        assert _simulate("--scheduler", f"tcp://127.0.0.1:{port}") == 2
+    assert f"--scheduler: no Dask scheduler answers at 'tcp://127.0.0.1:{port}'" in capsys.readouterr().err
 
 
 def test_a_failure_leaves_the_old_file(tmp_path, capsys) -> None:

@@ -43,7 +43,7 @@ def test_without_a_design_it_gives_the_printed_table() -> None:
         assert [found[axis] for axis in ("north", "east", "up")] == pytest.approx(expected, abs=5.0)
     assert {entry["from"] for entry in answer["inputs"].values()} == {"GP-1"}
     assert answer["white_noise_monte_carlo"]["runs"] == 2
-    assert "suborbital: 0 %" in said
+    assert said.startswith("flight (")  # what is being done
 
 
 def test_a_design_and_options_enter_and_are_named() -> None:

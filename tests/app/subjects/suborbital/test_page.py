@@ -7,16 +7,17 @@ import csv
 import io
 import json
 import time
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
+from waiting import PATIENCE, soon
 
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.suborbital import charts
 from app.subjects.suborbital.charts import Shown
-from app.subjects.suborbital.controls import input_controls
+from app.subjects.suborbital.controls import InputControl
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.tabs import TABS
@@ -39,17 +40,27 @@ def survey() -> Survey:
 @pytest.fixture
 def here(survey: Survey) -> SuborbitalPage:
     here = SuborbitalPage(Session(first_design()))
-    here.survey = survey
-    here.follow()
+    here.exact.result = survey
     return here
 
 
+async def run_exactly(page: SuborbitalPage) -> None:
+    """An exact run from its start to its end."""
+    await page.run()
+
+
+async def flown(page: SuborbitalPage, trajectory: tuple[str, bytes]) -> None:
+    """Fly a file, up to its answer or its refusal."""
+    page.inputs.trajectory = trajectory
+    await soon(lambda: not page.exact.running, "the end of the run")
+
+
 def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
-    before = here.shown
+    before = here.tabs.shown
     assert before is not None
     assert before.exact
     assert here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h")) is None
-    after = here.shown
+    after = here.tabs.shown
     assert after is not None
     assert not after.exact
     k = after.study.case("gyro total")
@@ -58,8 +69,7 @@ def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
     assert "Moved by the linear sensitivity matrix" in here._answer.object
     # and back: the exact answer again
     here.inputs.put("gyros.bias", DEFAULTS["gyros.bias"])
-    assert here.shown is not None
-    assert here.shown.exact
+    assert here.tabs.current().exact
 
 
 def test_a_refusal_stands_at_the_field_and_changes_nothing(here: SuborbitalPage) -> None:
@@ -90,8 +100,9 @@ def test_tables_hold_the_study_and_name_the_papers_values_as_comparison(here: Su
     bias = next(row for row in tables[0].rows if row[0] == "accelerometer bias")
     assert bias[1:4] == pytest.approx((-125.14, -11226.05, 20252.26), abs=5.0)
     assert bias[-3:] == (10500.0, 8000.0, 20000.0)
-    assert all(PAPER_NOTE in table.knowledge for table in tables)
-    assert f"data-sort='{abs(bias[1])!r}'" in tables[0].html  # type: ignore[arg-type]
+    assert all(PAPER_NOTE in table.note for table in tables)
+    cell = tables[0].block().rows[0][2]
+    assert (cell.text, cell.sort) == ("−11200", pytest.approx(11226, abs=5))  # sorted by size, not by sign
     assert len(source_table(shown).rows) == len(shown.study.names) + 1
     rows = list(csv.reader(io.StringIO(tables[1].csv())))
     assert float(rows[1][1]) == shown.study.pure.position_m[shown.study.case("gyro bias"), -1, 0]
@@ -133,65 +144,60 @@ def test_every_tab_is_built_and_fed(here: SuborbitalPage) -> None:
     contents = []
     for index in range(len(TABS)):
         here.tabs.bar.active = index
-        here._look()  # fed a second time
+        here.tabs.param.trigger("shown")  # fed a second time
         contents += here.tabs.place.objects
     assert len({id(content) for content in contents}) == len(TABS)
     # what is opened after the curves have moved shows the moved ones
     here.tabs.bar.active = 0
     here.inputs.put("gyros.bias", (0.0, 0.0, 0.0))
     here.tabs.bar.active = 1
-    assert here.tabs.current() is here.shown
-
-
-def test_every_tab_follows_within_a_tenth_of_a_second(here: SuborbitalPage) -> None:
-    """Issue 5 asks for 100 ms; processor time of the server, so that a busy machine does not decide."""
-    for index, tab in enumerate(TABS):
-        here.tabs.bar.active = index
-        spent = []
-        for k in range(4):
-            start = time.process_time()
-            here.inputs.put("initial.velocity", (0.1 + 0.001 * (k + 1), 0.1, -0.1))
-            spent.append(time.process_time() - start)
-        assert min(spent) < 0.1, tab.name
+    assert not here.tabs.current().exact
 
 
 def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage) -> None:
     here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h"))
-    asyncio.run(here.run_exactly())
-    assert here.shown is not None
-    assert here.shown.exact
-    assert here.gap is not None
-    share = here.gap.pure_share[here.gap.names.index("all")]
+    told: list[tuple[bool, str]] = []
+    here.exact.param.watch(
+        lambda event: told.append((here._session.running, event.new.words)) if event.new else None, "progress"
+    )
+    asyncio.run(run_exactly(here))
+    assert any(running and "error sources" in words for running, words in told)
+    shown = here.tabs.current()
+    assert shown.exact
+    assert shown.gap is not None
+    share = shown.gap.pure_share[shown.gap.names.index("all")]
     assert 0 < share < 0.05
     assert "the linear answer was off by" in here._answer.object
     assert not here._session.running
 
 
 def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
-    here.inputs.trajectory = ("mine.csv", b"a,b\n1,2\n")
-    asyncio.run(here.run_exactly())
-    assert "mine.csv: line 1: columns time_s" in here._state.object
-    assert here.shown is not None
+    before = here.tabs.current()
+    asyncio.run(flown(here, ("mine.csv", b"a,b\n1,2\n")))
+    assert "mine.csv: line 1: columns time_s" in here.inputs.notice.object
+    assert here.inputs.trajectory is None
+    assert here.survey is before.survey
 
 
-def test_a_study_is_saved_opened_and_linked_without_loss(
-    here: SuborbitalPage, survey: Survey, tmp_path: Path
-) -> None:
-    flown = tmp_path / "flown.csv"
-    flown.write_bytes(format_flight(survey.study.flight, every=10))
+def test_a_study_is_saved_opened_and_linked_without_loss(here: SuborbitalPage, survey: Survey) -> None:
     here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6.1, 8, -4 °/h"))
-    here.inputs.take(("flown.csv", flown.read_bytes()))
-    text = format_study(here.inputs.settings, here.inputs.trajectory).encode()
+    trajectory = ("flown.csv", format_flight(survey.study.flight, every=10))
+    text = format_study(here.inputs.settings, trajectory).encode()
     session = Session(first_design())
     session.study_link = to_link(here.inputs.settings)
     linked = SuborbitalPage(session)
     assert dict(linked.inputs.settings.values) == dict(here.inputs.settings.values)
     other = SuborbitalPage(Session(first_design()))
-    ran: list[object] = []
-    other.inputs._flown = lambda: ran.append(other.inputs.trajectory)
-    other.inputs.open(text, "mine.toml")
+
+    async def opened() -> bool:
+        other.inputs.open(text, "mine.toml")
+        running = other.exact.running
+        other.exact.cancel()
+        return running
+
+    assert asyncio.run(opened())
     assert dict(other.inputs.settings.values) == dict(here.inputs.settings.values)
-    assert ran == [here.inputs.trajectory]
+    assert other.inputs.trajectory == trajectory
     assert "mine.toml" in other.inputs.settings.origin["gyros.bias"]
 
 
@@ -214,28 +220,41 @@ def test_a_wrong_study_is_refused_by_name_and_changes_nothing(here: SuborbitalPa
 
 def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_steps(here: SuborbitalPage) -> None:
     assert "whole number of steps" in str(here.inputs.put("tracker.frame_interval", 0.15))
-    (control,) = input_controls(["tracker.frame_interval"], here.inputs.settings, here.inputs.put)
+    control = InputControl("tracker.frame_interval", lambda: here.inputs.settings, here.inputs.put)
     assert control.slider is not None
-    here.follow = lambda: None  # type: ignore[method-assign]  # other frames need a running loop
-    here.inputs._changed = here.follow
-    control.slider.value = float(np.log10(0.34))
+    slider = control.slider
+
+    async def slid() -> None:
+        slider.value = float(np.log10(0.34))
+        assert here.tabs.current().exact  # other frames need other matrices first
+        await soon(lambda: not here.renewal.running, "the matrices")
+
+    asyncio.run(slid())
     assert here.inputs.settings["tracker.frame_interval"] == pytest.approx(0.3)
+    assert here.renewal.message == ""
+    assert not here.tabs.current().exact
+    assert here.tabs.current().study.used.sum() < here.survey.study.used.sum()
 
 
 def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move(here: SuborbitalPage) -> None:
     here.tabs.bar.active = [tab.name for tab in TABS].index("White noise")
     assert np.all(np.isnan(charts.noise_chart(2)(here.tabs.current()).lines[2].y))
-    here.noise.runs.value = 50
-    asyncio.run(here.noise.fly())
+    here.noise.runs = 50
+
+    async def fly() -> None:
+        await here.noise.start()
+
+    asyncio.run(fly())
     shown = here.tabs.current()
     assert shown.ensemble is not None
     flown = charts.noise_chart(2)(shown)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
-    assert "50 runs, seed 1" in noise_table(shown).knowledge
+    assert "50 runs, seed 1" in noise_table(shown).note
     assert json.loads(here._json().getvalue())["white_noise_monte_carlo"]["runs"] == 50
     here.inputs.put("gyros.white_noise", 1e-5)
     assert here.tabs.current().ensemble is None
-    assert "No ensemble is flown" in noise_table(here.tabs.current()).knowledge
+    assert "No ensemble is flown" in noise_table(here.tabs.current()).note
+    assert "fly again" in here.noise.bar.message
 
 
 def test_sensor_errors_are_drawn_per_axis_and_class(survey: Survey) -> None:
@@ -264,22 +283,22 @@ def test_horizontal_errors_are_also_shown_along_and_across_the_track(survey: Sur
 
 def test_linear_gap_names_the_row_that_is_beyond_the_promise(survey: Survey) -> None:
     table = gap_table(Shown(survey, survey.study))
-    assert "everything is off by 0.59 %" in table.knowledge
+    assert "everything is off by 0.6 %" in table.note
     assert len(table.rows) == len(survey.study.names) - 1
 
 
-def _sleep(seconds: float, *, progress: object) -> None:
-    time.sleep(seconds)
+def _for_an_hour(*, progress: Callable[[float, str], None]) -> None:
+    progress(0.0, "begun")
+    time.sleep(3600)
 
 
 def test_cancelling_a_run_ends_it_at_once() -> None:
-    async def cancelled() -> float:
-        task = asyncio.create_task(run_alone(_sleep, 60, progress=lambda share, what: None))
-        await asyncio.sleep(0.5)
-        start = time.perf_counter()
+    async def cancelled() -> None:
+        begun: list[str] = []
+        task = asyncio.create_task(run_alone(_for_an_hour, progress=lambda share, what: begun.append(what)))
+        await soon(lambda: begun, "the run in its process")
         task.cancel()
         with pytest.raises(asyncio.CancelledError):
-            await task
-        return time.perf_counter() - start
+            await asyncio.wait_for(task, PATIENCE)
 
-    assert asyncio.run(cancelled()) < 5
+    asyncio.run(cancelled())

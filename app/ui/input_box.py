@@ -1,0 +1,113 @@
+"""A box for one input, with or without a slider: what is refused is said at the box, and the last good value stays in
+force."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+
+from app.ui.log_slider import LogSlider
+from nav_model.errors import InputError
+
+
+class InputBox(pn.viewable.Viewer):
+    """Box and perhaps slider of one input.
+
+    What the widgets say is compared with the value in force: a widget that only follows it changes nothing.
+
+    Parameters
+    ----------
+    key : str
+        Dotted key of the input.
+    box : TextInput or Select
+        Shows the input as text.
+    slider : LogSlider, optional
+        Moves the size of the input.
+    """
+
+    error: str = param.String(doc="Why what was typed last is refused; empty if it was taken.")
+
+    def __init__(self, key: str, box: pmui.TextInput | pmui.Select, slider: LogSlider | None = None) -> None:
+        super().__init__()
+        self.key, self.box, self.slider = key, box, slider
+        self._last: object = None
+
+    def listen(self) -> None:
+        """Follow what is in force, and from now on take what a person types or slides."""
+        self.follow()
+        self.box.param.watch(self._typed, "value")
+        if self.slider is not None:
+            self.slider.param.watch(self._slid, "value")
+
+    # --- what a kind of input says ---------------------------------------------------------------------------
+
+    def value(self) -> object:
+        """The value in force."""
+        raise NotImplementedError
+
+    def text(self) -> str:
+        """The value in force as the box shows it."""
+        raise NotImplementedError
+
+    def size(self) -> float | None:
+        """The value in force as the slider shows it, SI; None: the slider stays where it is."""
+        raise NotImplementedError
+
+    def help(self) -> str:
+        """What the box says under it unless something is refused."""
+        raise NotImplementedError
+
+    def take(self, text: str) -> InputError | None:
+        """Put a text in force, or say or raise why not."""
+        raise NotImplementedError
+
+    def take_size(self) -> InputError | None:
+        """Put in force what the slider says, or say why not."""
+        raise NotImplementedError
+
+    # --- how all follow and take -----------------------------------------------------------------------------
+
+    def follow(self) -> None:
+        """Show the value in force; a text that was refused stays until there is another value."""
+        value, size = self.value(), self.size() if self.slider is not None else None
+        if value != self._last:
+            self._last, self.error = value, ""
+        if self.slider is not None and size is not None:
+            self.slider.follow(size)
+        if not self.error:
+            self.box.value = self.text()
+        self.say()
+
+    def say(self) -> None:
+        """Show the help, or why the text is refused."""
+        said: dict[str, object] = {"helper_text": self.error or self.help()}
+        if isinstance(self.box, pmui.TextInput):
+            said["error_state"] = bool(self.error)
+        if any(getattr(self.box, name) != what for name, what in said.items()):
+            # In one message: a second one could undo what is typed between the two.
+            self.box.param.update(**said)
+
+    def put(self, take: Callable[[], InputError | None]) -> None:
+        """Put something in force, and show it or why it is refused."""
+        try:
+            refused = take()
+        except InputError as error:
+            refused = error
+        self.error = "" if refused is None else refused.reason if refused.key == self.key else str(refused)
+        self.follow()
+
+    def _typed(self, event: param.parameterized.Event) -> None:
+        if event.new == self.text():
+            self.error = ""
+            self.say()
+        else:
+            self.put(lambda: self.take(event.new))
+
+    def _slid(self, _: param.parameterized.Event) -> None:
+        size = self.size()
+        assert self.slider is not None
+        if size is None or not self.slider.shows(size):
+            self.put(self.take_size)

@@ -1,0 +1,34 @@
+"""What reports of several rooms share."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from app.charts.print.svg import to_svg
+from app.document import pdf
+
+
+@pytest.fixture(scope="session")
+def _drawn() -> dict[bytes, str]:
+    """Charts by what they show."""
+    return {}
+
+
+@pytest.fixture(scope="module")
+def charts_drawn_once(_drawn: dict[bytes, str]) -> Iterator[None]:
+    """The same chart is drawn once, however many reports show it: that is most of a report's time, and that it comes
+    out the same each time is held in charts/."""
+
+    def once(chart: Any) -> str:
+        shown = pickle.dumps(chart)
+        if shown not in _drawn:
+            _drawn[shown] = to_svg(chart)
+        return _drawn[shown]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pdf, "to_svg", once)
+        yield
