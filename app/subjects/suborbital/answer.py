@@ -58,7 +58,8 @@ def _figures(shown: Shown, settings: Settings) -> KeyFigures:
 
 
 def _figure(label: str, pure: Array, aided: Array, detail: str) -> KeyFigure:
-    before, after = (_metres(float((error @ error) ** 0.5)) for error in (pure, aided))
+    sizes = (_metres(float((error @ error) ** 0.5)) for error in (pure, aided))
+    before, after = (size.replace(" ", "\u00a0") for size in sizes)  # a narrow card breaks between the two only
     return KeyFigure(label, f"{before} → {after}", detail)
 
 

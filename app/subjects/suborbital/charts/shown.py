@@ -64,7 +64,8 @@ class Shown:
         study = self.study
         errors, k = study.aided if aided else study.pure, study.case(case)
         if self.along_track and channel < 2:
-            return (errors.down_range_m, errors.cross_range_m)[channel][k]
+            history: Array = (errors.down_range_m, errors.cross_range_m)[channel][k]
+            return history
         return errors.position_m[k, :, channel]
 
     def axis(self, channel: int) -> str:
@@ -83,7 +84,9 @@ class Shown:
         """The closed forms [B-6] of the case looked at, (m, 3), m."""
         study = self.study
         parameters = study.parameters[study.case(self.case)]
-        return closed_form_errors(study.flight, parameters, study.inputs.errors, every_of(study)).position_m[0]
+        errors = closed_form_errors(study.flight, parameters, study.inputs.errors, every_of(study))
+        position_m: Array = errors.position_m[0]
+        return position_m
 
     @cached_property
     def matrix_gap(self) -> Gap:
