@@ -58,15 +58,14 @@ def _figures(shown: Shown, settings: Settings) -> KeyFigures:
 
 
 def _figure(label: str, pure: Array, aided: Array, detail: str) -> KeyFigure:
-    sizes = (_metres(float((error @ error) ** 0.5)) for error in (pure, aided))
-    before, after = (size.replace(" ", "\u00a0") for size in sizes)  # a narrow card breaks between the two only
+    before, after = (_metres(float((error @ error) ** 0.5)) for error in (pure, aided))
     return KeyFigure(label, f"{before} → {after}", detail)
 
 
 def _channels(error: Array) -> str:
-    return ", ".join(f"{axis} {_metres(float(value))}" for axis, value in zip("NEH", error, strict=True))
+    return ", ".join(f"{axis}\u00a0{_metres(float(value))}" for axis, value in zip("NEH", error, strict=True))
 
 
 def _metres(value: float) -> str:
-    """A length; what is below a millimetre says only that."""
-    return show(value, "length") if abs(value) >= 1e-3 else "< 1 mm"
+    """A length that no line breaks; what is below a millimetre says only that."""
+    return (show(value, "length") if abs(value) >= 1e-3 else "< 1 mm").replace(" ", "\u00a0")
