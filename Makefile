@@ -51,11 +51,7 @@ system:
 	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends $$missing; }
 
 lint: .venv/.test
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	$(BIN)/mypy
-	$(BIN)/lint-imports
-	$(BIN)/hadolint Dockerfile
+	$(BIN)/python tests/support/run.py lint
 
 # Lint and both halves of the tests, each to its end. ORDER=random runs the files, and what is in each, in random order.
 test: .venv/.test system

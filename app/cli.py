@@ -16,15 +16,8 @@ from typing import NoReturn
 from app.console.arguments import BAD_INPUT, refuse
 from app.report import command as report
 from app.serving import command as serve
-from app.subjects.budget import command as budget
-from app.subjects.explore import command as explore
-from app.subjects.sar import command as sar
-from app.subjects.sensors import command as allan
-from app.subjects.simulation import command as simulate
-from app.subjects.suborbital import command as suborbital
+from app.subjects import SUBJECTS
 from nav_model.errors import InputError
-
-_COMMANDS = (serve, budget, report, simulate, sar, suborbital, allan, explore)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -51,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="navbudget", description="Navigation error budgets for airborne SAR.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in _COMMANDS:
+    for module in (serve, report, *(subject.load("command") for subject in SUBJECTS if subject.command)):
         module.add_to(commands)
     return parser
 

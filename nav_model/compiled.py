@@ -2,7 +2,8 @@
 
 Numba compiles a cached kernel again when its own file has changed, but not when a kernel that it calls, in another
 file, has: results would come from code that no longer exists. Each kernel here carries the digest of all their files,
-through two private names of Numba's.
+through two private names of Numba's. And processes that need the same kernel at once would each compile it: here one
+does, while the others wait and then load what it wrote.
 
 Written for: numba 0.68.1
 Upstream: numba/numba#8396 (open), numba/numba#1833
@@ -11,18 +12,21 @@ Needless when: tests/nav_model/test_compiled.py::test_as_shipped_a_changed_calle
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 from collections.abc import Callable
-from functools import cache
+from functools import cache, wraps
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core.compiler_lock import global_compiler_lock
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 _njit: Any = numba.njit  # Numba's types know not all of its options
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
+_locked: set[Path] = set()  # directories that this process is compiling into
 _ROOMS = ("earth", "simulation", "suborbital")  # whose kernels call each other across files
 
 
@@ -38,6 +42,30 @@ def room_digest() -> str:
     return digest.hexdigest()
 
 
+def _one_process_at_a_time(compile_: Callable[..., Any], directory: Path) -> Callable[..., Any]:
+    """`compile_`, which loads from `directory` or compiles into it, behind a lock on a file there.
+
+    The lock of this process is taken first, always in this order. It may be held already: a kernel is compiled while
+    a caller of it in the same directory is, whose lock on the file then serves both.
+    """
+
+    @wraps(compile_)
+    def locked(signature: Any) -> Any:
+        with global_compiler_lock:
+            if directory in _locked:
+                return compile_(signature)
+            directory.mkdir(parents=True, exist_ok=True)
+            with (directory / "compiling.lock").open("w") as file:
+                fcntl.flock(file, fcntl.LOCK_EX)  # released as the file is closed
+                _locked.add(directory)
+                try:
+                    return compile_(signature)
+                finally:
+                    _locked.remove(directory)
+
+    return locked
+
+
 def kernel(function: F) -> F:
     """Compile `function` with Numba for calls from Python: cached on disk, no interpreter lock, IEEE arithmetic.
 
@@ -51,12 +79,13 @@ def kernel(function: F) -> F:
         return cast(F, _njit(nogil=True, **_OPTIONS)(function))
     index = compiled._cache._cache_file
     index._source_stamp = (index._source_stamp, room_digest())
+    compiled.compile = _one_process_at_a_time(compiled.compile, Path(compiled.stats.cache_path))
     return cast(F, compiled)
 
 
 def part(function: F) -> F:
     """Compile `function` for kernels alone to call: it becomes part of theirs, in memory and on disk.
 
-    Python cannot call it. Without the code that would let it, and without a file, it compiles in half the time.
+    Python cannot call it: neither the code for that nor a file is made.
     """
     return cast(F, _njit(no_cpython_wrapper=True, **_OPTIONS)(function))

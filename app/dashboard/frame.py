@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import functools
 import html
-import importlib
 from typing import Any, Protocol
 
 import panel as pn
@@ -16,6 +15,7 @@ from app.dashboard.lifeline import THEME_COOKIE, Lifeline
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.session import Lineage, Session
+from app.subjects import SUBJECTS
 from app.ui.faults import tell_here
 from app.ui.paper import fit_to_paper
 from app.ui.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
@@ -38,22 +38,6 @@ class Page(Protocol):
         """Follow the budget in force."""
 
 
-PAGES: tuple[tuple[str, str], ...] = (
-    ("Budget", "app.subjects.budget.page:BudgetPage"),
-    ("Simulate", "app.subjects.simulation.page:SimulatePage"),
-    ("SAR", "app.subjects.sar.page:SarPage"),
-    ("Suborbital", "app.subjects.suborbital.page:SuborbitalPage"),
-    ("Explore", "app.subjects.explore.page:ExplorePage"),
-    ("Sensors", "app.subjects.sensors.page:SensorsPage"),
-    ("Review", "app.subjects.review.page:ReviewPage"),
-    ("Theory", "app.subjects.theory.page:TheoryPage"),
-)
-"""The tabs: name (its lower-case form is the address behind #) and the class that makes the page.
-
-A page is imported and built when its tab is first opened, so a tab costs the first screen nothing.
-"""
-
-
 class Frame(pn.viewable.Viewer):
     """The page of one session."""
 
@@ -64,7 +48,7 @@ class Frame(pn.viewable.Viewer):
         self._pages: dict[int, Page] = {}
         self._loaded = False
         self._addressed = False  # the page is being turned because the address says so
-        self._places = [pn.Column(sizing_mode="stretch_width", margin=0, visible=not i) for i in range(len(PAGES))]
+        self._places = [pn.Column(sizing_mode="stretch_width", margin=0, visible=not i) for i in range(len(SUBJECTS))]
         self._examples = pn.Column(sizing_mode="stretch_width", margin=0, visible=False, stylesheets=[PRINT_NOTHING])
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
@@ -72,7 +56,7 @@ class Frame(pn.viewable.Viewer):
         # Material tabs speak to keyboard and screen reader; figures must not stand inside them, so they are only
         # the bar, and the pages below are shown and hidden.
         self._tabs = pmui.Tabs(
-            *((name, pn.Spacer(height=0)) for name, _ in PAGES),
+            *((subject.title, pn.Spacer(height=0)) for subject in SUBJECTS),
             sizing_mode="stretch_width",
             margin=(0, 6),
         )
@@ -151,7 +135,7 @@ class Frame(pn.viewable.Viewer):
         finally:  # a page that could not be made leaves its place empty, not another's page under its name
             for index, place in enumerate(self._places):
                 place.visible = index == event.new
-        name, location = PAGES[event.new][0].lower(), pn.state.location
+        name, location = SUBJECTS[event.new].title.lower(), pn.state.location
         # An address that led here stays as it is: a new one would cut off what Forward leads to.
         if location and not self._addressed and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
@@ -165,9 +149,9 @@ class Frame(pn.viewable.Viewer):
     def _go_to(self, address: str) -> None:
         """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
         self._loaded = True
-        wanted, _, place = (address.lstrip("#") or PAGES[0][0]).partition("-")
-        for index, (name, _) in enumerate(PAGES):
-            if name.lower() == wanted.lower():
+        wanted, _, place = (address.lstrip("#") or SUBJECTS[0].title).partition("-")
+        for index, subject in enumerate(SUBJECTS):
+            if subject.title.lower() == wanted.lower():
                 self._addressed = True
                 try:
                     self._tabs.active = index
@@ -179,8 +163,7 @@ class Frame(pn.viewable.Viewer):
 
     def _open_page(self, index: int) -> None:
         if index not in self._pages:
-            module, _, name = PAGES[index][1].partition(":")
-            page: Page = getattr(importlib.import_module(module), name)(self.session)
+            page: Page = SUBJECTS[index].load("page")(self.session)
             self._pages[index] = page
             self._places[index].append(getattr(page, "view", page))
 

@@ -9,8 +9,9 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.report.studies import KINDS, belonging
+from app.report.studies import belonging
 from app.session import Session
+from app.subjects import STUDIES
 from app.ui.html_pane import html_pane
 
 
@@ -46,11 +47,11 @@ class ReportChoice(pn.viewable.Viewer):
         if not findings:
             return
         fits = belonging(findings, self.session.design)
-        offered = {f"{title} in the report": kind for kind, (title, _) in KINDS.items() if fits.get(title)}
+        offered = {f"{STUDIES[kind].study} in the report": kind for kind, fit in fits.items() if fit}
         if offered != self._boxes.options:
             value = [kind for kind in offered.values() if kind not in self._unticked]
             self._boxes.param.update(options=offered, value=value, visible=bool(offered))
-        left = [title for title, fit in fits.items() if not fit]
+        left = [STUDIES[kind].study for kind, fit in fits.items() if not fit]
         said = f"Not in the report, of another design: {', '.join(left)}."
         shown = f'<span class="quiet">{escape(said)}</span>' if left else ""
         if self._left.object != shown:

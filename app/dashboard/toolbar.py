@@ -18,11 +18,11 @@ from app.document.wording import chapter_key
 from app.report import report_bytes
 from app.report.studies import study_sections
 from app.session import Session
+from app.ui.downloads import run_download
 from app.ui.theme import PRINT_NOTHING
 from app.ui.tour import Tour
 from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
-from app.work.run import Run
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, format_design, parse_design
@@ -139,21 +139,15 @@ class Toolbar(pn.viewable.Viewer):
         return io.BytesIO(format_design(self.session.design).encode("utf-8"))
 
     def _report(self, suffix: str) -> Callable[[], Awaitable[io.BytesIO]]:
-        run = self.session.new_run()
-
-        async def write(_: Run) -> bytes:
+        async def write() -> bytes:
             budget, findings = self.session.budget, self._choice.chosen()
             # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
             study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
             return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study])
 
-        async def made() -> io.BytesIO:
-            await run.start(write)
-            if run.message:
-                self._say(f"The report was not written. {run.message}")
-            return io.BytesIO(run.result or b"")
-
-        return made
+        return run_download(
+            self.session.new_run(), write, lambda why: self._say(f"The report was not written. {why}")
+        )
 
 
 def _tool(label: str, icon: str, act: Callable[[], Any], **params: Any) -> pmui.Button:

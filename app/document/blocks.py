@@ -104,7 +104,10 @@ class Approval:
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer to a question: one word with its sign, how it is set (good, bad, warn, open), and why."""
+    """The answer to a question: one word with its sign, how it is set (good, bad, warn, open), and why.
+
+    On a page the word may be empty: a message of one sentence.
+    """
 
     word: str
     tone: str

@@ -5,12 +5,12 @@ Jinja escapes every text; equations become MathML through Typst, so that they ar
 
 from __future__ import annotations
 
-import base64
 import json
 import re
 from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
+from urllib.parse import quote
 
 import typst
 from bokeh.embed import components
@@ -21,9 +21,10 @@ from markupsafe import Markup, escape
 from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, PictureChart, to_csv
 from app.charts.legend import legend_html
 from app.charts.screen.figures import to_bokeh
+from app.charts.screen.pictures import picture_gallery
 from app.document.blocks import Equations, Report, Symbols
+from app.document.numbers import NONE, number
 from app.document.pane import html_of
-from app.subjects.sar.pictures import picture_gallery
 
 _MARK = re.compile(r"\[([TSB]-\d+)\]")
 _MATH = re.compile(r"<math.*?</math>", re.DOTALL)
@@ -33,6 +34,7 @@ _TYPST_MATH = """
 _ROOT = '<mrow><mo stretchy="false">√</mo><mrow style="border-top: 1px solid; padding: 1px 2px 0">'
 _TABLE_ROWS = 11  # of a curve's table of data
 _MAP_ROWS = 5  # and columns of a map's
+_PLAIN = ",;:/()[]=+*!"  # of a text to take away: what an address may hold as it is
 _HEIGHT = 340
 _TALL = 440
 _ROW_HEIGHT = 42
@@ -129,7 +131,8 @@ def mathml(items: tuple[tuple[str, bool], ...]) -> tuple[str, ...]:
 
 
 def _data_url(text: str, kind: str) -> str:
-    return f"data:{kind};charset=utf-8;base64,{base64.b64encode(text.encode()).decode()}"
+    """A text to take away, percent-encoded: numbers stay as they are, which base64 makes a third longer."""
+    return f"data:{kind};charset=utf-8,{quote(text, safe=_PLAIN)}"
 
 
 def _data_rows(chart: AnyChart) -> list[tuple[str, ...]]:
@@ -142,11 +145,13 @@ def _data_rows(chart: AnyChart) -> list[tuple[str, ...]]:
     for line in chart.lines:
         seen = [i for i, y in enumerate(line.y) if y == y]
         step = max(1, (len(seen) - 1) // (_TABLE_ROWS - 1))
-        rows += [(line.label, f"{line.x[i]:.4g}", f"{line.y[i]:.4g}") for i in seen[::step]]
+        rows += [(line.label, number(line.x[i]), number(line.y[i])) for i in seen[::step]]
     for points in chart.points:
-        rows += [(name, f"{x:.4g}", f"{y:.4g}") for name, x, y in zip(points.names, points.x, points.y, strict=True)]
+        rows += [(name, number(x), number(y)) for name, x, y in zip(points.names, points.x, points.y, strict=True)]
     rows += [
-        (x.label, f"{x.start:.4g} to {x.stop:.4g}", f"{x.level:.4g}") for x in chart.limits if x.level == x.level
+        (x.label, f"{number(x.start)} to {number(x.stop)}", number(x.level))
+        for x in chart.limits
+        if x.level == x.level
     ]
     return rows
 
@@ -156,11 +161,11 @@ def _map_rows(chart: MapChart) -> list[tuple[str, ...]]:
     rows = [(chart.x_label, chart.y_label, "name", chart.value_label)]
     for i in range(0, len(chart.y), max(1, len(chart.y) // _MAP_ROWS)):
         for j in range(0, len(chart.x), max(1, len(chart.x) // _MAP_ROWS)):
-            where = f"{chart.x[j]:.3g}", f"{chart.y[i]:.3g}"
-            rows.append((*where, chart.names[int(chart.winner[i, j])], f"{chart.values[i, j]:.4g}"))
+            where = number(chart.x[j]), number(chart.y[i])
+            rows.append((*where, chart.names[int(chart.winner[i, j])], number(chart.values[i, j])))
     for points in chart.points:
         rows += [
-            (f"{x:.3g}", f"{y:.3g}", name, points.label)
+            (number(x), number(y), name, points.label)
             for name, x, y in zip(points.names, points.x, points.y, strict=True)
         ]
     return rows
@@ -171,4 +176,4 @@ def _short(cell: str) -> str:
         value = float(cell)
     except ValueError:
         return cell
-    return f"{value:.4g}" if value == value else "–"
+    return number(value) if value == value else NONE

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from nav_model.sar.geometry import phase_to_metres
-from nav_model.units import format_quantity, from_si, plain_number
+from nav_model.units import format_quantity, from_si, plain_number, to_si
 
 DIGITS = 3
 NONE = "–"
@@ -16,6 +16,10 @@ _LADDERS: dict[str, tuple[str, ...]] = {
     "speed": ("mm/s", "cm/s", "m/s"),
     "angle": ("arcsec", "°"),
     "time": ("ms", "s"),
+}
+_LEAST = {
+    dimension: tuple((to_si(1, unit, dimension), unit) for unit in reversed(ladder))
+    for dimension, ladder in _LADDERS.items()
 }
 _SMALL_ANGLE = math.radians(0.001)
 
@@ -39,7 +43,7 @@ def show(value: float, dimension: str, digits: int = DIGITS) -> str:
     if dimension == "angle":
         unit = "arcsec" if 0 < abs(value) < _SMALL_ANGLE else "°"
     else:
-        unit = next((u for u in reversed(ladder) if abs(from_si(value, u, dimension)) >= 1), ladder[0])
+        unit = next((unit for least, unit in _LEAST[dimension] if abs(value) >= least), ladder[0])
         if value == 0:
             unit = ladder[-2] if dimension == "length" else ladder[-1]
     return f"{number(from_si(value, unit, dimension), digits)}{'' if unit == '°' else ' '}{unit}"

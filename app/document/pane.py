@@ -26,7 +26,8 @@ def html_of(*blocks: Block, said: Said = prose) -> str:
 
 def _answer(answer: Answer, said: Said) -> str:
     why = "".join(f"<p>{said(sentence)}</p>" for sentence in answer.sentences)
-    return f'<div class="strip {answer.tone}" role="status"><h2>{escape(answer.word)}</h2>{why}</div>'
+    word = f"<h2>{escape(answer.word)}</h2>" if answer.word else ""
+    return f'<div class="strip {answer.tone}" role="status">{word}{why}</div>'
 
 
 def _key_figures(figures: KeyFigures, said: Said) -> str:

@@ -19,7 +19,7 @@ from typing import Any
 
 from sqlalchemy import Connection, text
 
-from app.document.wording import verdict_of
+from app.document.verdict import verdict_of
 from app.library.engine import engine_at, said
 from app.library.schema import migrate
 from app.library.texts import clean, clean_tags

@@ -8,6 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, read_design
+from app.console.files import whole_file
+from app.document.wording import chapter_key, design_labels
+from app.report import kind_of, report_bytes
+from app.subjects import STUDIES
+from nav_model.budget import analyse
+from nav_model.errors import InputError
 
 
 def add_to(commands: Any) -> None:
@@ -25,7 +31,7 @@ def _study_arguments(report: argparse.ArgumentParser) -> None:
         dest="studies",
         default="",
         metavar="STUDY,...",
-        help="run these and tell their results in each design's chapter: simulation, sar, suborbital",
+        help=f"run these and tell their results in each design's chapter: {', '.join(STUDIES)}",
     )
     add = report.add_argument_group("the studies of --with").add_argument
     add("--runs", type=int, metavar="N", help="of simulation and SAR (default 100 and 200)")
@@ -39,9 +45,27 @@ def _study_arguments(report: argparse.ArgumentParser) -> None:
 
 
 def _report(options: argparse.Namespace) -> int:
-    paths = paths_of(options)
-    from app.report.console import write_report_with
+    """Write the report; progress of its studies on standard error."""
+    from app.report.studies import study_sections
 
-    write_report_with([read_design(path, options.changes) for path in paths], options)
+    paths = paths_of(options)
+    designs = [read_design(path, options.changes) for path in paths]
+    kind, wanted = kind_of(options.output), _wanted(options.studies)
+    budgets = [analyse(design) for design in designs]
+    with whole_file(options.output) as file:  # refused now, not after the studies
+        studies = []
+        for design, label in zip(designs, design_labels(len(designs)), strict=True):
+            findings = {key: STUDIES[key].load("report").study(design, options) for key in wanted}
+            studies.append(study_sections(findings, design, chapter_key(label)))
+        file.write(report_bytes(budgets, kind, studies=studies))
     print(f"wrote {options.output}", file=sys.stderr)
     return 0
+
+
+def _wanted(text: str) -> list[str]:
+    """The keys of the studies named, in the order of the report."""
+    named = [name.strip() for name in text.split(",") if name.strip()]
+    for name in named:
+        if name not in STUDIES:
+            raise InputError("--with", f"{name!r} is not a study; {', '.join(STUDIES)}")
+    return [key for key in STUDIES if key in named]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.document.blocks import Cell
+from app.document.blocks import Cell, Column, Table
 from app.document.numbers import number
 from app.document.wording import printable
 from nav_model.catalogue import Entry, SourcedValue
@@ -11,7 +11,7 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, PARTS
 from nav_model.design.presets import deviations, entry_of
 
-MARKS_EXPLAINED = (
+_MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
     "unconfirmed: from memory, no source reached. changed: not the value of the preset. noted: the design says "
     "where it comes from, such as a log. Biases and platform figures "
@@ -25,8 +25,8 @@ _EXTRA_LABELS = {
 }
 
 
-def input_rows(design: Design, aperture_time: float) -> tuple[tuple[Cell, ...], ...]:
-    """Rows of name, value and origin for every input, headed by section."""
+def input_table(design: Design, aperture_time: float, key: str) -> Table:
+    """Name, value and origin of every input, headed by section; aperture_time [s] is the one in force."""
     rows: list[tuple[Cell, ...]] = []
     for part in PARTS:
         entry = entry_of(design, part.section)
@@ -39,17 +39,28 @@ def input_rows(design: Design, aperture_time: float) -> tuple[tuple[Cell, ...], 
             )
             if entry.note:
                 rows.append((Cell("Note"), Cell(""), Cell(entry.note)))
-    return tuple(rows)
+    return Table(
+        f"{key}-inputs-table",
+        "Every input, with its origin",
+        (Column("Input", width=1.25), Column("Value", width=1), Column("Origin", width=1.9)),
+        tuple(rows),
+        _MARKS_EXPLAINED,
+    )
 
 
 def doubtful_inputs(design: Design) -> list[str]:
     """Inputs in force whose catalogue value is not confirmed, with their status."""
-    return [
-        f"{INPUTS[section][name].label.lower()} ({sourced.status})"
-        for section in INPUTS
-        for name in INPUTS[section]
-        if (sourced := sourced_value(design, section, name)) is not None and not sourced.confirmed
-    ]
+    doubtful = []
+    for section, names in INPUTS.items():
+        entry = entry_of(design, section)
+        if entry is not None:
+            changed = deviations(design, section)
+            doubtful += [
+                f"{names[name].label.lower()} ({sourced.status})"
+                for name in names
+                if (sourced := entry.values.get(name)) is not None and not sourced.confirmed and name not in changed
+            ]
+    return doubtful
 
 
 def sourced_value(design: Design, section: str, name: str) -> SourcedValue | None:

@@ -1,1 +1,63 @@
-"""The subjects a person comes for, a room each: page, charts, tables, command, report section."""
+"""The subjects a person comes for, a room each, and the one registry of them.
+
+The registry is data: parts are named in it and loaded when somebody needs them, so that reading it costs nothing and
+whoever goes by it (tabs, command line, report) imports no subject. No subject imports another.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A subject and its parts, named within its room; a part that it does not have is empty.
+
+    Attributes
+    ----------
+    key : str
+        Name of its room, and of its finished study in a session and after ``navbudget report --with``.
+    title : str
+        Label of its tab; in lower case the page's address behind #.
+    page : str
+        ``module:Class`` of the page, made from a session when its tab is first opened.
+    command : str
+        Module whose ``add_to(commands)`` declares its commands.
+    report : str
+        Module that tells a result in a design's report: ``sections(result, key)``. If the result is that of a study,
+        also ``belongs(result, design)``, ``of_design(result)`` and ``study(design, options)``, which runs one.
+    study : str
+        What its study is called in a report; empty for a subject whose results follow from the design at once.
+    """
+
+    key: str
+    title: str
+    page: str
+    command: str = ""
+    report: str = ""
+    study: str = ""
+
+    def load(self, part: str) -> Any:
+        """A part of the subject, such as "report", imported: a module, or what is in it behind a colon."""
+        module, _, attribute = getattr(self, part).partition(":")
+        loaded = import_module(f"{__name__}.{self.key}.{module}")
+        return getattr(loaded, attribute) if attribute else loaded
+
+
+SUBJECTS: tuple[Subject, ...] = (
+    Subject("budget", "Budget", "page:BudgetPage", "command", "report"),
+    Subject("simulation", "Simulate", "page:SimulatePage", "command", "report", "Simulation"),
+    Subject("sar", "SAR", "page:SarPage", "command", "report", "SAR"),
+    Subject("suborbital", "Suborbital", "page:SuborbitalPage", "command", "report", "Suborbital flight"),
+    Subject("explore", "Explore", "page:ExplorePage", "command"),
+    Subject("sensors", "Sensors", "page:SensorsPage", "command"),
+    Subject("review", "Review", "page:ReviewPage"),
+    Subject("theory", "Theory", "page:TheoryPage"),
+)
+"""Every subject, in the order of the tabs, of the commands and of a report's sections."""
+
+BY_KEY: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS}
+STUDIES: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS if subject.study}
+"""The subjects with a study to run."""

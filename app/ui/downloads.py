@@ -1,4 +1,4 @@
-"""Small downloads under a chart or a table."""
+"""Downloads: small ones under a chart or a table, and files that take a while to make."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import io
 from collections.abc import Awaitable, Callable
 
 import panel_material_ui as pmui
+
+from app.work.run import Run
 
 
 def download(
@@ -15,3 +17,27 @@ def download(
     return pmui.FileDownload(
         callback=make, filename=filename, label=label, description="", variant="text", size="small", margin=(0, 8)
     )
+
+
+def run_download(
+    run: Run, write: Callable[[], Awaitable[bytes]], failed: Callable[[str], None]
+) -> Callable[[], Awaitable[io.BytesIO]]:
+    """The callback of a `FileDownload` whose file is the result of a run.
+
+    Parameters
+    ----------
+    run : Run
+        Of the person's session, for this button alone.
+    write : callable
+        Makes the file's bytes; it must not hold up the event loop.
+    failed : callable
+        Told why there is no file.
+    """
+
+    async def made() -> io.BytesIO:
+        await run.start(lambda _: write())
+        if run.message:
+            failed(run.message)
+        return io.BytesIO(run.result or b"")
+
+    return made

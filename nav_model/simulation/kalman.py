@@ -95,12 +95,12 @@ def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out
 
 
 @part
-def _times(left: FloatArray, right: FloatArray, scale: float, out: FloatArray) -> None:
+def _times(left: FloatArray, right: FloatArray, rows: int, scale: float, out: FloatArray) -> None:
     """out = scale * left[:, :9] @ right, skipping zeros of `left`: the dynamics are sparse."""
-    for i in range(BIASES):
+    for i in range(rows):
         for j in range(right.shape[1]):
             out[i, j] = 0.0
-        for k in range(BIASES):
+        for k in range(rows):
             weight = scale * left[i, k]
             if weight != 0.0:
                 for j in range(right.shape[1]):
@@ -126,19 +126,19 @@ def propagate(
     [rad/sqrt(s)]) through the same chain, all orders. decay_rate [1/s] and bias_drive [unit^2/s] are those of
     the biases, n - 9 at least. work: (4, n, n) of working space.
     """
-    n = covariance.shape[0]
+    n, rows = covariance.shape[0], dynamics.shape[0]
     step, square, cube, product = work[0], work[1], work[2], work[3]
-    for i in range(BIASES):
+    for i in range(rows):
         for j in range(n):
             step[i, j] = dynamics[i, j] * dt
-    _times(step, step, 0.5, square)
-    _times(step, square, 1.0 / 3.0, cube)
-    for i in range(BIASES):
+    _times(step, step, rows, 0.5, square)
+    _times(step, square, rows, 1.0 / 3.0, cube)
+    for i in range(rows):
         for j in range(n):
             step[i, j] += square[i, j] + cube[i, j]
         step[i, i] += 1.0
     # product = Phi P; the bias rows of Phi are diagonal.
-    for i in range(BIASES):
+    for i in range(rows):
         for j in range(n):
             product[i, j] = 0.0
         for k in range(n):
@@ -146,19 +146,19 @@ def propagate(
             if weight != 0.0:
                 for j in range(n):
                     product[i, j] += weight * covariance[k, j]
-    for i in range(BIASES):
-        for j in range(i, BIASES):
+    for i in range(rows):
+        for j in range(i, rows):
             total = 0.0
             for k in range(n):
                 total += product[i, k] * step[j, k]
             covariance[i, j] = total
             covariance[j, i] = total
-    for j in range(BIASES, n):
+    for j in range(rows, n):
         kept = math.exp(-decay_rate[j - BIASES] * dt)
-        for i in range(BIASES):
+        for i in range(rows):
             covariance[i, j] = kept * product[i, j]
             covariance[j, i] = covariance[i, j]
-        for i in range(BIASES, j + 1):
+        for i in range(rows, j + 1):
             covariance[i, j] *= kept * math.exp(-decay_rate[i - BIASES] * dt)
             covariance[j, i] = covariance[i, j]
         # Exact for a Gauss-Markov bias, however long the step.

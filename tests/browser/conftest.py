@@ -124,7 +124,9 @@ def plain(browser: Browser, server: str) -> Iterator[Page]:
     page = browser.new_page()
     page.set_default_timeout(_MS)
     with _watched(page, server) as open_:
-        yield open_()
+        open_()
+        expect(page.locator(".bk-Figure:visible")).to_have_count(6)  # those below the first screen come later
+        yield page
     page.close()
 
 

@@ -9,7 +9,7 @@ import pypdf
 import pytest
 from playwright.sync_api import Page, expect
 
-from app.dashboard.frame import PAGES
+from app.subjects import SUBJECTS
 
 Visit = Callable[..., Page]
 Check = Callable[..., None]
@@ -27,7 +27,7 @@ def test_no_page_has_a_serious_finding_or_loses_anything_at_twice_the_zoom(
     visit: Visit, settled: Callable[[Page], None], accessible: Check
 ) -> None:
     page = visit()
-    for name, _ in PAGES:
+    for name in (subject.title for subject in SUBJECTS):
         page.set_viewport_size({"width": 1440, "height": 900})
         page.get_by_role("tab", name=name).click()
         accessible(page, name)
@@ -43,7 +43,7 @@ def test_no_page_has_a_serious_finding_or_loses_anything_at_twice_the_zoom(
 def test_no_page_has_a_serious_finding_in_the_dark(visit: Visit, accessible: Check) -> None:
     page = visit()
     page.get_by_role("button", name="theme").click()
-    for name, _ in PAGES:
+    for name in (subject.title for subject in SUBJECTS):
         page.get_by_role("tab", name=name).click()
         accessible(page, name)
 
@@ -91,7 +91,7 @@ def test_charts_say_what_they_show(visit: Visit) -> None:
 @pytest.mark.slow
 def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page], None], dark: bool) -> None:
     page = visit()
-    expect(page.get_by_text("Regime: who rules").first).to_be_attached()
+    expect(page.get_by_text("What limits horizontal position").first).to_be_attached()
     page.wait_for_function(_IDLE)
     if dark:
         page.get_by_role("button", name="theme").click()
@@ -106,6 +106,6 @@ def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page
         assert "invert" in page.locator(".page").evaluate("e => getComputedStyle(e).filter")
         return
     assert "Does not close" in text[0]
-    assert any("Regime" in sheet for sheet in text)
+    assert any("What limits horizontal position" in sheet for sheet in text)
     for tool in ("Explain every input", "PDF report", "Suborbital", "Position sigma: CSV"):
         assert not any(tool in sheet for sheet in text), tool

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page
+from waiting import PATIENCE
 
 _IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
 _PASSES = """() => {
@@ -54,10 +55,11 @@ def shipped(browser: Browser) -> Iterator[Page]:
     with subprocess.Popen([sys.executable, str(program)], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         page = browser.new_page()
+        page.set_default_timeout(1e3 * PATIENCE)
         page.goto(f"http://127.0.0.1:{int(process.stdout.readline())}/")
-        page.wait_for_function(_IDLE, timeout=60_000)
-        page.get_by_role("combobox", name="choice").wait_for(timeout=60_000)
-        page.locator(".bk-Figure").wait_for(timeout=60_000)
+        page.wait_for_function(_IDLE)
+        page.get_by_role("combobox", name="choice").wait_for()
+        page.locator(".bk-Figure").wait_for()
         yield page
         page.close()
         process.terminate()

@@ -64,7 +64,7 @@ def test_first_screen_gives_the_answer(plain: Page) -> None:
     expect(plain.get_by_text("Source and method:").first).to_be_visible()
 
 
-_TAKES_CSV = ("Position", "Velocity", "Attitude", "Phase budget", "Azimuth impulse", "Regime")
+_TAKES_CSV = ("Position", "Velocity", "Attitude", "Phase budget", "Azimuth impulse", "What limits")
 
 
 def test_what_is_below_the_first_screen_follows_and_covers_nothing(desk: Page) -> None:

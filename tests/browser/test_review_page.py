@@ -158,7 +158,7 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     assert "✓ accepted" in text
     press(page, "All reviews")
     row = page.get_by_role("region", name="All reviews").get_by_role("row").filter(has_text="PDR")
-    expect(row).to_contain_text("signed off by Ann")
+    expect(row).to_contain_text("Signed off by Ann")
     row.get_by_role("button", name="PDR").click()
     expect(heading).to_contain_text("Signed off by Ann")
 

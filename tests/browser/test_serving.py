@@ -172,7 +172,7 @@ def test_a_page_that_lost_its_server_says_so_and_goes_on_with_its_design(page: P
 
 _FAULTY = """
 import sys
-import app.dashboard.frame, app.subjects.theory.page
+import app.dashboard.toolbar, app.subjects.theory.page
 from app.cli import main
 
 class Broken:
@@ -182,7 +182,7 @@ class Broken:
 async def broken(*_):
     raise MemoryError("a secret of the design")
 
-app.subjects.theory.page.TheoryPage, app.dashboard.frame.elsewhere = Broken, broken
+app.subjects.theory.page.TheoryPage, app.dashboard.toolbar.elsewhere = Broken, broken
 sys.exit(main(["serve", "--port", "0", "--log", "json", "--library", sys.argv[1]]))
 """
 

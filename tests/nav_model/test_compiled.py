@@ -116,3 +116,30 @@ def test_as_shipped_a_changed_callee_goes_unnoticed(tmp_path):
     assert outer() == "1"
     (tmp_path / "callee.py").write_text("from numba import njit\n@njit(cache=True)\ndef inner():\n    return 22\n")
     assert outer() == "1"
+
+
+MEET = """
+import sys
+import numpy as np
+from nav_model.simulation.kalman import normalised_square
+print("ready", flush=True)
+sys.stdin.readline()
+normalised_square(np.eye(9), np.ones(9), np.empty((9, 9)))
+print(sum(normalised_square.stats.cache_misses.values()))
+"""
+
+
+def test_of_processes_that_start_together_one_compiles(tmp_path):
+    shutil.copytree(ROOM, tmp_path / "nav_model", ignore=shutil.ignore_patterns("__pycache__"))
+    environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
+    command, pipe = [sys.executable, "-c", MEET], subprocess.PIPE
+    both = [
+        subprocess.Popen(command, cwd=tmp_path, env=environment, stdin=pipe, stdout=pipe, text=True) for _ in range(2)
+    ]
+    for process in both:
+        assert process.stdout.readline() == "ready\n"
+    for process in both:
+        process.stdin.write("\n")
+        process.stdin.flush()
+    compiled = [int(process.communicate()[0]) for process in both]
+    assert sorted(compiled) == [0, 1]

@@ -4,7 +4,7 @@ They run beside each other, as much of a test is waiting for a server or a page.
 the exit status is 1 if one of them failed. In a new installation the simulator is compiled first, beside lint: two
 workers that find nothing compiled would each do it.
 
-    python tests/support/run.py [check | slow] [ORDER]
+    python tests/support/run.py [lint | check | slow] [ORDER]
 
 ``check`` is what is quick of lint and the tests without a browser; ``slow`` is what `make test` leaves out. ORDER is
 ``random`` or the number of an order that was random.
@@ -23,11 +23,12 @@ from pathlib import Path
 
 _BIN = Path(sys.executable).parent
 _WORKERS = str(max(2, (os.cpu_count() or 2) // 2))
-_LINT = ("ruff check .", "ruff format --check .", "mypy", "lint-imports")
+_LINT = ("ruff check .", "ruff format --check .", "mypy", "lint-imports", "hadolint Dockerfile")
 _HALVES = {"without a browser": ["--ignore", "tests/browser"], "in the browser": ["tests/browser"]}
 _PYTEST = ["pytest", "-p", "no:benchmark", "-n", _WORKERS, "--dist", "loadfile", "--no-loadscope-reorder"]
-_KINDS = {
+_KINDS: dict[str, list[str]] = {
     "test": [],
+    "lint": [],
     "check": ["-m", "not slow and not long"],
     "slow": ["-m", "slow", "--hypothesis-profile", "searching"],
 }
@@ -68,13 +69,12 @@ class Part:
 
 def parts(kind: str, order: list[str]) -> list[Part]:
     """What is to be run; lint is not of the slow kind, the browser not of the quick one."""
-    halves = dict(list(_HALVES.items())[:1]) if kind == "check" else _HALVES
-    made = [
+    lint = Part("lint", [command.split() for command in _LINT])
+    halves = [
         Part(name, [[*_PYTEST, *_KINDS[kind], *order, *where]], shown=name == "without a browser")
-        for name, where in halves.items()
+        for name, where in _HALVES.items()
     ]
-    hadolint = [] if kind == "check" else ["hadolint Dockerfile"]
-    return [*([] if kind == "slow" else [Part("lint", [c.split() for c in (*_LINT, *hadolint)])]), *made]
+    return {"lint": [lint], "check": [lint, halves[0]], "slow": halves, "test": [lint, *halves]}[kind]
 
 
 def main(arguments: list[str]) -> int:
@@ -88,12 +88,15 @@ def main(arguments: list[str]) -> int:
     all_parts = parts(kind, order)
     with ThreadPoolExecutor(len(all_parts)) as pool:
         running: list[Future[None]] = [pool.submit(part.run) for part in all_parts if part.name == "lint"]
-        subprocess.run([sys.executable, "-m", "nav_model.simulation.warm"], check=False, stdout=subprocess.DEVNULL)
+        if kind != "lint":
+            subprocess.run(
+                [sys.executable, "-m", "nav_model.simulation.warm"], check=False, stdout=subprocess.DEVNULL
+            )
         running += [pool.submit(part.run) for part in all_parts if part.name != "lint"]
     for future in running:
         future.result()
     for part in all_parts:
-        if not part.shown and (part.failed or part.name != "lint"):
+        if not part.shown:
             print(f"\n{part.name}\n{part.said}", flush=True)
     print()
     for part in all_parts:

@@ -9,7 +9,9 @@ from functools import cache
 import numpy as np
 
 from app.charts.kinds import Array, Band, Bar, BarChart, Chart, Limit, Line, Points, Span
-from app.document.numbers import decibels
+from app.document.numbers import decibels, number, percent, show
+from app.document.wording import AFTER_AUTOFOCUS
+from app.subjects.budget.tables import ALONG_TRACK
 from nav_model.analytic import regime
 from nav_model.budget import Budget
 from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance
@@ -69,7 +71,7 @@ def _aperture_span(budget: Budget) -> Span:
 def _validity(budget: Budget) -> str:
     value = budget.steady_state.lambda_dt
     word = "wide sawtooth: read the band" if value > WIDE_SAWTOOTH else "narrow sawtooth"
-    return f"λ·dt = {value:.2g} ({word})"
+    return f"λ·dt = {number(value)} ({word})"
 
 
 def position_chart(budget: Budget) -> Chart:
@@ -115,8 +117,8 @@ def position_chart(budget: Budget) -> Chart:
         y_label="position, 1σ [m]",
         lines=lines,
         bands=(
-            _cycle_band(budget, "bh", "horizontal, prior to posterior", "position_horizontal", "horizontal"),
-            _cycle_band(budget, "bv", "vertical, prior to posterior", "position_vertical", "vertical"),
+            _cycle_band(budget, "bh", "horizontal, before/after fix", "position_horizontal", "horizontal"),
+            _cycle_band(budget, "bv", "vertical, before/after fix", "position_vertical", "vertical"),
         ),
         limits=limits,
         spans=(_aperture_span(budget),),
@@ -124,8 +126,8 @@ def position_chart(budget: Budget) -> Chart:
         y_range=(floor, 2 * top),
         knowledge=(
             f"Curves [T-3], [T-4], [T-9], [T-10] in closed form; band [T-8]: {_cycle_method(budget)}, "
-            f"{_validity(budget)}; refined [T-17] is {ratio:.3g} (horizontal) and {ratio_v:.3g} (vertical) "
-            f"times the polynomial at {end:.4g} s.{slow}"
+            f"{_validity(budget)}; refined [T-17] is {number(ratio)} (horizontal) and {number(ratio_v)} (vertical) "
+            f"times the polynomial at {number(end)} s.{slow}"
         ),
     )
 
@@ -147,8 +149,8 @@ def velocity_chart(budget: Budget) -> Chart:
                  "vertical", "closed form [T-4], [T-10]"),
         ),
         bands=(
-            _cycle_band(budget, "bh", "horizontal, prior to posterior", "velocity_horizontal", "horizontal"),
-            _cycle_band(budget, "bv", "vertical, prior to posterior", "velocity_vertical", "vertical"),
+            _cycle_band(budget, "bh", "horizontal, before/after fix", "velocity_horizontal", "horizontal"),
+            _cycle_band(budget, "bv", "vertical, before/after fix", "velocity_vertical", "vertical"),
         ),
         limits=_limits(budget, (("horizontal_velocity", lead, 0.0), ("vertical_velocity", lead, 0.0))),
         spans=(_aperture_span(budget),),
@@ -172,7 +174,7 @@ def attitude_chart(budget: Budget) -> Chart:
                  "tilt", "closed form [T-3], [T-9]"),
             Line("yaw", "yaw, growth alone", x, _after(coast.yaw_growth * _DEG), "yaw", "closed form [T-5]"),
         ),
-        bands=(_cycle_band(budget, "bt", "tilt, prior to posterior", "tilt", "tilt", _DEG),),
+        bands=(_cycle_band(budget, "bt", "tilt, before/after fix", "tilt", "tilt", _DEG),),
         limits=_limits(budget, (("tilt", lead, 0.0),), _DEG),
         spans=(_aperture_span(budget),),
         y_log=True,
@@ -201,24 +203,24 @@ def phase_chart(budget: Budget) -> BarChart:
         millimetres = 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength)
         return Bar(label, quadratic * _DEG, detrended * _DEG, *map(float, millimetres), source)
 
-    left = {1: "a line", 2: "a quadratic", 3: "a cubic"}[sar.autofocus_order]
+    left = AFTER_AUTOFOCUS[sar.autofocus_order]
     slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
     return BarChart(
         key="phase",
         title="Phase budget by source",
         x_label="line-of-sight phase over the aperture, 1σ [°]",
         first_label="quadratic",
-        second_label=f"rms left after {left}",
+        second_label=f"residual rms after {left}",
         bars=(
             *(bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS[x.source]) for x in sar.lines),
             bar("total in quadrature", sar.quadratic, sar.detrended, "[S-5], [T-15]"),
-            bar("along-track, of its own", sar.along_track_quadratic, math.nan, "πVT²δV/(λR) [S-2]"),
+            bar(ALONG_TRACK, sar.along_track_quadratic, math.nan, "πVT²δV/(λR) [S-2]"),
         ),
         first_limit=_limit(budget, "quadratic_phase", _DEG),
         second_limit=_limit(budget, "detrended_phase", _DEG),
         knowledge=(
             "Closed forms [S-5], [T-15], [S-6] with the line of sight of [S-1]; along-track [S-2]. "
-            f"Quadratic before autofocus; the rms is what {left} leaves.{slow}"
+            f"Quadratic before autofocus; residual rms after {left} is removed.{slow}"
         ),
     )
 
@@ -235,7 +237,7 @@ def regime_chart(budget: Budget) -> Chart:
     names, kappas, ratios = regime.catalogue_points(budget.design)
     return Chart(
         key="regime",
-        title="Regime: who rules the horizontal position",
+        title="What limits horizontal position: gyro or accelerometer",
         x_label="gyro dominance κ [1]",
         y_label="variance, horizontal / vertical [1]",
         lines=(
@@ -251,11 +253,11 @@ def regime_chart(budget: Budget) -> Chart:
         x_log=True,
         y_log=True,
         knowledge=(
-            f"κ = {here:.3g}: "
-            + ("gyro noise rules the horizontal channel" if here > 10 else
-               "accelerometer noise rules, the gyro hardly matters to position" if here < 0.1 else
-               "between the regimes")
-            + f"; the asymptote is {100 * abs(regime.asymptote_error(here)):.2g} % off here [T-6], [T-7]."
+            f"κ = {number(here)}: "
+            + ("gyro noise limits the horizontal channel" if here > 10 else
+               "accelerometer noise limits it, the gyro hardly matters to position" if here < 0.1 else
+               "both matter")
+            + f"; the asymptote is {percent(abs(regime.asymptote_error(here)))} off here [T-6], [T-7]."
         ),
     )  # fmt: skip
 
@@ -276,8 +278,8 @@ def response_chart(budget: Budget) -> Chart:
         "No image: more than 1000 rad of quadratic phase."
         if response is None
         else (
-            f"1σ quadratic: width {float(response.half_power_extent_cells) * sar.cell_length:.3g} m "
-            f"({float(response.half_power_extent_cells):.4g} cells), PSLR {decibels(response.pslr_fixed_db)}, "
+            f"1σ quadratic: width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')} "
+            f"({number(response.half_power_extent_cells)} cells), PSLR {decibels(response.pslr_fixed_db)}, "
             f"ISLR {decibels(response.islr_fixed_db)} (outside the error-free main lobe, whole line), "
             f"peak loss {decibels(-response.peak_loss_db)}."
         )

@@ -8,12 +8,11 @@ import sys
 from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, read_design, refuse
+from app.document.verdict import check_words
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.catalogue import catalogue
-from nav_model.design.parts import declaration_of
 from nav_model.errors import InputError
-from nav_model.units import format_quantity
 
 
 def add_to(commands: Any) -> None:
@@ -65,30 +64,24 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """A line per requirement, then the verdict: what `navbudget check` prints for one design."""
-    design, verdict = budget.design, budget.verdict
+    """A line per requirement, then the verdict: what `navbudget check` prints for one design.
+
+    Words and digits are those of the page and the report; the minus sign is the one that scripts read.
+    """
+    verdict, tightest = budget.verdict, budget.verdict.tightest
+    if tightest is None:
+        return [f"{path}: closes (no requirement given, nothing checked)"]
     lines = []
     for check in verdict.checks:
-        key = f"requirements.{'quadratic_phase' if check.name.startswith('along') else check.name}"
-        declaration = declaration_of(key)
-        unit = design.unit(key)
-        value, limit = (format_quantity(x, unit, declaration.dimension, 4) for x in (check.value, check.limit))
+        words = check_words(budget.design, check)
         lines.append(
-            f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {value} (limit {limit}, "
-            f"margin {100 * check.margin:+.1f} %, {check.basis} {check.equation}, "
-            f"dominated by {check.sensor} {100 * check.sensor_share:.0f} %)"
+            f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {words.value} (limit {words.limit}, "
+            f"margin {words.margin}, {check.basis} {check.equation}, dominated by {check.sensor} {words.share})"
         )
-    if not verdict.checks:
-        lines.append(f"{path}: closes (no requirement given, nothing checked)")
-    else:
-        said = "closes" if verdict.closes else "DOES NOT CLOSE"
-        tightest = verdict.tightest
-        assert tightest is not None
-        lines.append(
-            f"{path}: {said} at {verdict.confidence:g} sigma; tightest {tightest.name}, "
-            f"margin {100 * tightest.margin:+.1f} %"
-        )
-    return lines
+    said = "closes" if verdict.closes else "DOES NOT CLOSE"
+    margin = check_words(budget.design, tightest).margin
+    lines.append(f"{path}: {said} at {verdict.confidence:g} sigma; tightest {tightest.name}, margin {margin}")
+    return [line.replace("−", "-") for line in lines]
 
 
 def _presets(options: argparse.Namespace) -> int:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from html import escape
+from functools import partial
 from typing import Any, TypeVar
 
 import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.document.blocks import Answer, Bullets
+from app.document.pane import html_of
+from app.document.wording import shortened
 from app.library.place import library
 from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
 from app.session import Session
+from app.ui.downloads import run_download
 from app.ui.html_pane import html_pane
 from nav_model.errors import InputError
 
@@ -27,31 +31,40 @@ BUTTON: dict[str, Any] = {"description": "", "size": "small", "variant": "outlin
 
 
 class Desk(param.Parameterized):
-    """``picked`` are revisions in the order they were picked, at most `MAX_ITEMS`; ``base`` is the revision that
-    the design in force came from, if any."""
+    """The person at the desk, what they picked, and the messages they get."""
 
-    picked: tuple[Revision, ...] = param.ClassSelector(class_=tuple, default=())
-    base: Revision | None = param.ClassSelector(class_=Revision, default=None)
+    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    picked: tuple[Revision, ...] = param.ClassSelector(
+        class_=tuple, default=(), doc=f"Revisions in the order they were picked, at most {MAX_ITEMS}."
+    )
+    base: Revision | None = param.ClassSelector(
+        class_=Revision, default=None, doc="The revision that the design in force came from, if any."
+    )
+    author = param.String(default="", doc="The name typed by whoever is at the desk.")
 
     def __init__(self, session: Session) -> None:
-        super().__init__(base=session.lineage.base)
-        self.session = session
         user = pn.state.user
-        known = user if user and user != "guest" else ""
-        self._known = known
-        self.author = pmui.TextInput(
+        self._known = user if user and user != "guest" else ""
+        super().__init__(session=session, base=session.lineage.base, author=self._known)
+        self.name_field = pmui.TextInput.from_param(
+            self.param.author,
             label="Your name",
-            value=known,
-            disabled=bool(known),
+            disabled=bool(self._known),
             max_length=100,
             width=260,
+            visible=session.param.presenting.rx.not_(),
             **{**LOOK, "margin": (14, 10, 4, 10)},
         )
-        self._said = html_pane("", margin=(2, 10))
-        # A revision is the base of its own changes only: another design put in force, by undo as well, has another.
-        session.param.watch(lambda event: setattr(self, "base", event.new.base), "lineage")
-        self.param.watch(lambda event: session.came_from(event.new), "base")
-        self.notice = self._said
+        self.notice = html_pane("", margin=(2, 10))
+
+    @param.depends("session.lineage", watch=True)
+    def _follow_lineage(self) -> None:
+        """A revision is the base of its own changes only: another design in force, by undo as well, has another."""
+        self.base = self.session.lineage.base
+
+    @param.depends("base", watch=True)
+    def _keep_base(self) -> None:
+        self.session.came_from(self.base)
 
     @property
     def who(self) -> str:
@@ -59,13 +72,12 @@ class Desk(param.Parameterized):
 
         Never the field's value where there is a login: a browser can change a field that is shown disabled.
         """
-        return self._known or self.author.value or ""
+        return self._known or self.author or ""
 
     def say(self, message: str, *, wrong: bool = False) -> None:
         """Tell the person at the desk; read aloud by screen readers."""
-        css, mark = ("bad", "✗") if wrong else ("good", "✓")
-        said = f'<p><span aria-hidden="true">{mark}</span> {escape(message)}</p>'
-        self._said.object = f'<div class="strip {css}" role="status">{said}</div>' if message else ""
+        said = Answer("", "bad" if wrong else "good", (f"{'✗' if wrong else '✓'} {message}",))
+        self.notice.object = html_of(said) if message else ""
 
     async def ask(self, work: Callable[[Library], _T], before: str = "") -> _T | None:
         """Do something with the library outside the event loop, which must not wait for a database; what is wrong is
@@ -91,6 +103,21 @@ class Desk(param.Parameterized):
     def _without(self, key: str) -> tuple[Revision, ...]:
         return tuple(own for own in self.picked if own.key != key)
 
+    def report_buttons(
+        self, stem: str, label: str, write: Callable[[str], Awaitable[bytes]], **params: Any
+    ) -> tuple[pmui.FileDownload, ...]:
+        """Buttons for a report in either kind of file; `write` makes its bytes for a suffix such as ``.pdf``."""
+        return tuple(
+            pmui.FileDownload(
+                callback=run_download(self.session.new_run(), partial(write, suffix), partial(self.say, wrong=True)),
+                filename=f"{stem}{suffix}",
+                label=f"{label} ({suffix[1:].upper()})",
+                **BUTTON,
+                **params,
+            )
+            for suffix in (".html", ".pdf")
+        )
+
 
 def button(label: str, action: Callable[[], Awaitable[None]], **params: Any) -> pmui.Button:
     """A button that does something in its own time."""
@@ -98,6 +125,10 @@ def button(label: str, action: Callable[[], Awaitable[None]], **params: Any) -> 
     async def clicked(_: Any) -> None:
         await action()
 
-    made = pmui.Button(label=label, **{**BUTTON, **params})
-    made.on_click(clicked)
-    return made
+    return pmui.Button(label=label, on_click=clicked, **{**BUTTON, **params})
+
+
+def listed(revisions: tuple[Revision, ...], caption: str) -> str:
+    """HTML of revisions side by side, each under the label it has there."""
+    items = (f"D{i}: {shortened(r.name, 60)}, revision {r.number}, by {r.author}" for i, r in enumerate(revisions, 1))
+    return html_of(Bullets(tuple(items), caption))

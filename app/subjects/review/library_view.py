@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from html import escape
@@ -12,13 +12,14 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
 from app.document.wording import shortened
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.place import library
 from app.library.store import Library, Revision, Saved
 from app.library.texts import counted, moment
-from app.subjects.review.desk import BUTTON, LOOK, Desk, button
+from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
 from app.ui.html_pane import html_pane
 from app.upstream.file_input import LimitedFileInput
 from nav_model.design.file import parse_design
@@ -26,18 +27,21 @@ from nav_model.errors import InputError
 
 _SHOWN = 25  # designs listed at once; a search narrows
 _ANY = "any tag"
+_HINT = '<p class="quiet">Tick designs above to compare, open, review or export them.</p>'
 _OPENING = '<p class="quiet">Opening the library …</p>'
 _EMPTY = (
-    "<p><b>No design saved yet.</b> Type your name, then <i>Save as new design</i>: what stands on the left is kept "
+    "<p><b>No design saved yet.</b> Type your name, then <i>Save as new design</i>: this saves the current design "
     "with its verdict, and every later save is a revision of it that can be compared and reviewed.</p>"
 )
 
 
-class LibraryView:
+class LibraryView(pn.viewable.Viewer):
     """Above the list what can be done to the design in force, below it what can be done to the picked ones."""
 
-    def __init__(self, desk: Desk, compare: Callable[[], Any]) -> None:
-        self._desk = desk
+    desk: Desk = param.ClassSelector(class_=Desk, allow_None=False, instantiate=False, constant=True)
+
+    def __init__(self, desk: Desk, compare: Callable[[], Awaitable[None]]) -> None:
+        super().__init__(desk=desk)
         self._open_designs: set[str] = set()
         self._ticks: list[tuple[str, pmui.Checkbox]] = []  # a design's latest revision may have two
         self._putting = False  # ticks are being set to what is picked
@@ -53,11 +57,11 @@ class LibraryView:
         self._listed: _Listing | InputError | None = None
         self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
         self._bring = LimitedFileInput(
-            lambda why: self._desk.say(f"Not imported. {why}", wrong=True),
+            lambda why: self.desk.say(f"Not imported. {why}", wrong=True),
             label="Import (zip)", accept=".zip", max_file_size=MAX_ARCHIVE, description="", size="small",
             variant="text", margin=(6, 6),
         )  # fmt: skip
-        self._compare = button("Compare", self._wrapped(compare), variant="contained")
+        self._compare = button("Compare", compare, variant="contained")
         self._actions = [
             self._compare,
             button("Open on the left", self._open),
@@ -70,7 +74,7 @@ class LibraryView:
             **{**BUTTON, "variant": "text"},
         )  # fmt: skip
         self._chosen = html_pane("", margin=(4, 10))
-        self.view = pn.Column(
+        self._view = pn.Column(
             pn.FlexBox(self._note, self._new, self._next, align_items="center", margin=(6, 4)),
             pn.FlexBox(
                 self._search,
@@ -90,16 +94,10 @@ class LibraryView:
         for field in (self._search, self._tag, self._archived):
             field.param.watch(self._look_again, "value")
         self._bring.param.watch(self._brought, "value")
-        desk.param.watch(self._picks, "picked")
-        desk.param.watch(self._based, "base")
         self._based()
 
-    @staticmethod
-    def _wrapped(action: Callable[[], Any]) -> Any:
-        async def run() -> None:
-            await action()
-
-        return run
+    def __panel__(self) -> pn.Column:
+        return self._view
 
     async def _look_again(self, _: Any) -> None:
         await self.refresh()
@@ -167,7 +165,7 @@ class LibraryView:
                 pn.state.execute(partial(self._fetch, key))
             else:
                 self._fetched.discard(key)
-                self._desk.put_back(key)
+                self.desk.put_back(key)
 
         tick.param.watch(ticked, "value")
         self._ticks.append((key, tick))
@@ -182,18 +180,19 @@ class LibraryView:
     # --- the picked ones -------------------------------------------------------------------------------
 
     def _is_ticked(self, key: str) -> bool:
-        return key in self._fetched or key in {own.key for own in self._desk.picked}
+        return key in self._fetched or key in {own.key for own in self.desk.picked}
 
     async def _fetch(self, key: str) -> None:
         """Pick a revision that was ticked, unless its tick was taken back meanwhile."""
-        revision = await self._desk.ask(lambda place: place.revision(key))
+        revision = await self.desk.ask(lambda place: place.revision(key))
         if key in self._fetched:
             self._fetched.remove(key)
             if revision is not None:
-                self._desk.pick(revision)
+                self.desk.pick(revision)
             self._picks()
 
-    def _picks(self, *_: Any) -> None:
+    @param.depends("desk.picked", watch=True)
+    def _picks(self) -> None:
         with pn.io.hold():
             self._putting = True
             try:
@@ -204,38 +203,29 @@ class LibraryView:
             self._say_picked()
 
     def _say_picked(self) -> None:
-        picked = self._desk.picked
-        said = "".join(
-            f"<li><b>D{i}</b> {escape(shortened(r.name, 60))}, revision {r.number}</li>"
-            for i, r in enumerate(picked, start=1)
-        )
-        hint = "Tick designs above to compare, open, review or export them."
-        self._chosen.object = (
-            f'<ul class="legend" aria-label="Picked revisions">{said}</ul>'
-            if picked
-            else f'<p class="quiet">{hint}</p>'
-        )
+        picked = self.desk.picked
+        self._chosen.object = listed(picked, "Picked revisions") if picked else _HINT
         for action in self._actions:
             action.disabled = not picked
         self._compare.disabled = len(picked) < 2
 
     async def _clear(self) -> None:
-        self._desk.picked = ()
+        self.desk.picked = ()
 
     async def _open(self) -> None:
-        last = self._desk.picked[-1]
+        last = self.desk.picked[-1]
         try:
-            problem = self._desk.session.adopt(parse_design(last.text, f"revision {last.number}"))
+            problem = self.desk.session.adopt(parse_design(last.text, f"revision {last.number}"))
         except InputError as error:
             problem = error
         if problem is not None:
-            self._desk.say(f"Not opened. {problem}", wrong=True)
+            self.desk.say(f"Not opened. {problem}", wrong=True)
             return
-        self._desk.base = last
-        self._desk.say(f"Revision {last.number} of {last.name} is in force on the left.")
+        self.desk.base = last
+        self.desk.say(f"Revision {last.number} of {last.name} is in force on the left.")
 
     async def _archive(self) -> None:
-        designs = {revision.design for revision in self._desk.picked}
+        designs = {revision.design for revision in self.desk.picked}
         hide = not self._archived.value
 
         def work(place: Library) -> bool:
@@ -243,70 +233,71 @@ class LibraryView:
                 place.archive(design, hide)
             return True
 
-        if await self._desk.ask(work):
-            self._desk.picked = ()
+        if await self.desk.ask(work):
+            self.desk.picked = ()
             await self.refresh()
             said = f"{counted(len(designs), 'design')} {'archived' if hide else 'restored'}; nothing is deleted."
-            self._desk.say(said)
+            self.desk.say(said)
 
     async def _retag(self) -> None:
-        designs = {revision.design for revision in self._desk.picked}
+        designs = {revision.design for revision in self.desk.picked}
         line = self._tags.value or ""
-        if await self._desk.ask(lambda place: [place.retag(design, line) for design in designs]):
+        if await self.desk.ask(lambda place: [place.retag(design, line) for design in designs]):
             self._tags.value = ""
             await self.refresh()
 
     # --- saving, in and out ----------------------------------------------------------------------------
 
-    def _based(self, *_: Any) -> None:
-        base = self._desk.base
+    @param.depends("desk.base", watch=True)
+    def _based(self) -> None:
+        base = self.desk.base
         self._next.visible = base is not None
         if base is not None:
             self._next.label = f"Save as revision {base.number + 1} of {shortened(base.name, 30)}"
 
     async def _save(self, new: bool) -> None:
-        base = None if new else self._desk.base
-        budget, author, note = self._desk.session.budget, self._desk.who, self._note.value or ""
+        base = None if new else self.desk.base
+        budget, author, note = self.desk.session.budget, self.desk.who, self._note.value or ""
 
         def work(place: Library) -> Revision:
             if base is None:
                 return place.save(budget, author, note)
             return place.save(budget, author, note, design=base.design, base=base.number)
 
-        saved = await self._desk.ask(work)
+        saved = await self.desk.ask(work)
         if saved is None:
             if base is not None:
                 await self._catch_up(base)
             return
         self._note.value = ""
-        self._desk.base = saved
+        self.desk.base = saved
         await self.refresh()
-        self._desk.say(f"Saved: revision {saved.number} of {saved.name}. {saved.verdict}")
+        self.desk.say(f"Saved: revision {saved.number} of {saved.name}. {saved.verdict}")
 
     async def _catch_up(self, base: Revision) -> None:
         """After somebody else's save: the next press is on top of theirs, as the button then says."""
-        history = await self._desk.ask(lambda place: place.revisions(base.design))
+        history = await self.desk.ask(lambda place: place.revisions(base.design))
         if history and history[0].number != base.number:
-            self._desk.base = history[0]
+            self.desk.base = history[0]
             await self.refresh()
 
     async def _zip(self) -> io.BytesIO:
-        picked = [revision.design for revision in self._desk.picked]
+        picked = [revision.design for revision in self.desk.picked]
 
         def work(place: Library) -> bytes:
             everything = (*place.designs(), *place.designs(archived=True))
             return export_archive(place, picked or [saved.id for saved in everything])
 
-        return io.BytesIO(await self._desk.ask(work) or b"")
+        return io.BytesIO(await self.desk.ask(work) or b"")
 
     async def _brought(self, event: Any) -> None:
         if not event.new:
             return
-        author = self._desk.who or "not stated"
-        done = await self._desk.ask(lambda place: import_archive(place, event.new, author))
+        author = self.desk.who or "not stated"
+        done = await self.desk.ask(lambda place: import_archive(place, event.new, author))
         if done is not None:
             await self.refresh()
-            self._desk.say(
+            self.desk.say(
                 f"Imported {counted(done.designs, 'design')}, {counted(done.revisions, 'revision')}; "
                 f"{done.known} here already."
             )

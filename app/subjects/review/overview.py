@@ -1,36 +1,37 @@
-"""All reviews at a glance, as a table to sort and to open one from."""
+"""Where reviews stand: all of them at a glance, and one in a line."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 
+from app.document.blocks import Answer, Cell, Column, Table
 from app.library.reviews import Review
-from app.library.texts import moment
+from app.library.texts import counted, moment
 
 _HEADS = ("Review", "State", "Designs", "To decide", "Rejected", "Comments", "Opened", "Last change")
-_COUNTS = range(2, 6)
+_COUNTS = _HEADS[2:6]
 
 
-def overview(reviews: Sequence[Review]) -> str:
-    """HTML for a `SortableTable`; a review's title is a button with its id."""
-    heads = "".join(
-        f'<th scope="col"{_number(i)}><button type="button">{name}</button></th>' for i, name in enumerate(_HEADS)
-    )
-    rows = "".join(_row(review) for review in reviews)
-    return (
-        '<div class="scroll" tabindex="0" role="region" aria-label="All reviews"><table class="checks">'
-        f"<caption>All reviews</caption><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table></div>"
-    )
+def overview(reviews: Sequence[Review]) -> Table:
+    """All reviews, to sort and to open one from: the value of a row is the review's id."""
+    columns = tuple(Column(head, numeric=head in _COUNTS, sortable=True) for head in _HEADS)
+    return Table("reviews", "All reviews", columns, tuple(map(_row, reviews)), choose="button")
 
 
-def state_of(review: Review) -> str:
-    """Where a review stands, in words with their mark."""
+def state_of(review: Review) -> Answer:
+    """Where a review stands: its mark and words, and what is in it."""
+    left = len(review.open_points())
+    tone, said = "open", f"– Open, {left} to decide" if left else "– Open, all decided: can be signed"
     if not review.intact:
-        return "✗ changed outside the program"
-    if review.signed:
-        return f"✓ signed off by {review.signed_by}"
-    return "– open" if review.open_points() else "– all decided, to be signed"
+        tone, said = "bad", "✗ Changed outside the program: do not rely on it"
+    elif review.signed:
+        tone, said = "good", f"✓ Signed off by {review.signed_by}"
+    counts = (
+        counted(len(review.items), "design"),
+        f"{counted(len(review.rejected()), 'requirement')} rejected",
+        counted(len(review.comments), "comment"),
+    )
+    return Answer(review.title, tone, (said, ", ".join(counts)))
 
 
 def last_change(review: Review) -> tuple[str, str]:
@@ -43,19 +44,12 @@ def last_change(review: Review) -> tuple[str, str]:
     return max(happened)
 
 
-def _row(review: Review) -> str:
-    title = escape(review.title)
+def _row(review: Review) -> tuple[Cell, ...]:
     counts = (len(review.items), len(review.open_points()), len(review.rejected()), len(review.comments))
     moments = ((review.opened, review.author), last_change(review))
-    button = f'<button type="button" value="{escape(review.id)}">{title}</button>'
-    cells = [
-        f'<th scope="row" data-sort="{title}">{button}</th>',
-        f"<td>{escape(state_of(review))}</td>",
-        *(f'<td class="num">{count}</td>' for count in counts),
-        *(f'<td data-sort="{escape(when)}">{moment(when)}<br>{escape(who)}</td>' for when, who in moments),
-    ]
-    return f"<tr>{''.join(cells)}</tr>"
-
-
-def _number(column: int) -> str:
-    return ' class="num"' if column in _COUNTS else ""
+    return (
+        Cell(review.title, value=review.id),
+        Cell(state_of(review).sentences[0]),
+        *(Cell(str(count)) for count in counts),
+        *(Cell(f"{moment(when)}\n{who}", sort=when) for when, who in moments),
+    )

@@ -23,46 +23,51 @@ from nav_model.errors import InputError
 _LIBRARY, _COMPARE, _REVIEWS = range(3)
 
 
-class ReviewPage:
+class ReviewPage(pn.viewable.Viewer):
     """Everything below the tab."""
 
+    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+
     def __init__(self, session: Session) -> None:
+        super().__init__(session=session)
         self._desk = Desk(session)
         self._compared = CompareView(self._desk)
         self._room = ReviewRoom(self._desk)
         self._library = LibraryView(self._desk, self._compare)
-        self._views = (self._library.view, self._compared.view, self._room.view)
+        self._parts = (self._library, self._compared, self._room)
         # Only the bar is Material, for keyboard and screen reader: figures must not stand inside it.
         self._tabs = pmui.Tabs(
             *((name, pn.Spacer(height=0)) for name in ("Library", "Compare", "Reviews")),
-            sizing_mode="stretch_width", margin=(0, 4),
+            visible=session.param.presenting.rx.not_(), sizing_mode="stretch_width", margin=(0, 4),
         )  # fmt: skip
-        self._place = pn.Column(self._views[_LIBRARY], sizing_mode="stretch_width", margin=0)
-        session.param.watch(self._present, "presenting")
+        self._place = pn.Column(self._library, sizing_mode="stretch_width", margin=0)
         self._tabs.param.watch(self._turned, "active")
-        self.view = pn.Column(
-            self._desk.author, self._desk.notice, self._tabs, self._place, sizing_mode="stretch_width"
+        self._view = pn.Column(
+            self._desk.name_field, self._desk.notice, self._tabs, self._place, sizing_mode="stretch_width"
         )
         pn.state.execute(self._library.refresh)
         self._follow_link()
 
+    def __panel__(self) -> pn.Column:
+        return self._view
+
     def show(self, budget: Budget) -> None:
-        """The page shows saved designs; the one in force is saved as it stands when asked."""
+        """The page shows saved designs; the one in force is saved as it is when asked."""
 
     def leave(self) -> None:
         """Another page is turned to; what is on this one changes only when that has been drawn."""
         document = pn.state.curdoc
         if document is None:
-            self._room.stand_back()
+            self._end_presenting()
         else:
-            document.add_next_tick_callback(self._room.stand_back)
+            document.add_next_tick_callback(self._end_presenting)
 
-    def _present(self, event: param.parameterized.Event) -> None:
-        self._tabs.visible = not event.new
+    def _end_presenting(self) -> None:
+        self.session.presenting = False
 
-    async def _turned(self, event: object) -> None:
+    async def _turned(self, _: param.parameterized.Event) -> None:
         """A turn brings what others have written meanwhile; what was said about another part goes."""
-        self._place.objects = [self._views[self._tabs.active]]
+        self._place.objects = [self._parts[self._tabs.active]]
         if self._tabs.active != _COMPARE:
             self._desk.say("")
         if self._tabs.active == _LIBRARY:
@@ -71,7 +76,7 @@ class ReviewPage:
             await self._room.refresh()
 
     async def _compare(self) -> None:
-        if await self._compared.show(self._desk.picked):
+        if await self._compared.compare(self._desk.picked):
             self._tabs.active = _COMPARE
 
     def _follow_link(self) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from importlib.metadata import version
 
 from app.document.blocks import Cell, Column, Section, Table
-from app.document.wording import requirement_quantity
+from app.document.numbers import NONE
+from app.document.verdict import check_words, met_cell
 from app.library.reviews import Comment, Decision, Review
 from app.library.texts import moment
 from nav_model.budget import Budget
@@ -76,20 +77,12 @@ def status_table(review: Review) -> Table:
 
 
 def _status(budget: Budget, check: Check, decision: Decision | None) -> tuple[Cell, ...]:
-    value, limit = (requirement_quantity(budget.design, check.name, x) for x in (check.value, check.limit))
-    verdict = Cell("✓ met", tone="good") if check.met else Cell("✗ not met", tone="bad")
-    if decision is None:
-        return Cell(check.label), Cell(value), Cell(limit), verdict, Cell("open", tone="warn"), Cell("–"), Cell("–")
-    by = f"{decision.author}, {moment(decision.decided)}"
-    return (
-        Cell(check.label),
-        Cell(value),
-        Cell(limit),
-        verdict,
-        _word(decision),
-        Cell(by),
-        Cell(decision.reason or "–"),
-    )
+    words = check_words(budget.design, check)
+    decided, by, reason = Cell("open", tone="warn"), NONE, NONE
+    if decision is not None:
+        decided, by = _word(decision), f"{decision.author}, {moment(decision.decided)}"
+        reason = decision.reason or NONE
+    return Cell(check.label), Cell(words.value), Cell(words.limit), met_cell(check), decided, Cell(by), Cell(reason)
 
 
 def _word(decision: Decision) -> Cell:
@@ -122,9 +115,9 @@ def decision_table(review: Review) -> Table:
             Cell(str(d.number)),
             Cell(f"D{d.place}: {subject_label(d.requirement)}"),
             _word(d),
-            Cell(d.figure or "–"),
+            Cell(d.figure or NONE),
             Cell(f"{d.author}, {moment(d.decided)}"),
-            Cell(d.reason or "–"),
+            Cell(d.reason or NONE),
         )
         for d in review.decisions
     )

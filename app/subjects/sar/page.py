@@ -13,6 +13,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.charts.kinds import AnyChart
+from app.charts.screen.pictures import picture_gallery
 from app.session import Session
 from app.subjects.sar.charts import (
     FILTERED,
@@ -29,7 +30,6 @@ from app.subjects.sar.charts import (
     scene_picture,
 )
 from app.subjects.sar.picture_downloads import PictureDownloads
-from app.subjects.sar.pictures import picture_gallery
 from app.subjects.sar.run import Progress, SarResult, SarRun
 from app.subjects.sar.upload import UploadedPicture
 from app.subjects.sar.words import agreement_table, answer, caution_list, error_table, response_table

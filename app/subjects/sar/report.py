@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 
+from app.console.progress import show_progress
 from app.document.blocks import Answer, Block, Bullets, Section, Text
 from app.document.chart_block import chart_block
 from app.document.numbers import number
 from app.document.wording import title_of
 from app.subjects.sar import charts
-from app.subjects.sar.run import SarResult
+from app.subjects.sar.run import SarResult, pictures
 from app.subjects.sar.tables import agreement_table, error_table, parts_table, response_tables
 from nav_model.design import Design
-from nav_model.sar.design_case import flight_cautions, study_cautions
+from nav_model.errors import InputError
+from nav_model.sar.design_case import design_case, flight_cautions, study_cautions
+from nav_model.sar.design_study import design_study
 from nav_model.sar.geometry import metres_to_phase
 
 REFERENCES = (
@@ -20,6 +24,33 @@ REFERENCES = (
     "3(8), 1965 (8). After Kim, Fellerhoff and Kohler, 2001 (6), and Song et al., 2015 and 2017 (7): "
     "reconstructions, the literature names the schemes and not their gains.",
 )
+
+
+_RUNS = 200
+
+
+def study(design: Design, options: argparse.Namespace) -> SarResult:
+    """The study that `navbudget report --with sar` asks for, progress on standard error.
+
+    Raises
+    ------
+    InputError
+        For an option or a key of the design that cannot be used.
+    """
+    runs = _RUNS if options.runs is None else options.runs
+    if options.seed < 0:
+        raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+    try:
+        with show_progress() as show:
+            found = design_study(
+                design, runs, options.seed, lambda done, of: show(f"SAR: {done} of {of} runs", done / of)
+            )
+    except InputError as error:
+        if error.key != "runs":
+            raise
+        raise error.under("--runs") from error
+    points, scene = pictures(found.budget, found.typical)
+    return SarResult(design_case(found.budget), found, points, scene)
 
 
 def belongs(result: SarResult, design: Design) -> bool:

@@ -11,10 +11,10 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from app.charts.screen.pictures import picture_gallery
 from app.session import Session
 from app.subjects.sar.charts import short_name, uploaded_picture
 from app.subjects.sar.picture_downloads import PictureDownloads
-from app.subjects.sar.pictures import picture_gallery
 from app.subjects.sar.run import SarResult
 from app.ui.fields import number
 from app.ui.html_pane import html_pane

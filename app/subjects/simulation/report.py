@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 
 from app.document.blocks import Answer, Block, Bullets, Cell, Column, Section, Table, Text
@@ -41,6 +42,39 @@ REFERENCES = (
     "and Dynamics 21, 1998 (mechanisation). Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking "
     "and Navigation, Wiley, 2001 (NEES, NIS and their chi-square bands).",
 )
+
+
+_SETTLED = 400.0  # s with fixes before the design's outage: most filters have settled
+_RUNS = 100
+_RESULTS = 600  # kept along a run
+
+
+def study(design: Design, options: argparse.Namespace) -> SimulationStudy:
+    """The study that `navbudget report --with simulation` asks for, progress on standard error.
+
+    Raises
+    ------
+    InputError
+        For an option or a key of the design that cannot be flown.
+    """
+    from app.subjects.simulation.console import fly_design
+
+    duration, outages = options.duration, list(options.outages)
+    if duration is None and not options.trajectory.lower().endswith(".csv"):
+        duration = _SETTLED + design.coast.duration
+        outages = outages or [f"{_SETTLED!r},{duration!r}"]
+    flown = argparse.Namespace(
+        runs=_RUNS if options.runs is None else options.runs,
+        seed=options.seed,
+        duration=duration,
+        outages=outages,
+        trajectory=options.trajectory,
+        every=max(1.0, round((duration or 0.0) / _RESULTS)),
+        states=9,
+        workers=options.workers,
+        scheduler=None,
+    )
+    return fly_design(design, flown)
 
 
 def belongs(study: SimulationStudy, design: Design) -> bool:

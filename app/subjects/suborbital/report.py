@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable
 from dataclasses import replace
 
 from app.charts.kinds import Chart
+from app.console.progress import show_progress
 from app.document.blocks import Block, Cell, Column, Section, Table, Text
 from app.document.chart_block import chart_block
 from app.subjects.suborbital import charts, tables
@@ -13,8 +15,10 @@ from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
 from nav_model.design import Design
+from nav_model.errors import InputError
 from nav_model.suborbital.input_table import GROUPS
-from nav_model.suborbital.settings import Settings, from_design
+from nav_model.suborbital.settings import DEFAULTS, Settings, from_design, read_changes
+from nav_model.suborbital.survey import run_survey
 
 _ERRORS = tuple(draw for channel in (2, 1, 0) for draw in (charts.source_chart(channel), charts.aided_chart(channel)))
 _SENSORS = tuple(charts.sensor_chart(sensor, axis) for sensor in (0, 1) for axis in range(3))
@@ -30,6 +34,25 @@ REFERENCES = (
     "suite.",
     "van Leeuwen, Hipparcos, the New Reduction of the Raw Data, Springer, 2007; CDS I/311: the camera's stars.",
 )
+
+
+def study(design: Design, options: argparse.Namespace) -> Finding:
+    """The study that `navbudget report --with suborbital` asks for, progress on standard error.
+
+    Raises
+    ------
+    InputError
+        For a key of the design or a seed that the study cannot take.
+    """
+    settings = read_changes(from_design(DEFAULTS, design), {"seed": str(options.seed)}, "command line")
+    try:
+        with show_progress() as show:
+            survey = run_survey(settings, progress=lambda share, what: show(f"suborbital: {what}", share))
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError("suborbital", str(error)) from error
+    return Finding(Shown(survey, survey.study, "all"), settings)
 
 
 def belongs(finding: Finding, design: Design) -> bool:

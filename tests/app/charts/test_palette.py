@@ -8,8 +8,8 @@ import pytest
 from app.charts.kinds import Chart
 from app.charts.styles import DASHES, STYLES
 from app.dashboard.gallery import EXAMPLES, example
+from app.report.comparison_charts import phase_comparison, position_comparison
 from app.subjects.budget import charts as budget_charts
-from app.subjects.review.charts import phase_comparison, position_comparison
 from app.ui.theme import DARK, LIGHT
 from nav_model.budget import analyse
 

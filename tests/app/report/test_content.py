@@ -52,9 +52,10 @@ def test_the_verdict_sentence_stands_first_and_names_margin_and_sensor(mems, thr
     report = report_of([mems], NOW)
     verdict, tightest = report.chapters[0].verdict, mems.verdict.tightest
     assert verdict.word == "✗ Does not close"
-    assert "2 of 5 requirements are not met" in verdict.sentence
-    assert tightest.sensor in verdict.sentence
-    assert f"{100 * tightest.margin:.1f} %".replace("-", "−") in verdict.sentence
+    sentence = " ".join(verdict.sentences)
+    assert "2 of 5 requirements are not met" in sentence
+    assert tightest.sensor in sentence
+    assert f"margin {100 * tightest.margin:.0f} %.".replace("-", "−") in sentence
     assert [report_of([b], NOW).chapters[0].verdict.tone for b in three] == ["good", "bad", "good"]
 
 
@@ -103,7 +104,7 @@ def test_steady_state_and_outage_stand_in_the_right_columns(mems):
     ):
         moments = (steady.closed, steady.prior, steady.posterior)
         assert [cell.text for cell in row[1:4]] == [
-            format_quantity(getattr(moment, field), "m", "length", 4) for moment in moments
+            format_quantity(getattr(moment, field), "m", "length", 3) for moment in moments
         ]
     last = [float(cell.text) for cell in table(report, "d-coast").rows[-1]]
     coast = mems.coast
@@ -111,14 +112,16 @@ def test_steady_state_and_outage_stand_in_the_right_columns(mems):
               coast.refined_vertical, coast.velocity_horizontal, coast.velocity_vertical)  # fmt: skip
     angles = (coast.tilt, coast.yaw_growth)
     expected = [float(curve[-1]) for curve in curves] + [math.degrees(float(curve[-1])) for curve in angles]
-    assert last == pytest.approx(expected, rel=1e-3)
+    assert last == pytest.approx(expected, rel=5e-3)
 
 
 def test_phase_shares_add_up_and_the_table_is_the_budgets(mems):
     rows = table(report_of([mems], NOW), "d-phase-table").rows
     assert [row[0].text for row in rows[:-2]] == [line.source for line in mems.sar.lines]
     shown = [float(row[1].text) for row in rows[:-2]]
-    assert sum(x**2 for x in shown) == pytest.approx(float(rows[-2][1].text) ** 2, rel=2e-3)
+    assert sum(x**2 for x in shown) == pytest.approx(
+        float(rows[-2][1].text) ** 2, rel=1e-2
+    )  # squares of three digits
 
 
 def test_a_comparison_marks_the_smallest_figure_and_lists_what_differs(three):

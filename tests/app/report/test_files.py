@@ -7,10 +7,12 @@ import os
 import re
 from datetime import UTC, datetime
 from html.parser import HTMLParser
+from urllib.parse import unquote
 
 import pypdf
 import pytest
 
+from app.charts.kinds import to_csv
 from app.report import report_bytes, write_report
 from app.report.content import report_of
 from nav_model.budget import analyse
@@ -85,16 +87,17 @@ class Page(HTMLParser):
 
 def test_the_numbers_of_the_pdf_are_the_budgets(mems, mems_pdf):
     text = squeezed(pdf_text(mems_pdf))
-    degrees = [format_quantity(x, "°", "angle", 4) for x in (mems.sar.quadratic, mems.sar.detrended)]
+    degrees = [format_quantity(x, "°", "angle", 3) for x in (mems.sar.quadratic, mems.sar.detrended)]
     lengths = [
-        format_quantity(x, "m", "length", 4)
+        format_quantity(x, "m", "length", 3)
         for moment in (mems.steady_state.closed, mems.steady_state.prior, mems.steady_state.posterior)
         for x in (moment.position_horizontal, moment.position_vertical)
     ]
-    for quantity in (*degrees, *lengths, format_quantity(mems.coast.end_refined_horizontal, "m", "length", 4)):
+    for quantity in (*degrees, *lengths, format_quantity(mems.coast.end_refined_horizontal, "m", "length", 3)):
         assert squeezed(quantity) in text, quantity
     for check in mems.verdict.checks:
-        assert f"{100 * check.margin:+.1f}%".replace("-", "−") in text
+        margin = 100 * check.margin
+        assert f"{margin:+.{1 if abs(margin) < 99.95 else 0}f}%".replace("-", "−") in text
     assert mems.design.content_hash in text
     assert "21November2026,09:30UTC" in text
 
@@ -161,6 +164,18 @@ def test_the_html_is_well_headed_and_its_links_arrive(mems, mems_html):
     assert links <= set(ids)
     assert all(attributes.get("scope") for tag, attributes in page.tags if tag == "th")
     assert tags.count("math") == len(EQUATIONS) + len(SYMBOLS)
+
+
+def test_the_html_carries_every_number_of_every_chart_and_the_design_file(mems, mems_html):
+    files = {attributes["download"]: attributes["href"] for tag, attributes in Page(mems_html).tags
+             if tag == "a" and "download" in attributes}  # fmt: skip
+    charts = report_of([mems], NOW).charts()
+    assert len(files) == len(charts) + 1
+    for block in charts:
+        kind, _, content = files[f"{block.key}.csv"].partition(",")
+        assert kind == "data:text/csv;charset=utf-8"
+        assert unquote(content) == to_csv(block.chart)
+    assert parse_design(unquote(files["d.toml"].partition(",")[2])) == mems.design
 
 
 def test_what_people_write_is_inert_in_the_html(changed):

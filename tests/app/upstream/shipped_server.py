@@ -40,12 +40,12 @@ async def look() -> dict[str, Any]:
     except OSError:
         found["binds"] = True
     here = f"127.0.0.1:{server.port}"
-    page = (await AsyncHTTPClient().fetch(f"http://{here}/", request_timeout=60)).body.decode()
+    page = (await AsyncHTTPClient().fetch(f"http://{here}/", request_timeout=300)).body.decode()
     found["made"] = len(made)
     offered = []
     for path in ("autoload.js?bokeh-autoload-element=a", "metadata"):
         try:
-            await AsyncHTTPClient().fetch(f"http://{here}/{path}", request_timeout=60)
+            await AsyncHTTPClient().fetch(f"http://{here}/{path}", request_timeout=300)
             offered.append(path.partition("?")[0])
         except HTTPClientError:
             pass
@@ -56,7 +56,7 @@ async def look() -> dict[str, Any]:
     connection = await websocket_connect(request, subprotocols=["bokeh", token[1]])
 
     async def answer() -> tuple[str, dict[str, Any]]:
-        header, _, content = [str(await asyncio.wait_for(connection.read_message(), 60)) for _ in range(3)]
+        header, _, content = [str(await asyncio.wait_for(connection.read_message(), 300)) for _ in range(3)]
         return json.loads(header)["msgtype"], json.loads(content)
 
     async def send(kind: str, content: dict[str, Any]) -> None:

@@ -16,8 +16,8 @@ from app.library.place import library, use_library
 from app.library.reviews import Review, add_comment, decide, open_review, sign
 from app.library.store import Library
 from app.report import report_bytes
+from app.report.comparison import difference_tables
 from app.subjects.review.compare import comparison_link
-from app.subjects.review.comparison import difference_tables
 from app.subjects.review.report import audit_sections, audit_table, status_table
 from nav_model.budget import Budget, analyse
 from nav_model.design.file import read_design

@@ -15,12 +15,12 @@ import app.subjects.sar.run as sar_run
 import app.subjects.sar.upload as sar_upload
 from app.charts.kinds import to_csv
 from app.charts.print.svg import to_svg
+from app.charts.screen.pictures import gallery
 from app.cli import main
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.sar.charts import gnss_winner_chart
 from app.subjects.sar.page import SarPage
-from app.subjects.sar.pictures import gallery
 from app.subjects.sar.report import sections
 from app.subjects.sar.run import Progress, SarResult, SarRun
 from nav_model.budget import analyse

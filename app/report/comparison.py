@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 
 from app.charts.words import in_words
 from app.document.blocks import Cell, Chapter, ChartBlock, Column, Section, Table
-from app.document.numbers import DIGITS, percent, signed_percent
-from app.document.wording import labelled, requirement_key, title_of, verdict_of
+from app.document.numbers import NONE, show_in
+from app.document.verdict import check_words, verdict_of
+from app.document.wording import labelled, title_of
+from app.report.comparison_charts import phase_comparison, position_comparison
 from app.report.inputs import shown_value, sourced_value
-from app.subjects.review.charts import phase_comparison, position_comparison
 from nav_model.budget import Budget
+from nav_model.budget.figures import FIGURES
 from nav_model.design.parts import INPUTS, declaration_of
-from nav_model.units import format_quantity
 
 _COLUMNS = 5  # designs that fit side by side on a page
 _LINES = 7  # curves a reader can tell apart
@@ -22,11 +23,10 @@ def comparison_chapter(
     budgets: Sequence[Budget], labels: Sequence[str], facts: tuple[tuple[str, str], ...]
 ) -> Chapter:
     """The comparison: verdicts, figures with the better one marked, inputs that differ, charts."""
-    closing = sum(budget.verdict.closes for budget in budgets)
     return Chapter(
         key="c",
         kind="Comparison of navigation error budgets",
-        title=f"{len(budgets)} designs, {closing} of which close{'s' if closing == 1 else ''}",
+        title=closing_words(budgets),
         running=f"Comparison of {len(budgets)} designs",
         description="",
         verdict=None,
@@ -40,6 +40,22 @@ def comparison_chapter(
     )
 
 
+def closing_words(budgets: Sequence[Budget]) -> str:
+    """How many of two or more designs close, as a title."""
+    count, closing = len(budgets), sum(budget.verdict.closes for budget in budgets)
+    if closing == count:
+        return (
+            "Both designs meet their requirements" if count == 2 else f"All {count} designs meet their requirements"
+        )
+    if not closing:
+        return (
+            "Neither design meets its requirements"
+            if count == 2
+            else f"None of {count} designs meets its requirements"
+        )
+    return f"{closing} of {count} designs {'meets its' if closing == 1 else 'meet their'} requirements"
+
+
 def difference_tables(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[Table, Table, Table]:
     """Verdicts, figures and inputs that differ, each as one table of any width; for the screen."""
     wide = len(budgets)
@@ -50,14 +66,15 @@ def difference_tables(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple
 def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
     def row(budget: Budget, label: str) -> tuple[Cell, ...]:
         answer = verdict_of(budget)
-        tightest = budget.verdict.tightest
+        said = (NONE, NONE, NONE)
+        if tightest := budget.verdict.tightest:
+            words = check_words(budget.design, tightest)
+            said = (tightest.label, words.margin, f"{tightest.sensor}, {words.share}")
         return (
             Cell(labelled(label, title_of(budget.design))),
             Cell(budget.design.content_hash[:12]),
             Cell(answer.word, tone=answer.tone),
-            Cell(tightest.label if tightest else "–"),
-            Cell(signed_percent(tightest.margin) if tightest else "–"),
-            Cell(f"{tightest.sensor}, {percent(tightest.sensor_share)}" if tightest else "–"),
+            *map(Cell, said),
         )
 
     return Table(
@@ -101,8 +118,8 @@ def _figures(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLU
 
     def cell(figure: int, design: int) -> Cell:
         _, name, value = _FIGURES[figure]
-        declaration = declaration_of(requirement_key(name))
-        text = format_quantity(value(budgets[design]), declaration.unit, declaration.dimension, DIGITS)
+        declaration = declaration_of(f"requirements.{FIGURES[name]}")
+        text = show_in(value(budgets[design]), declaration.unit, declaration.dimension)
         return Cell(text, "best", "good") if marks[figure][design] else Cell(text)
 
     def table(columns: range, part: str) -> Table:

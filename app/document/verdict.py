@@ -1,0 +1,75 @@
+"""How a verdict and its checks are said: on a page, in a report, by the command, in the library."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from app.document.blocks import Answer, Cell
+from app.document.numbers import percent, show_in, signed_percent
+from nav_model.budget import Budget
+from nav_model.budget.figures import FIGURES
+from nav_model.budget.result import Check
+from nav_model.design import Design
+from nav_model.design.parts import declaration_of
+
+
+class CheckWords(NamedTuple):
+    """A check in words: value and limit in the unit the limit is written in, margin, share of its dominant sensor."""
+
+    value: str
+    limit: str
+    margin: str
+    share: str
+
+
+def check_words(design: Design, check: Check) -> CheckWords:
+    """A check of a design's budget in words."""
+    value, limit = (requirement_quantity(design, check.name, x) for x in (check.value, check.limit))
+    return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share))
+
+
+def met_cell(check: Check) -> Cell:
+    """Whether a requirement is met, as a cell of a table."""
+    return Cell("✓ met", tone="good") if check.met else Cell("✗ not met", tone="bad")
+
+
+def requirement_quantity(design: Design, check: str, value: float) -> str:
+    """A value [SI] of a check in the unit its requirement is written in.
+
+    The along-track phase has the unit of the quadratic phase, whose limit it is held against.
+    """
+    key = f"requirements.{FIGURES[check]}"
+    return show_in(value, design.unit(key), declaration_of(key).dimension)
+
+
+def verdict_of(budget: Budget) -> Answer:
+    """The verdict: closes or not, at which confidence, what is tightest and what dominates it."""
+    verdict, design = budget.verdict, budget.design
+    tightest = verdict.tightest
+    if tightest is None:
+        largest = max(budget.sar.lines, key=lambda line: line.share)
+        return Answer(
+            "Not checked",
+            "open",
+            (
+                "The design states no requirement, so there is nothing to check: a limit brings a verdict.",
+                f"Quadratic phase is dominated by {largest.source} ({percent(largest.share)} of the variance).",
+            ),
+        )
+    failed = sum(not check.met for check in verdict.checks)
+    count = len(verdict.checks)
+    if failed:
+        met = f"{failed} of {count} requirements {'is' if failed == 1 else 'are'} not met"
+    else:
+        met = f"all {count} requirements are met" if count > 1 else "its one requirement is met"
+    words = check_words(design, tightest)
+    through = "" if tightest.dominant == tightest.sensor else f", mostly through {tightest.dominant}"
+    return Answer(
+        "✓ Closes" if verdict.closes else "✗ Does not close",
+        "good" if verdict.closes else "bad",
+        (
+            f"At {verdict.confidence:g}σ {met}.",
+            f"Tightest: {tightest.label.lower()}, {words.value} against {words.limit}, margin {words.margin}.",
+            f"Dominated by {tightest.sensor}: {words.share} of the variance{through}.",
+        ),
+    )

@@ -1,0 +1,44 @@
+"""What a careful reader must know of a budget, for its page and its report."""
+
+from __future__ import annotations
+
+from app.document.blocks import Bullets
+from app.document.numbers import number
+from app.report.inputs import doubtful_inputs
+from nav_model.budget import Budget
+from nav_model.budget.provenance import cautions
+
+_FIGURES = {
+    "prior": "just before a fix, the worst of the cycle",
+    "posterior": "just after a fix",
+    "closed": "the cycle rms in closed form",
+}
+
+
+def caution_list(budget: Budget) -> Bullets:
+    """What is doubtful about this budget: inputs that are not confirmed, then what the model says of itself."""
+    doubtful = doubtful_inputs(budget.design)
+    first = (f"Not confirmed at the source: {', '.join(doubtful)}.",) if doubtful else ()
+    return Bullets((*first, *cautions(budget)), "Cautions")
+
+
+def assumption_list(budget: Budget) -> Bullets:
+    """What every budget assumes, and what its figures are held against."""
+    requirements, gnss = budget.design.requirements, budget.design.gnss
+    noise = "with white noise from fix to fix [T-2]"
+    if gnss.correlated:
+        noise = "with a slow first-order Gauss-Markov error on top of white noise"
+    return Bullets(
+        (
+            "Straight, level flight at constant velocity, in steady state before the last fix; small errors [T-1].",
+            "Random walks are white, Gaussian, alike and independent on the three axes; residual biases are constant "
+            "over the outage and the aperture.",
+            f"GNSS measures position only, per axis, {noise}.",
+            f"Requirements in steady state are held against the figure {_FIGURES[requirements.steady_state]} [T-8]; "
+            f"after the last fix against the refined curve [T-17]; each at {requirements.confidence:g}σ.",
+            "Broadside strip map; the inertial unit alone carries the aperture, which starts "
+            f"{number(budget.design.coast.before_aperture)} s after the last fix [S-1], [S-5].",
+            "Lever arm, timing, atmosphere and range migration are not part of the budget.",
+        ),
+        "Assumptions",
+    )

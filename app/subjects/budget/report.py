@@ -1,0 +1,34 @@
+"""A budget as sections of a design's report: the requirements first, then what explains them."""
+
+from __future__ import annotations
+
+from app.document.blocks import Section
+from app.document.chart_block import chart_block
+from app.subjects.budget import charts
+from app.subjects.budget.tables import (
+    image_table,
+    key_figures,
+    outage_table,
+    phase_table,
+    requirement_table,
+    steady_table,
+)
+from nav_model.budget import Budget
+
+
+def sections(budget: Budget, key: str) -> tuple[Section, ...]:
+    """Key figures and requirements, steady state, outage, phase and image, regime."""
+    position, velocity, attitude, phase, response, regime = (
+        chart_block(draw(budget), key) for draw in charts.BUDGET_CHARTS
+    )
+    return (
+        Section(f"{key}-requirements", "Requirements", (key_figures(budget), requirement_table(budget, key))),
+        Section(f"{key}-steady", "Steady state", (steady_table(budget, key),)),
+        Section(f"{key}-growth", "Errors against time", (position, outage_table(budget, key), velocity, attitude)),
+        Section(
+            f"{key}-phase",
+            "Phase and image",
+            (phase, phase_table(budget, key), response, image_table(budget, key)),
+        ),
+        Section(f"{key}-regime", "Gyro or accelerometer", (regime,)),
+    )

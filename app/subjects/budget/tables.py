@@ -1,0 +1,270 @@
+"""The tables and key figures of a budget, for page, report and command alike."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
+from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
+from app.document.verdict import check_words, met_cell, requirement_quantity
+from app.document.wording import AFTER_AUTOFOCUS, best_of
+from nav_model.budget import Budget, analyse
+from nav_model.budget.json import to_json
+from nav_model.budget.provenance import provenance
+from nav_model.budget.result import Check
+from nav_model.sar.geometry import phase_to_metres
+
+ALONG_TRACK = "along-track (separate limit)"
+"""What the along-track phase is called beside the sources across it."""
+_FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
+_MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix", "closed": "rms over the fix cycle"}
+
+
+def key_figures(budget: Budget) -> KeyFigures:
+    """The figures that decide, each with which one it is and its limit."""
+    coast, sar = budget.coast, budget.sar
+    checks = {check.name: check for check in budget.verdict.checks}
+    response = sar.impulse_response
+    autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
+    fields = (
+        ("Position, horizontal", "position_horizontal", "length", "horizontal_position", "[T-3]"),
+        ("Position, vertical", "position_vertical", "length", "vertical_position", "[T-4]"),
+        ("Velocity, horizontal", "velocity_horizontal", "speed", "horizontal_velocity", "[T-3]"),
+        ("Tilt, roll and pitch", "tilt", "angle", "tilt", "[T-3]"),
+    )
+
+    def figure(label: str, value: str, detail: str, name: str = "") -> KeyFigure:
+        check = checks.get(name)
+        if check is None:
+            return KeyFigure(label, value, detail)
+        return KeyFigure(label, value, detail, check_words(budget.design, check).limit, check.met)
+
+    def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
+        chosen = budget.design.requirements.steady_state
+        moment, average = getattr(budget.steady_state, chosen), budget.steady_state.closed
+        which = f"{_MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
+        if chosen != "closed":
+            which += f"; average {show(getattr(average, field), dimension)} {mark}"
+        return figure(label, show(getattr(moment, field), dimension), f"1σ, {which}", name)
+
+    def sight(phase: float) -> str:
+        return f"{show(float(phase_to_metres(phase, sar.wavelength)), 'length')} along the line of sight"
+
+    width = "not focused"
+    if response is not None:
+        width = show(float(response.half_power_extent_cells) * sar.cell_length, "length")
+    return KeyFigures(
+        "Key figures, one sigma",
+        (
+            *(settled(*names) for names in fields),
+            figure(
+                f"Position after {show(coast.duration, 'time')}",
+                show(coast.end_refined_horizontal, "length"),
+                f"horizontal, refined [T-17]; vertical {show(coast.end_refined_vertical, 'length')}",
+                "coast_horizontal_position",
+            ),
+            figure(
+                "Quadratic phase",
+                show(sar.quadratic, "angle"),
+                f"{sight(sar.quadratic)}, closed form [S-5]{autofocus}",
+                "quadratic_phase",
+            ),
+            figure(
+                "Detrended phase, rms",
+                show(sar.detrended, "angle"),
+                f"{sight(sar.detrended)}, closed form [T-15]",
+                "detrended_phase",
+            ),
+            figure(
+                "Azimuth width",
+                width,
+                f"with 1σ quadratic; aperture {show(sar.aperture_time, 'time')}, "
+                f"{show(sar.aperture_length, 'length')} [S-3]",
+            ),
+        ),
+    )
+
+
+def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
+    """Every requirement with its figure, limit, margin and what dominates it."""
+    verdict = budget.verdict
+    if not verdict.checks:
+        return Text("The design states no requirement; nothing was checked.")
+
+    def row(check: Check) -> tuple[Cell, ...]:
+        words = check_words(budget.design, check)
+        texts = (check.label, words.value, words.limit, words.margin)
+        return (
+            *map(Cell, texts),
+            met_cell(check),
+            Cell(f"{check.basis} {check.equation}"),
+            Cell(f"{check.sensor}, {words.share}"),
+        )
+
+    return Table(
+        f"{key}-verdict",
+        f"Requirements at {verdict.confidence:g}σ",
+        (
+            Column("Requirement", width=1.5),
+            Column(f"{verdict.confidence:g}σ value", numeric=True),
+            Column("Limit", numeric=True),
+            Column("Margin", numeric=True),
+            Column("Verdict"),
+            Column("Figure checked", width=1.25),
+            Column("Dominant sensor", width=1.25),
+        ),
+        tuple(map(row, verdict.checks)),
+        "Margin is the part of the limit left over. The share is of the variance, with an initial tilt charged to "
+        "the sensors that cause it [T-18].",
+    )
+
+
+_STEADY = (
+    ("position_horizontal", "horizontal_position", "Horizontal position, per axis"),
+    ("position_vertical", "vertical_position", "Vertical position"),
+    ("velocity_horizontal", "horizontal_velocity", "Horizontal velocity, per axis"),
+    ("velocity_vertical", "vertical_velocity", "Vertical velocity"),
+    ("tilt", "tilt", "Tilt (roll and pitch, each)"),
+)
+
+
+def steady_table(budget: Budget, key: str) -> Table:
+    """Standard deviations while fixes come in: over the cycle, before and after a fix."""
+    steady, sources = budget.steady_state, provenance(budget)
+    moments = (steady.closed, steady.prior, steady.posterior)
+
+    def row(field: str, requirement: str, label: str) -> tuple[Cell, ...]:
+        source, share = best_of(steady.shares[requirement])
+        shown = (requirement_quantity(budget.design, requirement, getattr(moment, field)) for moment in moments)
+        return Cell(label), *map(Cell, shown), Cell(f"{source}, {percent(share)}")
+
+    closed = sources["steady_state.position_sigma_m.horizontal"]
+    prior = sources["steady_state.discrete.prior"]
+    return Table(
+        f"{key}-steady-table",
+        "Standard deviations while fixes come in, 1σ",
+        (
+            Column("Error", width=1.5),
+            Column("Cycle rms [T-3], [T-4]", numeric=True),
+            Column("Before a fix [T-8]", numeric=True),
+            Column("After a fix [T-8]", numeric=True),
+            Column("Largest share [T-18]", width=1.2),
+        ),
+        tuple(row(*names) for names in _STEADY),
+        f"Cycle rms: {closed.method}, {closed.note}. Before and after a fix: {prior.method}. "
+        f"Gyro dominance κ = {number(steady.gyro_dominance)} [T-6]; λ Δt = {number(steady.lambda_dt)} [T-8].",
+    )
+
+
+def outage_table(budget: Budget, key: str) -> Table:
+    """Standard deviations at a few times after the last fix."""
+    coast = analyse(budget.design, budget.coast.duration * np.array(_FRACTIONS)).coast
+    columns = (
+        ("Horizontal [m] [T-9]", coast.position_horizontal),
+        ("refined [m] [T-17]", coast.refined_horizontal),
+        ("Vertical [m] [T-10]", coast.position_vertical),
+        ("refined [m] [T-17]", coast.refined_vertical),
+        ("Velocity hor. [m/s]", coast.velocity_horizontal),
+        ("Velocity vert. [m/s]", coast.velocity_vertical),
+        ("Tilt [°] [T-9]", np.degrees(coast.tilt)),
+        ("Yaw growth [°] [T-5]", np.degrees(coast.yaw_growth)),
+    )
+    return Table(
+        f"{key}-coast",
+        "Standard deviations after the last fix, 1σ",
+        (Column("Time [s]", numeric=True), *(Column(title, numeric=True, width=1) for title, _ in columns)),
+        tuple(
+            (Cell(number(time)), *(Cell(number(curve[i])) for _, curve in columns))
+            for i, time in enumerate(coast.time)
+        ),
+        "Residual biases in quadrature. Requirements after the last fix are held against the refined curve.",
+    )
+
+
+def phase_table(budget: Budget, key: str) -> Table:
+    """The phase budget of the aperture by source."""
+    sar = budget.sar
+
+    def row(label: str, quadratic: float, share: str, detrended: float, left_share: str) -> tuple[Cell, ...]:
+        given = not math.isnan(detrended)
+        texts = (
+            label,
+            degrees(quadratic),
+            millimetres(quadratic, sar.wavelength),
+            share,
+            degrees(detrended) if given else NONE,
+            millimetres(detrended, sar.wavelength) if given else NONE,
+            left_share,
+        )
+        return tuple(map(Cell, texts))
+
+    makers = ", ".join(f"{source} {percent(share)}" for source, share in sar.tilt_shares.items())
+    return Table(
+        f"{key}-phase-table",
+        "Phase budget of the aperture by source, 1σ, in phase and in line-of-sight millimetres",
+        (
+            Column("Source", width=1.7),
+            Column("Quadratic [°]", numeric=True, width=1),
+            Column("[mm]", numeric=True, width=0.8),
+            Column("Share", numeric=True, width=0.8),
+            Column(f"Rms after {AFTER_AUTOFOCUS[sar.autofocus_order]} [°]", numeric=True, width=1.15),
+            Column("[mm]", numeric=True, width=0.8),
+            Column("Share", numeric=True, width=0.8),
+        ),
+        (
+            *(
+                row(x.source, x.quadratic, percent(x.share), x.detrended, percent(x.detrended_share))
+                for x in sar.lines
+            ),
+            row("total in quadrature", sar.quadratic, "100 %", sar.detrended, "100 %"),
+            row(ALONG_TRACK, sar.along_track_quadratic, NONE, math.nan, NONE),
+        ),
+        f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt is the work of "
+        f"{makers} [T-18].",
+    )
+
+
+def image_table(budget: Budget, key: str) -> Table:
+    """The aperture and what the quadratic phase makes of the azimuth response."""
+    sar, sources = budget.sar, provenance(budget)
+    response = to_json(budget)["sar"]["impulse_response"]
+
+    def image(name: str, show_value: Callable[[float], str]) -> str:
+        return "no image: more than 1000 rad" if response is None else show_value(float(response[name]))
+
+    rows = (
+        ("Wavelength", show(sar.wavelength, "length"), "sar.wavelength_m"),
+        ("Aperture time", show(sar.aperture_time, "time"), "sar.aperture_time_s"),
+        ("Aperture length", show(sar.aperture_length, "length"), "sar.aperture_length_m"),
+        ("Quadratic phase, 1σ", f"{degrees(sar.quadratic)}°", "sar.quadratic_phase_sigma_rad"),
+        ("Cubic phase, 1σ", f"{degrees(sar.cubic)}°", "sar.cubic_phase_sigma_rad"),
+        ("Rms phase after autofocus, 1σ", f"{degrees(sar.detrended)}°", "sar.detrended_phase_sigma_rad"),
+        ("Response width", image("width_m", lambda width: show(width, "length")), "sar.impulse_response"),
+        ("Peak side-lobe ratio", image("pslr_db", decibels), "sar.impulse_response"),
+        ("Integrated side-lobe ratio", image("islr_db", decibels), "sar.impulse_response"),
+        ("Peak loss", image("peak_loss_db", decibels), "sar.impulse_response"),
+    )
+
+    def origin(name: str) -> str:
+        source = sources[name]
+        stated = name == "sar.aperture_time_s" and budget.design.radar.aperture_time is not None
+        return "stated in the design" if stated else ", ".join(filter(None, (source.method, source.note)))
+
+    return Table(
+        f"{key}-image",
+        "Aperture and azimuth impulse response",
+        (
+            Column("Figure", width=1.3),
+            Column("Value", numeric=True, width=1),
+            Column("Equation", width=0.8),
+            Column("Method", width=1.7),
+        ),
+        tuple(
+            (Cell(label), Cell(value), Cell(sources[name].equation), Cell(origin(name)))
+            for label, value, name in rows
+        ),
+        "Width between the outermost half-power points; side lobes outside the error-free main lobe, whole line.",
+    )

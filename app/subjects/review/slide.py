@@ -1,0 +1,54 @@
+"""One decision as a slide for a room: what is decided, how it stands against its limit, what was decided."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+from app.document.verdict import check_words
+from app.library.reviews import Review
+from nav_model.budget.result import Check
+
+
+@dataclass(frozen=True)
+class Point:
+    """A requirement to decide on: the design's place in the review, its check, value against limit in words."""
+
+    place: int
+    check: Check
+    figure: str
+    margin: str
+
+
+def point_of(review: Review, place: int, name: str) -> Point:
+    """The requirement of this name of the design at `place`."""
+    budget = review.revisions[place - 1].budget()
+    check = next(check for check in budget.verdict.checks if check.name == name)
+    words = check_words(budget.design, check)
+    return Point(place, check, f"{words.value} against {words.limit} at {budget.verdict.confidence:g}σ", words.margin)
+
+
+def slide(review: Review, point: Point, number: int, count: int) -> str:
+    """HTML of the slide of a point, number so many of `count`."""
+    check, standing = point.check, review.standing(point.place, point.check.name)
+    decided = "Open"
+    if standing is not None:
+        decided = f"{'✓ Accepted' if standing.accepted else '✗ Rejected'} by {standing.author}"
+    return (
+        f'<section class="slide" aria-live="polite"><p class="quiet">{escape(review.title)} · decision '
+        f"{number} of {count}</p>"
+        f"<p>D{point.place}: {escape(review.revisions[point.place - 1].name)}</p><h2>{escape(check.label)}</h2>"
+        f'<p class="figure num">{escape(point.figure)}</p>{_gauge(check)}'
+        f"<p>{'✓ met' if check.met else '✗ not met'}, margin {point.margin}; dominated by "
+        f"{escape(check.sensor)}</p><p><b>{escape(decided)}</b></p></section>"
+    )
+
+
+def _gauge(check: Check) -> str:
+    """Value against limit as a bar; the words beside it say the same."""
+    full = 1.08 * max(check.value, check.limit)
+    value, limit = (100 * x / full for x in (check.value, check.limit))
+    return (
+        f'<div class="gauge" aria-hidden="true"><div style="width:{value:.1f}%"></div>'
+        f'<i style="left:{limit:.1f}%"></i></div>'
+    )

@@ -1,0 +1,150 @@
+"""What a budget says on its page, in its report and by the command: the same, and the budget's own."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from app.document.blocks import Table, Text
+from app.document.verdict import verdict_of
+from app.report.cautions import caution_list
+from app.report.content import report_of
+from app.session import Session
+from app.subjects.budget.command import check_lines
+from app.subjects.budget.page import BudgetPage, answer
+from app.subjects.budget.tables import key_figures, requirement_table
+from nav_model.budget import Budget, analyse
+from nav_model.design import Design
+from nav_model.design.file import read_design
+
+# The widget library sets both of its own button parameters.
+pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style'")
+EXAMPLES = Path(__file__).parents[4] / "examples"
+_FACTOR = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "mm/s": 1e-3, "cm/s": 1e-2, "m/s": 1.0,
+           "°": math.pi / 180, "arcsec": math.pi / 648000}  # fmt: skip
+
+
+def si(text: str) -> float:
+    """A quantity of a page in SI."""
+    number, unit = re.fullmatch(r"(−?[\d.]+)\s?(\D+)", text).groups()  # type: ignore[union-attr]
+    return float(number.replace("−", "-")) * _FACTOR[unit]
+
+
+@pytest.fixture(scope="module")
+def mems() -> Budget:
+    return analyse(read_design(EXAMPLES / "mems_x_band.toml"))
+
+
+def changed(**changes: object) -> Budget:
+    design = read_design(EXAMPLES / "mems_x_band.toml")
+    return analyse(design.replace({key.replace("__", "."): value for key, value in changes.items()}))
+
+
+def test_key_figures_are_the_budgets_to_three_digits(mems: Budget) -> None:
+    steady, sar = mems.steady_state, mems.sar
+    response = sar.impulse_response
+    assert response is not None
+    expected = [
+        steady.prior.position_horizontal,
+        steady.prior.position_vertical,
+        steady.prior.velocity_horizontal,
+        steady.prior.tilt,
+        mems.coast.end_refined_horizontal,
+        sar.quadratic,
+        sar.detrended,
+        float(response.half_power_extent_cells) * sar.cell_length,
+    ]
+    assert [si(figure.value) for figure in key_figures(mems).items] == pytest.approx(expected, rel=5e-3)
+
+
+def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -> None:
+    told = {figure.label: (figure.limit, figure.met) for figure in key_figures(mems).items if figure.met is not None}
+    assert told == {
+        "Position, horizontal": ("2 m", True),
+        "Position after 100 s": ("50 m", True),
+        "Quadratic phase": ("90°", False),
+        "Detrended phase, rms": ("20°", False),
+    }
+
+
+@pytest.mark.parametrize(
+    ("chosen", "said"), [("prior", "worst point"), ("posterior", "just after"), ("closed", "rms over")]
+)
+def test_key_figures_are_of_the_moment_the_design_is_held_against(chosen: str, said: str) -> None:
+    budget = changed(requirements__steady_state=chosen)
+    position = key_figures(budget).items[0]
+    assert said in position.detail
+    assert ("average" in position.detail) == (chosen != "closed")
+    expected = getattr(budget.steady_state, chosen).position_horizontal
+    assert si(position.value) == pytest.approx(expected, rel=5e-3)
+
+
+def test_requirements_have_value_limit_margin_and_verdict(mems: Budget) -> None:
+    table = requirement_table(mems)
+    assert isinstance(table, Table)
+    for row, check in zip(table.rows, mems.verdict.checks, strict=True):
+        assert row[0].text == check.label
+        assert [si(cell.text) for cell in row[1:3]] == pytest.approx([check.value, check.limit], rel=5e-3)
+        assert float(row[3].text.replace("−", "-").removesuffix(" %")) == pytest.approx(100 * check.margin, rel=5e-3)
+        assert row[4].text.endswith("not met") != check.met
+        assert row[6].text.startswith(f"{check.sensor}, ")
+
+
+def test_check_prints_what_the_table_says_with_the_minus_of_scripts(mems: Budget) -> None:
+    table = requirement_table(mems)
+    assert isinstance(table, Table)
+    *lines, verdict = check_lines("a.toml", mems)
+    for line, row, check in zip(lines, table.rows, mems.verdict.checks, strict=True):
+        value, limit, margin = (cell.text.replace("−", "-") for cell in row[1:4])
+        met = "met    " if check.met else "NOT MET"
+        assert line.startswith(f"a.toml: {met} {check.name} {value} (limit {limit}, margin {margin}, {check.basis} ")
+        assert line.endswith(f"dominated by {row[6].text.replace(',', '')})")
+    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma; tightest detrended_phase, margin -144 %"
+
+
+def test_a_design_without_requirement_is_not_checked_anywhere() -> None:
+    budget = analyse(Design())
+    assert verdict_of(budget).word == "Not checked"
+    assert "Quadratic phase is dominated by" in " ".join(verdict_of(budget).sentences)
+    assert isinstance(requirement_table(budget), Text)
+    assert check_lines("-", budget) == ["-: closes (no requirement given, nothing checked)"]
+
+
+def test_the_verdict_says_when_its_one_requirement_is_met() -> None:
+    limits = {f"requirements.{name}": None for name in (
+        "quadratic_phase", "detrended_phase", "horizontal_position", "coast_horizontal_position")}  # fmt: skip
+    design = read_design(EXAMPLES / "mems_x_band.toml").replace({**limits, "requirements.tilt": 1.0})
+    said = verdict_of(analyse(design))
+    assert (said.word, said.tone) == ("✓ Closes", "good")
+    assert said.sentences[0] == "At 1σ its one requirement is met."
+
+
+def test_page_and_report_say_the_same(mems: Budget) -> None:
+    page = answer(mems)
+    chapter = report_of([mems]).chapters[0]
+    figures, table = chapter.sections[0].blocks
+    assert figures == key_figures(mems)
+    assert table == requirement_table(mems)
+    assert chapter.verdict == verdict_of(mems)
+    assert chapter.sections[-1].blocks[0] == caution_list(mems)
+    for text in (*chapter.verdict.sentences, *(row[1].text for row in table.rows), *caution_list(mems).items[:1]):
+        assert text in page
+
+
+def test_what_is_doubtful_comes_first_and_goes_when_it_is_stated_otherwise(mems: Budget) -> None:
+    assert caution_list(mems).items[0].startswith("Not confirmed at the source: velocity random walk (secondary)")
+    walk = mems.design.imu.velocity_random_walk
+    assert "velocity random walk" not in caution_list(changed(imu__velocity_random_walk=2 * walk)).items[0]
+
+
+def test_the_page_follows_the_budget_it_is_shown(mems: Budget) -> None:
+    session = Session(mems.design)
+    page = BudgetPage(session)
+    other = changed(imu__angle_random_walk=2 * mems.design.imu.angle_random_walk)
+    page.show(other)
+    assert key_figures(other).items[5].value in page._answer.object
+    assert key_figures(mems).items[5].value not in page._answer.object
+    assert [chart.figure.plot.x_range for chart in page._charts[:3]] == [page._charts[0].figure.plot.x_range] * 3
