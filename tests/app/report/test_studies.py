@@ -91,8 +91,10 @@ def verdict(told: tuple[Section, ...], key: str) -> Answer:
 
 
 def value(cell: Cell) -> float:
-    """The number a cell begins with, or that it is less than."""
-    return float(cell.text.removeprefix("< ").split(" (")[0].replace("\u202f", "").replace("−", "-"))
+    """The number a cell begins with; 0 for less than the smallest one told."""
+    if cell.text.startswith("<"):
+        return 0.0
+    return float(cell.text.split(" (")[0].replace("\u202f", "").replace("−", "-"))
 
 
 def squeezed(text: str) -> str:
