@@ -1,0 +1,96 @@
+"""What the documents name exists, what the code cites is in them, and what they print is what the command prints."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from app.cli import main
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+WRITTEN = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md")))
+FOLDERS = ("app", "nav_model", "tests", "docs", "benchmarks", "deploy", "examples", "requirements")
+MADE_UP = {"tests/app/upstream/test_name.py"}  # in a template
+
+documents = pytest.mark.parametrize("document", WRITTEN, ids=lambda path: path.name)
+
+
+def _code() -> list[Path]:
+    found = (
+        path for folder in FOLDERS for ending in ("py", "js", "css") for path in (ROOT / folder).rglob(f"*.{ending}")
+    )
+    return sorted(path for path in found if path != Path(__file__))
+
+
+def test_documents_that_the_code_cites_are_there() -> None:
+    known = {path.name for path in (*WRITTEN, ROOT / "CHANGELOG.md")}
+    cited = {
+        (name, path.relative_to(ROOT).as_posix())
+        for path in _code()
+        for name in re.findall(r"\b([A-Za-z_]+\.md)\b", path.read_text("utf-8"))
+    }
+    assert {"theory.md", "sar.md", "star_tracker.md", "presets.md", "contract.md"} <= {name for name, _ in cited}
+    assert {(name, path) for name, path in cited if name not in known} == set()
+
+
+def test_sections_that_the_code_cites_are_there() -> None:
+    sections = re.compile(r'\b(\w+\.md),? (?:sections? (\d+)(?: and (\d+))?|"([^"\n]+)")')
+    cited = {found for path in _code() for found in sections.findall(path.read_text("utf-8"))}
+    assert len(cited) > 3
+    for name, *parts in cited:
+        text = (DOCS / name).read_text("utf-8")
+        for part in filter(None, parts):
+            heading = rf"{part}\." if part.isdigit() else rf"(?:\d+\. )?{re.escape(part)}"
+            assert re.search(rf"^##+ {heading}", text, re.MULTILINE), f"{name} has no section {part}"
+
+
+@documents
+def test_files_that_a_document_names_are_there(document: Path) -> None:
+    text = document.read_text("utf-8")
+    named = set(re.findall(rf"(?<![\w./-])((?:{'|'.join(FOLDERS)})/[\w./-]*[\w/])", text)) - MADE_UP
+    assert {name for name in named if not (ROOT / name).exists()} == set()
+    single = set(re.findall(r"`([A-Z]\w+\.md|pyproject\.toml|Dockerfile|Makefile)`", text))
+    assert {name for name in single if not (ROOT / name).exists()} == set()
+
+
+@documents
+def test_links_of_a_document_lead_somewhere(document: Path) -> None:
+    links = re.findall(r"\]\(([^)#:\s]+)\)", document.read_text("utf-8"))
+    assert {link for link in links if not (document.parent / link).exists()} == set()
+
+
+@pytest.mark.parametrize("document", [ROOT / "README.md", DOCS / "architecture.md"], ids=lambda path: path.name)
+def test_the_tree_is_the_one_there_is(document: Path) -> None:
+    (tree,) = re.findall(r"^```\n(nav_model/ .*?)^```", document.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    top, seen = ROOT, set()
+    for line in tree.splitlines():
+        folder, inside = re.match(r"(\w+)/", line), re.match(r"  ((?:[\w.]+(?:/|\.py) ?)+)", line)
+        if folder:
+            top = ROOT / folder[1]
+        for name in inside[1].split() if inside else ():
+            assert (top / name).exists(), f"{top.name}/{name}"
+            seen.add(f"{top.name}/{name.rstrip('/')}")
+    rooms = {
+        path.parent.relative_to(ROOT).as_posix()
+        for part in ("app", "nav_model")
+        for path in ROOT.glob(f"{part}/*/__init__.py")
+    }
+    assert rooms <= seen
+
+
+def test_the_readme_prints_what_the_command_prints(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    blocks = re.findall(r"```console\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    commands = re.findall(r"\$ \.venv/bin/navbudget (.+)\n((?:[^$].*\n)+)", "".join(blocks))
+    assert len(commands) == 3
+    for command, printed in commands:
+        words, _, last = command.partition(" | tail -1")
+        main(shlex.split(words))
+        lines = capsys.readouterr().out.splitlines()
+        assert printed.splitlines() == (lines[-1:] if last or command.endswith("tail -1") else lines)
