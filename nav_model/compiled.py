@@ -22,12 +22,17 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.core.compiler_lock import global_compiler_lock
 
+from nav_model import numba_typing
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 _njit: Any = numba.njit  # Numba's types know not all of its options
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 _locked: set[Path] = set()  # directories that this process is compiling into
 _ROOMS = ("earth", "simulation", "suborbital")  # whose kernels call each other across files
+
+
+numba_typing.remember()
 
 
 @cache

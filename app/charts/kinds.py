@@ -21,10 +21,6 @@ from nav_model.explore.trade_map import MapPoint, TradeMap
 Array = NDArray[np.float64]
 
 
-FLOOR_DB = -40.0
-"""Where the scale of pictures in decibels ends."""
-
-
 @dataclass(frozen=True)
 class Line:
     """A curve. ``source`` says where it comes from: equation and method, shown on hover and in print."""
@@ -257,7 +253,7 @@ class PictureChart:
     names: tuple[str, ...]
     captions: tuple[str, ...]
     reference: str
-    floor_db: float = FLOOR_DB
+    floor_db: float = -40.0
     knowledge: str = ""
 
     @property

@@ -10,6 +10,9 @@ from contextlib import contextmanager
 
 from app.work.run import Clock
 
+COMPILES = "preparing the simulator; its first use on a machine compiles it"
+"""What a command says before it flies anything."""
+
 _QUIET_SECONDS = 5.0  # between lines where nobody watches a terminal
 
 
@@ -33,3 +36,10 @@ def show_progress() -> Iterator[Callable[[str, float], None]]:
     finally:
         if terminal:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def count_runs(of: str = "") -> Iterator[Callable[[int, int], None]]:
+    """The same of runs done and runs in all; ``of`` goes before the count, where several kinds are run."""
+    with show_progress() as show:
+        yield lambda done, runs: show(f"{of}{done} of {runs} runs", done / runs)

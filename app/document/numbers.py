@@ -79,8 +79,22 @@ def signed_percent(margin: float) -> str:
 
 
 def decibels(value: float) -> str:
-    """A level or a ratio, to a hundredth."""
-    return _signed(f"{value + 0.0:.2f} dB")
+    """A level or a ratio."""
+    return f"{hundredths(value)} dB"
+
+
+def signed_decibels(value: float) -> str:
+    """A level over another, its sign always shown."""
+    return f"{hundredths(value, sign='+')} dB"
+
+
+def hundredths(value: float, sign: str = "-") -> str:
+    """What is read to a hundredth whatever its size, such as decibels; no minus before a zero.
+
+    >>> hundredths(-0.001), hundredths(-13.264), hundredths(0.15, sign="+")
+    ('0.00', '−13.26', '+0.15')
+    """
+    return _signed(f"{round(value, 2) + 0.0:{sign}.2f}")
 
 
 def degrees(phase: float) -> str:

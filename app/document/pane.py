@@ -49,6 +49,7 @@ def _card(figure: KeyFigure, said: Said) -> str:
     )
 
 
+_SENTENCES = 1.8  # weight of a column beyond which it holds sentences and keeps room where the screen is narrow
 _MANY = 20  # rows of a sorted table beyond which it scrolls by itself
 
 
@@ -81,7 +82,9 @@ def _head(column: Column, said: Said) -> str:
 
 
 def _css(column: Column) -> str:
-    return ' class="num"' if column.numeric else ""
+    if column.numeric:
+        return ' class="num"'
+    return ' class="wide"' if column.width > _SENTENCES else ""
 
 
 def _row(row: tuple[Cell, ...], table: Table, said: Said) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from html import escape
+
 from app.document.blocks import Block
 from app.document.pane import html_of
 from app.ui.theme import SHEET
@@ -16,3 +18,8 @@ def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> TextPane:
 def block_pane(*blocks: Block, margin: int | tuple[int, ...] = (4, 10)) -> TextPane:
     """Blocks of a document on a page; assign ``html_of(...)`` to its object to change them."""
     return html_pane(html_of(*blocks), margin)
+
+
+def stale_mark(why: str) -> str:
+    """The mark of what belongs to an earlier design, with the reason."""
+    return f'<p><span class="stale">stale</span> {escape(why)}</p>'

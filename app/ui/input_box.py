@@ -4,12 +4,15 @@ force."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, cast
 
 import panel as pn
 import panel_material_ui as pmui
 import param
 
 from app.ui.log_slider import LogSlider
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.several import Axes
 from nav_model.errors import InputError
 
 
@@ -111,3 +114,11 @@ class InputBox(pn.viewable.Viewer):
         assert self.slider is not None
         if size is None or not self.slider.shows(size):
             self.put(self.take_size)
+
+
+def slider_of(declared: BaseQuantity[Any] | Axes, value: float) -> LogSlider:
+    """The slider of a declaration over its soft bounds, at a value [SI]; its far left is zero if that is allowed."""
+    low, high = cast("tuple[float, float]", declared.softbounds)
+    above_zero = isinstance(declared, BaseQuantity) and not declared.inclusive_bounds[0]
+    zero = declared.limits[0] == 0 and not above_zero
+    return LogSlider(str(declared.label), low, high, declared.unit, declared.dimension, zero, value)

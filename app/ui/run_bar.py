@@ -23,7 +23,7 @@ class RunBar(pn.viewable.Viewer):
     """
 
     run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    message: str = param.String(default="", doc="What to say between runs, as text; why a run failed comes first.")
+    message: str = param.String(default="", doc="What to say between runs, as text, until a run says more.")
 
     def __init__(self, run: Run, start: Callable[[], object], label: str, *fields: Any) -> None:
         super().__init__(run=run)
@@ -48,14 +48,20 @@ class RunBar(pn.viewable.Viewer):
     def __panel__(self) -> pn.FlexBox:
         return self._view
 
-    @param.depends("run.running", "run.progress", "run.message", "message", watch=True)
-    def _say(self) -> None:
+    @param.depends("run.running", "run.progress", "run.message", watch=True)
+    def _follow(self) -> None:
         run = self.run
         if run.running:
             self.state.object = progress_html(run.progress or Progress("Starting"))
         elif run.message:
             self.state.object = f'<p role="alert"><b>{escape(run.message)}</b></p>'
         else:
+            self._tell()
+
+    @param.depends("message", watch=True)
+    def _tell(self) -> None:
+        """The last word counts: a new message takes the place of why the last run failed."""
+        if not self.run.running:
             self.state.object = f'<p role="status">{escape(self.message)}</p>' if self.message else ""
 
 

@@ -8,8 +8,7 @@ import panel_material_ui as pmui
 import param
 
 from app.session import Session
-from app.ui.input_box import InputBox
-from app.ui.log_slider import LogSlider
+from app.ui.input_box import InputBox, slider_of
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
@@ -55,7 +54,11 @@ class QuantityControl(InputBox):
             # Help may run on under the unit chooser: the box alone is too narrow to read in.
             sx={"& .MuiFormHelperText-root": {"marginRight": "-100px" if declaration.dimension else "0"}},
         )
-        super().__init__(key, box, self._make_slider(key) if key in _SLIDERS else None)
+        slider, value = None, session.design[key]
+        if key in _SLIDERS:
+            assert isinstance(value, float | int)
+            slider = slider_of(declaration, float(value))
+        super().__init__(key, box, slider)
         self.unit: pmui.Select | None = None
         if declaration.dimension:
             self.unit = pmui.Select(
@@ -67,14 +70,6 @@ class QuantityControl(InputBox):
             )
             self.unit.param.watch(self._unit_chosen, "value")
         self.listen()
-
-    def _make_slider(self, key: str) -> LogSlider:
-        d = self._declaration
-        low, high = d.softbounds  # type: ignore[misc]
-        zero = d.limits[0] == 0 and d.inclusive_bounds[0]
-        value = self._session.design[key]
-        assert isinstance(value, float | int)
-        return LogSlider(str(d.label), low, high, d.unit, d.dimension, zero, float(value))
 
     def __panel__(self) -> pn.viewable.Viewable:
         row = pn.Row(self.box, self.unit, margin=0, sizing_mode="stretch_width") if self.unit else self.box

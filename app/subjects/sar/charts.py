@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from contourpy import contour_generator
 
-from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
+from app.charts.kinds import Array, Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
+from app.document.numbers import degrees, number, percent, signed_decibels
+from app.document.wording import AFTER_AUTOFOCUS
 from nav_model.budget import Budget
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
@@ -22,7 +26,6 @@ FILTERED = ("4", "6", "7", "8")
 _DEG = 180 / math.pi
 _NOTHING = np.array([0.0])
 _NOT_RUN = "Not run yet."
-_LEFT = {1: "the line", 2: "the quadratic", 3: "the cubic"}
 _SHORT = {
     "1": "1 ideal",
     "2": "2 INS from the filter",
@@ -61,9 +64,9 @@ def navigation_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, 
         lines=lines,
         legend_columns=2,
         knowledge=_NOT_RUN if study is None else (
-            f"One run of {study.runs}: the one whose INS (2) has the median rms; {_removed(study)} removed after "
+            f"One run of {study.runs}: the one whose INS (2) has the median rms; {_removed(study)} after "
             "projection on the turning line of sight. Rms over the runs: "
-            + ", ".join(f"{key} {1000 * study.rms[row]:.3g} mm" for key, row in zip(keys, rows, strict=True))
+            + "; ".join(f"{_SHORT[STRATEGY_KEYS[row]]} {number(1000 * study.rms[row])} mm" for row in rows)
             + "."
         ),
     )  # fmt: skip
@@ -91,8 +94,8 @@ def responses_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, n
         y_range=(-45.0, 2.0),
         legend_columns=2,
         knowledge=_NOT_RUN if study is None else (
-            f"Azimuth response of the same run, {study.budget.sar.window} window, {_removed(study)} removed; the "
-            "table has the medians and bands of all runs."
+            f"Azimuth response of the same run, {study.budget.sar.window} window, {_removed(study)}; the table "
+            "has the medians and bands of all runs."
         ),
     )  # fmt: skip
 
@@ -100,9 +103,9 @@ def responses_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, n
 def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
     """What each strategy leaves after autofocus: closed form beside the runs."""
     limit = math.nan if closed.required_phase is None else closed.required_phase * _DEG
-    left = _LEFT[budget.sar.autofocus_order]
+    left = f"after {AFTER_AUTOFOCUS[budget.sar.autofocus_order]} is removed"
     return _dot_chart(
-        "sar-residual", f"Phase left after {left}, by strategy", f"rms phase after {left} [°]", budget,
+        "sar-residual", f"Residual phase by strategy, {left}", f"rms phase {left} [°]", budget,
         closed.detrended, study, "rms", "residual_rms", limit,
         "Closed forms [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8] (the "
         "Budget page starts from the cycle rms [T-3]).",
@@ -128,26 +131,26 @@ def _dot_chart(
     dots = []
     for row, strategy in enumerate(STRATEGIES[1:], start=1):
         form = closed.get(strategy.key)
-        runs = [math.nan] * 3
+        ensemble = low = high = math.nan
         if study is not None:  # in the study's own wavelength, until it is run again
             scale = _DEG * float(metres_to_phase(1.0, study.budget.sar.wavelength))
             band = study.parts[part]
-            runs = [scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high)]
+            ensemble, low, high = (scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high))
         closed_phase = math.nan if form is None else to_degrees * form
-        dots.append(Dot(_SHORT[strategy.key], closed_phase, *runs, strategy.source))
+        dots.append(Dot(_SHORT[strategy.key], closed_phase, ensemble, low, high, strategy.source))
     said = "" if study is None else (
-        f" Runs: {study.runs}, seed {study.seed}; rms within {_worst_error(study):.2g} % (standard error)."
+        f" Runs: {study.runs}, seed {study.seed}; rms within {percent(_worst_error(study))} (standard error)."
     )  # fmt: skip
     millimetres = 1000 * float(phase_to_metres(1 / _DEG, budget.sar.wavelength))
     return DotChart(key, title, x_label, tuple(dots), limit, millimetres, knowledge + said)
 
 
 def _worst_error(study: SarStudy) -> float:
-    return 100 * float(np.max(study.rms_error[1:] / study.rms[1:]))
+    return float(np.max(study.rms_error[1:] / study.rms[1:]))
 
 
 def _removed(study: SarStudy) -> str:
-    return _LEFT[study.budget.sar.autofocus_order]
+    return f"{AFTER_AUTOFOCUS[study.budget.sar.autofocus_order]} removed"
 
 
 POINT_TITLE = "Point target, azimuth by range"
@@ -177,9 +180,9 @@ def uploaded_picture(pictures: Pictures, name: str, key: str) -> PictureChart:
         y=pictures.y,
         power_db=pictures.power_db,
         names=("without navigation error", f"with that of {_SHORT[key]}"),
-        captions=("brightest 0 dB", f"brightest {loss:+.2f} dB".replace("-", "−")),
+        captions=("brightest 0 dB", f"brightest {signed_decibels(loss)}"),
         reference=f"over the brightest pixel of {name}; Taylor window; the brightest pixel moved by "
-        f"{math.hypot(moved_x - x, moved_y - y):.2g} m",
+        f"{number(math.hypot(moved_x - x, moved_y - y))} m",
     )
 
 
@@ -189,8 +192,7 @@ def _brightest(pictures: Pictures, index: int) -> tuple[float, float]:
 
 
 def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) -> PictureChart:
-    peaks = (round(float(power.max()), 2) + 0.0 for power in pictures.power_db)  # no minus before a zero
-    cell = f"range cell {pictures.range_cell:.3g} m" + (
+    cell = f"range cell {number(pictures.range_cell)} m" + (
         ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
         if pictures.bandwidth_cut
         else ", taken equal to the azimuth resolution"
@@ -204,7 +206,7 @@ def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) 
         y=pictures.y,
         power_db=pictures.power_db,
         names=tuple(_SHORT[strategy] for strategy in STRATEGY_KEYS),
-        captions=tuple(f"brightest {peak:+.2f} dB".replace("-", "−") for peak in peaks),
+        captions=tuple(f"brightest {signed_decibels(float(power.max()))}" for power in pictures.power_db),
         reference=f"over {over}; the typical run; {cell}",
         knowledge=f"Every image at one scale, over {over}; the typical run of the ensemble; {cell}.",
     )
@@ -259,12 +261,12 @@ def _winner_chart(
             "[T-8]; the design's squint and slow GNSS error included. Named is the simplest of 2, 3, 5, 5w within "
             "5 % of the least residual; 4, 6, 7 and 8 have no closed form. "
             + ("Give a limit on the detrended phase to see where it is met." if limit is None else
-               f"The limit of {limit * _DEG:.3g}° at 1σ is met on the side of shorter apertures.")
+               f"The limit of {degrees(limit)}° at 1σ is met on the side of shorter apertures.")
         ),
     )  # fmt: skip
 
 
-def _contour(x: np.ndarray, y: np.ndarray, phase: np.ndarray, level: float | None) -> tuple[np.ndarray, np.ndarray]:
+def _contour(x: Array, y: Array, phase: Array, level: float | None) -> tuple[Array, Array]:
     """Where the phase crosses the level, pieces apart by NaN; found in logarithms."""
     if level is None:
         return np.array([np.nan]), np.array([np.nan])
@@ -274,3 +276,21 @@ def _contour(x: np.ndarray, y: np.ndarray, phase: np.ndarray, level: float | Non
         points += [np.asarray(piece), np.full((1, 2), np.nan)]
     joined = np.exp(np.concatenate(points))
     return joined[:, 0], joined[:, 1]
+
+
+_GROUPS = ((INERTIAL, "INS and corrected INS", "ins"), (FILTERED, "filters and smoother", "filter"))
+
+STRATEGY_CHARTS: tuple[Callable[[Budget, ClosedForms, SarStudy | None], DotChart], ...] = (
+    residual_chart,
+    quadratic_chart,
+)
+"""Every strategy beside the others: of the budget in force, its closed forms, and the runs."""
+
+RUN_CHARTS: tuple[Callable[[SarStudy | None], Chart], ...] = (
+    *(partial(navigation_chart, keys=keys, title=title, name=f"sar-error-{name}") for keys, title, name in _GROUPS),
+    *(partial(responses_chart, keys=keys, title=title, name=f"sar-response-{name}") for keys, title, name in _GROUPS),
+)
+"""The typical run."""
+
+WINNER_CHARTS: tuple[Callable[[Budget], MapChart], ...] = (gnss_winner_chart, arw_winner_chart)
+"""Which strategy wins where."""

@@ -1,12 +1,19 @@
-"""`sar`: image quality for every way of navigating through the aperture."""
+"""`sar`: image quality for every way of navigating through the aperture, by either engine."""
 
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from app.console.arguments import design_arguments, paths_of, put_json, read_design
+from nav_model.errors import InputError
+
+if TYPE_CHECKING:
+    from nav_model.design import Design
+    from nav_model.sar.design_study import SarStudy
 
 
 def add_to(commands: Any) -> None:
@@ -30,6 +37,47 @@ def add_to(commands: Any) -> None:
 
 def _sar(options: argparse.Namespace) -> int:
     (path,) = paths_of(options)
-    from app.subjects.sar.console import sar
+    return put_json(_study(read_design(path, options.changes), options), options.output)
 
-    return put_json(sar(read_design(path, options.changes), options), options.output)
+
+def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
+    """The study asked for as plain data; with the simulator the error model's study beside it.
+
+    Raises
+    ------
+    InputError
+        Naming the option or the key of the design that cannot be run.
+    """
+    from nav_model.sar.agreement import LEAST_BESIDE
+    from nav_model.sar.design_study import chunks, design_study
+    from nav_model.sar.study_json import to_json
+
+    if options.seed < 0:
+        raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+    if options.workers is not None and options.workers < 1:
+        raise InputError("--workers", f"{options.workers} is not allowed; 1 or more")
+    try:
+        chunks(options.runs)
+    except InputError as error:
+        raise error.under("--runs") from error
+    if options.engine == "fast":
+        return to_json(design_study(design, options.runs, options.seed))
+    flown = _flown(design, options)
+    return to_json(flown, design_study(design, max(options.runs, LEAST_BESIDE), options.seed))
+
+
+def _flown(design: Design, options: argparse.Namespace) -> SarStudy:
+    from app.console.progress import COMPILES, count_runs
+    from nav_model.sar.design_study import design_study
+    from nav_model.simulation.monte_carlo import local_pool
+
+    print(COMPILES, file=sys.stderr, flush=True)
+    workers = options.workers or max(1, (os.cpu_count() or 2) - 1)
+    try:
+        with count_runs() as progress:
+            if workers == 1:
+                return design_study(design, options.runs, options.seed, progress, engine="simulator")
+            with local_pool(workers) as pool:
+                return design_study(design, options.runs, options.seed, progress, engine="simulator", pool=pool)
+    except ArithmeticError as error:
+        raise InputError("--engine", str(error)) from error

@@ -6,87 +6,90 @@ import asyncio
 import io
 import json
 from collections.abc import Callable
-from html import escape
+from functools import partial
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
 from app.charts.kinds import AnyChart
-from app.charts.screen.pictures import picture_gallery
+from app.document.pane import html_of
 from app.session import Session
-from app.subjects.sar.charts import (
-    FILTERED,
-    INERTIAL,
-    POINT_TITLE,
-    SCENE_TITLE,
-    arw_winner_chart,
-    gnss_winner_chart,
-    navigation_chart,
-    point_picture,
-    quadratic_chart,
-    residual_chart,
-    responses_chart,
-    scene_picture,
-)
-from app.subjects.sar.picture_downloads import PictureDownloads
-from app.subjects.sar.run import Progress, SarResult, SarRun
+from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
+from app.subjects.sar.picture_panel import PicturePanel
+from app.subjects.sar.run import SarResult, run_strategies
+from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words, runs_said
 from app.subjects.sar.upload import UploadedPicture
-from app.subjects.sar.words import agreement_table, answer, caution_list, error_table, response_table
-from app.ui.chart_pane import ChartView, chart_cells
+from app.ui.chart_pane import ChartPane, ChartView, chart_cells
+from app.ui.downloads import download
 from app.ui.fields import whole_number
 from app.ui.grid import grid
-from app.ui.html_pane import html_pane
+from app.ui.html_pane import html_pane, stale_mark
+from app.ui.run_bar import RunBar
+from app.work.run import Run
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, SarStudy, closed_forms
 from nav_model.sar.study_json import to_json
 
 _RUNS = (100, 200, 500, 1000)
 _ENGINES: dict[str, Engine] = {"Error model, per axis": "fast", "Full simulator": "simulator"}
+_LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
 
 
-class SarPage:
+class SarPage(pn.viewable.Viewer):
     """Everything below the tab. Closed forms and maps follow the sliders; the ensemble runs on demand."""
 
+    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
+    engine: Engine = param.Selector(default="fast", objects=_ENGINES, label="Engine")
+    runs: int = param.Selector(default=_RUNS[0], objects=list(_RUNS), label="Runs")
+    seed = param.String(default="0", label="Seed")
+
     def __init__(self, session: Session) -> None:
+        super().__init__(run=session.new_run())
         self._session = session
         self._budget = session.budget
         self._closed: ClosedForms = closed_forms(session.budget)
-        self._result: SarResult | None = None
-        self._run = SarRun(self._told)
-        self._answer = html_pane("")
-        self._tables = html_pane("")
-        self._state = html_pane("", margin=(2, 10))
-        # Heading and pictures apart: the mark of a stale study must not send the pictures again.
-        self._headings = [html_pane("", margin=(8, 10, 0, 10)) for _ in _PICTURES]
-        self._pictures = [html_pane("<p class='quiet'>Appears with the first run.</p>") for _ in _PICTURES]
-        self._downloads = [PictureDownloads(short, key) for key, short, *_ in _PICTURES]
-        self._whole = pmui.FileDownload(
-            callback=self._json, filename="sar-study.json", label="All of the study (JSON)", icon="download",
-            variant="text", size="small", description="", margin=(0, 8), visible=False,
-        )  # fmt: skip
-        self._charts: list[ChartView] = []
-        self._upload = UploadedPicture(session, lambda: self._result)
-        self.view = pn.Column(
-            self._answer,
-            self._controls(),
-            self._tables,
-            self._whole,
-            grid(*chart_cells(self._layout(), lambda what, high: ChartView(what, session, high), self._charts)),
-            *(
-                part
-                for parts in zip(self._headings, self._pictures, (d.view for d in self._downloads), strict=True)
-                for part in parts
-            ),
-            self._upload.view,
-            sizing_mode="stretch_width",
+        self._answer, self._found, self._errors = html_pane(""), html_pane(""), html_pane("")
+        self._tables, self._cautions = html_pane(""), html_pane("")
+        self._of_runs = ""  # the tables of the runs, which no slider changes
+        self._bar = RunBar(
+            self.run,
+            self._begin,
+            "Run the strategies",
+            pmui.Select.from_param(self.param.engine, width=200, **_LOOK),
+            pmui.Select.from_param(self.param.runs, width=100, **_LOOK),
+            pmui.TextInput.from_param(self.param.seed, width=80, **_LOOK),
         )
+        self._points = PicturePanel("Point target", "sar-point")
+        self._scene = PicturePanel("Eight point targets", "sar-scene")
+        self._upload = UploadedPicture(session, lambda: self._result)
+        self._charts: list[ChartView] = []
+        self._run_charts: list[ChartPane[SarStudy | None]] = []
+        self._view = pn.Column(
+            self._answer,
+            self._bar,
+            self._found,
+            self._errors,
+            self._tables,
+            self._cautions,
+            pn.FlexBox(
+                download("All of the study (JSON)", "sar-study.json", self._json),
+                visible=self.run.param.result.rx.is_not(None), sizing_mode="stretch_width", margin=(0, 4),
+            ),
+            grid(*self._cells()),
+            self._points,
+            self._scene,
+            self._upload,
+            sizing_mode="stretch_width",
+        )  # fmt: skip
         self._write()
         if pn.state.curdoc:
-            pn.state.on_session_destroyed(lambda _: self._run.cancel())
             pn.state.onload(self._begin)
+
+    def __panel__(self) -> pn.Column:
+        return self._view
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
@@ -98,140 +101,79 @@ class SarPage:
 
     # --- the parts ------------------------------------------------------------------------------------
 
-    def _layout(self) -> tuple[tuple[Callable[[Budget], AnyChart], int, int], ...]:
-        """Chart, height in pixels, columns of twelve on a wide screen."""
+    def _cells(self) -> list[pn.Column]:
+        """Every chart: those that follow the sliders around those of the runs, which do not."""
 
-        def of_study(make: Callable[..., AnyChart], *rest: Any) -> Callable[[Budget], AnyChart]:
-            return lambda _: make(self._study, *rest)
+        def of_strategies(draw: Callable[..., AnyChart], budget: Budget) -> AnyChart:
+            return draw(budget, self._closed, self._study)
 
-        def of_both(make: Callable[..., AnyChart]) -> Callable[[Budget], AnyChart]:
-            return lambda budget: make(budget, self._closed, self._study)
-
-        inertial, filtered = "INS and corrected INS", "filters and smoother"
-        return (
-            (of_both(residual_chart), 360, 6),
-            (of_both(quadratic_chart), 360, 6),
-            (of_study(navigation_chart, INERTIAL, inertial, "sar-error-ins"), 320, 6),
-            (of_study(navigation_chart, FILTERED, filtered, "sar-error-filter"), 320, 6),
-            (of_study(responses_chart, INERTIAL, inertial, "sar-response-ins"), 320, 6),
-            (of_study(responses_chart, FILTERED, filtered, "sar-response-filter"), 320, 6),
-            (gnss_winner_chart, 400, 6),
-            (arw_winner_chart, 400, 6),
+        layout: list[tuple[Callable[[Budget], AnyChart], int, int]] = [
+            *((partial(of_strategies, draw), 360, 6) for draw in STRATEGY_CHARTS),
+            *((draw, 400, 6) for draw in WINNER_CHARTS),
+        ]
+        moving = chart_cells(layout, lambda what, high: ChartView(what, self._session, high), self._charts)
+        still = chart_cells(
+            [(draw, 320, 6) for draw in RUN_CHARTS],
+            lambda what, high: ChartPane(what, lambda: self._study, high),
+            self._run_charts,
         )
+        first = len(STRATEGY_CHARTS)
+        return [*moving[:first], *still, *moving[first:]]
 
-    def _controls(self) -> pn.FlexBox:
-        look: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
-        self._engine = pmui.Select(label="Engine", options=_ENGINES, value="fast", width=200, **look)
-        self._runs = pmui.Select(label="Runs", options=list(_RUNS), value=_RUNS[0], width=100, **look)
-        self._seed = pmui.TextInput(label="Seed", value="0", width=80, **look)
-        self._start = pmui.Button(label="Run the strategies", icon="play_arrow", variant="contained", **look)
-        self._stop = pmui.Button(label="Cancel", icon="stop", variant="outlined", disabled=True, **look)
-        self._start.on_click(self._begin)
-        self._stop.on_click(lambda _: self._run.cancel())
-        return pn.FlexBox(
-            self._engine,
-            self._runs,
-            self._seed,
-            self._start,
-            self._stop,
-            pn.Column(self._state, width=340),
-            align_items="center",
-            sizing_mode="stretch_width",
-            margin=(0, 4),
-        )
+    @property
+    def _result(self) -> SarResult | None:
+        result: SarResult | None = self.run.result
+        return result
 
     @property
     def _study(self) -> SarStudy | None:
         return self._result.study if self._result else None
 
     def _write(self) -> None:
-        stale = self._result is not None and self._result.stale(self._budget)
-        study = self._study
-        self._answer.object = answer(self._budget, self._closed, study, stale)
-        self._tables.object = (
-            error_table(self._budget, self._closed, study, stale)
-            + "<br>"
-            + response_table(study, stale)
-            + agreement_table(study, self._result.beside if self._result else None, stale)
-            + caution_list(self._budget, study)
-        )
-        if not self._run.running:
-            self._state.object = _standing(study, stale)
-        mark = " <span class='stale'>stale: of an earlier design</span>" if stale else ""
-        for pane, (*_, title, _) in zip(self._headings, _PICTURES, strict=True):
-            pane.object = f"<h3>{title}{mark}</h3>"
+        """Words, tables and marks; a text that stays the same is not sent."""
+        result, study = self._result, self._study
+        mark = ""
+        if result is None:
+            self._bar.message = "Only the formulas so far: the strategies have not been run."
+        else:
+            matched = "The runs match the design."
+            if result.stale(self._budget):
+                matched = "The runs are of an earlier design: run again."
+                mark = stale_mark("The runs are of an earlier design.")
+            self._bar.message = f"{matched} {runs_in_words(result.study)}."
+            self._found.object = mark + html_of(runs_said(result.study))
+            self._tables.object = mark + self._of_runs
+        self._points.stale = self._scene.stale = mark
+        self._answer.object = html_of(*answer(self._budget, self._closed))
+        self._errors.object = html_of(error_table(self._budget, self._closed, study, "page"))
+        self._cautions.object = html_of(cautions(self._budget, study))
 
     # --- the run --------------------------------------------------------------------------------------
 
-    async def _begin(self, _: Any = None) -> None:
-        try:
-            seed = whole_number("Seed", self._seed.value or "", 0, 2**31)
-        except InputError as error:
-            self._state.object = f'<p role="status">Not run. {escape(str(error))}</p>'
-            return
-        self._run.start(self._session.budget, self._runs.value, seed, self._engine.value)
-        self._busy(True)
+    def _begin(self) -> None:
+        async def work(run: Run) -> SarResult:
+            seed = whole_number("Seed", self.seed, 0, 2**31)
+            return await run_strategies(run, self._session.budget, self.runs, seed, self.engine)
 
-    def _told(self, news: Progress | SarResult | str) -> None:
+        self.run.start(work)
+
+    @param.depends("run.result", watch=True)
+    def _take(self) -> None:
+        result: SarResult = self.run.result
+        self._session.keep("sar", result)
         with pn.io.hold():
-            if isinstance(news, Progress):
-                self._state.object = _under_way(news, self._engine.value)
-                return
-            self._busy(False)
-            if isinstance(news, str):
-                self._state.object = f'<p role="status">{escape(news)}</p>'
-                return
-            self._result = news
-            self._session.keep("sar", news)
+            self._of_runs = html_of(*run_tables(result.study, result.beside, "page"))
             self._write()
-            for pane, take, pictures, (*_, draw) in zip(
-                self._pictures, self._downloads, (news.points, news.scene), _PICTURES, strict=True
-            ):
-                chart = draw(pictures)
-                pane.object = picture_gallery(chart)
-                take.show(chart)
-            self._whole.visible = True
-            stale = news.stale(self._budget)
-            self._state.object = _standing(news.study, stale)
+            self._points.chart, self._scene.chart = point_picture(result.points), scene_picture(result.scene)
             for chart in self._charts:
                 chart.show(self._budget)
-            self._upload.refresh()
+            for of_run in self._run_charts:
+                of_run.show(result.study)
+        if self._upload.file is not None:
+            self._upload.form()
 
     async def _json(self) -> io.BytesIO:
         """The study as `navbudget sar` writes it, maps and all: made in a thread, so that sliders move on."""
-        assert self._result is not None
-        document = await asyncio.to_thread(to_json, self._result.study, self._result.beside)
+        result: SarResult = self.run.result
+        document = await asyncio.to_thread(to_json, result.study, result.beside)
         return io.BytesIO(json.dumps(document, ensure_ascii=False, allow_nan=False, indent=1).encode("utf-8"))
-
-    def _busy(self, running: bool) -> None:
-        self._session.running = running
-        self._stop.disabled = not running
-
-
-_PICTURES = (
-    ("sar-point", "Point target", POINT_TITLE, point_picture),
-    ("sar-scene", "Eight point targets", SCENE_TITLE, scene_picture),
-)
-
-
-def _standing(study: SarStudy | None, stale: bool) -> str:
-    if study is None:
-        return "<p class='quiet'>Closed forms only: the strategies have not been run.</p>"
-    mark = (
-        "<span class='stale'>stale</span> The runs are of an earlier design: run again."
-        if stale
-        else "The runs match the design."
-    )
-    what = "flights of the simulator" if study.engine == "simulator" else "runs of the error model"
-    runs = f"{study.runs} {what}, seed {study.seed}, {study.fixes} fixes in the aperture"
-    return f"<p>{mark} <span class='quiet'>{runs}</span></p>"
-
-
-def _under_way(news: Progress, engine: Engine) -> str:
-    left = "" if news.left is None else f", about {news.left:.0f} s left"
-    if news.left is None and engine == "simulator":
-        left = "; the first use on a machine compiles the simulator, half a minute"
-    return (
-        f'<p><progress aria-label="Runs done" max="{news.runs}" value="{news.done}"></progress> '
-        f"{news.done} of {news.runs} runs{left}</p>"
-    )

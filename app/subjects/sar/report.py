@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import math
 
-from app.console.progress import show_progress
-from app.document.blocks import Answer, Block, Bullets, Section, Text
+from app.charts.kinds import Drawing
+from app.console.progress import count_runs
+from app.document.blocks import Block, Section, Text
 from app.document.chart_block import chart_block
-from app.document.numbers import number
+from app.document.numbers import degrees
 from app.document.wording import title_of
-from app.subjects.sar import charts
+from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
 from app.subjects.sar.run import SarResult, pictures
-from app.subjects.sar.tables import agreement_table, error_table, parts_table, response_tables
+from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_said
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.sar.design_case import design_case, flight_cautions, study_cautions
+from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study
 from nav_model.sar.geometry import metres_to_phase
 
@@ -41,10 +41,8 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
     if options.seed < 0:
         raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
     try:
-        with show_progress() as show:
-            found = design_study(
-                design, runs, options.seed, lambda done, of: show(f"SAR: {done} of {of} runs", done / of)
-            )
+        with count_runs("SAR: ") as progress:
+            found = design_study(design, runs, options.seed, progress)
     except InputError as error:
         if error.key != "runs":
             raise
@@ -68,68 +66,41 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
     """The answer with its tables, the histories and responses, the pictures, the maps."""
     study = result.study
     budget, closed = study.budget, study.closed
-    inertial, filtered = "INS and corrected INS", "filters and smoother"
-    histories = (
-        charts.navigation_chart(study, charts.INERTIAL, inertial, "sar-error-ins"),
-        charts.navigation_chart(study, charts.FILTERED, filtered, "sar-error-filter"),
-        charts.responses_chart(study, charts.INERTIAL, inertial, "sar-response-ins"),
-        charts.responses_chart(study, charts.FILTERED, filtered, "sar-response-filter"),
-    )
-    phase = math.degrees(float(metres_to_phase(1e-3, budget.sar.wavelength)))
-    flown = flight_cautions(budget) if study.engine == "simulator" else ()
-    scale = Text(f"A millimetre of line of sight is {number(phase)}° of two-way phase [T-13].")
+    parts, lobe, integrated, *engines = run_tables(study, result.beside, key)
+    images = (point_picture(result.points), scene_picture(result.scene), result.uploaded)
+    phase = degrees(float(metres_to_phase(1e-3, budget.sar.wavelength)))
+
+    def drawn(*charts: Drawing) -> tuple[Block, ...]:
+        return tuple(chart_block(chart, key) for chart in charts)
+
     return (
         Section(
             f"{key}-sar",
             "SAR: which way of navigating through the aperture",
             (
-                *_answer(result),
-                error_table(study, key),
-                chart_block(charts.residual_chart(budget, closed, study), key),
-                chart_block(charts.quadratic_chart(budget, closed, study), key),
-                parts_table(study, key),
-                *(() if result.beside is None else (agreement_table(study, result.beside, key),)),
+                *answer(budget, closed),
+                runs_said(study),
+                error_table(budget, closed, study, key),
+                *drawn(*(draw(budget, closed, study) for draw in STRATEGY_CHARTS)),
+                parts,
+                *engines,
             ),
             REFERENCES,
         ),
         Section(
             f"{key}-sar-responses",
             "SAR: error histories and impulse responses",
-            (scale, *(chart_block(chart, key) for chart in histories), *response_tables(study, key)),
-        ),
-        Section(
-            f"{key}-sar-images",
-            "SAR: images",
             (
-                chart_block(charts.point_picture(result.points), key),
-                chart_block(charts.scene_picture(result.scene), key),
-                *(() if result.uploaded is None else (chart_block(result.uploaded, key),)),
+                Text(f"A millimetre of line of sight is {phase}° of two-way phase [T-13]."),
+                *drawn(*(draw(study) for draw in RUN_CHARTS)),
+                lobe,
+                integrated,
             ),
         ),
+        Section(f"{key}-sar-images", "SAR: images", drawn(*(chart for chart in images if chart is not None))),
         Section(
             f"{key}-sar-maps",
             "SAR: which strategy wins where",
-            (
-                chart_block(charts.gnss_winner_chart(budget), key),
-                chart_block(charts.arw_winner_chart(budget), key),
-                Bullets((*study_cautions(budget), *flown)),
-            ),
+            (*drawn(*(draw(budget) for draw in WINNER_CHARTS)), cautions(budget, study)),
         ),
-    )
-
-
-def _answer(result: SarResult) -> tuple[Block, ...]:
-    """Which strategy, why, what would change the answer, what the runs add."""
-    study = result.study
-    closed, advice = study.closed, study.closed.advice
-    word, tone = f"Strategy {advice.strategy}", "open"
-    if closed.required_phase is not None:
-        phase = float(metres_to_phase(advice.sigma[advice.strategy], study.budget.sar.wavelength))
-        met = phase <= closed.required_phase
-        word, tone = (f"✓ {word} meets the limit", "good") if met else (f"✗ {word} misses the limit", "bad")
-    return (
-        Answer(word, tone, (advice.sentence,)),
-        Text(f"Why: {advice.because}"),
-        Text(f"What would change it: {advice.would_change}"),
-        Text(f"{study.sentence} Seed {study.seed}, {study.fixes} fixes in the aperture."),
     )

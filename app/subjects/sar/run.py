@@ -1,19 +1,14 @@
-"""One person's run of the strategies: in worker processes, with progress, cancelled at once."""
+"""The strategies of a design as work for a `Run`, in worker processes."""
 
 from __future__ import annotations
 
 import asyncio
-import time
-from collections.abc import Callable
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from app.charts.kinds import PictureChart
+from app.charts.kinds import Array, PictureChart
 from app.work.pool import elsewhere
+from app.work.run import Run
+from app.work.simulator import made_ready, prepare
 from nav_model.budget import Budget
 from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
@@ -43,74 +38,45 @@ class SarResult:
             return True
 
 
-@dataclass(frozen=True)
-class Progress:
-    """Runs done of how many, and the seconds left (None: not known yet)."""
+async def run_strategies(run: Run, budget: Budget, runs: int, seed: int, engine: Engine = "fast") -> SarResult:
+    """Run every strategy; beside flights of the simulator the error model too, with its own runs.
 
-    done: int
-    runs: int
-    left: float | None
-
-
-class SarRun:
-    """Starts, cancels and reports; `told` is called with a Progress, a SarResult, or a message."""
-
-    def __init__(self, told: Callable[[Progress | SarResult | str], Any]) -> None:
-        self._told = told
-        self._task: asyncio.Task[None] | None = None
-
-    @property
-    def running(self) -> bool:
-        """Whether a run is under way."""
-        return self._task is not None and not self._task.done()
-
-    def start(self, budget: Budget, runs: int, seed: int, engine: Engine = "fast") -> None:
-        """Start a run in the loop that is running; one under way is cancelled first."""
-        self.cancel()
-        self._task = asyncio.create_task(self._run(budget, runs, seed, engine))
-
-    def cancel(self) -> None:
-        """Stop at once; the piece a worker is busy with is dropped."""
-        if self._task is not None:
-            self._task.cancel()
-
-    async def _run(self, budget: Budget, runs: int, seed: int, engine: Engine) -> None:
-        try:
-            self._told(await self._result(budget, runs, seed, engine))
-        except asyncio.CancelledError:
-            self._told("Cancelled.")
-            raise
-        except (InputError, ValueError, ArithmeticError) as error:
-            self._told(f"Not run. {error}")
-        except BrokenProcessPool:
-            self._told("The worker process ended before its time; run again.")
-
-    async def _result(self, budget: Budget, runs: int, seed: int, engine: Engine) -> SarResult:
-        self._told(Progress(0, runs, None))
-        case, study = await self._study(budget, runs, seed, engine)
-        beside = None
-        if engine == "simulator":
-            _, beside = await self._study(budget, max(runs, LEAST_BESIDE), seed, "fast", quiet=True)
-        points, scene = await elsewhere(pictures, budget, study.typical)
-        return SarResult(case, study, points, scene, beside)
-
-    async def _study(
-        self, budget: Budget, runs: int, seed: int, engine: Engine, *, quiet: bool = False
-    ) -> tuple[DesignCase, SarStudy]:
-        sizes = chunks(runs, engine)
-        case = design_case(budget, engine)
-        tuning = await elsewhere(choose_tuning, case.models[1], case.aperture_time, seed)
-        parts = []
-        begun = time.monotonic()
-        for index, size in enumerate(sizes):
-            parts.append(await elsewhere(run_chunk, case, tuning, seed, index, size))
-            done = sum(sizes[: index + 1])
-            if not quiet:
-                self._told(Progress(done, runs, (time.monotonic() - begun) * (runs - done) / done))
-        history = await elsewhere(typical_history, case, tuning, seed, *typical_place(parts))
-        return case, gather(budget, case, tuning, seed, parts, history)
+    Raises
+    ------
+    InputError
+        Naming the key of the design that cannot be run.
+    ValueError
+        For a number of runs that gives no band.
+    ArithmeticError
+        Where the filter of a flight does not hold.
+    """
+    if engine == "simulator":
+        await made_ready(run, asyncio.shield(prepare()))
+    case, study = await _study(run, budget, runs, seed, engine)
+    beside = None
+    if engine == "simulator":
+        _, beside = await _study(run, budget, max(runs, LEAST_BESIDE), seed, "fast", "error model: ")
+    run.tell("Forming the pictures")
+    points, scene = await elsewhere(pictures, budget, study.typical)
+    return SarResult(case, study, points, scene, beside)
 
 
-def pictures(budget: Budget, residual: NDArray[np.float64]) -> tuple[Pictures, Pictures]:
+async def _study(
+    run: Run, budget: Budget, runs: int, seed: int, engine: Engine, what: str = ""
+) -> tuple[DesignCase, SarStudy]:
+    sizes = chunks(runs, engine)
+    case = design_case(budget, engine)
+    run.tell(f"{what}0 of {runs} runs", 0.0)
+    tuning = await elsewhere(choose_tuning, case.models[1], case.aperture_time, seed)
+    parts = []
+    for index, size in enumerate(sizes):
+        parts.append(await elsewhere(run_chunk, case, tuning, seed, index, size))
+        done = sum(sizes[: index + 1])
+        run.tell(f"{what}{done} of {runs} runs", done / runs)
+    history = await elsewhere(typical_history, case, tuning, seed, *typical_place(parts))
+    return case, gather(budget, case, tuning, seed, parts, history)
+
+
+def pictures(budget: Budget, residual: Array) -> tuple[Pictures, Pictures]:
     """Of the points and of the scene, with this residual; in a worker process."""
     return point_pictures(budget, residual), scene_pictures(budget, residual)

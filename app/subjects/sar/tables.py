@@ -1,179 +1,214 @@
-"""The tables of the strategies: errors in degrees and millimetres, their parts, the impulse responses."""
+"""The strategies as blocks: which to use and why, their errors and parts, the impulse responses.
+
+Closed forms follow the budget in force; what is of runs is in the wavelength of their own study. Where there are no
+runs yet, their cells say so.
+"""
 
 from __future__ import annotations
 
 import math
+from types import EllipsisType
 
 import numpy as np
 
-from app.document.blocks import Cell, Column, Table
+from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
+from app.document.numbers import NONE, hundredths, number
+from app.document.wording import AFTER_AUTOFOCUS
 from app.subjects.sar.charts import short_name
+from nav_model.budget import Budget
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
-from nav_model.sar.design_study import SarStudy
+from nav_model.sar.design_case import flight_cautions, study_cautions
+from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.geometry import metres_to_phase
 from nav_model.sar.strategies import STRATEGIES, Strategy
-from nav_model.units import plain_number
 
-_LEFT = {1: "the line", 2: "the quadratic", 3: "the cubic"}
-_WHAT = {"fast": "runs of the error model", "simulator": "flights of the simulator"}
+_NOT_RUN = "…"
+_ENGINES = {"fast": "runs of the error model", "simulator": "flights of the simulator"}
 _BANDS = "Medians of the runs, in brackets their 5 to 95 % band."
-_FIXED = (
-    "Fixed: outside the null-to-null lobe of the error-free response, where a shoulder counts as a side lobe; nulls: "
-    "outside the minima found."
+_SIDE_LOBES = (
+    "Fixed: outside the null-to-null lobe of the error-free response, so that a shoulder counts as a side lobe; "
+    "nulls: outside the minima found."
 )
 
 
-def error_table(study: SarStudy, key: str) -> Table:
+def answer(budget: Budget, closed: ClosedForms) -> tuple[Block, ...]:
+    """Which strategy, whether it meets the limit, why, and what would change the answer."""
+    advice = closed.advice
+    word, tone = f"Strategy {advice.strategy}", "open"
+    if closed.required_phase is not None:
+        phase = float(metres_to_phase(advice.sigma[advice.strategy], budget.sar.wavelength))
+        met = phase <= closed.required_phase
+        word, tone = (f"✓ {word} meets the limit", "good") if met else (f"✗ {word} misses the limit", "bad")
+    return (
+        Answer(word, tone, (advice.sentence,)),
+        Text(f"Why: {advice.because}"),
+        Text(f"What would change it: {advice.would_change}"),
+    )
+
+
+def runs_in_words(study: SarStudy) -> str:
+    """Which runs, and how many."""
+    return f"{study.runs} {_ENGINES[study.engine]}, seed {study.seed}"
+
+
+def runs_said(study: SarStudy) -> Text:
+    """What the runs add to the answer."""
+    return Text(f"{study.sentence} Seed {study.seed}, {study.fixes} fixes in the aperture.")
+
+
+def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
+    """What a careful reader must know."""
+    flown = flight_cautions(study.budget) if study is not None and study.engine == "simulator" else ()
+    return Bullets((*study_cautions(budget), *flown), "Assumptions and cautions")
+
+
+def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key: str) -> Table:
     """A row a strategy: closed form beside the runs, in millimetres and in degrees."""
-    degrees = _degrees(study)
     rows = []
     for index, strategy in enumerate(STRATEGIES):
-        form = study.closed.detrended.get(strategy.key)
-        rms = float(study.rms[index])
-        closed = ("–", "–") if form is None else (_number(1000 * form), _number(degrees * form))
-        band = study.parts["residual_rms"]
-        rows.append(
-            (
-                Cell(short_name(strategy.key)),
-                Cell(_kind(strategy)),
-                *map(Cell, closed),
-                Cell(_number(1000 * rms)),
-                Cell(_number(degrees * rms)),
-                Cell(_banded(band, index, 1000)),
-                Cell(_banded(band, index, degrees)),
-            )
-        )
-    left = _LEFT[study.budget.sar.autofocus_order]
+        form = closed.detrended.get(strategy.key)
+        cells = [NONE, NONE] if form is None else [_number(scale * form) for scale in _scales(budget)]
+        if study is None:
+            cells += [_NOT_RUN] * 4
+        else:
+            cells += [_number(scale * float(study.rms[index])) for scale in _scales(study.budget)]
+            cells += [_banded(study.parts["residual_rms"], index, scale) for scale in _scales(study.budget)]
+        rows.append((Cell(short_name(strategy.key)), Cell(_kind(strategy)), *map(Cell, cells)))
+    runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
     return Table(
         f"{key}-sar-errors",
-        f"Line-of-sight error by strategy, rms over the aperture after {left} is removed",
+        f"Line-of-sight error by strategy, rms over the aperture after {AFTER_AUTOFOCUS[budget.sar.autofocus_order]} "
+        "is removed",
         (
             Column("Strategy", width=1.75),
             Column("Kind", width=1.3),
-            Column("Closed form [mm]", numeric=True, width=0.8),
-            Column("[°]", numeric=True, width=0.75),
-            Column("Runs, rms [mm]", numeric=True, width=0.8),
-            Column("[°]", numeric=True, width=0.75),
-            Column("Runs, median [mm]", numeric=True, width=1.3),
-            Column("[°]", numeric=True, width=1.3),
-        ),
-        tuple(rows),
-        f"{study.runs} {_WHAT[study.engine]}, seed {study.seed}. {_BANDS} Closed forms [T-15], [T-16], "
-        "[S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]; degrees are two-way phase [T-13].",
-    )
-
-
-def parts_table(study: SarStudy, key: str) -> Table:
-    """What each residual is made of, in degrees; the largest in millimetres; the jumps of the raw filter."""
-    degrees = _degrees(study)
-    parts = study.parts
-    jumps = _banded(study.jump_rms, ..., 1000)
-    return Table(
-        f"{key}-sar-parts",
-        "What the error of each strategy is made of",
-        (
-            Column("Strategy", width=1.5),
             *(
-                Column(title, numeric=True, width=1)
-                for title in ("Largest after the line [mm]", "Quadratic [°]", "Cubic [°]", "Higher orders [°]",
-                              "High frequency [°]")
+                Column(unit, numeric=True, width=width, group=group)
+                for group, widths in (
+                    ("Closed form", (0.8, 0.75)), ("Runs, rms", (0.8, 0.75)), ("Runs, median", (1.3, 1.3)),
+                )
+                for unit, width in zip(("[mm]", "[°]"), widths, strict=True)
             ),
         ),
-        tuple(
-            (
-                Cell(short_name(strategy.key)),
-                Cell(_banded(parts["detrended_max"], index, 1000)),
-                *(
-                    Cell(_banded(parts[name], index, degrees))
-                    for name in ("quadratic", "cubic", "higher_rms", "high_frequency_rms")
-                ),
-            )
-            for index, strategy in enumerate(STRATEGIES)
-        ),
-        f"{_BANDS} Quadratic and cubic: coefficients at the aperture's ends, before autofocus [S-5], [S-6]; the "
-        f"others rms [T-14]. The raw filter (4) jumps at the fixes by {jumps} mm rms.",
+        tuple(rows),
+        f"{runs}Closed forms [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]; "
+        "degrees are two-way phase [T-13].",
     )  # fmt: skip
 
 
-def agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
+def run_tables(study: SarStudy, beside: SarStudy | None, key: str) -> tuple[Table, ...]:
+    """What the runs have measured: parts of the error, impulse responses, and one engine beside the other."""
+    engines = () if beside is None else (_agreement_table(study, beside, key),)
+    return (_parts_table(study, key), *_response_tables(study, key), *engines)
+
+
+def _parts_table(study: SarStudy, key: str) -> Table:
+    """What each residual is made of, in degrees; the largest in millimetres; the jumps of the raw filter."""
+    millimetres, degrees = _scales(study.budget)
+    parts = (
+        ("Largest after a line [mm]", "detrended_max", millimetres), ("Quadratic [°]", "quadratic", degrees),
+        ("Cubic [°]", "cubic", degrees), ("Higher orders [°]", "higher_rms", degrees),
+        ("High frequency [°]", "high_frequency_rms", degrees),
+    )  # fmt: skip
+    return _by_strategy(
+        f"{key}-sar-parts",
+        "What the error of each strategy is made of",
+        tuple(title for title, *_ in parts),
+        [
+            tuple(_banded(study.parts[name], index, scale) for _, name, scale in parts)
+            for index in range(len(STRATEGIES))
+        ],
+        f"{_BANDS} Quadratic and cubic: coefficients at the aperture's ends, before autofocus [S-5], [S-6]; the "
+        f"others rms [T-14]. The raw filter (4) jumps at the fixes by {_banded(study.jump_rms, ..., millimetres)} mm "
+        "rms.",
+    )
+
+
+def _response_tables(study: SarStudy, key: str) -> tuple[Table, Table]:
+    """The impulse response of each strategy: lobe, then side lobes integrated, both ways."""
+    cell, r = study.budget.sar.cell_length, study.responses
+
+    def response(index: int, *cells: str) -> tuple[str, ...]:
+        if math.isfinite(float(r["width_cells"].median[index])):
+            return cells
+        return ("not focused", *(NONE for _ in cells[1:]))
+
+    def to_hundredths(index: int, *names: str) -> tuple[str, ...]:
+        return tuple(_bracketed(*map(hundredths, _of(r[name], index))) for name in names)
+
+    lobe, integrated = [], []
+    for index in range(len(STRATEGIES)):
+        widths = (_banded(r["width_cells"], index, scale) for scale in (1.0, cell))
+        peaks = to_hundredths(index, "pslr_fixed_db", "pslr_null_db", "peak_loss_db")
+        lobe.append(response(index, *widths, *peaks))
+        ratios = to_hundredths(index, "islr_fixed_db", "islr_null_db", "islr_fixed_ten_db")
+        shift = _bracketed(*(hundredths(value, sign="+") for value in _of(r["shift_cells"], index)))
+        integrated.append(response(index, *ratios, shift))
+    return (
+        _by_strategy(
+            f"{key}-sar-lobe",
+            "Azimuth impulse response by strategy: width, peak side lobe, peak loss",
+            ("Width [cells]", "Width [m]", "PSLR, fixed [dB]", "PSLR, nulls [dB]", "Peak loss [dB]"),
+            lobe,
+            f"{_BANDS} Width at −3 dB, {study.budget.sar.window} window, cell {number(cell)} m [S-3]. PSLR: peak "
+            f"side lobe ratio. {_SIDE_LOBES}",
+        ),
+        _by_strategy(
+            f"{key}-sar-islr",
+            "Azimuth impulse response by strategy: integrated side lobes, shift",
+            ("ISLR, fixed [dB]", "ISLR, nulls [dB]", "ISLR, fixed, ten nulls [dB]", "Shift [cells]"),
+            integrated,
+            f"{_BANDS} ISLR: integrated side lobe ratio, over the whole line unless said otherwise. {_SIDE_LOBES}",
+        ),
+    )
+
+
+def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
     """Flights of the simulator beside the error model: the two engines, strategy by strategy."""
     found = agreement(study, beside)
-    degrees = _degrees(study)
+    scales = _scales(study.budget)
     rows = tuple(
         (
             Cell(short_name(one.key)),
-            Cell(_number(1000 * one.flown)),
-            Cell(_number(degrees * one.flown)),
-            Cell(_number(1000 * one.fast)),
-            Cell(_number(degrees * one.fast)),
-            Cell(f"{one.ratio:.3f} ± {one.error:.3f}"),
-            Cell("✓ agrees", tone="good") if one.agrees else Cell("✗ parts", tone="warn"),
+            *(Cell(_number(scale * sigma)) for sigma in (one.flown, one.fast) for scale in scales),
+            Cell(f"{number(one.ratio, 4)} ± {number(one.error, 2)}"),
+            Cell("✓ agrees", tone="good") if one.agrees else Cell("✗ differs", tone="warn"),
         )
         for one in found
     )
-    titles = ("Simulator [mm]", "[°]", "Error model [mm]", "[°]", "Ratio")
-    columns = (*(Column(title, numeric=True, width=1) for title in titles), Column("Within three errors", width=1))
     return Table(
         f"{key}-sar-engines",
         "The two engines beside each other",
-        (Column("Strategy", width=1.5), *columns),
+        (
+            Column("Strategy", width=1.5),
+            *(
+                Column(unit, numeric=True, width=1, group=group)
+                for group in ("Simulator", "Error model") for unit in ("[mm]", "[°]")
+            ),
+            Column("Ratio", numeric=True, width=1),
+            Column("Within three standard errors", width=1),
+        ),
         rows,
         f"{agreement_sentence(found)} Residual after autofocus, rms over {study.runs} flights and over {beside.runs} "
         "runs; ± one standard error of the ratio.",
+    )  # fmt: skip
+
+
+def _by_strategy(key: str, caption: str, titles: tuple[str, ...], rows: list[tuple[str, ...]], note: str) -> Table:
+    named = zip(STRATEGIES, rows, strict=True)
+    return Table(
+        key,
+        caption,
+        (Column("Strategy", width=1.5), *(Column(title, numeric=True, width=1) for title in titles)),
+        tuple((Cell(short_name(strategy.key)), *map(Cell, cells)) for strategy, cells in named),
+        note,
     )
 
 
-def response_tables(study: SarStudy, key: str) -> tuple[Table, Table]:
-    """The impulse response of each strategy: lobe, then side lobes integrated, both ways."""
-    cell = study.budget.sar.cell_length
-    r = study.responses
-
-    def row(index: int, strategy: Strategy, cells: tuple[str, ...]) -> tuple[Cell, ...]:
-        if not math.isfinite(float(r["width_cells"].median[index])):
-            cells = ("no image: smeared", *("–" for _ in cells[1:]))
-        return (Cell(short_name(strategy.key)), *map(Cell, cells))
-
-    lobe = tuple(
-        row(index, strategy, (
-            _banded(r["width_cells"], index, 1.0), _banded(r["width_cells"], index, cell),
-            _decibels(r["pslr_fixed_db"], index), _decibels(r["pslr_null_db"], index),
-            _decibels(r["peak_loss_db"], index),
-        ))
-        for index, strategy in enumerate(STRATEGIES)
-    )  # fmt: skip
-    integrated = tuple(
-        row(index, strategy, (
-            _decibels(r["islr_fixed_db"], index), _decibels(r["islr_null_db"], index),
-            _decibels(r["islr_fixed_ten_db"], index), _shift(r["shift_cells"], index),
-        ))
-        for index, strategy in enumerate(STRATEGIES)
-    )  # fmt: skip
-
-    def columns(*titles: str) -> tuple[Column, ...]:
-        return (Column("Strategy", width=1.5), *(Column(title, numeric=True, width=1) for title in titles))
-
-    return (
-        Table(
-            f"{key}-sar-lobe",
-            "Azimuth impulse response by strategy: width, peak side lobe, peak loss",
-            columns("Width [cells]", "Width [m]", "PSLR, fixed [dB]", "PSLR, nulls [dB]", "Peak loss [dB]"),
-            lobe,
-            f"{_BANDS} Width at −3 dB, {study.budget.sar.window} window, cell {_number(cell)} m [S-3]. {_FIXED}",
-        ),
-        Table(
-            f"{key}-sar-islr",
-            "Azimuth impulse response by strategy: integrated side lobes, shift",
-            columns("ISLR, fixed [dB]", "ISLR, nulls [dB]", "ISLR, fixed, ten nulls [dB]", "Shift [cells]"),
-            integrated,
-            f"{_BANDS} Over the whole line unless said otherwise. {_FIXED}",
-        ),
-    )
-
-
-def _degrees(study: SarStudy) -> float:
-    """Two-way phase [°] of a metre of line of sight."""
-    return math.degrees(float(metres_to_phase(1.0, study.budget.sar.wavelength)))
+def _scales(budget: Budget) -> tuple[float, float]:
+    """Millimetres, and degrees of two-way phase, of a metre of line of sight."""
+    return 1000.0, math.degrees(float(metres_to_phase(1.0, budget.sar.wavelength)))
 
 
 def _kind(strategy: Strategy) -> str:
@@ -183,24 +218,16 @@ def _kind(strategy: Strategy) -> str:
 
 
 def _number(value: float) -> str:
-    return "0" if abs(value) < 1e-9 else plain_number(value, 3).replace("-", "−")
+    return "0" if abs(value) < 1e-9 else number(value)  # of the ideal, rounding of the transform is left
 
 
-def _of(band: Band, index: object) -> tuple[float, float, float]:
-    median, low, high = (float(np.asarray(part)[index]) for part in (band.median, band.low, band.high))  # type: ignore[index]
+def _of(band: Band, index: int | EllipsisType) -> tuple[float, float, float]:
+    median, low, high = (float(np.asarray(part)[index]) for part in (band.median, band.low, band.high))
     return median, low, high
 
 
-def _banded(band: Band, index: object, scale: float) -> str:
+def _banded(band: Band, index: int | EllipsisType, scale: float) -> str:
     return _bracketed(*(_number(scale * value) for value in _of(band, index)))
-
-
-def _decibels(band: Band, index: int) -> str:
-    return _bracketed(*(f"{round(value, 2) + 0.0:.2f}".replace("-", "−") for value in _of(band, index)))
-
-
-def _shift(band: Band, index: int) -> str:
-    return _bracketed(*(f"{round(value, 2) + 0.0:+.2f}".replace("-", "−") for value in _of(band, index)))
 
 
 def _bracketed(median: str, low: str, high: str) -> str:

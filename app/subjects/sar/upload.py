@@ -3,114 +3,112 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
-from html import escape
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
-from app.charts.screen.pictures import picture_gallery
+from app.charts.kinds import PictureChart
+from app.document.blocks import Text
+from app.document.pane import html_of
 from app.session import Session
 from app.subjects.sar.charts import short_name, uploaded_picture
-from app.subjects.sar.picture_downloads import PictureDownloads
+from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.run import SarResult
 from app.ui.fields import number
 from app.ui.html_pane import html_pane
+from app.ui.run_bar import RunBar
 from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
+from app.work.run import Run
 from nav_model.errors import InputError
 from nav_model.sar.pictures import uploaded_pictures
 from nav_model.sar.strategies import STRATEGY_KEYS
 
 MOST_BYTES = 32 * 2**20
-_HELP = (
-    "A phase history in the form of the public AFRL collections, as an npz file: <b>fp</b> (frequencies × pulses, "
-    "complex), <b>freq</b> [Hz], antenna <b>x</b>, <b>y</b>, <b>z</b> [m] about the scene centre and reference range "
-    "<b>r0</b> [m] a pulse; at most 32 MiB. The design's error is laid over its pulses from first to last; the phase "
-    "it makes is that of the file's wavelength."
+_HELP = Text(
+    "A phase history in the form of the public AFRL collections, as an npz file: fp (frequencies × pulses, complex), "
+    "freq [Hz], antenna x, y, z [m] about the scene centre and reference range r0 [m] for each pulse; at most 32 "
+    "MiB. The design's error is laid over its pulses from first to last; its phase is that of the file's wavelength."
 )
+_LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
 
 
-class UploadedPicture:
-    """Upload, choice of strategy and extent, and the two pictures."""
+class UploadedPicture(pn.viewable.Viewer):
+    """Upload, choice of strategy and extent, and the two pictures, formed anew whenever one of them changes."""
+
+    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
+    file: tuple[str, bytes] | None = param.Parameter(default=None, doc="Name and content of the file.")
+    strategy: str = param.Selector(
+        default="2",
+        objects={short_name(key): key for key in STRATEGY_KEYS[1:]},
+        label="Navigation error of strategy",
+    )
+    half_width = param.String(default="50", label="Half width [m]")
 
     def __init__(self, session: Session, result: Callable[[], SarResult | None]) -> None:
+        super().__init__(run=session.new_run())
         self._session = session
         self._result = result
-        self._file: tuple[str, bytes] | None = None
-        look: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
         self._input = LimitedFileInput(
-            lambda why: self._say(f"Not formed. {why}"),
+            self._refused,
             label="Open a phase history", accept=".npz", icon="upload_file", max_file_size=MOST_BYTES,
-            variant="outlined", **look,
+            variant="outlined", **_LOOK,
         )  # fmt: skip
-        self._key = pmui.Select(
-            label="Navigation error of strategy", value="2", width=230, **look,
-            options={short_name(key): key for key in STRATEGY_KEYS[1:]},
-        )  # fmt: skip
-        self._half = pmui.TextInput(label="Half width [m]", value="50", width=110, **look)
-        self._picture = html_pane("")
-        self._take = PictureDownloads("Your phase history", "sar-phase-history")
         self._input.param.watch(self._opened, "value")
-        for widget in (self._key, self._half):
-            widget.param.watch(self._form, "value")
-        self.view = pn.Column(
-            html_pane(f"<h3>Your phase history</h3><p class='know quiet'>{_HELP}</p>"),
-            pn.FlexBox(self._input, self._key, self._half, sizing_mode="stretch_width", margin=(0, 4)),
-            self._picture,
-            self._take.view,
+        self._bar = RunBar(
+            self.run,
+            self.form,
+            "Form the images",
+            self._input,
+            pmui.Select.from_param(self.param.strategy, width=230, **_LOOK),
+            pmui.TextInput.from_param(self.param.half_width, width=110, **_LOOK),
+        )
+        self._pictures = PicturePanel("Your phase history", "sar-phase-history", pair=True)
+        self._view = pn.Column(
+            html_pane(f"<h3>Your phase history</h3>{html_of(_HELP)}"),
+            self._bar,
+            self._pictures,
             sizing_mode="stretch_width",
         )
 
-    def refresh(self) -> None:
-        """A new study is there: the picture is of the old one."""
-        if self._file is not None:
-            pn.state.execute(self._form)
+    def __panel__(self) -> pn.Column:
+        return self._view
 
-    async def _opened(self, event: Any) -> None:
-        if not event.new:
-            return
-        name = str(self._input.filename or "file")
-        if len(event.new) > MOST_BYTES:
-            self._say(f"{name}: {len(event.new) / 2**20:.0f} MiB; at most {MOST_BYTES >> 20} MiB are taken")
-            return
-        self._file = (name, event.new)
-        await self._form()
+    def form(self) -> None:
+        """Form the pictures of what is chosen, with the design's error as the last study has it."""
+        self._pictures.chart = None  # of an earlier choice or study
+        self.run.start(self._form)
 
-    async def _form(self, _: Any = None) -> None:
+    async def _form(self, run: Run) -> PictureChart:
         result = self._result()
-        if self._file is None:
-            return
+        if self.file is None:
+            raise InputError("Phase history", "none given yet")
         if result is None:
-            self._say("Run the strategies first: the picture needs the design's navigation error.")
-            return
-        name, data = self._file
-        key = self._key.value
-        residual = result.study.typical[[STRATEGY_KEYS.index(key)]]
-        try:
-            half = number("Half width [m]", self._half.value or "", 1.0, 5000.0)
-        except InputError as error:
-            self._say(f"Not formed. {error}")
-            return
-        self._session.running = True
-        self._picture.object = f"<p class='quiet'>Forming {escape(name)} …</p>"
-        try:
-            pictures = await elsewhere(uploaded_pictures, name, data, result.study.time, residual, half)
-        except ValueError as error:
-            self._say(f"Not formed. {error}")
-        except BrokenProcessPool:
-            self._say("The worker process ended before its time; open the file again.")
-        else:
-            chart = uploaded_picture(pictures, name, key)
-            self._picture.object = f'<div class="pair">{picture_gallery(chart)}</div>'
-            self._take.show(chart)
-            if result is self._result():  # not of a study that a newer one has replaced meanwhile
-                self._session.keep("sar", replace(result, uploaded=chart))
-        finally:
-            self._session.running = False
+            raise InputError("Phase history", "run the strategies first: it needs the design's navigation error")
+        half = number("Half width [m]", self.half_width, 1.0, 5000.0)
+        name, data = self.file
+        run.tell(f"Forming {name}")
+        residual = result.study.typical[[STRATEGY_KEYS.index(self.strategy)]]
+        pictures = await elsewhere(uploaded_pictures, name, data, result.study.time, residual, half)
+        chart = uploaded_picture(pictures, name, self.strategy)
+        self._session.keep("sar", replace(result, uploaded=chart))
+        return chart
 
-    def _say(self, text: str) -> None:
-        self._take.hide()
-        self._picture.object = f'<p role="alert"><b>{escape(text)}</b></p>'
+    @param.depends("run.result", watch=True)
+    def _show(self) -> None:
+        self._pictures.chart = self.run.result
+
+    @param.depends("file", "strategy", "half_width", watch=True)
+    def _form_again(self) -> None:
+        if self.file is not None:
+            self.form()
+
+    def _opened(self, event: Any) -> None:
+        if event.new:
+            self.file = (str(self._input.filename or "file"), event.new)
+
+    def _refused(self, why: str) -> None:
+        self._bar.message = f"Not formed. {why}"

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line, Span
-from app.document.numbers import percent
+from app.document.numbers import number, percent
 from nav_model.simulation.design_study import SimulationStudy
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
@@ -31,7 +32,7 @@ def _runs(study: SimulationStudy) -> str:
     low, high = study.result.rms_band
     return (
         f"{study.result.spec.runs} runs, seed {study.result.spec.seed}: with 95 % probability the rms lies between "
-        f"{low:.2f} and {high:.2f} of the true sigma"
+        f"{number(low)} and {number(high)} of the true sigma"
     )
 
 
@@ -61,7 +62,7 @@ def path_chart(study: SimulationStudy) -> Chart:
             Line("right", "to the right", along, study.path[:, 1], "simulated", "true path"),
             Line("up", "upwards", along, study.path[:, 2], "simulated, second axis", "true path"),
         ),
-        knowledge="The truth every run flies; specific force and angular rate are its exact derivatives.",
+        knowledge="Reference trajectory of every run; specific force and angular rate are its exact derivatives.",
     )
 
 
@@ -79,7 +80,7 @@ def designed_attitude_chart(study: SimulationStudy) -> Chart:
             Line("yaw", "yaw from its start", time, euler[:, 2] - euler[0, 2], "third axis", "true attitude"),
         ),
         spans=_outages(study),
-        knowledge="The truth every run flies.",
+        knowledge="Reference trajectory of every run.",
     )
 
 
@@ -192,12 +193,12 @@ def outage_chart(study: SimulationStudy) -> Chart:
          "g θ t²/2 [T-12]"),
     )  # fmt: skip
     lines = tuple(Line(key, label, time, part(values), style, source) for key, label, values, style, source in curves)
-    knowledge = "This study has no outage: give one to see its growth."
+    knowledge = "This study has no outage. Enter one to see the errors grow."
     if rows.any():
         share = result.tilt_share_m[rows, 0][-1] / result.rms[POSTERIOR, rows, 0][-1]
         knowledge = (
             f"{_runs(study)}. The tilt at the last fix alone, simulated rms times g t²/2 [T-12], is {percent(share)} "
-            f"of the simulated northern error at {time[-1]:.4g} s."
+            f"of the simulated northern error at {number(time[-1], 4)} s."
         )
     return Chart(
         key="sim-outage",
@@ -233,8 +234,8 @@ def ensemble_chart(study: SimulationStudy, axis: str = "north") -> Chart:
         y_log=True,
         knowledge=(
             f"Position {axis}, {result.spec.runs} runs. Percentiles from a histogram of 4.7 % bins. Worst: run "
-            f"{result.worst.run}, largest horizontal position error at any time. Of a consistent filter's errors "
-            "95 % stay below 2σ."
+            f"{result.worst.run}, largest horizontal position error at any time. A consistent filter keeps 95 % of "
+            "the errors below 2σ."
         ),
     )
 
@@ -259,8 +260,24 @@ def nees_chart(study: SimulationStudy) -> Chart:
         ),
         spans=_outages(study),
         knowledge=(
-            f"Band: chi-square of {result.nees.states} states over {result.spec.runs} runs, for one time; 5 % of the "
-            "times of a consistent filter lie outside. The verdict uses the mean over all times, with a band that "
-            "knows they are correlated."
+            f"Band: chi-square of {result.nees.states} states over {result.spec.runs} runs, at one time; a "
+            "consistent filter leaves it 5 % of the time. The verdict uses the mean over all times, with a "
+            "band that accounts for their correlation."
         ),
     )  # fmt: skip
+
+
+CHARTS: tuple[Callable[[SimulationStudy], Chart], ...] = (
+    horizontal_position_chart,
+    vertical_position_chart,
+    horizontal_velocity_chart,
+    vertical_velocity_chart,
+    tilt_chart,
+    yaw_chart,
+    outage_chart,
+    ensemble_chart,
+    nees_chart,
+    path_chart,
+    designed_attitude_chart,
+)
+"""Every chart of a study, in the order of page and report."""

@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import io
-import json
 import os
 import sys
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import IO
-
-import numpy as np
 
 from app.console.files import whole_file
+from app.console.progress import COMPILES, count_runs
+from app.subjects.simulation.files import as_csv, as_json, as_npz
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.simulation.design_study import (
@@ -23,7 +17,6 @@ from nav_model.simulation.design_study import (
     closed_form,
     specification,
     study_of,
-    to_document,
 )
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
 from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, SimulationInputs
@@ -31,7 +24,6 @@ from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_P
 _KINDS = (".json", ".npz", ".csv")
 _DURATION = 500.0
 _LARGEST_KEPT = 4e9  # bytes: every run's errors are held in memory until they are written
-_QUIET_SECONDS = 5.0  # between lines of progress where nobody watches a terminal
 
 
 def list_inputs() -> int:
@@ -56,10 +48,14 @@ def simulate_design(design: Design, more: SimulationInputs, options: argparse.Na
     kind = _kind(options)
     spec = _specification(design, more, options, keep_runs=kind == ".npz")
     if options.output is None:
-        sys.stdout.write(_json(_fly(design, spec, options)))
+        sys.stdout.write(as_json(_fly(design, spec, options)))
         return
     with whole_file(options.output) as file:
-        _write(file, kind, _fly(design, spec, options))
+        study = _fly(design, spec, options)
+        if kind == ".npz":
+            file.write(as_npz(study))
+        else:
+            file.write((as_json(study) if kind == ".json" else as_csv(study)).encode("utf-8"))
     print(f"wrote {options.output}", file=sys.stderr)
 
 
@@ -152,12 +148,12 @@ def _outage(text: str) -> tuple[float, float]:
 
 
 def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> SimulationStudy:
-    print("preparing; the first use on a machine compiles the simulator, half a minute", file=sys.stderr, flush=True)
+    print(COMPILES, file=sys.stderr, flush=True)
     from nav_model.simulation.cluster import cluster_pool
     from nav_model.simulation.monte_carlo import chunks, simulate
 
     compare = closed_form(design, spec)
-    with show_progress() as progress:
+    with count_runs() as progress:
         try:
             if options.scheduler:
                 with cluster_pool(options.scheduler) as (pool, threads):
@@ -172,43 +168,3 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> S
             raise InputError("simulate", str(error)) from error
     print(result.verdict, file=sys.stderr)
     return study_of(design, result)
-
-
-@contextmanager
-def show_progress() -> Iterator[Callable[[int, int], None]]:
-    """Runs done and time left: one line rewritten on a terminal, a line now and then elsewhere."""
-    terminal = sys.stderr.isatty()
-    began = said = time.monotonic()
-
-    def show(done: int, runs: int) -> None:
-        nonlocal said
-        now = time.monotonic()
-        if not terminal and now - said < _QUIET_SECONDS and done < runs:
-            return
-        said = now
-        left = (now - began) * (runs - done) / done
-        line = f"{done} of {runs} runs, {left:.0f} s left"
-        print(f"\r\x1b[K{line}" if terminal else line, end="" if terminal else "\n", file=sys.stderr, flush=True)
-
-    try:
-        yield show
-    finally:
-        if terminal:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
-
-
-def _json(study: SimulationStudy) -> str:
-    return json.dumps(to_document(study), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
-
-
-def _write(file: IO[bytes], kind: str, study: SimulationStudy) -> None:
-    from nav_model.simulation.result import to_arrays, to_csv
-
-    if kind == ".npz":
-        # In memory first: NumPy's archive seeks, and a draft is written once.
-        packed = io.BytesIO()
-        np.savez_compressed(packed, **to_arrays(study.result), refined_position_sigma_m=study.refined_sigma)
-        file.write(packed.getbuffer())
-    else:
-        text = _json(study) if kind == ".json" else to_csv(study.result)
-        file.write(text.encode("utf-8"))

@@ -10,19 +10,24 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
+from app.document.blocks import Text
+from app.document.pane import html_of
 from app.ui.html_pane import html_pane
 from nav_model.errors import InputError
 from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, SimulationInputs, read_study_inputs
 
-_TITLE = "Beyond the design: sensor errors, receiver, tuning"
+_TITLE = "Advanced: sensor errors, receiver, filter tuning"
 
 
-class StudyControls:
-    """The boxes; `inputs` is what is in force, and `given` says it while they are folded away."""
+class StudyControls(pn.viewable.Viewer):
+    """The boxes; `texts` is what is in force, and a line says it while they are folded away."""
+
+    texts: dict[str, str] = param.Dict(default={}, doc="Key -> text, of every box the last one that was good.")
 
     def __init__(self) -> None:
-        self._texts: dict[str, str] = {}
+        super().__init__()
         self.boxes = {key: self._box(key) for key in STUDY_KEYS}
         self.given = html_pane("", margin=(2, 14))
         sections: list[Any] = []
@@ -38,12 +43,15 @@ class StudyControls:
             sizing_mode="stretch_width",
             margin=(2, 10),
         )
-        self.view = pn.Column(accordion, self.given, sizing_mode="stretch_width", margin=0)
+        self._view = pn.Column(accordion, self.given, sizing_mode="stretch_width", margin=0)
+
+    def __panel__(self) -> pn.Column:
+        return self._view
 
     @property
     def inputs(self) -> SimulationInputs:
-        """What is in force, of all boxes the last text that was good."""
-        return read_study_inputs(self._texts)
+        """What is in force."""
+        return read_study_inputs(self.texts)
 
     def _box(self, key: str) -> pmui.TextInput:
         declared = STUDY_KEYS[key]
@@ -64,19 +72,19 @@ class StudyControls:
         try:
             read_study_inputs({key: text})
         except InputError as refused:
-            kept = self._texts.get(key, "") or box.placeholder
+            kept = self.texts.get(key, "") or box.placeholder
             error = f"{refused.reason}; still {kept}"
         else:
-            self._texts[key] = text.strip()
-            self.given.object = self._summary()
+            self.texts = {**self.texts, key: text.strip()}
         box.error_state = bool(error)
         box.helper_text = error or str(STUDY_KEYS[key].doc)
 
-    def _summary(self) -> str:
+    @param.depends("texts", watch=True)
+    def _say(self) -> None:
         listed = ", ".join(
-            f"{part.title.lower()}: {str(STUDY_KEYS[key].label).lower()} {escape(text)}"
+            f"{part.title.lower()}: {str(STUDY_KEYS[key].label).lower()} {text}"
             for part in STUDY_PARTS
-            for key, text in self._texts.items()
+            for key, text in self.texts.items()
             if text and key.startswith(f"{part.section}.")
         )
-        return f'<p class="know" role="status">Added to the design: {listed}.</p>' if listed else ""
+        self.given.object = html_of(Text(f"Added to the design: {listed}.")) if listed else ""

@@ -1,122 +1,150 @@
-"""What the Simulate page says about a study, as HTML."""
+"""A Monte Carlo study as blocks: was the filter consistent, do the formulas hold, where do they not and why."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from html import escape
+import math
+from collections.abc import Iterable, Sequence
 
-from app.document.numbers import show
-from app.document.prose import prose
-from app.subjects.simulation.run import Compiling, Progress, Result
+from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
+from app.document.numbers import NONE, number
 from nav_model.simulation.departures import SMALL, Departure, cause_in_words
 from nav_model.simulation.design_study import SimulationStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
+from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
-_DIMENSIONS = {"position": "length", "velocity": "speed", "attitude": "angle"}
-_SURELY_COMPILING = 4.0  # seconds: a worker that finds the compiled simulator on disk has started by then
-_PHASES_IN_WORDS = {"settling": "settling", "aided": "with fixes", "coast": "outage"}
-
-DEPARTURES = (
-    "Where they differ most, if by more than 10 %, just after the fix. Causes are found by flying this design with "
-    "one thing changed at a time; their factors multiply to the whole, but for those below 3 % or a quarter of the "
-    "largest. Simulated errors count when chance would bring them once in a thousand."
-)
-"""How the table of departures is to be read."""
-
-
-def answer(result: Result, stale: bool) -> str:
-    """Everything above the charts."""
-    study = result.study
-    return verdict_strip(result, stale) + comparison_table(study) + departure_table(study) + condition_list(study)
+_FLIGHTS = {
+    "wandering": "nearly straight: some metres of wander, a degree or two of roll, pitch and yaw",
+    "straight": "exactly straight and level",
+    "turns": "turns, then a long straight leg",
+    "climb": "a climb half way",
+    "file": "from a file",
+}
+_PHASES = {"settling": "settling", "aided": "with fixes", "coast": "outage"}
+_UNITS = {"position": ("m", 1.0), "velocity": ("m/s", 1.0), "attitude": ("°", 180 / math.pi)}
 
 
-def verdict_strip(result: Result, stale: bool) -> str:
-    """Consistent or not, in words first."""
-    found = result.study.result
-    head, _, figures = found.verdict.partition(": ")
-    css, mark = ("good", "✓") if found.consistent else ("bad", "✗")
-    if result.partial:
-        css, mark = "open", "…"
-    so_far = "; runs so far, more are flying" if result.partial else ""
-    old = '<p><span class="stale">stale</span> the instruments or the flight have changed since</p>' if stale else ""
-    nis = "" if found.nis is None else (
-        f'<p>NIS <span class="num">{found.nis.mean:.2f}</span>, 95 % band <span class="num">'
-        f"{found.nis.low:.2f} to {found.nis.high:.2f}</span></p>"
-    )  # fmt: skip
+def verdict(study: SimulationStudy) -> Answer:
+    """Whether the filter's covariance describes the errors of the runs."""
+    result = study.result
+    nees = result.nees
+    word, tone = "✓ Consistent", "good"
+    meaning = "The filter covariance describes the errors of the runs."
+    if not nees.inside:
+        high = nees.mean > nees.high
+        word, tone = ("✗ Optimistic", "bad") if high else ("✗ Pessimistic", "warn")
+        meaning = f"The errors of the runs are {'larger' if high else 'smaller'} than the filter believes."
+    runs = f"{result.spec.runs} run{'' if result.spec.runs == 1 else 's'}"
+    sentences = [
+        f"{meaning} Mean NEES {number(nees.mean)} with {nees.states} states, 95 % band {number(nees.low)} to "
+        f"{number(nees.high)}, {runs}."
+    ]
+    if result.nis is not None:
+        nis = result.nis
+        sentences.append(
+            f"Mean NIS {number(nis.mean)} of {nis.states} measured axes, 95 % band {number(nis.low)} to "
+            f"{number(nis.high)}: {'inside' if nis.inside else 'outside'}."
+        )
+    return Answer(word, tone, tuple(sentences))
+
+
+def findings(study: SimulationStudy, key: str) -> tuple[Block, ...]:
+    """What was flown, the sigmas, where they differ from the formulas, and how the simulated world differs."""
     return (
-        f'<div class="strip {css}" role="status"><h2><span aria-hidden="true">{mark}</span> '
-        f"{escape(head[:1].upper() + head[1:])}</h2>"
-        f'<p class="num">{escape(figures)}{so_far}</p>{nis}'
-        f"<p>{escape(result.design.name or 'design')}, seed {found.spec.seed}, {found.spec.runs} × "
-        f"{found.spec.duration:g} s in {found.wall_s:.1f} s</p>{old}</div>"
+        _run_table(study, key),
+        _sigma_table(study, key),
+        _departures(study, key),
+        Bullets(study.conditions, "How the simulated world differs from that of the formulas"),
     )
 
 
-def comparison_table(study: SimulationStudy) -> str:
-    """Simulated, filter and closed-form sigma of every state, at the last fix and at the end of the outage."""
+def _run_table(study: SimulationStudy, key: str) -> Table:
+    spec = study.result.spec
+    outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
+    hours = number(spec.runs * spec.duration / 3600)
+    rows = (
+        ("Flight", _FLIGHTS[spec.trajectory.kind]),
+        ("Runs, seed", f"{spec.runs}, {spec.seed}; every run repeats from seed and number, however many workers"),
+        ("Length of a run", f"{spec.duration:g} s at {spec.imu.rate:g} Hz, {hours} h simulated in all"),
+        ("Fixes", f"every {spec.gnss.interval:g} s; outages: {outages}"),
+        ("Filter", f"closed-loop error-state Kalman filter of {spec.filter.states} states"),
+        ("Inertial unit", f"strapdown, WGS 84; vibration factor {spec.imu.vibration_factor:g} on both random walks"),
+        *((STUDY_KEYS[name].label, STUDY_KEYS[name].show(value)) for name, value in added(spec).items()),
+    )
+    return Table(
+        f"{key}-simulation-run",
+        "What was flown",
+        (Column("Part", width=0.5), Column("Flown", width=1.9)),
+        tuple((Cell(str(name)), Cell(text)) for name, text in rows),
+    )
+
+
+def _sigma_table(study: SimulationStudy, key: str) -> Table:
+    """Simulated, filter, closed form and refined sigma of every state, at the last fix and at the outage's end."""
     result = study.result
     closed = result.closed_form_sigma
-    assert closed is not None
-    places = moments(study)
-    heads = "".join(
-        f'<th scope="colgroup" colspan="4" class="num">{name}, {result.time_s[row]:g} s</th>' for name, row in places
-    )
-    kinds = "".join(
-        f'<th scope="col" class="num">{kind}</th>'
-        for _ in places
-        for kind in ("simulated", "filter", "closed form", "simulated / closed")
-    )
-    rows = ""
-    for column, (group, axis, _) in enumerate(STATES):
-        cells = ""
-        for _, row in places:
-            simulated = float(result.rms[POSTERIOR, row, column])
-            values = (simulated, float(result.filter_sigma[POSTERIOR, row, column]), float(closed[row, column]))
-            cells += "".join(f'<td class="num">{show(value, _DIMENSIONS[group])}</td>' for value in values)
-            cells += f'<td class="num">{simulated / values[2]:.2f}</td>'
-        rows += f'<tr><th scope="row">{group.capitalize()}, {axis}</th>{cells}</tr>'
+    assert closed is not None  # a study of a design has its closed forms
+    rows: list[tuple[Cell, ...]] = []
+    for name, at in moments(study):
+        rows.append((Cell(f"{name[:1].upper()}{name[1:]}, {result.time_s[at]:g} s"),))
+        for column, (group, axis, _) in enumerate(STATES):
+            unit, scale = _UNITS[group]
+            simulated = float(result.rms[POSTERIOR, at, column])
+            own, form = float(result.filter_sigma[POSTERIOR, at, column]), float(closed[at, column])
+            refined = float(study.refined_sigma[at, column]) if group == "position" else math.nan
+            shown = (
+                NONE if math.isnan(sigma) else number(scale * sigma) for sigma in (simulated, own, form, refined)
+            )
+            label = f"{group.capitalize()}, {axis} [{unit}]"
+            rows.append((Cell(label), *map(Cell, shown), Cell(number(simulated / form))))
     low, high = result.rms_band
-    return (
-        '<div class="scroll" tabindex="0" role="region" aria-label="Simulated, filter and closed form">'
-        f'<table class="checks"><thead><tr><td></td>{heads}</tr><tr><th scope="col">1σ</th>{kinds}</tr></thead>'
-        f"<tbody>{rows}</tbody></table></div>"
-        f'<p class="know quiet">Just after the fix. The rms of {result.spec.runs} runs lies between {low:.2f} and '
-        f"{high:.2f} of the true sigma with 95 % probability.</p>"
+    return Table(
+        f"{key}-simulation-sigmas",
+        "Standard deviations just after the fix, 1σ: simulated, the filter's own, closed form",
+        (
+            Column("State", width=1.3),
+            *(
+                Column(title, numeric=True, width=1)
+                for title in ("Simulated rms", "Filter", "Closed form", "Refined [T-17]", "Simulated / closed")
+            ),
+        ),
+        tuple(rows),
+        f"Closed form: cycle rms [T-3], [T-4], in an outage [T-9], [T-10], yaw [T-5]. The rms of {result.spec.runs} "
+        f"runs lies between {number(low)} and {number(high)} of the true sigma with 95 % probability.",
     )
 
 
-def departure_table(study: SimulationStudy) -> str:
-    """Where filter or simulated errors and the closed form part by more than a tenth, and why."""
-    title = '<h3 style="margin-top: 8px">Where closed form and simulation part, and why</h3>'
+def _departures(study: SimulationStudy, key: str) -> Block:
+    """Where filter or simulated errors and the formulas differ by more than a tenth, and why."""
     if not study.departures:
-        return f"{title}<p>Nowhere by more than 10 %.</p>"
-    rows = ""
-    for found in alike(study):
-        first = found[0]
-        rows += (
-            f'<tr><th scope="row">{first.group.capitalize()}, {", ".join(d.axis for d in found)}</th>'
-            f'<td class="num">{when(found)}</td>'
-            f'<td class="num">{_range([d.simulated for d in found])}</td>'
-            f'<td class="num">{_range([d.ratio for d in found])}</td><td class="why">{_why(found, study)}</td></tr>'
+        return Text("Filter, simulated errors and formulas agree within 10 % in every state at every time.")
+    rows = tuple(
+        (
+            Cell(f"{found[0].group.capitalize()}, {', '.join(d.axis for d in found)}"),
+            Cell(_when(found)),
+            Cell(_range(d.simulated for d in found)),
+            Cell(_range(d.ratio for d in found)),
+            Cell(_why(found, study)),
         )
-    return (
-        f'{title}<div class="scroll" tabindex="0" role="region" aria-label="Departures">'
-        '<table class="checks"><thead><tr><th scope="col">Error</th><th scope="col" class="num">When</th>'
-        '<th scope="col" class="num">simulated / closed</th><th scope="col" class="num">filter / closed</th>'
-        f'<th scope="col">Why, and how much of it</th></tr></thead><tbody>{rows}</tbody></table></div>'
-        f'<p class="know quiet">{escape(DEPARTURES)}</p>'
+        for found in _alike(study)
+    )
+    columns = (
+        Column("Error", width=1), Column("When", width=0.8), Column("Simulated / closed", numeric=True, width=0.75),
+        Column("Filter / closed", numeric=True, width=0.75), Column("Why, and by what factor", width=2.2),
+    )  # fmt: skip
+    return Table(
+        f"{key}-simulation-departures",
+        "Where formula and simulation differ, and why",
+        columns,
+        rows,
+        "Largest differences just after the fix, if above 10 %; those of the simulated errors count where they are "
+        "significant at 0.1 %. Causes are found by flying this design with one thing changed at a time; their "
+        "factors multiply to the whole, omitting factors below 3 % or a quarter of the largest.",
     )
 
 
-def when(found: Sequence[Departure]) -> str:
-    """From when to when, and in which part of the flight."""
-    start, stop = min(d.start_s for d in found), max(d.stop_s for d in found)
-    return f"{start:g} to {stop:g} s, {_PHASES_IN_WORDS[found[0].phase]}"
-
-
-def alike(study: SimulationStudy) -> list[list[Departure]]:
-    """Departures of axes that part in the same phase for the same causes, together."""
+def _alike(study: SimulationStudy) -> list[list[Departure]]:
+    """Departures of axes that differ in the same phase for the same causes, together."""
     groups: dict[tuple[object, ...], list[Departure]] = {}
     for found in study.departures:
         causes = tuple(cause for cause, _ in found.steps)
@@ -124,37 +152,21 @@ def alike(study: SimulationStudy) -> list[list[Departure]]:
     return list(groups.values())
 
 
+def _when(found: Sequence[Departure]) -> str:
+    start, stop = min(d.start_s for d in found), max(d.stop_s for d in found)
+    return f"{start:g} to {stop:g} s, {_PHASES[found[0].phase]}"
+
+
 def _why(found: Sequence[Departure], study: SimulationStudy) -> str:
     said = [
-        f"{prose(cause_in_words(cause, study.result.spec))} "
-        f'<span class="num">({_range([d.steps[place][1] for d in found])})</span>'
+        f"{cause_in_words(cause, study.result.spec)} (×{_range(d.steps[place][1] for d in found)})"
         for place, (cause, _) in enumerate(found[0].steps)
     ]
-    return "; ".join(said) or SMALL
+    text = "; ".join(said) or SMALL
+    return f"{text[:1].upper()}{text[1:]}"
 
 
-def _range(values: list[float]) -> str:
-    low, high = f"{min(values):.2f}", f"{max(values):.2f}"
-    return f"×{low}" if low == high else f"×{low} to {high}"
-
-
-def condition_list(study: SimulationStudy) -> str:
-    """What of the simulated world differs from the closed forms'."""
-    items = "".join(f"<li>{prose(sentence)}</li>" for sentence in study.conditions)
-    return f'<ul class="cautions quiet" aria-label="Conditions of the simulation">{items}</ul>'
-
-
-def under_way(news: Compiling | Progress) -> str:
-    """The progress bar with time left."""
-    if isinstance(news, Progress) and news.left is not None:
-        return (
-            f'<p role="status"><progress aria-label="runs flown" value="{news.done}" max="{news.runs}"></progress> '
-            f'<span class="num">{news.done} of {news.runs} runs, {news.left:.0f} s left</span></p>'
-        )
-    said = "Preparing: the flight, and the filter along it."
-    if isinstance(news, Compiling) and news.seconds >= _SURELY_COMPILING:
-        said = (
-            "Compiling the simulator, once for this installation: half a minute or so; "
-            f'<span class="num">{news.seconds:.0f} s</span> until now.'
-        )
-    return f'<p role="status"><progress aria-label="making ready"></progress> {said}</p>'
+def _range(values: Iterable[float]) -> str:
+    seen = sorted(values)
+    low, high = number(seen[0]), number(seen[-1])
+    return low if low == high else f"{low} to {high}"

@@ -63,9 +63,9 @@ def _figure(label: str, pure: Array, aided: Array, detail: str) -> KeyFigure:
 
 
 def _channels(error: Array) -> str:
-    return ", ".join(f"{axis} {_metres(float(value))}" for axis, value in zip("NEH", error, strict=True))
+    return ", ".join(f"{axis}\u00a0{_metres(float(value))}" for axis, value in zip("NEH", error, strict=True))
 
 
 def _metres(value: float) -> str:
-    """A length; what is below a millimetre says only that."""
-    return show(value, "length") if abs(value) >= 1e-3 else "< 1 mm"
+    """A length that no line breaks; what is below a millimetre says only that."""
+    return (show(value, "length") if abs(value) >= 1e-3 else "< 1 mm").replace(" ", "\u00a0")

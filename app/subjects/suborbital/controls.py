@@ -13,8 +13,7 @@ import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 
-from app.ui.input_box import InputBox
-from app.ui.log_slider import LogSlider
+from app.ui.input_box import InputBox, slider_of
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.several import Axes
 from nav_model.errors import InputError
@@ -44,6 +43,7 @@ class InputControl(InputBox):
         self._declared = declared = INPUTS[key]
         look: dict[str, Any] = {"label": str(declared.label), "margin": (9, 10, 0, 10)}
         look |= {"description": "", "size": "small", "sizing_mode": "stretch_width"}
+        box: pmui.Select | pmui.TextInput
         if isinstance(declared, Choice):
             box = pmui.Select(options=list(declared.objects), value=settings()[key], **look)
         else:
@@ -51,11 +51,7 @@ class InputControl(InputBox):
         slider = None
         # A slider where a narrower range than the bounds is declared for one.
         if isinstance(declared, BaseQuantity | Axes) and declared.softbounds != declared.limits:
-            low, high = declared.softbounds  # type: ignore[misc]  # Param's may be None, ours are not
-            slider = LogSlider(
-                str(declared.label), low, high, declared.unit, declared.dimension,
-                zero=declared.limits[0] == 0, value=_size(settings()[key]),
-            )  # fmt: skip
+            slider = slider_of(declared, _size(settings()[key]))
         super().__init__(key, box, slider)
         self.listen()
 
@@ -99,9 +95,9 @@ class InputControl(InputBox):
         if isinstance(declared, BaseQuantity):
             step = declared.step
             return self._put_value(self.key, step * max(1, round(size / step)) if step else size)
-        even = (1.0,) * len(declared.default)
-        ratio = next(axes for axes in (self.value(), declared.default, even) if _size(axes) > 0)
-        return self._put_value(self.key, tuple(float(axis) * size / _size(ratio) for axis in ratio))
+        ratios = (np.asarray(axes, dtype=np.float64) for axes in (self.value(), declared.default))
+        ratio = next((axes for axes in ratios if axes.any()), np.ones(len(declared.default)))
+        return self._put_value(self.key, tuple(map(float, ratio * size / _size(ratio))))
 
 
 def _size(value: Any) -> float:

@@ -75,9 +75,8 @@ class InputPanel(pn.viewable.Viewer):
             sizing_mode="stretch_width",
             margin=0,
         )
-        accordion.param.watch(lambda event: [self._fill(index) for index in event.new], "active")
-        for index in opened:
-            self._fill(index)
+        accordion.param.watch(lambda event: self._fill(event.new), "active")
+        self._fill(opened)
         return pn.Column(
             html_pane("<h3>Inputs of the study</h3>", margin=(6, 12, 0, 12)),
             pn.FlexBox(*self._sources(), margin=(0, 4), sizing_mode="stretch_width"),
@@ -132,13 +131,14 @@ class InputPanel(pn.viewable.Viewer):
             margin=0,
         )
 
-    def _fill(self, index: int) -> None:
-        if self._sections[index].objects:
-            return
-        keys = [declared.key for declared in list(GROUPS.values())[index]]
-        controls = [InputControl(key, lambda: self.settings, self.put) for key in keys]
-        self.controls += controls
-        self._sections[index].objects = controls
+    def _fill(self, opened: list[int]) -> None:
+        """Make the controls of the groups that are open and have none yet."""
+        for index in opened:
+            if not self._sections[index].objects:
+                keys = [declared.key for declared in list(GROUPS.values())[index]]
+                controls = [InputControl(key, lambda: self.settings, self.put) for key in keys]
+                self.controls += controls
+                self._sections[index].objects = controls
 
     # --- what a person does ------------------------------------------------------------------------------
 

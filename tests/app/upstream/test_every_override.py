@@ -10,6 +10,7 @@ import pytest
 
 import app.upstream
 import nav_model.compiled
+import nav_model.numba_typing
 from app.upstream.browser import Repairs
 
 ROOT = Path(__file__).parents[3]
@@ -19,6 +20,7 @@ OVERRIDES = [
     *(path for path in sorted(ROOM.glob("*.py")) if path.stem not in ("__init__", "browser")),
     *SCRIPTS,
     Path(nav_model.compiled.__file__),
+    Path(nav_model.numba_typing.__file__),
 ]
 
 

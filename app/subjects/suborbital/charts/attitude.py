@@ -7,9 +7,11 @@ import math
 import numpy as np
 
 from app.charts.kinds import Array, Chart, Line, Points
+from app.document.numbers import number, show, show_in
 from app.subjects.suborbital.charts.shown import TIME, Shown, boost, called
 from nav_model.constants import ARCSECOND
 from nav_model.suborbital.mechanisation import NavigationErrors
+from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
 
 
 def _attitude(shown: Shown, key: str, title: str, field: str, axes: tuple[str, str, str], note: str) -> Chart:
@@ -58,16 +60,17 @@ def star_chart(shown: Shown) -> Chart:
     edge = camera.pixels - 0.5
     square = np.array([-0.5, edge, edge, -0.5, -0.5])
     names = tuple(
-        f"HIP {number}, Hp {magnitude:.2f}" if shown.survey.settings["sky.stars"] == "Hipparcos"
-        else f"star {number}, magnitude {magnitude:.2f}"
-        for number, magnitude in zip(frame.identifier, frame.magnitude, strict=True)
+        f"HIP {star}, Hp {number(magnitude)}" if shown.survey.settings["sky.stars"] == "Hipparcos"
+        else f"star {star}, magnitude {number(magnitude)}"
+        for star, magnitude in zip(frame.identifier, frame.magnitude, strict=True)
     )  # fmt: skip
     faintest = shown.survey.settings["sky.magnitude_limit"]
     sizes = np.clip(6.0 + 2.5 * (faintest - frame.magnitude), 6.0, 24.0)
     ra, dec = math.degrees(frame.boresight_ra_rad) / 15.0, math.degrees(frame.boresight_dec_rad)
     verdict = "used" if frame.used else f"not used: {frame.reason}"
     margin = 0.04 * camera.pixels
-    lens = f"field {math.degrees(camera.field_of_view_rad):.2f}°, focal length {1000 * camera.focal_length_m:.2f} mm"
+    focal_length = show_in(camera.focal_length_m, "mm", "length")
+    lens = f"field {show(camera.field_of_view_rad, 'angle')}, focal length {focal_length}"
     return Chart(
         key="star-frame",
         title=f"Star frame at {frame.time_s:.0f} s",
@@ -84,7 +87,7 @@ def star_chart(shown: Shown) -> Chart:
         y_range=(-margin, camera.pixels + margin),
         square=True,
         knowledge=f"{frame.source}. Frame {verdict}; {frame.stars_in_field} stars in the field, boresight "
-        f"{ra:.2f} h, {dec:+.1f}° on the flight's inertial axes; {lens}.",
+        f"{number(ra)} h, {number(dec)}° on the flight's inertial axes; {lens}.",
     )  # fmt: skip
 
 
@@ -106,7 +109,7 @@ def star_count_chart(shown: Shown) -> Chart:
             Line("used", "taken for the attitude", x, used, "axis y", "brightest, frames through the gate"),
         ),
         y_range=(0.0, float(np.max(field)) * 1.1 + 1.0),
-        knowledge=f"Every {x[1] - x[0] if len(x) > 1 else 0:g} s; {len(shown.survey.settings.sky())} stars at Hp ≤ "
-        f"{settings['sky.magnitude_limit']:g}, mean {float(np.mean(field)):.1f} in the field; {refused} of "
+        knowledge=f"Every {number(STAR_FRAME_SPACING_S)} s; {len(settings.sky())} stars at Hp ≤ "
+        f"{number(settings['sky.magnitude_limit'])}, mean {number(np.mean(field))} in the field; {refused} of "
         f"{len(frames)} frames gated (fewer than {settings.camera().least_stars} stars, or roll too uncertain).",
     )

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line
+from app.document.numbers import percent, show, show_in
 from app.subjects.suborbital.charts.shown import CHANNELS, SHOWN_SOURCES, TIME, Shown, boost, called, every_of, km
 from nav_model.suborbital.channels import height_e_folding_time, height_growth
 from nav_model.suborbital.sensitivity import along_track_sigma
@@ -94,7 +95,8 @@ def growth_chart(shown: Shown) -> Chart:
     closed_holds, closed_fails, closed_said = _split(x, closed, truth)
     slope = _slope(study, ins) if channel == 2 else np.full(len(x), np.nan)
     slow = ", ".join(
-        f"{float(height_e_folding_time(h)):.1f} s at {h / 1000:.0f} km" for h in (0.0, study.flight.apogee[1])
+        f"{show(float(height_e_folding_time(h)), 'time')} at {show_in(h, 'km', 'length')}"
+        for h in (0.0, study.flight.apogee[1])
     )
     why = f" Slope 1/k for explanation only: e-folding time {slow} [B-6]." if channel == 2 else ""
     return Chart(
@@ -125,15 +127,11 @@ def _split(x: Array, model: Array, truth: Array) -> tuple[Array, Array, str]:
     last = int(np.argmax(bad)) if bad.any() else len(x)
     index, size = np.arange(len(x)), _log(np.abs(model))
     holds, fails = np.where(index <= last, size, np.nan), np.where(index >= last, size, np.nan)
-    within = f"within {100 * HOLDS_WITHIN:.0f} % of the INS (or 1 m)"
+    within = f"within {percent(HOLDS_WITHIN)} of the INS (or 1 m)"
     if not bad.any():
         return holds, fails, f"stays {within} throughout"
-    final = f"{_size(model[-1])} where the INS has {_size(truth[-1])}"
+    final = f"{show(abs(model[-1]), 'length')} where the INS has {show(abs(truth[-1]), 'length')}"
     return holds, fails, f"holds {within} until {x[max(last - 1, 0)]:.0f} s; at the end it says {final}"
-
-
-def _size(error: float) -> str:
-    return f"{abs(error) / 1000:.1f} km" if abs(error) >= 1000 else f"{abs(error):.0f} m"
 
 
 def _log(values: Array) -> Array:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from app.charts.kinds import Array, Chart, Line, Points
+from app.document.numbers import show
 from app.subjects.suborbital.charts.shown import TIME, Shown, boost, every_of
 from nav_model.constants import STANDARD_GRAVITY
 from nav_model.earth.gravity import compare_gravity
@@ -40,7 +41,7 @@ def map_chart(shown: Shown) -> Chart:
                    "mark", "diamond", "flight"),
         ),
         knowledge=f"{flight.source}. Latitude and longitude on the sphere, Earth turning under the flight; "
-        f"{flight.ground_range_m[-1] / 1000:.0f} km over ground. No map service is asked.",
+        f"{show(float(flight.ground_range_m[-1]), 'length')} over ground. No map service is asked.",
     )  # fmt: skip
 
 
@@ -72,8 +73,8 @@ def height_chart(shown: Shown) -> Chart:
                    "mark", "diamond", "flight"),
         ),
         spans=boost(study),
-        knowledge=f"{flight.source}. Apogee {apogee / 1000:.2f} km at {apogee_time:.1f} s; fastest "
-        f"{speed:.0f} m/s over ground; {int(study.used.sum())} star frames taken.",
+        knowledge=f"{flight.source}. Apogee {show(apogee, 'length')} at {apogee_time:.0f} s; fastest "
+        f"{show(speed, 'speed')} over ground; {int(study.used.sum())} star frames taken.",
     )  # fmt: skip
 
 
@@ -134,5 +135,5 @@ def gravity_chart(shown: Shown) -> Chart:
         lines=tuple(
             Line(key, label, x, y / (1e-3 * STANDARD_GRAVITY), style, g.source) for key, label, y, style in curves
         ),
-        knowledge=f"At the launch latitude, {math.degrees(latitude):.2f}° geocentric: {g.source}.",
+        knowledge=f"At the launch latitude, {show(latitude, 'angle')} geocentric: {g.source}.",
     )

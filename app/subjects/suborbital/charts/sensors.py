@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from app.charts.kinds import Band, Chart, Line
+from app.document.numbers import number
 from app.subjects.suborbital.charts.shown import CHANNELS, SENSOR_CLASSES, SENSORS, TIME, Shown, boost
 from nav_model.constants import STANDARD_GRAVITY
 
@@ -62,8 +63,9 @@ def noise_chart(channel: int) -> Callable[[Shown], Chart]:
         said = (
             "No ensemble is flown at these inputs; only the prediction is drawn."
             if ensemble is None
-            else f"Ensemble of {ensemble.runs} INS with noise of their own, seed {ensemble.seed}; bands: where the "
-            f"rms of so many runs lies with 95 % probability at an instant ({low:.2f} to {high:.2f} of predicted)."
+            else f"Ensemble of {ensemble.runs} INS with independent noise, seed {ensemble.seed}; bands: where the "
+            f"rms of so many runs lies with 95 % probability at an instant ({number(low)} to {number(high)} of "
+            "predicted)."
         )
         return Chart(
             key=f"white-noise-{CHANNELS[channel]}",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from app.charts.kinds import Array, Span
+from app.document.numbers import show_in
 from nav_model.suborbital.channels import closed_form_errors
 from nav_model.suborbital.noise_ensemble import NoiseEnsemble
 from nav_model.suborbital.sensor_history import SensorHistory, sensor_history
@@ -56,7 +57,9 @@ class Shown:
     def how(self) -> str:
         """Which answer the curves are."""
         step = self.study.flight.step_s
-        run = f"Integrated INS [B-3] with sensor errors [B-1], RK4 at {step:g} s; with tracker [B-7]"
+        run = (
+            f"Integrated INS [B-3] with sensor errors [B-1], RK4 at {show_in(step, 's', 'time')}; with tracker [B-7]"
+        )
         return run if self.exact else f"{run}; then moved by the linear sensitivity matrix [B-4]"
 
     def position_m(self, aided: bool, case: str, channel: int) -> Array:
@@ -64,7 +67,8 @@ class Shown:
         study = self.study
         errors, k = study.aided if aided else study.pure, study.case(case)
         if self.along_track and channel < 2:
-            return (errors.down_range_m, errors.cross_range_m)[channel][k]
+            history: Array = (errors.down_range_m, errors.cross_range_m)[channel][k]
+            return history
         return errors.position_m[k, :, channel]
 
     def axis(self, channel: int) -> str:
@@ -83,7 +87,9 @@ class Shown:
         """The closed forms [B-6] of the case looked at, (m, 3), m."""
         study = self.study
         parameters = study.parameters[study.case(self.case)]
-        return closed_form_errors(study.flight, parameters, study.inputs.errors, every_of(study)).position_m[0]
+        errors = closed_form_errors(study.flight, parameters, study.inputs.errors, every_of(study))
+        position_m: Array = errors.position_m[0]
+        return position_m
 
     @cached_property
     def matrix_gap(self) -> Gap:

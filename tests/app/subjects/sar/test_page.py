@@ -13,16 +13,17 @@ from waiting import soon
 
 import app.subjects.sar.run as sar_run
 import app.subjects.sar.upload as sar_upload
-from app.charts.kinds import to_csv
+from app.charts.kinds import PictureChart, to_csv
 from app.charts.print.svg import to_svg
-from app.charts.screen.pictures import gallery
+from app.charts.screen.pictures import picture_gallery
 from app.cli import main
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.sar.charts import gnss_winner_chart
 from app.subjects.sar.page import SarPage
 from app.subjects.sar.report import sections
-from app.subjects.sar.run import Progress, SarResult, SarRun
+from app.subjects.sar.run import SarResult, run_strategies
+from app.work.run import Run
 from nav_model.budget import analyse
 from nav_model.design.file import format_design
 
@@ -52,33 +53,38 @@ def sar(session: Session) -> SarPage:
 
 def run(sar: SarPage) -> None:
     async def until_done() -> None:
-        await sar._begin()
-        await soon(lambda: not sar._run.running, "the end of the run")
+        sar._begin()
+        await soon(lambda: not sar.run.running, "the end of the run")
 
     asyncio.run(until_done())
 
 
-def test_closed_forms_stand_before_any_run(sar: SarPage) -> None:
+def test_closed_forms_are_there_before_any_run(sar: SarPage) -> None:
     assert "Use strategy 2" in sar._answer.object
     assert "misses the limit" in sar._answer.object
-    assert "have not been run" in sar._state.object
-    assert "6 tracking filter ⁽ʳ⁾" in sar._tables.object
-    assert "reconstruction" in sar._tables.object
+    assert "have not been run" in sar._bar.state.object
+    assert sar._found.object == ""
+    assert "6 tracking filter ⁽ʳ⁾" in sar._errors.object
+    assert "reconstruction" in sar._errors.object
+    assert sar._tables.object == ""
 
 
 def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session: Session) -> None:
     run(sar)
     assert not session.running
-    assert "The runs match the design" in sar._state.object
-    assert "In 100 runs" in sar._answer.object
-    assert [pane.object.count("<figure") for pane in sar._pictures] == [9, 9]
-    assert "stale" not in sar._tables.object + sar._headings[0].object
+    assert "The runs match the design. 100 runs of the error model, seed 0." in sar._bar.state.object
+    assert "In 100 runs" in sar._found.object
+    panels = (sar._points, sar._scene)
+    assert [panel._pictures.object.count("<figure") for panel in panels] == [9, 9]
+    assert sar._tables.object.count("<table") == 3
+    marked = (sar._found, sar._tables, *(panel._heading for panel in panels))
+    assert not any("stale" in pane.object for pane in marked)
     before = sar._answer.object
     session.change({"requirements.quadratic_phase": 0.1})
     assert "stale" not in sar._tables.object  # the ensemble knows no requirement
     session.change({"gnss.position_noise": 0.001})
-    for pane in (sar._answer, sar._tables, sar._state, *sar._headings):
-        assert "stale" in pane.object
+    assert all("stale" in pane.object for pane in marked)
+    assert "The runs are of an earlier design: run again." in sar._bar.state.object
     assert sar._answer.object != before
     assert "these have 1 mm" in sar._answer.object
     session.undo()
@@ -86,34 +92,38 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
 
 
 def test_a_run_is_told_step_by_step_and_cancelled_at_once(session: Session) -> None:
-    told: list[Progress | SarResult | str] = []
-    runner = SarRun(told.append)
+    said: list[str] = []
 
-    async def begin_and_cancel() -> None:
-        runner.start(session.budget, 1000, 0)
-        await soon(lambda: len(told) >= 2, "the first chunk")
-        runner.cancel()
-        await soon(lambda: not runner.running, "the end of the run")
+    async def work(run: Run) -> SarResult:
+        return await run_strategies(run, session.budget, 1000, 0)
 
-    asyncio.run(begin_and_cancel())
-    assert told[0] == Progress(0, 1000, None)
-    assert isinstance(told[1], Progress)
-    assert told[1].done == 50
-    assert told[1].left is not None
-    assert told[-1] == "Cancelled."
-    assert not runner.running
-    assert not any(isinstance(news, SarResult) for news in told)
+    def stop(event: Any) -> None:
+        if event.new is not None:
+            said.append(event.new.what)
+            if event.new.share:
+                runner.cancel()
+
+    runner = Run()
+    runner.param.watch(stop, "progress")
+
+    async def begin() -> None:
+        await runner.start(work)
+
+    asyncio.run(begin())
+    assert said == ["0 of 1000 runs", "50 of 1000 runs"]
+    assert runner.message == "Cancelled: 50 of 1000 runs."
+    assert runner.result is None
 
 
 def test_what_cannot_be_run_is_said(sar: SarPage, session: Session) -> None:
-    sar._seed.value = "-1"
+    sar.seed = "-1"
     run(sar)
-    assert "Seed" in sar._state.object
-    assert "whole number from 0" in sar._state.object
-    sar._seed.value = "0"
+    assert "Seed" in sar._bar.state.object
+    assert "whole number from 0" in sar._bar.state.object
+    sar.seed = "0"
     session.change({"radar.grazing_angle": np.pi / 2})
     run(sar)
-    assert "radar.grazing_angle" in sar._state.object
+    assert "radar.grazing_angle" in sar._bar.state.object
     assert not session.running
 
 
@@ -137,34 +147,42 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     sar: SarPage, session: Session
 ) -> None:
     upload = sar._upload
-    asyncio.run(upload._opened(_event(upload, "mine.npz", b"junk")))
-    assert "Run the strategies first" in upload._picture.object
+
+    def form(**changes: Any) -> str:
+        async def change() -> None:
+            upload.param.update(**changes)
+            await soon(lambda: not upload.run.running, "the end of the forming")
+
+        asyncio.run(change())
+        return upload._bar.state.object
+
+    assert "run the strategies first" in form(file=("mine.npz", b"junk"))
+    upload.file = None
     run(sar)
-    asyncio.run(upload._opened(_event(upload, "<b>.npz", b"junk")))
-    assert "&lt;b&gt;.npz: not a readable npz" in upload._picture.object
-    asyncio.run(upload._opened(_event(upload, "big.npz", bytes(sar_upload.MOST_BYTES + 1))))
-    assert "big.npz: 32 MiB; at most" in upload._picture.object
-    asyncio.run(upload._opened(_event(upload, "point.npz", _point_file())))
-    assert upload._picture.object.count("<figure") == 2
-    assert "without navigation error" in upload._picture.object
-    assert upload._take.view.visible
+    assert "&lt;b&gt;.npz: not a readable npz" in form(file=("<b>.npz", b"junk"))
+    assert form(file=("point.npz", _point_file())) == ""
+    pictures = upload._pictures
+    assert pictures._pictures.object.count("<figure") == 2
+    assert "without navigation error" in pictures._pictures.object
+    assert pictures._view.visible
     kept = session.findings["sar"]
     (images,) = (part for part in sections(kept, "d") if part.title == "SAR: images")
     assert [block.chart.key for block in images.blocks] == ["sar-point", "sar-scene", "sar-phase-history"]
     assert "point.npz" in to_svg(images.blocks[-1].chart)
+    assert "wide&#x27; is not a number from 1 to 5000" in form(half_width="wide")
+    assert not pictures._view.visible
+    form(half_width="60")
+    assert pictures._view.visible
 
-    async def widen() -> None:  # inside a loop: outside, the framework would make one of its own and leave it
-        upload._half.value = "wide"
-        await upload._form()
+    async def study_again() -> None:
+        sar._begin()
+        await soon(lambda: not sar.run.running and not upload.run.running, "the end of both")
 
-    asyncio.run(widen())
-    assert "wide&#x27; is not a number from 1 to 5000" in upload._picture.object
-    assert not upload._take.view.visible
-
-
-def _event(upload: Any, name: str, data: bytes) -> Any:
-    upload._input.filename = name
-    return type("Event", (), {"new": data})
+    asyncio.run(study_again())
+    assert pictures._view.visible  # formed with the new study's error
+    assert session.findings["sar"].uploaded is pictures.chart
+    upload._refused("larger than 34 MB")
+    assert "Not formed. larger than 34 MB" in upload._bar.state.object
 
 
 def _point_file() -> bytes:
@@ -180,9 +198,13 @@ def _point_file() -> bytes:
 
 
 def test_pictures_say_what_they_show_and_escape_it() -> None:
-    html = gallery(np.zeros((1, 4, 4)), ["<i>"], ['a "b"'], "azimuth", "reference")
+    html = picture_gallery(
+        PictureChart(
+            "k", "t", "x [m]", "y [m]", np.arange(4.0), np.arange(4.0), np.zeros((1, 4, 4)), ("<i>",), ('a "b"',), "r"
+        )
+    )
     assert "<i>" not in html
-    assert 'alt="&lt;i&gt;: a &quot;b&quot;; azimuth"' in html
+    assert 'alt="&lt;i&gt;: a &quot;b&quot;; x 0 to 3 m across, y 0 to 3 m upwards"' in html
 
 
 def test_sar_command_writes_the_study(
@@ -221,11 +243,11 @@ def test_sar_command_refuses_in_one_line(
 
 def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPage, session: Session) -> None:
     session.change({"radar.aperture_time": 3.0})
-    sar._engine.value = "simulator"
+    sar.engine = "simulator"
     run(sar)
-    assert "100 flights of the simulator" in sar._state.object
+    assert "100 flights of the simulator" in sar._bar.state.object
     assert "The two engines beside each other" in sar._tables.object
-    assert "WGS 84" in sar._tables.object
+    assert "WGS 84" in sar._cautions.object
     result = sar._result
     assert result is not None
     assert (result.study.engine, result.beside.engine) == ("simulator", "fast")
@@ -238,14 +260,13 @@ def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPa
 
 
 def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.MonkeyPatch) -> None:
-    import app.subjects.sar.picture_downloads as downloads
+    import app.subjects.sar.picture_panel as panels
 
-    monkeypatch.setattr(downloads, "elsewhere", here)
-    point, scene = sar._downloads
-    assert not point.view.visible
-    assert not sar._whole.visible
+    monkeypatch.setattr(panels, "elsewhere", here)
+    point, scene = sar._points, sar._scene
+    assert not point._view.visible
     run(sar)
-    assert point.view.visible
+    assert point._view.visible
     shown = sar._result.points
     with np.load(point._npz()) as packed:
         assert packed["power_db"].shape == (9, 61, 121)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
 import numpy as np
+import param
 import pytest
 from waiting import soon
 
@@ -17,31 +19,24 @@ from app.charts.legend import legend_html
 from app.charts.print.svg import to_svg
 from app.charts.screen.figures import to_bokeh
 from app.charts.styles import STYLES
+from app.document.blocks import Table
+from app.document.pane import html_of
 from app.session import Session
 from app.subjects.simulation import charts
 from app.subjects.simulation import run as simulation_run
-from app.subjects.simulation.page import SimulatePage
-from app.subjects.simulation.run import Compiling, News, Progress, Result, SimulationRun, outages_of, same_subject
-from app.subjects.simulation.tables import answer, under_way
+from app.subjects.simulation.charts import CHARTS
+from app.subjects.simulation.files import as_csv, as_json, as_npz
+from app.subjects.simulation.page import SimulatePage, outages_of
+from app.subjects.simulation.run import Flown, fly, same_subject
+from app.subjects.simulation.tables import findings, verdict
+from app.work import simulator
+from app.work.run import Run
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.simulation.design_study import SimulationStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
 
 DESIGN = Design({"name": "<b>paper</b>", "flight.speed": 50.0})
-CHARTS = (
-    charts.horizontal_position_chart,
-    charts.vertical_position_chart,
-    charts.horizontal_velocity_chart,
-    charts.vertical_velocity_chart,
-    charts.tilt_chart,
-    charts.yaw_chart,
-    charts.outage_chart,
-    charts.ensemble_chart,
-    charts.nees_chart,
-    charts.path_chart,
-    charts.designed_attitude_chart,
-)
 
 
 @cache
@@ -55,68 +50,78 @@ def study() -> SimulationStudy:
     return _study(((40, 60),))
 
 
-def _fly(spec_options: dict[str, object], during: Callable[[SimulationRun, News], None]) -> list[News]:
-    """Run to the end in a loop of its own; `during` sees every piece of news as it comes."""
-    heard: list[News] = []
+def _fly(spec_options: dict[str, object], during: Callable[[Run], None] = lambda run: None) -> tuple[Run, list[str]]:
+    """Run to the end in a loop of its own; `during` sees the run at every piece of progress, whose words are kept."""
+    said: list[str] = []
 
-    async def main() -> None:
-        def told(news: News) -> None:
-            heard.append(news)
-            during(run, news)
+    async def main() -> Run:
+        def told(event: param.parameterized.Event) -> None:
+            if event.new is not None:
+                said.append(event.new.what)
+                during(run)
 
-        run = SimulationRun(told)
-        run.start(DESIGN, specification(DESIGN, **spec_options))  # type: ignore[arg-type]
-        await soon(lambda: not run.running, "the end of the run")
+        async def work(run: Run) -> Flown:
+            return await fly(run, DESIGN, specification(DESIGN, **spec_options))  # type: ignore[arg-type]
+
+        run = Run()
+        run.param.watch(told, "progress")
+        await run.start(work)
+        return run
 
     with ThreadPoolExecutor(1) as thread:  # browser tests leave a loop running in the main one
-        thread.submit(asyncio.run, main()).result()
-    return heard
+        return thread.submit(asyncio.run, main()).result(), said
 
 
 def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
     options: dict[str, object] = {"runs": 80, "duration": 60.0, "every": 2.0, "outages": ((40, 60),)}
-    heard = _fly(options, lambda run, news: None)
-    done = [news.done for news in heard if isinstance(news, Progress)]
+    run, said = _fly(options)
+    assert said[0] == "Preparing the simulator"
+    done = [int(words.split()[0]) for words in said if words.endswith("of 80 runs")]
     assert done == sorted(done)
     assert (done[0], done[-1]) == (0, 80)
-    last = heard[-1]
-    assert isinstance(last, Result)
-    assert not last.partial
-    assert np.array_equal(last.study.result.rms, _study(((40, 60),), runs=80).result.rms)
+    assert not run.result.partial
+    assert run.message == ""
+    assert np.array_equal(run.result.study.result.rms, _study(((40, 60),), runs=80).result.rms)
+
+
+def test_what_is_found_so_far_is_shown_and_stays_partial_when_the_run_is_cancelled(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(simulation_run, "_LOOK_SECONDS", 0.0)
+
+    def stop(run: Run) -> None:
+        if run.result is not None:
+            run.cancel()
+
+    run, _ = _fly({"runs": 5000, "duration": 60.0}, stop)
+    assert run.result.partial
+    assert 0 < run.result.study.result.spec.runs < run.result.wanted == 5000
+    assert re.fullmatch(r"Cancelled: [1-9]\d* of 5000 runs\.", run.message)
 
 
 def _slow_start() -> None:
-    time.sleep(2.5)
+    time.sleep(0.5)
 
 
-@pytest.mark.slow
-def test_a_compilation_is_told_as_it_goes_and_can_be_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulation_run, "warm_up", _slow_start)
-    heard = _fly({"runs": 2, "duration": 10.0}, lambda run, news: None)
-    waits = [news.seconds for news in heard if isinstance(news, Compiling)]
-    assert len(waits) >= 2
-    assert waits == sorted(waits)
-    assert isinstance(heard[-1], Result)
-    heard = _fly({"runs": 2, "duration": 10.0}, lambda run, news: run.cancel())
-    assert heard[-1] == "Cancelled after 0 of 2 runs."
+def test_a_compilation_is_told_and_can_be_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulator, "warm_up", _slow_start)
+    monkeypatch.setattr(simulator, "_SURELY_COMPILING", 0.01)
+    run, said = _fly({"runs": 2, "duration": 10.0})
+    assert said[1] == "Compiling the simulator, once for this installation"
+    assert run.result.wanted == 2
 
-
-def test_cancel_ends_at_once_and_says_how_far_it_was() -> None:
-    done: list[int] = []
-
-    def stop(run: SimulationRun, news: News) -> None:
-        if isinstance(news, Progress) and news.done and not done:
-            done.append(news.done)
+    def stop(run: Run) -> None:
+        if run.progress.what == said[1]:
             run.cancel()
 
-    heard = _fly({"runs": 5000, "duration": 300.0}, stop)
-    assert heard[-1] == f"Cancelled after {done[0]} of 5000 runs."  # not one chunk was waited for
+    run, _ = _fly({"runs": 2, "duration": 10.0}, stop)
+    assert run.message == "Cancelled: Compiling the simulator, once for this installation."
+    assert run.result is None
 
 
 def test_a_flight_that_cannot_be_flown_is_said_in_words() -> None:
-    heard = _fly({"runs": 2, "duration": 60.0, "trajectory": "turns"}, lambda run, news: None)
-    assert isinstance(heard[-1], str)
-    assert heard[-1].startswith("Not flown. duration: 60.0 cannot be simulated; the turns take")
+    run, _ = _fly({"runs": 2, "duration": 60.0, "trajectory": "turns"})
+    assert run.message.startswith("duration: 60.0 cannot be simulated; the turns take")
 
 
 @pytest.mark.parametrize(
@@ -179,20 +184,17 @@ def test_the_charts_carry_the_studys_numbers(study: SimulationStudy) -> None:
     assert down.bands[0].high == pytest.approx(result.percentiles[95.0][:, 2])
 
 
-def test_the_verdict_comes_first_in_words_and_what_people_write_is_inert(study: SimulationStudy) -> None:
-    result = Result(DESIGN, study, partial=False)
-    fresh, stale = answer(result, stale=False), answer(result, stale=True)
-    assert study.result.verdict.partition(": ")[0].capitalize() in fresh[:200]
-    assert study.result.verdict.partition(": ")[2] in fresh
-    assert "stale" not in fresh
-    assert "stale" in stale
-    assert "<b>paper" not in fresh
-    assert "more are flying" in answer(Result(DESIGN, study, partial=True), stale=False)
-    assert "Where closed form and simulation part" in fresh
-    assert "40 of 200 runs, 3 s left" in under_way(Progress(40, 200, 3.2))
-    assert "Preparing" in under_way(Progress(0, 200, None))
-    assert "Preparing" in under_way(Compiling(1.0))  # a worker is starting: nothing worth a word
-    assert "once for this installation" in under_way(Compiling(9.0))
+def test_the_verdict_and_its_tables_are_the_studys(study: SimulationStudy) -> None:
+    said = verdict(study)
+    assert study.result.verdict.partition(":")[0].partition(",")[0] in said.word.lower()
+    nees = study.result.nees
+    figures = [float(text) for text in re.findall(r"\d+\.\d+", said.sentences[0])]
+    assert figures == pytest.approx([nees.mean, nees.low, nees.high], rel=5e-3)
+    blocks = findings(study, "page")
+    titles = [block.caption for block in blocks if isinstance(block, Table)]
+    assert titles[0] == "What was flown"
+    assert titles[-1] == "Where formula and simulation differ, and why"
+    assert html_of(said, *blocks).count("<table") == len(titles) == 3
 
 
 # The widget library sets both of its own button parameters.
@@ -201,22 +203,22 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     session = Session(DESIGN)
     page = SimulatePage(session)
     for change, said in (
-        ({"_runs": "5000"}, "Runs: "),
-        ({"_runs": "many"}, "Runs: "),
-        ({"_seed": "-1"}, "Seed: "),
-        ({"_length": "nan"}, "Length: "),
-        ({"_length": ""}, "Length: "),
-        ({"_outages": "later"}, "outages: "),
-        ({"_flight": "file"}, "Trajectory file: none given yet"),
-        ({"_runs": "2000", "_length": "10000"}, "Length: "),
+        ({"runs": "5000"}, "Runs: "),
+        ({"runs": "many"}, "Runs: "),
+        ({"seed": "-1"}, "Seed: "),
+        ({"length": "nan"}, "Length: "),
+        ({"length": ""}, "Length: "),
+        ({"outages": "later"}, "outages: "),
+        ({"trajectory": "file"}, "Trajectory file: none given yet"),
+        ({"runs": "2000", "length": "10000"}, "Length: "),
     ):
-        before = {name: getattr(page, name).value for name in change}
+        before = {name: getattr(page, name) for name in change}
         for name, value in change.items():
-            getattr(page, name).value = value
+            setattr(page, name, value)
         with pytest.raises(InputError, match=f"^{said}"):
             page._specification()
         for name, value in before.items():
-            getattr(page, name).value = value
+            setattr(page, name, value)
     assert page._specification().outages == ((200.0, 300.0),)
     boxes = page._more.boxes
     boxes["gyro.bias_instability"].value = "25 °/h"
@@ -231,17 +233,43 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert not boxes["gyro.bias_instability"].error_state
     assert page._specification().imu.gyro.bias_instability == 0.0
     assert page._more.given.object == ""
-    page._told(Result(DESIGN, study, partial=False))
+    assert not page._bar.state.object
+    page.run.result = Flown(study, 12)
     figures = [chart.figure.plot for chart in page._charts]
     assert len(figures) == len(CHARTS)
-    assert "stale" not in page._answer.object
+    assert session.findings["simulation"] is study
+    assert "✓ Consistent" in page._answer.object
+    assert "stale" not in page._note.object
+    assert "Partial" not in page._note.object
+    assert "<b>paper" not in page._note.object  # what people write is inert
     session.change({"imu.angle_random_walk": 1e-4})
     page.show(session.budget)
-    assert "stale" in page._answer.object
+    assert "stale" in page._note.object
     session.undo()
-    page._told(Result(session.design, study, partial=False))
+    other = _study(runs=7)
+    page.run.result = Flown(other, 200)
     assert [chart.figure.plot for chart in page._charts] == figures
-    assert "stale" not in page._answer.object
-    assert page._npz().getbuffer()[:2] == b"PK"
-    assert page._csv().getvalue().startswith(b"time_s,nees")
-    assert b'"consistent"' in page._json().getvalue()
+    assert "stale" not in page._note.object
+    assert "Partial: 7 of 200 runs." in page._note.object
+    assert session.findings["simulation"] is study  # of all its runs
+    down = np.abs(other.result.worst.error[1, :, 2])
+    page.axis = "down"
+    assert charts.ensemble_chart(other, "down").lines[2].y == pytest.approx(down)
+    assert as_npz(other)[:2] == b"PK"
+    assert as_csv(other).startswith("time_s,nees")
+    assert '"consistent"' in as_json(other)
+
+
+@pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+def test_what_the_fields_refuse_is_said_at_the_bar() -> None:
+    page = SimulatePage(Session(DESIGN))
+    page.outages = "later"
+
+    async def begin() -> None:
+        page._begin()
+        await soon(lambda: not page.run.running, "the end of the run")
+
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, begin()).result()
+    assert "later&#x27; is not start,stop in seconds" in page._bar.state.object
+    assert page.run.result is None

@@ -1,0 +1,83 @@
+"""Pictures on the page: all at one scale, and to take away as numbers (NPZ, CSV) or as they print (SVG)."""
+
+from __future__ import annotations
+
+import io
+from html import escape
+
+import numpy as np
+import panel as pn
+import param
+
+from app.charts.kinds import PictureChart
+from app.charts.print.svg import to_svg
+from app.charts.screen.pictures import picture_gallery
+from app.ui.downloads import download
+from app.ui.html_pane import html_pane
+from app.work.pool import elsewhere
+
+
+class PicturePanel(pn.viewable.Viewer):
+    """The pictures of one chart under its title, with links; nothing while there is none."""
+
+    chart: PictureChart | None = param.ClassSelector(class_=PictureChart, default=None, allow_None=True)
+    stale = param.String(default="", doc="Mark beside the title, as HTML.")
+
+    def __init__(self, title: str, key: str, *, pair: bool = False) -> None:
+        """Title and key are those of the links and their files; a `pair` is shown large."""
+        super().__init__()
+        self._pair = pair
+        # Heading and pictures apart: the mark of a stale study must not send the pictures again.
+        self._heading, self._pictures = html_pane("", margin=(8, 10, 0, 10)), html_pane("")
+        links = (
+            download(f"{title}: {kind}", f"{key}.{kind.lower()}", make)
+            for make, kind in ((self._npz, "NPZ"), (self._csv, "CSV"), (self._svg, "SVG"))
+        )
+        self._view = pn.Column(
+            self._heading,
+            self._pictures,
+            pn.FlexBox(*links, sizing_mode="stretch_width", margin=(0, 4)),
+            visible=self.param.chart.rx.is_not(None),
+            sizing_mode="stretch_width",
+            margin=0,
+        )
+
+    def __panel__(self) -> pn.Column:
+        return self._view
+
+    @param.depends("chart", "stale", watch=True)
+    def _head(self) -> None:
+        if self.chart is not None:
+            self._heading.object = f"<h3>{escape(self.chart.title)}</h3>{self.stale}"
+
+    @param.depends("chart", watch=True)
+    def _draw(self) -> None:
+        if self.chart is not None:
+            gallery = picture_gallery(self.chart)
+            self._pictures.object = f'<div class="pair">{gallery}</div>' if self._pair else gallery
+
+    def _shown(self) -> PictureChart:
+        assert self.chart is not None  # the links are hidden without one
+        return self.chart
+
+    def _npz(self) -> io.BytesIO:
+        chart, packed = self._shown(), io.BytesIO()
+        np.savez_compressed(packed, names=np.array(chart.names), x_m=chart.x, y_m=chart.y, power_db=chart.power_db)
+        packed.seek(0)
+        return packed
+
+    async def _csv(self) -> io.BytesIO:
+        return io.BytesIO((await elsewhere(pictures_csv, self._shown())).encode("utf-8"))
+
+    async def _svg(self) -> io.BytesIO:
+        return io.BytesIO((await elsewhere(to_svg, self._shown())).encode("utf-8"))
+
+
+def pictures_csv(chart: PictureChart) -> str:
+    """The pictures as a table, a pixel a line and a column a picture."""
+    y, x = np.meshgrid(chart.y, chart.x, indexing="ij")
+    table = np.column_stack([x.ravel(), y.ravel(), *(power.ravel() for power in chart.power_db)])
+    head = ",".join([chart.x_label, chart.y_label, *(f'"{name} [dB]"' for name in chart.names)])
+    text = io.StringIO()
+    np.savetxt(text, table, fmt="%.5g", delimiter=",", header=head, comments="")
+    return text.getvalue()

@@ -1,0 +1,48 @@
+"""The simulator made ready on this server: compiled once, beside the pages, before the first run waits for it."""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+from collections.abc import Awaitable
+from typing import TypeVar
+
+from app.work.run import Run
+from nav_model.simulation.warm import warm_up
+
+_T = TypeVar("_T")
+_SURELY_COMPILING = 4.0  # seconds: a process that finds the compiled simulator on disk is ready by then
+
+_prepared: asyncio.Task[None] | None = None
+
+
+def prepare() -> asyncio.Task[None]:
+    """Have the simulator compiled, once per server."""
+    global _prepared
+    loop = asyncio.get_running_loop()
+    if _prepared is None or _prepared.get_loop() is not loop:
+        _prepared = loop.create_task(_compile())
+    return _prepared
+
+
+async def _compile() -> None:
+    """In a process of its own: the pool's are for people who wait. What goes wrong there the first run tells."""
+    process = multiprocessing.get_context("spawn").Process(target=warm_up, daemon=True)
+    process.start()
+    await asyncio.to_thread(process.join)
+
+
+async def made_ready(run: Run, preparing: Awaitable[_T]) -> _T:
+    """What `preparing` gives, while `run` says what it waits for; it is cancelled with the run.
+
+    Give ``asyncio.shield(prepare())`` for the preparation that everybody waits for.
+    """
+    run.tell("Preparing the simulator")
+    task = asyncio.ensure_future(preparing)
+    try:
+        await asyncio.wait({task}, timeout=_SURELY_COMPILING)
+        if not task.done():
+            run.tell("Compiling the simulator, once for this installation")
+        return await task
+    finally:
+        task.cancel()

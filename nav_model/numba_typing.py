@@ -1,0 +1,35 @@
+"""What Numba has found out about an operation's types is remembered.
+
+For every `a[i]` in a kernel Numba asks up to eleven templates in turn, and each of them compares all the compiler's
+flags: a fifth of the time that compiling takes. The answer depends on the function with its templates, the types
+and the flags alone, which is what each template's own memory goes by.
+
+Written for: numba 0.68.1
+Upstream: none found, searched 2026-11-22
+Needless when: tests/nav_model/test_numba_typing.py::test_as_shipped_every_use_is_looked_up_again fails
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core.targetconfig import ConfigStack
+from numba.core.types.functions import BaseFunction
+
+_function: Any = BaseFunction  # Numba's types leave out part of what is used here
+_stack: Any = ConfigStack
+as_shipped: Any = BaseFunction.get_call_type
+_signatures: dict[Any, Any] = {}
+
+
+def remembered(function: Any, context: Any, args: Any, kws: Any) -> Any:
+    """The signature `function` has for arguments of these types; raises as Numba does where it has none."""
+    key = function, context, tuple(args), tuple(kws.items()), _stack.top_or_none()
+    if key not in _signatures:
+        _signatures[key] = as_shipped(function, context, args, kws)
+    return _signatures[key]
+
+
+def remember() -> None:
+    """Have Numba ask here first, in this process."""
+    _function.get_call_type = remembered
