@@ -12,6 +12,7 @@ from typing import Any
 
 import param
 
+from app.declared import declared, held
 from app.work.run import Run
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
@@ -37,14 +38,14 @@ class Session(param.Parameterized):
     of this person alone, ``presenting`` while a review is shown to a room.
     """
 
-    lineage: Lineage = param.ClassSelector(class_=Lineage, allow_None=False, instantiate=False)
-    budget: Budget = param.ClassSelector(class_=Budget, allow_None=False, instantiate=False)
+    lineage = held(Lineage, constant=False)
+    budget = held(Budget, constant=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
     presenting = param.Boolean(default=False, doc="Whether a decision is shown to a room: tools stand back.")
-    study_link: str = param.String(
-        doc="The suborbital study as a link says it; empty until one is linked or changed."
+    study_link = param.String(doc="The suborbital study as a link says it; empty until one is linked or changed.")
+    findings: dict[str, Any] = declared(
+        param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
     )
-    findings: dict[str, Any] = param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
     can_undo = param.Boolean(default=False)
     can_redo = param.Boolean(default=False)
 

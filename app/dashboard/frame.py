@@ -14,6 +14,7 @@ import param
 from app.dashboard.lifeline import THEME_COOKIE, Lifeline
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
+from app.declared import held
 from app.session import Lineage, Session
 from app.subjects import SUBJECTS
 from app.ui.faults import tell_here
@@ -41,7 +42,7 @@ class Page(Protocol):
 class Frame(pn.viewable.Viewer):
     """The page of one session."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    session = held(Session)
 
     def __init__(self, session: Session, notice: str = "") -> None:
         super().__init__(session=session)

@@ -9,6 +9,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import held
 from app.report.studies import belonging
 from app.session import Session
 from app.subjects import STUDIES
@@ -18,7 +19,7 @@ from app.ui.html_pane import html_pane
 class ReportChoice(pn.viewable.Viewer):
     """Boxes beside the report buttons once a study is finished; every study of the design in force is ticked."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    session = held(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

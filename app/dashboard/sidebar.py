@@ -7,6 +7,7 @@ import panel_material_ui as pmui
 import param
 
 from app.dashboard.controls import SECTION_TITLES, Control, section_controls
+from app.declared import held
 from app.session import Session
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -18,9 +19,9 @@ _FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with. The se
 class Sidebar(pn.viewable.Viewer):
     """Every input of the design in force; a section's controls are made when it is first opened."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
-    explained: bool = param.Boolean(default=False, label="Explain every input")
-    name_of_design: str = param.String(label="Design")
+    session = held(Session)
+    explained = param.Boolean(default=False, label="Explain every input")
+    name_of_design = param.String(label="Design")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, name_of_design=session.design.name)
@@ -37,7 +38,7 @@ class Sidebar(pn.viewable.Viewer):
         )
         self._fill(_FIRST_OPEN[0])
         pn.state.onload(lambda: self._fill(_FIRST_OPEN[1]))
-        accordion.param.watch(lambda event: [self._fill(index) for index in event.new], "active")
+        accordion.param.watch(self._opened, "active")
         self.parts = [
             pmui.TextInput.from_param(
                 self.param.name_of_design, description="", size="small", max_length=200, margin=(14, 10, 0, 10),
@@ -49,6 +50,10 @@ class Sidebar(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.Column:
         return pn.Column(*self.parts, margin=0, sizing_mode="stretch_width")
+
+    def _opened(self, event: param.parameterized.Event) -> None:
+        for index in event.new:
+            self._fill(index)
 
     def _fill(self, index: int) -> None:
         """Make a section's controls when it is first opened: a page of closed sections loads faster."""

@@ -14,6 +14,7 @@ import panel_material_ui as pmui
 import param
 
 from app.dashboard.report_choice import ReportChoice
+from app.declared import held
 from app.document.wording import chapter_key
 from app.report import report_bytes
 from app.report.studies import study_sections
@@ -49,7 +50,7 @@ class Toolbar(pn.viewable.Viewer):
         Where the examples appear when they are asked for.
     """
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    session = held(Session)
 
     def __init__(self, session: Session, say: Say, examples: pn.Column) -> None:
         super().__init__(session=session)

@@ -141,7 +141,7 @@ def _data_rows(chart: AnyChart) -> list[tuple[str, ...]]:
         return [tuple(_short(cell) for cell in row) for row in chart.rows()]
     if isinstance(chart, MapChart):
         return _map_rows(chart)
-    rows = [("series", chart.x_label, chart.y_label)]
+    rows: list[tuple[str, ...]] = [("series", chart.x_label, chart.y_label)]
     for line in chart.lines:
         seen = [i for i, y in enumerate(line.y) if y == y]
         step = max(1, (len(seen) - 1) // (_TABLE_ROWS - 1))
@@ -158,7 +158,7 @@ def _data_rows(chart: AnyChart) -> list[tuple[str, ...]]:
 
 def _map_rows(chart: MapChart) -> list[tuple[str, ...]]:
     """Every few cells of a map, then its points."""
-    rows = [(chart.x_label, chart.y_label, "name", chart.value_label)]
+    rows: list[tuple[str, ...]] = [(chart.x_label, chart.y_label, "name", chart.value_label)]
     for i in range(0, len(chart.y), max(1, len(chart.y) // _MAP_ROWS)):
         for j in range(0, len(chart.x), max(1, len(chart.x) // _MAP_ROWS)):
             where = number(chart.x[j]), number(chart.y[i])

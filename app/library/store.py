@@ -9,15 +9,14 @@ from __future__ import annotations
 
 import functools
 import secrets
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
-from sqlalchemy import Connection, text
+from sqlalchemy import Connection, RowMapping, text
 
 from app.document.verdict import verdict_of
 from app.library.engine import engine_at, said
@@ -360,13 +359,13 @@ def _holds(words: Sequence[str], texts: Sequence[str]) -> bool:
     return all(word in all_text for word in words)
 
 
-def as_revision(row: Mapping[str, Any]) -> Revision:
+def as_revision(row: RowMapping) -> Revision:
     """A row of the table of revisions."""
     closes = None if row["closes"] is None else bool(row["closes"])
     return Revision(**{**{name: row[name] for name in Revision.__dataclass_fields__}, "closes": closes})
 
 
-def _saved(row: Mapping[str, Any], tags: Sequence[str]) -> Saved:
+def _saved(row: RowMapping, tags: Sequence[str]) -> Saved:
     latest = as_revision(row)
     return Saved(
         latest.design, latest.name, latest.number, bool(row["archived"]), tuple(tags), latest.author, latest.saved,

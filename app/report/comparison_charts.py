@@ -34,8 +34,9 @@ def phase_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> BarCha
 
     def bar(budget: Budget, label: str) -> Bar:
         phases = np.array([budget.sar.quadratic, budget.sar.detrended])
-        millimetres = 1000 * phase_to_metres(phases, budget.sar.wavelength)
-        return Bar(label, *map(float, np.degrees(phases)), *map(float, millimetres), "[S-5], [T-15], [S-6]")
+        first, second = map(float, np.degrees(phases))
+        first_mm, second_mm = map(float, 1000 * phase_to_metres(phases, budget.sar.wavelength))
+        return Bar(label, first, second, first_mm, second_mm, "[S-5], [T-15], [S-6]")
 
     return BarChart(
         key="phase",

@@ -56,7 +56,7 @@ def doubtful_inputs(design: Design) -> list[str]:
         if entry is not None:
             changed = deviations(design, section)
             doubtful += [
-                f"{names[name].label.lower()} ({sourced.status})"
+                f"{str(names[name].label).lower()} ({sourced.status})"
                 for name in names
                 if (sourced := entry.values.get(name)) is not None and not sourced.confirmed and name not in changed
             ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 from prometheus_client import CollectorRegistry, ProcessCollector, generate_latest
@@ -55,7 +56,7 @@ class ServerMetrics(Collector):
         families: dict[str, Metric] = {}
         for process in range(self._board.processes):
             pid = self._board.get(process, "pid")
-            for found in ProcessCollector(pid=lambda pid=pid: pid, registry=None).collect() if pid else ():
+            for found in ProcessCollector(pid=partial(int, pid), registry=None).collect() if pid else ():
                 family = families.setdefault(found.name, Metric(found.name, found.documentation, found.type))
                 for sample in found.samples:
                     family.add_sample(sample.name, {**sample.labels, "process": str(process)}, sample.value)
@@ -85,5 +86,5 @@ class MetricsHandler(RequestHandler):
             return True
         if self._rules.password_file is None:
             return False
-        provider: Any = self.application.auth_provider
+        provider: Any = self.application.auth_provider  # type: ignore[attr-defined]  # Panel's application has one
         return provider.get_user(self) is not None

@@ -86,8 +86,8 @@ class _Family:
         finally:
             self.starting = False
         self.members[process] = member
-        if self.stopping:  # told in between
-            self._stop()
+        if self.stopping:  # told in between, by a signal
+            self._stop()  # type: ignore[unreachable]
 
     def told(self, *_: Any) -> None:
         """Hand on a signal: the first lets heavy work end, the second does not wait."""

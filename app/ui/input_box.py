@@ -31,7 +31,7 @@ class InputBox(pn.viewable.Viewer):
         Moves the size of the input.
     """
 
-    error: str = param.String(doc="Why what was typed last is refused; empty if it was taken.")
+    error = param.String(doc="Why what was typed last is refused; empty if it was taken.")
 
     def __init__(self, key: str, box: pmui.TextInput | pmui.Select, slider: LogSlider | None = None) -> None:
         super().__init__()

@@ -10,6 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import held
 from app.ui.html_pane import html_pane
 from app.work.run import Progress, Run
 
@@ -22,8 +23,8 @@ class RunBar(pn.viewable.Viewer):
     fields: what the person chooses before a start, in front of the button.
     """
 
-    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    message: str = param.String(default="", doc="What to say between runs, as text, until a run says more.")
+    run = held(Run)
+    message = param.String(default="", doc="What to say between runs, as text, until a run says more.")
 
     def __init__(self, run: Run, start: Callable[[], object], label: str, *fields: Any) -> None:
         super().__init__(run=run)

@@ -34,4 +34,4 @@ def _get_default(descriptor: PropertyDescriptor[Any], model: Any) -> Any:
 
 def remember_defaults() -> None:
     """Put it in place; the server calls it once, before it serves."""
-    PropertyDescriptor._get_default = _get_default  # type: ignore[method-assign]
+    PropertyDescriptor._get_default = _get_default

@@ -21,7 +21,7 @@ class LimitedFileInput(pmui.FileInput):
 
     def __init__(self, refused: Callable[[str], None], **params: Any) -> None:
         # What became of the file is said beside it: the button would say "Uploaded" of a refused one too.
-        shipped = {"uploaded_label": f"{params.get('label', 'File')}: {{filename}}"}
+        shipped: dict[str, Any] = {"uploaded_label": f"{params.get('label', 'File')}: {{filename}}"}
         if params.get("size") == "small":  # its words would stay as large as those of a large one
             shipped["sx"] = {"fontSize": "0.8125rem"}
         super().__init__(**shipped | params)

@@ -68,4 +68,4 @@ def closed_is_no_fault(loop: asyncio.AbstractEventLoop, context: dict[str, Any])
 def repair() -> None:
     """Put it in place; the server calls it once, before it serves."""
     panel_document.schedule_write_events = _panels
-    ServerConnection.send_patch_document = _bokehs  # type: ignore[method-assign]
+    ServerConnection.send_patch_document = _bokehs

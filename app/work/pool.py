@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from typing import ParamSpec, TypeVar
+from typing import TypeVar, TypeVarTuple
 
 from nav_model.processes import worker_pool
 
-_P = ParamSpec("_P")
+_A = TypeVarTuple("_A")
 _T = TypeVar("_T")
 
 _NICENESS = 10  # of heavy work: a tenth of the share of a slider step, where both want the same core
@@ -64,7 +64,7 @@ def counted() -> Iterator[None]:
         _under_way -= 1
 
 
-async def elsewhere(function: Callable[_P, _T], *arguments: _P.args) -> _T:
+async def elsewhere(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
     """Run an importable function in a worker process.
 
     Raises

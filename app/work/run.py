@@ -11,6 +11,7 @@ from typing import Any
 
 import param
 
+from app.declared import declared
 from app.work.alone import RunLost
 
 _LEAST_SHARE = 0.01  # below it the time spent says little about the time left
@@ -71,12 +72,16 @@ class Run(param.Parameterized):
     another, whatever happens to the run after it.
     """
 
-    running: bool = param.Boolean(default=False, doc="Whether work is under way.")
-    progress: Progress | None = param.ClassSelector(
-        class_=Progress, default=None, allow_None=True, doc="How far the work under way is; None between runs."
+    running = param.Boolean(default=False, doc="Whether work is under way.")
+    progress: Progress | None = declared(
+        param.ClassSelector(
+            class_=Progress, default=None, allow_None=True, doc="How far the work under way is; None between runs."
+        )
     )
-    result: Any = param.Parameter(default=None, doc="The last result, which may be partial while work is under way.")
-    message: str = param.String(default="", doc="Why the last run ended without a result; empty if it had one.")
+    result: Any = declared(
+        param.Parameter(default=None, doc="The last result, which may be partial while work is under way.")
+    )
+    message = param.String(default="", doc="Why the last run ended without a result; empty if it had one.")
 
     def __init__(self, **params: Any) -> None:
         super().__init__(**params)

@@ -108,7 +108,7 @@ def _settings() -> Iterator[None]:
 
     with _settings_lock, matplotlib.rc_context():
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(_SETTINGS)
+        matplotlib.rcParams.update(_SETTINGS)  # type: ignore[arg-type]  # a dict of settings is one
         yield
 
 
@@ -143,7 +143,11 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
         handles.append(Patch(color=colour, alpha=0.25, linewidth=0, label=band.label))
     for line in chart.lines:
         style = STYLES[line.style]
-        look = {"color": style.colour, "linestyle": DASHES[style.dash], "linewidth": style.width * LINE_SCALE}
+        look: dict[str, Any] = {
+            "color": style.colour,
+            "linestyle": DASHES[style.dash],
+            "linewidth": style.width * LINE_SCALE,
+        }
         axes.plot(line.x, line.y, **look)
         handles.append(Line2D([], [], label=line.label, **look))
     for points in chart.points:
@@ -195,7 +199,7 @@ def _bars(axes: Any, chart: BarChart) -> list[Any]:
     handles: list[Any] = []
     for kind, colour, offset, hatch, dash in _BAR_KINDS:
         lengths = [getattr(bar, kind) for bar in chart.bars]
-        look = {
+        look: dict[str, Any] = {
             "facecolor": colour if not hatch else "white",
             "edgecolor": colour,
             "linewidth": 0.6,

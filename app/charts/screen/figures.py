@@ -18,6 +18,7 @@ from bokeh.models import (
     BoxAnnotation,
     ColumnDataSource,
     FactorRange,
+    Glyph,
     GlyphRenderer,
     HoverTool,
     Label,
@@ -28,7 +29,6 @@ from bokeh.models import (
     VArea,
 )
 from bokeh.models import Line as LineGlyph
-from bokeh.models.glyphs import Glyph
 from bokeh.plotting import figure
 from bokeh.transform import dodge
 

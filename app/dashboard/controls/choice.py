@@ -29,7 +29,7 @@ _CHOICES: dict[str, dict[Any, str]] = {
 class ChoiceControl(pn.viewable.Viewer):
     """A select, or a switch, for one choice."""
 
-    explained: bool = param.Boolean(default=False, doc="Whether the help line is shown.")
+    explained = param.Boolean(default=False, doc="Whether the help line is shown.")
 
     def __init__(self, session: Session, key: str) -> None:
         super().__init__()

@@ -15,7 +15,7 @@ from nav_model.design.presets import deviations, kind_of, preset_fill, preset_of
 class PresetControl(pn.viewable.Viewer):
     """The catalogue, first in its section, with a button that takes back what deviates from it."""
 
-    explained: bool = param.Boolean(default=False, doc="Whether the catalogue's note is shown.")
+    explained = param.Boolean(default=False, doc="Whether the catalogue's note is shown.")
 
     def __init__(self, session: Session, section: str) -> None:
         super().__init__()

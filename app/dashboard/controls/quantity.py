@@ -39,7 +39,7 @@ _EMPTY: dict[str, str] = {
 class QuantityControl(InputBox):
     """Box, unit and perhaps slider of one quantity."""
 
-    explained: bool = param.Boolean(default=False, doc="Whether the whole help line is shown.")
+    explained = param.Boolean(default=False, doc="Whether the whole help line is shown.")
 
     def __init__(self, session: Session, key: str) -> None:
         declaration = declaration_of(key)

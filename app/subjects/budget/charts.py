@@ -200,8 +200,8 @@ def phase_chart(budget: Budget) -> BarChart:
     sar = budget.sar
 
     def bar(label: str, quadratic: float, detrended: float, source: str) -> Bar:
-        millimetres = 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength)
-        return Bar(label, quadratic * _DEG, detrended * _DEG, *map(float, millimetres), source)
+        first, second = map(float, 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength))
+        return Bar(label, quadratic * _DEG, detrended * _DEG, first, second, source)
 
     left = AFTER_AUTOFOCUS[sar.autofocus_order]
     slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
@@ -257,7 +257,7 @@ def regime_chart(budget: Budget) -> Chart:
             + ("gyro noise limits the horizontal channel" if here > 10 else
                "accelerometer noise limits it, the gyro hardly matters to position" if here < 0.1 else
                "both matter")
-            + f"; the asymptote is {percent(abs(regime.asymptote_error(here)))} off here [T-6], [T-7]."
+            + f"; the asymptote is {percent(abs(float(regime.asymptote_error(here))))} off here [T-6], [T-7]."
         ),
     )  # fmt: skip
 
@@ -279,9 +279,10 @@ def response_chart(budget: Budget) -> Chart:
         if response is None
         else (
             f"1σ quadratic: width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')} "
-            f"({number(response.half_power_extent_cells)} cells), PSLR {decibels(response.pslr_fixed_db)}, "
-            f"ISLR {decibels(response.islr_fixed_db)} (outside the error-free main lobe, whole line), "
-            f"peak loss {decibels(-response.peak_loss_db)}."
+            f"({number(float(response.half_power_extent_cells))} cells), "
+            f"PSLR {decibels(float(response.pslr_fixed_db))}, "
+            f"ISLR {decibels(float(response.islr_fixed_db))} (outside the error-free main lobe, whole line), "
+            f"peak loss {decibels(-float(response.peak_loss_db))}."
         )
     )
     metres = cells * sar.cell_length

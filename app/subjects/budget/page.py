@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import panel as pn
-import param
 
 from app.charts.kinds import BarChart, Chart
+from app.declared import held
 from app.document.pane import html_of
 from app.document.verdict import verdict_of
 from app.report.cautions import caution_list
@@ -41,7 +41,7 @@ class BudgetPage(pn.viewable.Viewer):
     that nobody waits for what is below the fold.
     """
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    session = held(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

@@ -110,7 +110,8 @@ def _contours(x: Array, y: Array, ratio: Array, x_log: bool, y_log: bool) -> tup
     generator = contourpy.contour_generator(across, up, z)
     curves = []
     for level in LEVELS:
-        pieces = [part for line in generator.lines(math.log(level)) for part in (line, [[np.nan, np.nan]])]
+        gap = np.full((1, 2), np.nan)
+        pieces = [part for line in generator.lines(math.log(level)) for part in (np.asarray(line), gap)]
         whole = np.concatenate(pieces) if pieces else np.empty((0, 2))
         cx, cy = whole[:, 0], whole[:, 1]
         curves.append((np.exp(cx) if x_log else cx, np.exp(cy) if y_log else cy))

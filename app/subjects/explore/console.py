@@ -31,7 +31,7 @@ Rows = Iterable[Mapping[str, Any]]
 def solved(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     """The largest value of each input that meets each requirement, and all of them."""
     solutions = solve(design)
-    rows = [
+    rows: list[dict[str, Any]] = [
         {
             "input": answer.key,
             "requirement": answer.requirement,

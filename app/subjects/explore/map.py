@@ -13,6 +13,7 @@ from bokeh.events import Tap
 
 from app.charts.kinds import TradeMapChart, to_csv
 from app.charts.screen.maps import MapFigure
+from app.declared import declared, held
 from app.session import Session
 from app.subjects.explore.charts import map_chart
 from app.ui.chart_pane import described, source_note
@@ -42,10 +43,10 @@ _INPUTS = input_labels()
 class MapPanel(pn.viewable.Viewer):
     """Three choosers, the map, and what a click did."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
-    x: str = param.Selector(objects=_INPUTS, default=_X, label="X axis")
-    y: str = param.Selector(objects=_INPUTS, default=_Y, label="Y axis")
-    result: str = param.Selector(objects={label_of(name): name for name in RESULTS}, label="Result")
+    session = held(Session)
+    x: str = declared(param.Selector(objects=_INPUTS, default=_X, label="X axis"))
+    y: str = declared(param.Selector(objects=_INPUTS, default=_Y, label="Y axis"))
+    result: str = declared(param.Selector(objects={label_of(name): name for name in RESULTS}, label="Result"))
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, result=ALL if limits(session.design) else next(iter(FIGURES)))

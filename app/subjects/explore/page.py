@@ -7,8 +7,8 @@ from functools import partial
 from typing import Protocol
 
 import panel as pn
-import param
 
+from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.explore.map import MapPanel
@@ -32,7 +32,7 @@ class _Part(Protocol):
 class ExplorePage(pn.viewable.Viewer):
     """Everything below the tab."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    session = held(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

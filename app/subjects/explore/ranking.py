@@ -11,6 +11,7 @@ import param
 
 from app.charts.kinds import RankChart, to_csv
 from app.charts.screen.maps import RankFigure
+from app.declared import declared, held
 from app.session import Session
 from app.subjects.explore.charts import rank_chart
 from app.ui.chart_pane import described, source_note
@@ -25,8 +26,10 @@ from nav_model.explore.margins import label_of
 class RankPanel(pn.viewable.Viewer):
     """The ranking, with the figure it is of."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
-    figure: str = param.Selector(objects={label_of(name): name for name in FIGURES}, label="Figure to improve")
+    session = held(Session)
+    figure: str = declared(
+        param.Selector(objects={label_of(name): name for name in FIGURES}, label="Figure to improve")
+    )
 
     def __init__(self, session: Session) -> None:
         tightest = session.budget.verdict.tightest

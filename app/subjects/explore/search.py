@@ -11,6 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.explore.tables import pair_name, search_table
@@ -52,8 +53,8 @@ _KINDS: tuple[Kind, ...] = ("imu", "gnss")
 class SearchPanel(pn.viewable.Viewer):
     """The table, its filter, the user's own sensors, and the button that adopts a row."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
-    words: str = param.String(label="Show only rows with these words")
+    session = held(Session)
+    words = param.String(label="Show only rows with these words")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

@@ -6,6 +6,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import held
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.session import Session
@@ -43,8 +44,8 @@ _KNOWLEDGE = (
 class UncertaintyPanel(pn.viewable.Viewer):
     """A box for each input's range, and the answer."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
-    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
+    session = held(Session)
+    run = held(Run)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run())

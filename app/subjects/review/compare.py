@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import panel as pn
 import panel_material_ui as pmui
-import param
 
+from app.declared import held
 from app.document.pane import html_of
 from app.document.wording import design_labels
 from app.library.store import Revision
@@ -25,7 +25,7 @@ _HEIGHT = 340  # of a chart in pixels
 class CompareView(pn.viewable.Viewer):
     """Verdicts, differences, curves, link and report of the revisions last compared."""
 
-    desk: Desk = param.ClassSelector(class_=Desk, allow_None=False, instantiate=False, constant=True)
+    desk = held(Desk)
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk=desk)
@@ -54,8 +54,8 @@ class CompareView(pn.viewable.Viewer):
         self._tables.object = listed(revisions, "Compared") + html_of(*difference_tables(budgets, labels))
         # New figures for each comparison: they have as many lines as there are designs.
         self._charts.objects = [
-            ChartPane(lambda at, draw=draw: draw(*at), lambda: (budgets, labels), _HEIGHT).view
-            for draw in (position_comparison, phase_comparison)
+            ChartPane(lambda at: position_comparison(*at), lambda: (budgets, labels), _HEIGHT).view,
+            ChartPane(lambda at: phase_comparison(*at), lambda: (budgets, labels), _HEIGHT).view,
         ]
         self._link.value = comparison_link(revisions)
         self._tools.visible = True

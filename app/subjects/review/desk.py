@@ -11,6 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import declared, held
 from app.document.blocks import Answer, Bullets
 from app.document.pane import html_of
 from app.document.wording import shortened
@@ -33,12 +34,16 @@ BUTTON: dict[str, Any] = {"description": "", "size": "small", "variant": "outlin
 class Desk(param.Parameterized):
     """The person at the desk, what they picked, and the messages they get."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
-    picked: tuple[Revision, ...] = param.ClassSelector(
-        class_=tuple, default=(), doc=f"Revisions in the order they were picked, at most {MAX_ITEMS}."
+    session = held(Session)
+    picked: tuple[Revision, ...] = declared(
+        param.ClassSelector(
+            class_=tuple, default=(), doc=f"Revisions in the order they were picked, at most {MAX_ITEMS}."
+        )
     )
-    base: Revision | None = param.ClassSelector(
-        class_=Revision, default=None, doc="The revision that the design in force came from, if any."
+    base: Revision | None = declared(
+        param.ClassSelector(
+            class_=Revision, default=None, doc="The revision that the design in force came from, if any."
+        )
     )
     author = param.String(default="", doc="The name typed by whoever is at the desk.")
 

@@ -14,6 +14,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import held
 from app.document.wording import shortened
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.place import library
@@ -38,7 +39,7 @@ _EMPTY = (
 class LibraryView(pn.viewable.Viewer):
     """Above the list what can be done to the design in force, below it what can be done to the picked ones."""
 
-    desk: Desk = param.ClassSelector(class_=Desk, allow_None=False, instantiate=False, constant=True)
+    desk = held(Desk)
 
     def __init__(self, desk: Desk, compare: Callable[[], Awaitable[None]]) -> None:
         super().__init__(desk=desk)

@@ -10,6 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import held
 from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
 from app.session import Session
@@ -26,7 +27,7 @@ _LIBRARY, _COMPARE, _REVIEWS = range(3)
 class ReviewPage(pn.viewable.Viewer):
     """Everything below the tab."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    session = held(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

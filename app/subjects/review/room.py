@@ -10,6 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import declared, held
 from app.document.pane import html_of
 from app.document.wording import shortened
 from app.library.reviews import (
@@ -56,9 +57,11 @@ _SUBJECTS = {
 class ReviewRoom(pn.viewable.Viewer):
     """One review at a time, or the list of all."""
 
-    desk: Desk = param.ClassSelector(class_=Desk, allow_None=False, instantiate=False, constant=True)
-    review: Review | None = param.ClassSelector(
-        class_=Review, default=None, allow_None=True, instantiate=False, doc="The review at hand."
+    desk = held(Desk)
+    review: Review | None = declared(
+        param.ClassSelector(
+            class_=Review, default=None, allow_None=True, instantiate=False, doc="The review at hand."
+        )
     )
 
     def __init__(self, desk: Desk) -> None:

@@ -14,6 +14,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import AnyChart
+from app.declared import declared, held
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
@@ -41,9 +42,9 @@ _LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
 class SarPage(pn.viewable.Viewer):
     """Everything below the tab. Closed forms and maps follow the sliders; the ensemble runs on demand."""
 
-    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    engine: Engine = param.Selector(default="fast", objects=_ENGINES, label="Engine")
-    runs: int = param.Selector(default=_RUNS[0], objects=list(_RUNS), label="Runs")
+    run = held(Run)
+    engine: Engine = declared(param.Selector(default="fast", objects=_ENGINES, label="Engine"))
+    runs: int = declared(param.Selector(default=_RUNS[0], objects=list(_RUNS), label="Runs"))
     seed = param.String(default="0", label="Seed")
 
     def __init__(self, session: Session) -> None:

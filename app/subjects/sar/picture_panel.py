@@ -12,6 +12,7 @@ import param
 from app.charts.kinds import PictureChart
 from app.charts.print.svg import to_svg
 from app.charts.screen.pictures import picture_gallery
+from app.declared import declared
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.work.pool import elsewhere
@@ -20,7 +21,7 @@ from app.work.pool import elsewhere
 class PicturePanel(pn.viewable.Viewer):
     """The pictures of one chart under its title, with links; nothing while there is none."""
 
-    chart: PictureChart | None = param.ClassSelector(class_=PictureChart, default=None, allow_None=True)
+    chart: PictureChart | None = declared(param.ClassSelector(class_=PictureChart, default=None, allow_None=True))
     stale = param.String(default="", doc="Mark beside the title, as HTML.")
 
     def __init__(self, title: str, key: str, *, pair: bool = False) -> None:

@@ -11,6 +11,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import PictureChart
+from app.declared import declared, held
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
@@ -39,12 +40,14 @@ _LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
 class UploadedPicture(pn.viewable.Viewer):
     """Upload, choice of strategy and extent, and the two pictures, formed anew whenever one of them changes."""
 
-    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    file: tuple[str, bytes] | None = param.Parameter(default=None, doc="Name and content of the file.")
-    strategy: str = param.Selector(
-        default="2",
-        objects={short_name(key): key for key in STRATEGY_KEYS[1:]},
-        label="Navigation error of strategy",
+    run = held(Run)
+    file: tuple[str, bytes] | None = declared(param.Parameter(default=None, doc="Name and content of the file."))
+    strategy: str = declared(
+        param.Selector(
+            default="2",
+            objects={short_name(key): key for key in STRATEGY_KEYS[1:]},
+            label="Navigation error of strategy",
+        )
     )
     half_width = param.String(default="50", label="Half width [m]")
 

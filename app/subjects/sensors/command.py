@@ -31,7 +31,8 @@ def add_to(commands: Any) -> None:
 
 
 def _allan(options: argparse.Namespace) -> int:
-    from app.subjects.sensors.log_study import BenchNoise, LogRequest, read_options, study_log, study_to_json
+    from app.subjects.sensors.log_study import LogRequest, read_options, study_log, study_to_json
+    from nav_model.allan.motion import BenchNoise
 
     if not options.motion and (options.bench_arw or options.bench_vrw):
         options.parser.error("--bench-arw and --bench-vrw belong to --motion")

@@ -6,6 +6,7 @@ import asyncio
 import html
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.charts.kinds import Chart
+from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.sensors.charts import axis_chart, triad_chart
@@ -37,6 +40,7 @@ from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibrati
 from nav_model.allan.log_file import Limits
 from nav_model.allan.motion import BenchNoise, MotionAnalysis
 from nav_model.allan.result import LogAnalysis
+from nav_model.budget import Budget
 from nav_model.errors import InputError
 
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
@@ -62,9 +66,9 @@ class LogPanel(pn.viewable.Viewer):
     The last log at rest and the last in motion both stay in view; a log that is refused changes neither.
     """
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
-    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    name_of_log: str = param.String(doc="The file uploaded last, which can be analysed again; empty: none.")
+    session = held(Session)
+    run = held(Run)
+    name_of_log = param.String(doc="The file uploaded last, which can be analysed again; empty: none.")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run())
@@ -257,10 +261,13 @@ class StaticResult(pn.viewable.Viewer):
     def _build(self) -> None:
         triads, single = [], ChartView(lambda _: axis_chart(self._known, self.axis.value), self._session, 380)
         for quantity in ("gyro", "accelerometer"):
-            triads.append(ChartView(lambda _, q=quantity: triad_chart(self._known, q), self._session, 400))
+            triads.append(ChartView(partial(self._triad, quantity), self._session, 400))
         self._charts = [*triads, single]
         cells = [cell(6, chart.view) for chart in triads]
         self._place.append(grid(*cells, cell(12, self.axis, single.view)))
+
+    def _triad(self, quantity: str, _: Budget) -> Chart:
+        return triad_chart(self._known, quantity)
 
     def _feed(self) -> None:
         for chart in self._charts:

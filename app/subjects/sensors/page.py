@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import panel as pn
 import panel_material_ui as pmui
-import param
 
+from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
@@ -23,7 +23,7 @@ _KINDS: tuple[Kind, ...] = ("imu", "radar")
 class SensorsPage(pn.viewable.Viewer):
     """Everything below the tab."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
+    session = held(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

@@ -12,6 +12,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import declared
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.ui.html_pane import html_pane
@@ -24,7 +25,9 @@ _TITLE = "Advanced: sensor errors, receiver, filter tuning"
 class StudyControls(pn.viewable.Viewer):
     """The boxes; `texts` is what is in force, and a line says it while they are folded away."""
 
-    texts: dict[str, str] = param.Dict(default={}, doc="Key -> text, of every box the last one that was good.")
+    texts: dict[str, str] = declared(
+        param.Dict(default={}, doc="Key -> text, of every box the last one that was good.")
+    )
 
     def __init__(self) -> None:
         super().__init__()

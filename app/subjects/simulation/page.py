@@ -14,6 +14,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import Chart
+from app.declared import declared, held
 from app.document.blocks import Bullets, Text
 from app.document.numbers import number as shown
 from app.document.pane import html_of
@@ -75,16 +76,16 @@ _START = (
 class SimulatePage(pn.viewable.Viewer):
     """Everything below the tab."""
 
-    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    trajectory: str = param.Selector(default="wandering", objects=_FLIGHTS)
+    run = held(Run)
+    trajectory: str = declared(param.Selector(default="wandering", objects=_FLIGHTS))
     runs = param.String(default="50", label="Runs")
     length = param.String(default="300", label="Length [s]")
     outages = param.String(default="200,300", label="Outages [s]")
     seed = param.String(default="1", label="Seed")
-    states: int = param.Selector(
-        default=9, objects={f"{count} states": count for count in FILTER_STATES}, label="Filter"
+    states: int = declared(
+        param.Selector(default=9, objects={f"{count} states": count for count in FILTER_STATES}, label="Filter")
     )
-    axis: str = param.Selector(default="north", objects=_AXES, label="Axis of the ensemble")
+    axis: str = declared(param.Selector(default="north", objects=_AXES, label="Axis of the ensemble"))
 
     def __init__(self, session: Session) -> None:
         super().__init__(run=session.new_run())

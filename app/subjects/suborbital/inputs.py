@@ -11,6 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import declared, held
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
@@ -38,9 +39,11 @@ _FILE_HELP = (
 class InputPanel(pn.viewable.Viewer):
     """Settings and trajectory in force, and the column that changes them."""
 
-    session: Session = param.ClassSelector(class_=Session, allow_None=False, instantiate=False, constant=True)
-    settings: Settings = param.ClassSelector(class_=Settings, default=DEFAULTS, instantiate=False)
-    trajectory: Trajectory = param.Parameter(doc="Name and content of the file flown; None: the golden flight.")
+    session = held(Session)
+    settings: Settings = declared(param.ClassSelector(class_=Settings, default=DEFAULTS, instantiate=False))
+    trajectory: Trajectory = declared(
+        param.Parameter(doc="Name and content of the file flown; None: the golden flight.")
+    )
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

@@ -8,6 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.declared import declared, held
 from app.session import Session
 from app.subjects.suborbital.charts import Shown
 from app.ui.run_bar import RunBar
@@ -29,8 +30,8 @@ class NoisePanel(pn.viewable.Viewer):
         What is on the page; None before the first answer.
     """
 
-    run: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    runs: int = param.Selector(objects=_RUNS, default=100, label="Runs")
+    run = held(Run)
+    runs: int = declared(param.Selector(objects=_RUNS, default=100, label="Runs"))
 
     def __init__(self, session: Session, current: Callable[[], Shown | None]) -> None:
         super().__init__(run=session.new_run())

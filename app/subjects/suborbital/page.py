@@ -9,6 +9,7 @@ import json
 import panel as pn
 import param
 
+from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.suborbital.answer import WAITING, answer
@@ -38,11 +39,11 @@ class SuborbitalPage(pn.viewable.Viewer):
     The result of `exact` is the last exact run; `renewal` makes the matrices that other frames or periods need.
     """
 
-    exact: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    renewal: Run = param.ClassSelector(class_=Run, allow_None=False, instantiate=False, constant=True)
-    inputs: InputPanel = param.ClassSelector(class_=InputPanel, allow_None=False, instantiate=False, constant=True)
-    noise: NoisePanel = param.ClassSelector(class_=NoisePanel, allow_None=False, instantiate=False, constant=True)
-    tabs: StudyTabs = param.ClassSelector(class_=StudyTabs, allow_None=False, instantiate=False, constant=True)
+    exact = held(Run)
+    renewal = held(Run)
+    inputs = held(InputPanel)
+    noise = held(NoisePanel)
+    tabs = held(StudyTabs)
 
     def __init__(self, session: Session) -> None:
         noise = NoisePanel(session, lambda: self.tabs.shown)

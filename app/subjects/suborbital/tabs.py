@@ -12,6 +12,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import Chart
+from app.declared import declared
 from app.document.pane import html_of
 from app.subjects.suborbital import charts
 from app.subjects.suborbital.charts import CHANNELS, Shown
@@ -76,16 +77,26 @@ class StudyTabs(pn.viewable.Viewer):
     The parameters are what a person chooses to look at.
     """
 
-    case: str = param.Selector(objects=CASES, default="all", label="Error source")
-    channel: int = param.Selector(objects={name: i for i, name in enumerate(CHANNELS)}, default=2, label="Channel")
-    aided_sources: bool = param.Selector(
-        objects={"INS alone": False, "INS with star tracker": True}, default=False, label="Errors by source of"
+    case: str = declared(param.Selector(objects=CASES, default="all", label="Error source"))
+    channel: int = declared(
+        param.Selector(objects={name: i for i, name in enumerate(CHANNELS)}, default=2, label="Channel")
     )
-    along_track: bool = param.Selector(
-        objects={"north and east": False, "down-range and cross-range": True}, default=False, label="Horizontal axes"
+    aided_sources: bool = declared(
+        param.Selector(
+            objects={"INS alone": False, "INS with star tracker": True}, default=False, label="Errors by source of"
+        )
     )
-    moment: int = param.Integer(default=100, bounds=(0, 1500), step=_SPACING_S, label="Star frame at [s]")
-    shown: Shown | None = param.ClassSelector(class_=Shown, doc="What is on the page; None before the first answer.")
+    along_track: bool = declared(
+        param.Selector(
+            objects={"north and east": False, "down-range and cross-range": True},
+            default=False,
+            label="Horizontal axes",
+        )
+    )
+    moment: int = declared(param.Integer(default=100, bounds=(0, 1500), step=_SPACING_S, label="Star frame at [s]"))
+    shown: Shown | None = declared(
+        param.ClassSelector(class_=Shown, doc="What is on the page; None before the first answer.")
+    )
 
     def __init__(self, noise: pn.viewable.Viewer) -> None:
         super().__init__()

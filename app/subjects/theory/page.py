@@ -8,8 +8,8 @@ from html import escape
 from pathlib import Path
 
 import panel as pn
-import param
 
+from app.declared import held
 from app.document.blocks import Cell, Column, Table, Text
 from app.document.html import mathml
 from app.document.pane import html_of
@@ -46,7 +46,7 @@ _STYLE = f"<style>{Path(__file__).with_suffix('.css').read_text('utf-8')}</style
 class TheoryPage(pn.viewable.Viewer):
     """Everything below the tab; the same for every design."""
 
-    text: AnchoredText = param.ClassSelector(class_=AnchoredText, allow_None=False, constant=True)
+    text = held(AnchoredText)
 
     def __init__(self, session: Session) -> None:
         super().__init__(text=AnchoredText(html=_STYLE + theory(), sizing_mode="stretch_width", margin=(4, 14)))
