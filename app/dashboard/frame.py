@@ -49,8 +49,8 @@ class Frame(pn.viewable.Viewer):
         self._pages: dict[int, Page] = {}
         self._loaded = False
         self._addressed = False  # the page is being turned because the address says so
-        self._places = [pn.Column(sizing_mode="stretch_width", margin=0, visible=not i) for i in range(len(SUBJECTS))]
-        self._examples = pn.Column(sizing_mode="stretch_width", margin=0, visible=False, stylesheets=[PRINT_NOTHING])
+        self._places = [pn.Column(visible=not i) for i in range(len(SUBJECTS))]
+        self._examples = pn.Column(visible=False, stylesheets=[PRINT_NOTHING])
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
         )
@@ -171,13 +171,7 @@ class Frame(pn.viewable.Viewer):
     def _make_shell(self) -> pmui.Page:
         dark = pn.state.cookies.get(THEME_COOKIE) == "dark"
         mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
-        bar = pn.Column(
-            self._tabs,
-            visible=self.session.param.presenting.rx.not_(),
-            sizing_mode="stretch_width",
-            margin=0,
-            stylesheets=[PRINT_NOTHING],
-        )
+        bar = pn.Column(self._tabs, visible=self.session.param.presenting.rx.not_(), stylesheets=[PRINT_NOTHING])
         page = OwnMarkPage(
             title="NavBudget",
             sidebar=self._sidebar.parts,
@@ -190,7 +184,6 @@ class Frame(pn.viewable.Viewer):
                     *self._places,
                     Repairs(margin=0, width=0, height=0),
                     self._lifeline,
-                    sizing_mode="stretch_width",
                     styles=FULL_HEIGHT,
                 )
             ],

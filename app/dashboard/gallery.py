@@ -35,16 +35,14 @@ def gallery(adopt: Callable[[Design], None]) -> pn.viewable.Viewable:
         "that back. Then change one input and watch the verdict.</p>",
         margin=(8, 14, 0, 14),
     )
-    return pn.Column(head, cards, sizing_mode="stretch_width", margin=0)
+    return pn.Column(head, cards)
 
 
 def _card(budget: Budget, adopt: Callable[[Design], None]) -> pn.Column:
     design = budget.design
-    button = pmui.Button(label=f"Open {design.name}", size="small", variant="outlined", margin=(4, 14, 12, 14))
+    button = pmui.Button(label=f"Open {design.name}", variant="outlined", margin=(4, 14, 12, 14))
     button.on_click(lambda _: adopt(design))
-    return pn.Column(
-        html_pane(_about(budget), margin=(10, 14, 0, 14)), button, styles=FRAME, sizing_mode="stretch_width", margin=0
-    )
+    return pn.Column(html_pane(_about(budget), margin=(10, 14, 0, 14)), button, styles=FRAME)
 
 
 def _about(budget: Budget) -> str:

@@ -24,11 +24,9 @@ class ReportChoice(pn.viewable.Viewer):
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
         self._unticked: set[str] = set()
-        self._boxes = pmui.CheckBoxGroup(
-            label="", options={}, value=[], inline=True, description="", size="small", margin=(0, 8)
-        )
+        self._boxes = pmui.CheckBoxGroup(label="", options={}, value=[], inline=True, margin=(0, 8))
         self._left = html_pane("", margin=(0, 8))
-        self._view = pn.FlexBox(self._boxes, self._left, align_items="center", visible=False, margin=0)
+        self._view = pn.FlexBox(self._boxes, self._left, align_items="center", visible=False)
         self._boxes.param.watch(self._ticked, "value")
 
     def __panel__(self) -> pn.FlexBox:

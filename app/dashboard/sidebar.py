@@ -27,7 +27,7 @@ class Sidebar(pn.viewable.Viewer):
         super().__init__(session=session, name_of_design=session.design.name)
         self._controls: list[Control] = []
         self._shown: Design = session.design
-        self._sections = [pn.Column(margin=0, sizing_mode="stretch_width") for _ in INPUTS]
+        self._sections = [pn.Column() for _ in INPUTS]
         accordion = pmui.Accordion(
             *zip((SECTION_TITLES[section] for section in INPUTS), self._sections, strict=True),
             active=list(_FIRST_OPEN),
@@ -41,15 +41,15 @@ class Sidebar(pn.viewable.Viewer):
         accordion.param.watch(self._opened, "active")
         self.parts = [
             pmui.TextInput.from_param(
-                self.param.name_of_design, description="", size="small", max_length=200, margin=(14, 10, 0, 10),
+                self.param.name_of_design, max_length=200, margin=(14, 10, 0, 10),
                 sizing_mode="stretch_width",
             ),
-            pmui.Switch.from_param(self.param.explained, description="", margin=(6, 10)),
+            pmui.Switch.from_param(self.param.explained, margin=(6, 10)),
             accordion,
         ]  # fmt: skip
 
     def __panel__(self) -> pn.Column:
-        return pn.Column(*self.parts, margin=0, sizing_mode="stretch_width")
+        return pn.Column(*self.parts)
 
     def _opened(self, event: param.parameterized.Event) -> None:
         for index in event.new:

@@ -30,7 +30,7 @@ from nav_model.design.file import MAX_BYTES, format_design, parse_design
 from nav_model.design.link import to_query
 from nav_model.errors import InputError
 
-_LOOK: dict[str, Any] = {"description": "", "variant": "text", "size": "small", "margin": 2}
+_LOOK: dict[str, Any] = {"variant": "text", "margin": 2}
 
 
 class Say(Protocol):
@@ -90,7 +90,6 @@ class Toolbar(pn.viewable.Viewer):
             Tour(margin=2),
             self._choice,
             visible=session.param.presenting.rx.not_(),
-            sizing_mode="stretch_width",
             margin=(2, 6, 0, 6),
             css_classes=["tools"],
             stylesheets=[PRINT_NOTHING],

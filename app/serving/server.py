@@ -27,6 +27,7 @@ from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
 from app.session import Session
+from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.defaults import remember_defaults
@@ -106,6 +107,7 @@ def serve_on(
         If the password file cannot be read or is wrong.
     """
     pn.extension(exception_handler=caught)
+    set_defaults()
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
     repair()
     remember_defaults()

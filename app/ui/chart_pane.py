@@ -39,7 +39,7 @@ class ChartPane(Generic[_T]):
         self.figure = to_bokeh(chart, height)
         self._title = html_pane(_heading(chart), margin=(10, 14, 0, 14))
         self._know = html_pane(_know(chart))
-        look = {"description": "", "variant": "text", "size": "small", "margin": (0, 8)}
+        look = {"variant": "text", "margin": (0, 8)}
         self._takes = [
             pmui.FileDownload(callback=make, filename=f"{chart.key}.{suffix}", label=label, **look)
             for make, suffix, label in zip((self._csv, self._svg), ("csv", "svg"), _labels(chart), strict=True)
@@ -47,13 +47,11 @@ class ChartPane(Generic[_T]):
         self.view = pn.Column(
             self._title,
             # In a native column: in a Material layout a figure breaks when replaced (panel-material-ui#548).
-            pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
+            pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width")),
             self._know,
-            pn.FlexBox(*self._takes, margin=0, sizing_mode="stretch_width", stylesheets=[PRINT_NOTHING]),
+            pn.FlexBox(*self._takes, stylesheets=[PRINT_NOTHING]),
             styles=FRAME,
             stylesheets=[PRINT_WHOLE],
-            sizing_mode="stretch_width",
-            margin=0,
         )
 
     def show(self, data: _T) -> None:

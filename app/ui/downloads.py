@@ -14,9 +14,7 @@ def download(
     label: str, filename: str, make: Callable[[], io.BytesIO] | Callable[[], Awaitable[io.BytesIO]]
 ) -> pmui.FileDownload:
     """A link-like button; `make` is called when it is pressed."""
-    return pmui.FileDownload(
-        callback=make, filename=filename, label=label, description="", variant="text", size="small", margin=(0, 8)
-    )
+    return pmui.FileDownload(callback=make, filename=filename, label=label, variant="text", margin=(0, 8))
 
 
 def run_download(

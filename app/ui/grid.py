@@ -16,13 +16,9 @@ _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 
 def cell(columns: int, *content: Any, **params: Any) -> pn.Column:
     """A place in a `grid`, so many of its twelve columns wide; it may be filled later."""
-    return pn.Column(
-        *content, sizing_mode="stretch_width", margin=0, styles={"grid-column": f"span {columns}"}, **params
-    )
+    return pn.Column(*content, styles={"grid-column": f"span {columns}"}, **params)
 
 
 def grid(*cells: pn.Column, beside: int = 1200, margin: tuple[int, int] = (4, 10)) -> pn.Column:
     """Cells in rows of twelve columns, on windows at least `beside` pixels wide; else one a row."""
-    return pn.Column(
-        *cells, stylesheets=[_SHEET.replace("BESIDE", f"{beside - 1}px")], sizing_mode="stretch_width", margin=margin
-    )
+    return pn.Column(*cells, stylesheets=[_SHEET.replace("BESIDE", f"{beside - 1}px")], margin=margin)

@@ -14,7 +14,7 @@ from app.declared import held
 from app.ui.html_pane import html_pane
 from app.work.run import Progress, Run
 
-_LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
+_LOOK: dict[str, Any] = {"margin": (8, 6)}
 
 
 class RunBar(pn.viewable.Viewer):
@@ -42,8 +42,8 @@ class RunBar(pn.viewable.Viewer):
         self.cancel.on_click(lambda _: run.cancel())
         self.state = html_pane("", margin=(2, 10))
         self._view = pn.FlexBox(
-            *fields, self.start, self.cancel, pn.Column(self.state, width=380),
-            align_items="center", sizing_mode="stretch_width", margin=(0, 4),
+            *fields, self.start, self.cancel, pn.Column(self.state, width=380, sizing_mode=None),
+            align_items="center", margin=(0, 4),
         )  # fmt: skip
 
     def __panel__(self) -> pn.FlexBox:

@@ -21,9 +21,12 @@ class LimitedFileInput(pmui.FileInput):
 
     def __init__(self, refused: Callable[[str], None], **params: Any) -> None:
         # What became of the file is said beside it: the button would say "Uploaded" of a refused one too.
-        shipped: dict[str, Any] = {"uploaded_label": f"{params.get('label', 'File')}: {{filename}}"}
-        if params.get("size") == "small":  # its words would stay as large as those of a large one
-            shipped["sx"] = {"fontSize": "0.8125rem"}
+        shipped: dict[str, Any] = {
+            "uploaded_label": f"{params.get('label', 'File')}: {{filename}}",
+            "sx": {
+                "fontSize": "0.8125rem"
+            },  # the words of a small button would stay as large as those of a large one
+        }
         super().__init__(**shipped | params)
         self._refused = refused
         self._received = 0

@@ -40,18 +40,16 @@ class ChoiceControl(pn.viewable.Viewer):
         self._declaration = declaration
         label = str(declaration.label)
         if isinstance(declaration.default, bool):
-            self.widget = pmui.Switch(label=label, description="", margin=(10, 10, 0, 10))
+            self.widget = pmui.Switch(label=label, margin=(10, 10, 0, 10))
         else:
             names = _CHOICES[key]
             self.widget = pmui.Select(
                 label=label,
-                description="",
                 options={names[option]: option for option in declaration.objects},
-                size="small",
                 margin=(10, 10, 0, 10),
                 sizing_mode="stretch_width",
             )
-        self._view = pn.Column(self.widget, margin=0, sizing_mode="stretch_width")
+        self._view = pn.Column(self.widget)
         self.widget.param.watch(self._chosen, "value")
         self.show(session.design)
 

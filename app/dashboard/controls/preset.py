@@ -26,22 +26,17 @@ class PresetControl(pn.viewable.Viewer):
         options: dict[str, str] = {"none": ""}
         options |= {_preset_label(entry): entry.name for entry in entries.values()}
         self.select = pmui.Select(
-            label="From the catalogue",
-            description="",
-            options=options,
-            size="small",
-            margin=(10, 10, 0, 10),
-            sizing_mode="stretch_width",
+            label="From the catalogue", options=options, margin=(10, 10, 0, 10), sizing_mode="stretch_width"
         )
         self.restore = pmui.Button(
-            label="Take the catalogue's values", size="small", variant="text", margin=(2, 10, 0, 10), visible=False
+            label="Take the catalogue's values", variant="text", margin=(2, 10, 0, 10), visible=False
         )
         self.restore.on_click(lambda _: self._fill(preset_of(self._session.design, self.section) or ""))
         self.show(session.design)
         self.select.param.watch(self._chosen, "value")
 
     def __panel__(self) -> pn.Column:
-        return pn.Column(self.select, self.restore, margin=0, sizing_mode="stretch_width")
+        return pn.Column(self.select, self.restore)
 
     def differs(self, old: Design, new: Design) -> bool:
         """Whether the entry or what deviates from it is another."""

@@ -72,8 +72,8 @@ class QuantityControl(InputBox):
         self.listen()
 
     def __panel__(self) -> pn.viewable.Viewable:
-        row = pn.Row(self.box, self.unit, margin=0, sizing_mode="stretch_width") if self.unit else self.box
-        return pn.Column(row, self.slider, margin=0, sizing_mode="stretch_width") if self.slider else row
+        row = pn.Row(self.box, self.unit) if self.unit else self.box
+        return pn.Column(row, self.slider) if self.slider else row
 
     def differs(self, old: Design, new: Design) -> bool:
         """Whether anything shown here is another: most controls sleep through a slider's step."""

@@ -49,7 +49,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._charts: list[ChartView] = []
         # About the height of what will stand in each, so that nothing jumps.
         self._cells = [cell(columns, min_height=height + _AROUND) for _, height, columns in _LAYOUT]
-        self._view = pn.Column(self._answer, grid(*self._cells), sizing_mode="stretch_width")
+        self._view = pn.Column(self._answer, grid(*self._cells))
         self._add_chart()
         pn.state.onload(lambda: in_turns([self._add_chart] * (len(_LAYOUT) - 1)))  # in a script or a test: at once
 

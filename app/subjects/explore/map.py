@@ -53,26 +53,24 @@ class MapPanel(pn.viewable.Viewer):
         self._said = html_pane("", margin=(0, 14))
         self._title = html_pane("", margin=(10, 14, 0, 14))
         self._know = html_pane("")
-        self._place = pn.Column(sizing_mode="stretch_width", margin=0)
+        self._place = pn.Column()
         self._drawn: MapFigure | None = None
         self._chart: TradeMapChart | None = None
         self._draw()
 
     def __panel__(self) -> pn.Column:
         choosers = (
-            pmui.Select.from_param(parameter, description="", size="small", width=240, margin=(10, 8, 0, 8))
+            pmui.Select.from_param(parameter, width=240, margin=(10, 8, 0, 8))
             for parameter in (self.param.x, self.param.y, self.param.result)
         )
         return pn.Column(
             self._title,
-            pn.FlexBox(*choosers, sizing_mode="stretch_width", margin=(0, 6)),
+            pn.FlexBox(*choosers, margin=(0, 6)),
             self._said,
             self._place,
             self._know,
             download("Map: CSV", "map.csv", self._csv),
             styles=FRAME,
-            sizing_mode="stretch_width",
-            margin=0,
         )
 
     def show(self, budget: Budget) -> None:

@@ -39,7 +39,7 @@ class ExplorePage(pn.viewable.Viewer):
         self._answer = html_pane("")
         self._parts: list[_Part] = []
         cells = [cell(columns) for _, columns in _LAYOUT]
-        self._view = pn.Column(self._answer, grid(*cells), sizing_mode="stretch_width")
+        self._view = pn.Column(self._answer, grid(*cells))
         self._solve(session.budget)
 
         def add(index: int) -> None:

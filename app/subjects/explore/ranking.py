@@ -43,15 +43,11 @@ class RankPanel(pn.viewable.Viewer):
     def __panel__(self) -> pn.Column:
         return pn.Column(
             self._title,
-            pmui.Select.from_param(
-                self.param.figure, description="", size="small", sizing_mode="stretch_width", margin=(10, 14, 0, 14)
-            ),
-            pn.Column(pn.pane.Bokeh(self._chart.plot, sizing_mode="stretch_width"), sizing_mode="stretch_width"),
+            pmui.Select.from_param(self.param.figure, sizing_mode="stretch_width", margin=(10, 14, 0, 14)),
+            pn.Column(pn.pane.Bokeh(self._chart.plot, sizing_mode="stretch_width")),
             self._know,
             download("Ranking: CSV", "ranking.csv", self._csv),
             styles=FRAME,
-            sizing_mode="stretch_width",
-            margin=0,
         )
 
     def show(self, budget: Budget) -> None:

@@ -64,20 +64,20 @@ class SearchPanel(pn.viewable.Viewer):
         self._said = html_pane("", margin=(0, 14))
         self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
         self._file = LimitedFileInput(
-            lambda reason: self._say(f"Not opened: {reason}."), label="Your own sensors (TOML)", description="",
-            accept=".toml", size="small", variant="text", max_file_size=MAX_BYTES, margin=(6, 8),
+            lambda reason: self._say(f"Not opened: {reason}."), label="Your own sensors (TOML)",
+            accept=".toml", variant="text", max_file_size=MAX_BYTES, margin=(6, 8),
         )  # fmt: skip
         self._file.param.watch(self._opened, "value")
         self.show(session.budget)
 
     def __panel__(self) -> pn.Column:
         words = pmui.TextInput(
-            label=self.param.words.label, placeholder="closes carrier", max_length=100, description="", size="small",
+            label=self.param.words.label, placeholder="closes carrier", max_length=100,
             width=300, margin=(8, 14),
         )  # fmt: skip
         words.link(self, value_input="words")
         adopt = pmui.Button(
-            label="Adopt the selected row", size="small", variant="outlined", margin=(6, 8, 6, 14),
+            label="Adopt the selected row", variant="outlined", margin=(6, 8, 6, 14),
             disabled=self._table.param.chosen.rx.not_(), on_click=lambda _: self._adopt_selected(),
         )  # fmt: skip
         return pn.Column(
@@ -89,13 +89,10 @@ class SearchPanel(pn.viewable.Viewer):
                 self._file,
                 download("An example of such a file", "sensors.toml", lambda: io.BytesIO(EXAMPLE.encode())),
                 download("Search: CSV", "search.csv", self._csv),
-                sizing_mode="stretch_width",
             ),
             self._said,
             html_pane(source_note(_KNOWLEDGE)),
             styles=FRAME,
-            sizing_mode="stretch_width",
-            margin=0,
         )
 
     def _entries(self, kind: Kind) -> Mapping[str, Entry]:

@@ -51,7 +51,7 @@ class UncertaintyPanel(pn.viewable.Viewer):
         super().__init__(session=session, run=session.new_run())
         self._boxes = {
             key: pmui.TextInput(
-                label=f"{quantity(key).label}: range", description="", placeholder="as set", size="small", width=300,
+                label=f"{quantity(key).label}: range", placeholder="as set", width=300,
                 margin=(10, 8, 0, 8),
             )
             for key in _INPUTS
@@ -62,21 +62,17 @@ class UncertaintyPanel(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.Column:
         assume = pmui.Button(
-            label=f"Assume a factor of {_ASSUMED} (1σ) on every noise", size="small", variant="outlined",
+            label=f"Assume a factor of {_ASSUMED} (1σ) on every noise", variant="outlined",
             margin=(8, 8, 8, 14), on_click=lambda _: self._fill(),
         )  # fmt: skip
-        clear = pmui.Button(
-            label="Clear", size="small", variant="text", margin=(8, 8), on_click=lambda _: self._clear()
-        )
+        clear = pmui.Button(label="Clear", variant="text", margin=(8, 8), on_click=lambda _: self._clear())
         return pn.Column(
             html_pane(_HELP, margin=(10, 14, 0, 14)),
-            pn.FlexBox(*self._boxes.values(), sizing_mode="stretch_width", margin=(0, 6)),
-            pn.FlexBox(assume, clear, sizing_mode="stretch_width"),
+            pn.FlexBox(*self._boxes.values(), margin=(0, 6)),
+            pn.FlexBox(assume, clear),
             self._answer,
             html_pane(source_note(_KNOWLEDGE)),
             styles=FRAME,
-            sizing_mode="stretch_width",
-            margin=0,
         )
 
     def show(self, budget: Budget) -> None:

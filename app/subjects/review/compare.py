@@ -31,13 +31,13 @@ class CompareView(pn.viewable.Viewer):
         super().__init__(desk=desk)
         self._revisions: tuple[Revision, ...] = ()
         self._tables = html_pane(_EMPTY)
-        self._charts = pn.Column(sizing_mode="stretch_width", margin=0)
+        self._charts = pn.Column()
         self._link = pmui.TextInput(
             label="Link to this comparison", sizing_mode="stretch_width", max_width=420, **LOOK
         )
         reports = desk.report_buttons("comparison", "Comparison report", self._report)
         self._tools = pn.FlexBox(*reports, self._link, align_items="center", visible=False, margin=(4, 4))
-        self._view = pn.Column(self._tools, self._tables, self._charts, sizing_mode="stretch_width")
+        self._view = pn.Column(self._tools, self._tables, self._charts)
 
     def __panel__(self) -> pn.Column:
         return self._view

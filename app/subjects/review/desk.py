@@ -25,9 +25,9 @@ from nav_model.errors import InputError
 
 _T = TypeVar("_T")
 
-LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (4, 6)}
+LOOK: dict[str, Any] = {"margin": (4, 6)}
 """Of every field."""
-BUTTON: dict[str, Any] = {"description": "", "size": "small", "variant": "outlined", "margin": (6, 6)}
+BUTTON: dict[str, Any] = {"variant": "outlined", "margin": (6, 6)}
 """Of every button."""
 
 
@@ -54,6 +54,7 @@ class Desk(param.Parameterized):
         self.name_field = pmui.TextInput.from_param(
             self.param.author,
             label="Your name",
+            description="",
             disabled=bool(self._known),
             max_length=100,
             width=260,

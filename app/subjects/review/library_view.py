@@ -52,14 +52,14 @@ class LibraryView(pn.viewable.Viewer):
         self._next = button("Save as next revision", partial(self._save, False), visible=False)
         self._search = pmui.TextInput(label="Search name, note, author, tag", width=260, **LOOK)
         self._tag = pmui.Select(label="Tag", options=[_ANY], value=_ANY, width=150, **LOOK)
-        self._archived = pmui.Switch(label="Archived", description="", margin=(12, 8))
-        self._rows = pn.Column(html_pane(_OPENING), sizing_mode="stretch_width", margin=(2, 0))
+        self._archived = pmui.Switch(label="Archived", margin=(12, 8))
+        self._rows = pn.Column(html_pane(_OPENING), margin=(2, 0))
         self._asked: object = None
         self._listed: _Listing | InputError | None = None
         self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
         self._bring = LimitedFileInput(
             lambda why: self.desk.say(f"Not imported. {why}", wrong=True),
-            label="Import (zip)", accept=".zip", max_file_size=MAX_ARCHIVE, description="", size="small",
+            label="Import (zip)", accept=".zip", max_file_size=MAX_ARCHIVE,
             variant="text", margin=(6, 6),
         )  # fmt: skip
         self._compare = button("Compare", compare, variant="contained")
@@ -89,7 +89,6 @@ class LibraryView(pn.viewable.Viewer):
             self._rows,
             self._chosen,
             pn.FlexBox(*self._actions[:-1], self._tags, self._actions[-1], align_items="center", margin=(0, 4)),
-            sizing_mode="stretch_width",
         )
         self._say_picked()
         for field in (self._search, self._tag, self._archived):
@@ -154,7 +153,7 @@ class LibraryView(pn.viewable.Viewer):
 
     def _row(self, key: str, label: str, cells: str, extra: Any, indent: int = 0) -> pn.FlexBox:
         tick = pmui.Checkbox(
-            label=label, value=self._is_ticked(key), description="", size="small", width=330 - indent,
+            label=label, value=self._is_ticked(key), width=330 - indent,
             margin=(0, 4, 0, 6 + indent),
         )  # fmt: skip
 
@@ -172,7 +171,7 @@ class LibraryView(pn.viewable.Viewer):
         self._ticks.append((key, tick))
         parts = [tick, html_pane(f'<div class="line">{cells}</div>', margin=(2, 6)), *([extra] if extra else [])]
         parts[1].param.update(sizing_mode=None, styles={"flex": "1 1 280px"})
-        return pn.FlexBox(*parts, align_items="center", sizing_mode="stretch_width", margin=0, styles=_RULE)
+        return pn.FlexBox(*parts, align_items="center", styles=_RULE)
 
     async def _toggle(self, design: str) -> None:
         self._open_designs ^= {design}

@@ -41,11 +41,9 @@ class ReviewPage(pn.viewable.Viewer):
             *((name, pn.Spacer(height=0)) for name in ("Library", "Compare", "Reviews")),
             visible=session.param.presenting.rx.not_(), sizing_mode="stretch_width", margin=(0, 4),
         )  # fmt: skip
-        self._place = pn.Column(self._library, sizing_mode="stretch_width", margin=0)
+        self._place = pn.Column(self._library)
         self._tabs.param.watch(self._turned, "active")
-        self._view = pn.Column(
-            self._desk.name_field, self._desk.notice, self._tabs, self._place, sizing_mode="stretch_width"
-        )
+        self._view = pn.Column(self._desk.name_field, self._desk.notice, self._tabs, self._place)
         pn.state.execute(self._library.refresh)
         self._follow_link()
 

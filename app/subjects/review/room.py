@@ -13,16 +13,7 @@ import param
 from app.declared import declared, held
 from app.document.pane import html_of
 from app.document.wording import shortened
-from app.library.reviews import (
-    RESULTS,
-    Review,
-    add_comment,
-    decide,
-    list_reviews,
-    load_review,
-    open_review,
-    sign,
-)
+from app.library.reviews import RESULTS, Review, add_comment, decide, list_reviews, load_review, open_review, sign
 from app.library.store import Library
 from app.report import report_bytes
 from app.subjects.review.desk import LOOK, Desk, button
@@ -103,7 +94,7 @@ class ReviewRoom(pn.viewable.Viewer):
             self._design, self._subject, self._comment, button("Add comment", self._say),
             button("Sign off", self._sign), align_items="center", visible=False, margin=(2, 4),
         )  # fmt: skip
-        switch = pmui.Switch.from_param(presenting, label="Presenter view", description="", margin=(12, 8))
+        switch = pmui.Switch.from_param(presenting, label="Presenter view", margin=(12, 8))
         self._view = pn.Column(
             pn.FlexBox(
                 self._of_review[0],
@@ -120,7 +111,6 @@ class ReviewRoom(pn.viewable.Viewer):
             self._talk,
             self._all,
             self._status,
-            sizing_mode="stretch_width",
         )
         self._choice.param.watch(self._chosen, "value")
         self._all.param.watch(self._pressed, "chosen")

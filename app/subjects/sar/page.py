@@ -36,7 +36,7 @@ from nav_model.sar.study_json import to_json
 
 _RUNS = (100, 200, 500, 1000)
 _ENGINES: dict[str, Engine] = {"Error model, per axis": "fast", "Full simulator": "simulator"}
-_LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
+_LOOK: dict[str, Any] = {"margin": (8, 6)}
 
 
 class SarPage(pn.viewable.Viewer):
@@ -77,13 +77,12 @@ class SarPage(pn.viewable.Viewer):
             self._cautions,
             pn.FlexBox(
                 download("All of the study (JSON)", "sar-study.json", self._json),
-                visible=self.run.param.result.rx.is_not(None), sizing_mode="stretch_width", margin=(0, 4),
+                visible=self.run.param.result.rx.is_not(None), margin=(0, 4),
             ),
             grid(*self._cells()),
             self._points,
             self._scene,
             self._upload,
-            sizing_mode="stretch_width",
         )  # fmt: skip
         self._write()
         if pn.state.curdoc:

@@ -35,12 +35,7 @@ class PicturePanel(pn.viewable.Viewer):
             for make, kind in ((self._npz, "NPZ"), (self._csv, "CSV"), (self._svg, "SVG"))
         )
         self._view = pn.Column(
-            self._heading,
-            self._pictures,
-            pn.FlexBox(*links, sizing_mode="stretch_width", margin=(0, 4)),
-            visible=self.param.chart.rx.is_not(None),
-            sizing_mode="stretch_width",
-            margin=0,
+            self._heading, self._pictures, pn.FlexBox(*links, margin=(0, 4)), visible=self.param.chart.rx.is_not(None)
         )
 
     def __panel__(self) -> pn.Column:

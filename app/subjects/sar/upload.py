@@ -34,7 +34,7 @@ _HELP = Text(
     "freq [Hz], antenna x, y, z [m] about the scene centre and reference range r0 [m] for each pulse; at most 32 "
     "MiB. The design's error is laid over its pulses from first to last; its phase is that of the file's wavelength."
 )
-_LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
+_LOOK: dict[str, Any] = {"margin": (8, 6)}
 
 
 class UploadedPicture(pn.viewable.Viewer):
@@ -70,12 +70,7 @@ class UploadedPicture(pn.viewable.Viewer):
             pmui.TextInput.from_param(self.param.half_width, width=110, **_LOOK),
         )
         self._pictures = PicturePanel("Your phase history", "sar-phase-history", pair=True)
-        self._view = pn.Column(
-            html_pane(f"<h3>Your phase history</h3>{html_of(_HELP)}"),
-            self._bar,
-            self._pictures,
-            sizing_mode="stretch_width",
-        )
+        self._view = pn.Column(html_pane(f"<h3>Your phase history</h3>{html_of(_HELP)}"), self._bar, self._pictures)
 
     def __panel__(self) -> pn.Column:
         return self._view

@@ -74,13 +74,11 @@ class LogPanel(pn.viewable.Viewer):
         super().__init__(session=session, run=session.new_run())
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self.boxes = {
-            key: pmui.TextInput(
-                label=label, helper_text=example, description="", size="small", width=width, margin=(8, 6)
-            )
+            key: pmui.TextInput(label=label, helper_text=example, width=width, margin=(8, 6))
             for key, (label, example, width) in _BOXES.items()
         }
         self.motion = pmui.Select(
-            label="The log was taken", description="", size="small", width=250, margin=(8, 6),
+            label="The log was taken", width=250, margin=(8, 6),
             options={"at rest: noise parameters": "rest", "in motion: vibration factor": "motion"}, value="rest",
         )  # fmt: skip
         self.file = LimitedFileInput(
@@ -89,9 +87,7 @@ class LogPanel(pn.viewable.Viewer):
             uploaded_label="Choose another log",
             accept=".csv,.txt,.tsv,.dat,.log,.npz",
             max_file_size=UPLOAD_LIMITS.file_bytes,
-            description="",
             variant="contained",
-            size="small",
             margin=(12, 6, 8, 6),
             disabled=self.run.param.running,
         )
@@ -114,7 +110,7 @@ class LogPanel(pn.viewable.Viewer):
             sizing_mode="stretch_width",
             margin=(6, 10),
         )
-        return pn.Column(intake, self.static, self.moving, sizing_mode="stretch_width")
+        return pn.Column(intake, self.static, self.moving)
 
     # --- taking a log in ----------------------------------------------------------------------------------
 
@@ -223,16 +219,15 @@ class StaticResult(pn.viewable.Viewer):
         self.head, self.tables = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
         self.use = _button("Use these in the design", variant="contained")
         self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(self._known)))
-        self.axis = pmui.Select(label="Axis", description="", size="small", width=220, margin=(8, 14), options=[])
+        self.axis = pmui.Select(label="Axis", width=220, margin=(8, 14), options=[])
         self.axis.param.watch(lambda event: self._feed() if event.new else None, "value")
         self._charts: list[ChartView] = []
-        self._place = pn.Column(sizing_mode="stretch_width", margin=0)
+        self._place = pn.Column()
         self._view = pn.Column(
             pmui.Paper(self.head, self.use, self.tables, variant="outlined", elevation=0,
                        sizing_mode="stretch_width", margin=(6, 10)),
             self._place,
             visible=False,
-            sizing_mode="stretch_width",
         )  # fmt: skip
 
     def __panel__(self) -> pn.Column:
@@ -310,4 +305,4 @@ class MotionResult(pn.viewable.Viewer):
 
 
 def _button(label: str, variant: str = "outlined", **params: Any) -> pmui.Button:
-    return pmui.Button(label=label, description="", variant=variant, size="small", margin=(12, 14, 8, 14), **params)
+    return pmui.Button(label=label, variant=variant, margin=(12, 14, 8, 14), **params)

@@ -34,12 +34,7 @@ class SensorsPage(pn.viewable.Viewer):
         self._mark()
 
     def __panel__(self) -> pn.Column:
-        return pn.Column(
-            _sheet(self._origins),
-            self.log,
-            *(_sheet(table) for table in self.tables.values()),
-            sizing_mode="stretch_width",
-        )
+        return pn.Column(_sheet(self._origins), self.log, *(_sheet(table) for table in self.tables.values()))
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""

@@ -37,16 +37,16 @@ class StudyControls(pn.viewable.Viewer):
         for part in STUDY_PARTS:
             own = [box for key, box in self.boxes.items() if key.startswith(f"{part.section}.")]
             sections.append(html_pane(f"<h3>{escape(part.title)}</h3>", margin=(6, 8, 0, 8)))
-            sections.append(pn.FlexBox(*own, sizing_mode="stretch_width", margin=0))
+            sections.append(pn.FlexBox(*own))
         accordion = pmui.Accordion(
-            (_TITLE, pn.Column(*sections, sizing_mode="stretch_width", margin=0)),
+            (_TITLE, pn.Column(*sections)),
             active=[],
             title_variant="subtitle1",
             disable_gutters=True,
             sizing_mode="stretch_width",
             margin=(2, 10),
         )
-        self._view = pn.Column(accordion, self.given, sizing_mode="stretch_width", margin=0)
+        self._view = pn.Column(accordion, self.given)
 
     def __panel__(self) -> pn.Column:
         return self._view
@@ -61,9 +61,7 @@ class StudyControls(pn.viewable.Viewer):
         box = pmui.TextInput(
             label=str(declared.label),
             placeholder="none" if declared.default is None else declared.show(declared.default),
-            description="",
             helper_text=str(declared.doc),
-            size="small",
             margin=(8, 8, 2, 8),
             width=230,
         )

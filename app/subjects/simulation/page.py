@@ -54,7 +54,7 @@ _MOST_SAMPLES = 1e9  # of the instrument, over all runs: ten minutes and more of
 _LONGEST_RUN = 2e6  # samples of one run: what a worker holds in memory
 _POINTS = 600  # results kept along a run
 _UPLOAD = 20_000_000  # bytes
-_LOOK: dict[str, Any] = {"description": "", "size": "small", "margin": (8, 6)}
+_LOOK: dict[str, Any] = {"margin": (8, 6)}
 _HEIGHTS = (340, 340, 300, 300, 300, 300, 340, 340, 300, 280, 280)  # pixels, of the charts in their order
 _START = (
     Text(
@@ -96,7 +96,7 @@ class SimulatePage(pn.viewable.Viewer):
         self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
         self._start = block_pane(*_START, margin=(4, 12))
         self._note, self._answer = html_pane("", margin=(2, 10)), html_pane("")
-        self._place = pn.Column(sizing_mode="stretch_width", margin=0)
+        self._place = pn.Column()
         self._view = pn.Column(
             self._bar,
             self._more,
@@ -107,10 +107,9 @@ class SimulatePage(pn.viewable.Viewer):
                 download("Statistics (NPZ)", "simulation.npz", lambda: io.BytesIO(as_npz(self._study))),
                 download("Sigmas (CSV)", "simulation.csv", lambda: io.BytesIO(as_csv(self._study).encode())),
                 download("Everything (JSON)", "simulation.json", lambda: io.BytesIO(as_json(self._study).encode())),
-                visible=self.run.param.result.rx.is_not(None), sizing_mode="stretch_width", margin=(0, 4),
+                visible=self.run.param.result.rx.is_not(None), margin=(0, 4),
             ),
             self._place,
-            sizing_mode="stretch_width",
         )  # fmt: skip
         if pn.state.curdoc:
             prepare()

@@ -42,7 +42,7 @@ class InputControl(InputBox):
         self._settings, self._put_value = settings, put
         self._declared = declared = INPUTS[key]
         look: dict[str, Any] = {"label": str(declared.label), "margin": (9, 10, 0, 10)}
-        look |= {"description": "", "size": "small", "sizing_mode": "stretch_width"}
+        look |= {"sizing_mode": "stretch_width"}
         box: pmui.Select | pmui.TextInput
         if isinstance(declared, Choice):
             box = pmui.Select(options=list(declared.objects), value=settings()[key], **look)
@@ -58,7 +58,7 @@ class InputControl(InputBox):
     def __panel__(self) -> pn.viewable.Viewable:
         if self.slider is None:
             return self.box
-        return pn.Column(self.box, self.slider, margin=0, sizing_mode="stretch_width")
+        return pn.Column(self.box, self.slider)
 
     def value(self) -> Value:
         """The value in force, SI."""

@@ -29,7 +29,7 @@ from nav_model.suborbital.study_file import format_study, from_link, parse_study
 
 Trajectory = tuple[str, bytes] | None
 _OPEN = 1  # gyros: what the tracker replaces
-_LOOK: dict[str, Any] = {"size": "small", "margin": 2, "variant": "text"}
+_LOOK: dict[str, Any] = {"margin": 2, "variant": "text"}
 _FILE_HELP = (
     '<p class="know quiet">CSV with time_s, latitude_deg, longitude_deg, height_m, roll_deg, pitch_deg, yaw_deg; '
     f"at most {BOUNDS.most_bytes // 1_000_000} MB, rows a second apart or less during thrust.</p>"
@@ -68,7 +68,7 @@ class InputPanel(pn.viewable.Viewer):
     # --- layout ----------------------------------------------------------------------------------------
 
     def _layout(self) -> pn.Column:
-        self._sections = [pn.Column(margin=0, sizing_mode="stretch_width") for _ in GROUPS]
+        self._sections = [pn.Column() for _ in GROUPS]
         narrow = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
         opened = [] if narrow else [_OPEN]  # on a phone the inputs are above the charts
         accordion = pmui.Accordion(
@@ -82,23 +82,21 @@ class InputPanel(pn.viewable.Viewer):
         self._fill(opened)
         return pn.Column(
             html_pane("<h3>Inputs of the study</h3>", margin=(6, 12, 0, 12)),
-            pn.FlexBox(*self._sources(), margin=(0, 4), sizing_mode="stretch_width"),
+            pn.FlexBox(*self._sources(), margin=(0, 4)),
             accordion,
             self._flight_file(),
             styles=FRAME,
-            sizing_mode="stretch_width",
-            margin=0,
         )
 
     def _sources(self) -> list[pn.viewable.Viewable]:
         self.file = LimitedFileInput(
             lambda reason: self.say(f"Not opened: {reason}."), label="Open study", accept=".toml",
-            icon="folder_open", max_file_size=MAX_STUDY, description="", **_LOOK,
+            icon="folder_open", max_file_size=MAX_STUDY, **_LOOK,
         )  # fmt: skip
         self.file.param.watch(self._opened, "value")
         save = pmui.FileDownload(
             callback=lambda: io.BytesIO(format_study(self.settings, self.trajectory).encode("utf-8")),
-            filename="suborbital-study.toml", label="Save study", icon="save", description="", **_LOOK,
+            filename="suborbital-study.toml", label="Save study", icon="save", **_LOOK,
         )  # fmt: skip
 
         def button(label: str, icon: str, pressed: Callable[[], object]) -> pmui.Button:
@@ -119,7 +117,7 @@ class InputPanel(pn.viewable.Viewer):
     def _flight_file(self) -> pn.viewable.Viewable:
         self.trajectory_file = LimitedFileInput(
             lambda reason: self.say(f"Trajectory not taken: {reason}."), label="Trajectory from a file",
-            accept=".csv", icon="upload_file", max_file_size=BOUNDS.most_bytes, description="", **_LOOK,
+            accept=".csv", icon="upload_file", max_file_size=BOUNDS.most_bytes, **_LOOK,
         )  # fmt: skip
         self.trajectory_file.param.watch(self._uploaded, "value")
         golden = pmui.Button(
@@ -127,12 +125,7 @@ class InputPanel(pn.viewable.Viewer):
             on_click=lambda _: self.param.update(trajectory=None), **_LOOK,
         )  # fmt: skip
         self._file_said = html_pane(_FILE_HELP, margin=(0, 12))
-        return pn.Column(
-            pn.FlexBox(self.trajectory_file, golden, margin=(4, 4, 0, 4), sizing_mode="stretch_width"),
-            self._file_said,
-            sizing_mode="stretch_width",
-            margin=0,
-        )
+        return pn.Column(pn.FlexBox(self.trajectory_file, golden, margin=(4, 4, 0, 4)), self._file_said)
 
     def _fill(self, opened: list[int]) -> None:
         """Make the controls of the groups that are open and have none yet."""

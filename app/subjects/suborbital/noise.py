@@ -36,7 +36,7 @@ class NoisePanel(pn.viewable.Viewer):
     def __init__(self, session: Session, current: Callable[[], Shown | None]) -> None:
         super().__init__(run=session.new_run())
         self._current = current
-        runs = pmui.Select.from_param(self.param.runs, width=110, description="", size="small", margin=(10, 6, 4, 6))
+        runs = pmui.Select.from_param(self.param.runs, width=110, margin=(10, 6, 4, 6))
         self.bar = RunBar(self.run, self.start, "Fly the ensemble", runs)
         self.bar.cancel.label = "Cancel the ensemble"
 

@@ -58,10 +58,9 @@ class SuborbitalPage(pn.viewable.Viewer):
         self.bar = RunBar(self.exact, self.run, "Recompute exactly")
         self._view = pn.Column(
             self._answer,
-            pn.Row(self.bar, download("Study (JSON)", "suborbital.json", self._json), sizing_mode="stretch_width"),
+            pn.Row(self.bar, download("Study (JSON)", "suborbital.json", self._json)),
             self.inputs.notice,
             grid(cell(3, self.inputs), cell(9, self.tabs), margin=(4, 6)),
-            sizing_mode="stretch_width",
         )
         if pn.state.curdoc:
             self.run()

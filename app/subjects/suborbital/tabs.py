@@ -104,21 +104,21 @@ class StudyTabs(pn.viewable.Viewer):
         self._tables: dict[int, list[tuple[SortableTable, Callable[[Shown], NumberTable]]]] = {}
         self._contents: dict[int, pn.viewable.Viewable] = {}
         # Only the tab in view is in the browser: every layout there asks every figure, seen or not.
-        self.place = pn.Column(sizing_mode="stretch_width", margin=0)
+        self.place = pn.Column()
         # Only the bar is Material, for keyboard and screen reader: figures must not be inside it.
         self.bar = pmui.Tabs(
             *((tab.name, pn.Spacer(height=0)) for tab in TABS), sizing_mode="stretch_width", margin=(0, 4)
         )
         self.bar.param.watch(self._turned, "active")
-        look: dict[str, Any] = {"description": "", "size": "small"}
+        look: dict[str, Any] = {}
         self._choosers: dict[str, Any] = {
             name: pmui.Select.from_param(self.param[name], width=width, margin=(10, 6, 4, 6), **look)
             for name, width in (("case", 300), ("channel", 140), ("aided_sources", 200), ("along_track", 220))
         }
         self._choosers["moment"] = pmui.IntSlider.from_param(self.param.moment, width=260, margin=(4, 16), **look)
         self._choosers["noise"] = noise
-        self._chooser = pn.FlexBox(*self._chosen(0), sizing_mode="stretch_width", margin=0)
-        self._view = pn.Column(self.bar, self._chooser, self.place, sizing_mode="stretch_width")
+        self._chooser = pn.FlexBox(*self._chosen(0))
+        self._view = pn.Column(self.bar, self._chooser, self.place)
 
     def __panel__(self) -> pn.Column:
         return self._view
@@ -181,7 +181,7 @@ class StudyTabs(pn.viewable.Viewer):
             f"{table.key}.csv",
             lambda: io.BytesIO(build(self.current()).csv().encode("utf-8")),
         )
-        return pn.Column(place, take, styles=FRAME, sizing_mode="stretch_width", margin=0)
+        return pn.Column(place, take, styles=FRAME)
 
     def current(self) -> Shown:
         """What is on the page."""

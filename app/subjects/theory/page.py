@@ -50,7 +50,7 @@ class TheoryPage(pn.viewable.Viewer):
 
     def __init__(self, session: Session) -> None:
         super().__init__(text=AnchoredText(html=_STYLE + theory(), sizing_mode="stretch_width", margin=(4, 14)))
-        self.view = pn.Column(self.text, sizing_mode="stretch_width")
+        self.view = pn.Column(self.text)
 
     def __panel__(self) -> pn.Column:
         return self.view

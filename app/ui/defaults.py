@@ -1,0 +1,18 @@
+"""How every widget and layout of the product looks unless it says otherwise."""
+
+from __future__ import annotations
+
+import inspect
+
+import panel as pn
+import panel_material_ui as pmui
+
+
+def set_defaults() -> None:
+    """Set the classes' own defaults: small widgets, layouts as wide as the page. Called once, before serving."""
+    for _, kind in inspect.getmembers(pmui, inspect.isclass):
+        if "size" in getattr(kind, "param", ()) and "small" in getattr(kind.param.size, "objects", ()):
+            kind.size = "small"  # on the class: Param copies what it inherits
+    for layout in (pn.Column, pn.Row, pn.FlexBox):
+        layout.sizing_mode = "stretch_width"
+        layout.margin = 0
