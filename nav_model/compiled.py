@@ -89,8 +89,5 @@ def kernel(function: F) -> F:
 
 
 def part(function: F) -> F:
-    """Compile `function` for kernels alone to call: it becomes part of theirs, in memory and on disk.
-
-    Python cannot call it: neither the code for that nor a file is made.
-    """
-    return cast(F, _njit(no_cpython_wrapper=True, **_OPTIONS)(function))
+    """Compile `function` for kernels to call: it becomes part of theirs, in memory and on disk, and has no file."""
+    return cast(F, _njit(**_OPTIONS)(function))

@@ -1,10 +1,4 @@
-"""Design reports: one content, two faces.
-
-- `document`: what a report is made of, as plain data.
-- `content`, `inputs`, `comparison`, `equations`, `wording`: what it says.
-- `studies`: what simulation, SAR and suborbital studies add to a design's report.
-- `html`, `pdf`: how it is drawn, each with its template.
-"""
+"""Design reports: their content (`content`, `inputs`, `comparison`, `studies`), drawn by `app.document`."""
 
 from __future__ import annotations
 
@@ -12,43 +6,12 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from app.console.files import whole_file
 from app.document.blocks import Section
 from nav_model.budget import Budget
 from nav_model.errors import InputError
 
 SUFFIXES = (".html", ".pdf")
 """The kinds of file a report comes in."""
-
-
-def write_report(
-    budgets: Sequence[Budget],
-    path: str | Path,
-    now: datetime | None = None,
-    studies: Sequence[Sequence[Section]] = (),
-) -> None:
-    """Write the report of some budgets; the file is there whole or not at all.
-
-    Parameters
-    ----------
-    budgets : sequence of Budget
-        At least one; several make a comparison.
-    path : str or Path
-        Its suffix, .html or .pdf, chooses the kind.
-    now : datetime, optional
-        Date of the report, with its time zone; by default this moment.
-    studies : sequence of sequences of Section
-        As `report_bytes`.
-
-    Raises
-    ------
-    InputError
-        For another suffix, or when the file cannot be written.
-    """
-    target = Path(path)
-    kind = kind_of(target)
-    with whole_file(target) as file:
-        file.write(report_bytes(budgets, kind, now, studies=studies))
 
 
 def report_bytes(

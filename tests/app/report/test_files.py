@@ -13,7 +13,7 @@ import pypdf
 import pytest
 
 from app.charts.kinds import to_csv
-from app.report import report_bytes, write_report
+from app.report import report_bytes
 from app.report.content import report_of
 from nav_model.budget import analyse
 from nav_model.design import Design
@@ -199,7 +199,7 @@ def test_the_html_says_the_same_twice(mems, mems_html):
 def test_the_html_opens_from_disk_with_every_chart_drawn(three, tmp_path, changed):
     sync_api = pytest.importorskip("playwright.sync_api")
     target = tmp_path / "r.html"
-    write_report([*three[:2], changed(name=HOSTILE)], target, NOW)
+    target.write_bytes(report_bytes([*three[:2], changed(name=HOSTILE)], target.suffix, NOW))
     asked, wrong, dialogs = [], [], []
     with sync_api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(
