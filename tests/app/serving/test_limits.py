@@ -50,7 +50,7 @@ def test_metrics_and_liveness(visitor: Any) -> None:
     after = visitor.metrics()
     assert after["navbudget_sessions_opened_total"] == before["navbudget_sessions_opened_total"] + 1
     assert after["navbudget_sessions"] >= 1
-    assert after["navbudget_uptime_seconds"] > before["navbudget_uptime_seconds"] > 0
+    assert after["navbudget_uptime_seconds"] > 0  # of the process that answers
     assert 5e7 < after['process_resident_memory_bytes{process="0"}'] < 2e9
 
 
