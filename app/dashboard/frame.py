@@ -166,7 +166,7 @@ class Frame(pn.viewable.Viewer):
         if index not in self._pages:
             page: Page = SUBJECTS[index].load("page")(self.session)
             self._pages[index] = page
-            self._places[index].append(getattr(page, "view", page))
+            self._places[index].append(page)
 
     def _make_shell(self) -> pmui.Page:
         dark = pn.state.cookies.get(THEME_COOKIE) == "dark"

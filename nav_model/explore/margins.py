@@ -62,13 +62,6 @@ def label_of(figure: str) -> str:
     return str(declaration_of(f"requirements.{FIGURES[figure]}").label)
 
 
-def dimension_of(figure: str) -> str:
-    """A figure's dimension, key of `nav_model.units.DIMENSIONS`; none for a ratio."""
-    if figure == ALL:
-        return ""
-    return quantity(f"requirements.{FIGURES[figure]}").dimension
-
-
 def quantity(key: str) -> BaseQuantity[float | None]:
     """The declaration of a numeric input.
 
