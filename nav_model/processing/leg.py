@@ -19,6 +19,7 @@ from nav_model.processing.spectrum import Channel, rates
 
 COLUMNS = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity", "tilt",
+    "mean_slope",
 )  # fmt: skip
 """What `smoothed_in_leg` finds, in the order of the kernel's columns; as `nav_model.processing.spectrum.smoothed`."""
 
@@ -392,6 +393,7 @@ def _one(p: Any, out: Any) -> None:
     out[5] = cov[5, 5] * 4 / (aperture * aperture)
     out[6] = cov[5, 5] + cov[5, 7] * 9 / 7 + cov[7, 7] * 81 / 196
     out[7] = cov[4, 4]
+    out[11] = cov[4, 5] * 2 / aperture
 
 
 @kernel
@@ -415,7 +417,8 @@ def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Ar
     Returns
     -------
     dict
-        One entry for each of `COLUMNS`; ``tilt`` is that times gravity [m²/s⁴], zero for the vertical.
+        One entry for each of `COLUMNS`; ``tilt`` is that times gravity [m²/s⁴], zero for the vertical;
+        ``mean_slope`` the covariance of the mean with the slope [m²/s].
     """
     zero = np.zeros(())
     fastest, slowest = rates(channel)
@@ -444,10 +447,14 @@ def _solved(table: Array) -> Array:
     """The kernel's columns for each row of parameters."""
     if np.iscomplexobj(table):
         real, imag = np.ascontiguousarray(table.real), table.imag
+        stepped = np.any(imag != 0, axis=-1)
         size = np.max(np.abs(imag) / np.where(real == 0, 1, np.abs(real)), axis=-1, keepdims=True)
         along = _DIFFERENCE * imag / np.where(size > 0, size, 1)
-        slope = (_solved(real + along) - _solved(real - along)) / (2 * _DIFFERENCE) * size
-        complex_step: Array = _solved(real) + 1j * slope
+        # Complex steps come as many copies of one design: it is solved once, and where there is a step along it.
+        kinds, place = np.unique(real, axis=0, return_inverse=True)
+        complex_step: Array = _solved(kinds)[place].astype(complex)
+        more, less = _solved((real + along)[stepped]), _solved((real - along)[stepped])
+        complex_step[stepped] += 1j * (more - less) / (2 * _DIFFERENCE) * size[stepped]
         return complex_step
     found: Array = np.empty((len(table), len(COLUMNS)))
     _run(np.ascontiguousarray(table), found)

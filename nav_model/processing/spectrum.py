@@ -108,7 +108,7 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
     w = made.nodes / half[..., None]
     drift, known = inverse_drift(channel, w), inverse_receiver(channel, w)
     found: dict[str, Array] = {}
-    focus = [name for name in names if name != "tilt"]
+    focus = [name for name in names if name not in ("tilt", "mean_slope")]
     if focus:
         columns = np.stack([made.weights * made.filters[_FILTER.get(name, name)] for name in focus], axis=-1)
         for column, name in enumerate(focus):
@@ -118,6 +118,8 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
         for column, name in enumerate(focus):
             scale = np.pi * half * (half**2 if name in ("slope", "velocity") else 1)
             found[name] = whole[..., column] / scale
+    if "mean_slope" in names:  # even and odd functions of time are independent in an error that has no beginning
+        found["mean_slope"] = np.zeros(())
     if "tilt" in names:
         if channel.gyro is None:
             raise ValueError("tilt: the vertical channel has none")

@@ -9,6 +9,7 @@ import numpy as np
 
 from app.charts.kinds import LEVELS, Array, RankBar, RankChart, TradeMapChart
 from nav_model.budget.figures import figures, inputs_of
+from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.explore.margins import label_of, quantity
 from nav_model.explore.rank import Sensitivity, rank, sentence, silent
@@ -59,7 +60,7 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
     reference = "the limit" if limited else "this design's value"
     level = trade.limit
     if not limited:
-        level = float(design.requirements.confidence * figures(inputs_of(design), (result,))[result])
+        level = float(confidence_of(design, result) * figures(inputs_of(design), (result,))[result])
     ratio = trade.z / level
     (x_factor, x_label), (y_factor, y_label) = _scale(design, x_key), _scale(design, y_key)
     x, y = trade.x / x_factor, trade.y / y_factor
