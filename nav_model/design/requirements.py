@@ -85,23 +85,23 @@ class Requirements(Part):
     azimuth_shift: Any = _limit(
         "length", "m", "azs", 1e6, _POSITION, "Azimuth shift",
         "Of the image along the track: the position error there and R/V times the line-of-sight velocity error.",
-        f"{_REACHED}tactical 0.3 to 1, MEMS 1 to 4 m; a tenth of that when smoothed",
+        f"{_REACHED}navigation 0.3 to 0.7, tactical 1 to 4, MEMS 2 to 6 m; a fifth of that post-processed",
     )  # fmt: skip
     range_shift: Any = _limit(
         "length", "m", "rgs", 1e6, _POSITION, "Range shift",
         "Of the image along the line of sight: the mean position error over the aperture.",
-        f"{_REACHED}0.3 to 0.7 m",
+        f"{_REACHED}navigation 0.2 to 0.3, tactical 0.3 to 0.6, MEMS 0.4 to 0.7 m",
     )  # fmt: skip
     ce90: Any = _limit(
         "length", "m", "ce", 1e6, _POSITION, "CE90",
         "Radius on the ground within which 90 % of images lie; already a percentage, so the confidence does not "
         "multiply it.",
-        "1 to 10 m",
+        f"{_REACHED}navigation 0.6 to 1.2, tactical 2 to 7, MEMS 4 to 10 m",
     )  # fmt: skip
     le90: Any = _limit(
         "length", "m", "le", 1e6, _POSITION, "LE90",
         "Height error that 90 % of images stay below; already a percentage, so the confidence does not multiply it.",
-        "1 to 10 m",
+        f"{_REACHED}navigation 0.2 to 0.5, tactical 0.2 to 0.5, MEMS 0.4 to 0.7 m",
     )  # fmt: skip
     horizontal_position: Any = _limit(
         "length",

@@ -15,7 +15,7 @@ import numpy as np
 
 from nav_model.analytic.steady_state import Array
 from nav_model.compiled import kernel, part
-from nav_model.processing.spectrum import Channel, rates
+from nav_model.processing.spectrum import Channel, rates, smoothed
 
 COLUMNS = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity", "tilt",
@@ -29,6 +29,7 @@ _LEAST_GROUPS = 60  # yet into no fewer than these over the whole leg
 _FAR = 12.0  # of those times: what is farther from the aperture tells nothing
 _UNKNOWN = 1e4  # prior sigmas over those of the leg's own fixes: nothing is known before
 _KNOWN = 1e30  # information of a state that is not there
+_ROUNDED = 1e4  # position variance over what is left after order 3, up to which that is good to 1e-4
 _FOR_EVER = 1e30  # s: correlation time of a slow error that is not there
 _DIFFERENCE = 1e-4  # relative step that stands for a complex one
 _LEAST_DECAY = 1e-6  # of the slow error over a step: below it has forgotten
@@ -440,7 +441,14 @@ def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Ar
     )
     table = np.stack(parameters, axis=-1).reshape(-1, len(parameters))
     found = _solved(table).reshape(*parameters[0].shape, len(COLUMNS))
-    return dict(zip(COLUMNS, np.moveaxis(found, -1, 0), strict=True))
+    columns = dict(zip(COLUMNS, np.moveaxis(found, -1, 0), strict=True))
+    # What is left after order 3 is a small difference of large numbers; where rounding would show, the spectrum has
+    # it, since a short leg costs it nothing.
+    rest = smoothed(channel, aperture, ("left_3",))["left_3"]
+    columns["left_3"] = np.where(columns["mean"].real < _ROUNDED * rest.real, columns["left_3"], rest)
+    columns["left_2"] = columns["left_3"] + columns["cubic"] * (4 / 25 / 7)
+    columns["left_1"] = columns["left_2"] + columns["quadratic"] * (4 / 9 / 5)
+    return columns
 
 
 def _solved(table: Array) -> Array:

@@ -15,8 +15,15 @@ def test_spherical_bessel(compared):
     for m in range(4):
         size = np.minimum(1 / x, x**m / math.prod(range(1, 2 * m + 2, 2)))
         off = (ours[m] - spherical_jn(m, x)) / size
-        compared("Spherical Bessel functions of the aperture filters", "P-5", "another program",
-                 "scipy.special.spherical_jn", off, 1e-12, "largest difference over the envelope")  # fmt: skip
+        compared(
+            "Spherical Bessel functions of the aperture filters",
+            "P-5",
+            "solver written by others",
+            "SciPy's spherical_jn",
+            off,
+            1e-12,
+            "largest difference over the envelope",
+        )
 
 
 def test_near_zero_the_series():

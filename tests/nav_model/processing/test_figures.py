@@ -188,9 +188,9 @@ def test_sampled_filter_with_velocity(slow, compared):
             p = end.horizontal
             off = [float(p.p11) / theirs[0, 0], float(p.p22) / theirs[1, 1], float(p.p33) * g * g / theirs[2, 2]]
             worst = max(worst, *(abs(ratio - 1) for ratio in off))
-    what = "Sampled filter with velocity fixes" + (" and a slow GNSS error" if slow else "")
-    oracle = "scipy.linalg.solve_discrete_are"
-    compared(what, "T-8", "solver written by others", oracle, worst, 1e-6, "largest ratio − 1")
+    said = "with" if slow else "without"
+    compared(f"Sampled filter with velocity fixes, {said} slow GNSS error", "T-8", "solver written by others",
+             "SciPy's solve_discrete_are", worst, 1e-6, "largest ratio − 1")  # fmt: skip
 
 
 def test_arrays_are_designs_side_by_side(named):

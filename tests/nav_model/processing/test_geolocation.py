@@ -24,8 +24,15 @@ def test_circular_error_of_a_circle_and_of_a_line(compared):
             float(circular_error(4.0, 4.0, 0.0, share)) / (2 * math.sqrt(chi2.ppf(share, 2))) - 1,
             float(circular_error(4.0, 1e-12, 0.0, share)) / (2 * math.sqrt(chi2.ppf(share, 1))) - 1,
         ]
-        compared("Circular error of a circle and of a line", "P-7", "another program", "scipy.stats.chi2", off, 1e-4,
-                 "largest ratio − 1")  # fmt: skip
+        compared(
+            "Circular error of a circle and of a line",
+            "P-7",
+            "solver written by others",
+            "SciPy's chi2",
+            off,
+            1e-4,
+            "largest ratio − 1",
+        )
 
 
 @pytest.mark.parametrize(("one", "other", "both"), [(1.0, 0.3, 0.2), (9.0, 0.04, 0.5), (2.0, 2.0, -1.9)])
@@ -103,9 +110,9 @@ def test_shifts_of_the_image_by_exact_geometry():
 
 
 def test_the_headline_example(open_design):
-    """2.7 m of azimuth shift while the position is good to 0.40 m."""
+    """2.7 m of azimuth shift while the position is good to 0.39 m."""
     budget = analyse(open_design)
     assert budget.placement.azimuth == pytest.approx(2.7, abs=0.05)
-    assert budget.steady_state.closed.position_horizontal == pytest.approx(0.40, abs=0.01)
+    assert budget.steady_state.closed.position_horizontal == pytest.approx(0.39, abs=0.01)
     assert budget.placement.ce90 > 1.6 * budget.placement.azimuth
     assert budget.placement.ce90 / budget.placement.cep > 2

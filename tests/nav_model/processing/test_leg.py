@@ -130,10 +130,11 @@ def test_batch_least_squares(sparse, compared):
         (slow_off if channel.slow is not None else off).append(worst)
     assert methods == {False, True}
     oracle = "generalised least squares of all fixes at once, SciPy's Cholesky, written out in the test"
-    kind = "solver written by others"
-    what = "Smoothed quadratic and residual phase, 1/w0 to 20/w0 of leg" + (", sparse fixes" if sparse else "")
-    compared(what, "P-3", kind, oracle, max(off), 0.01, "largest ratio − 1")
-    compared(f"{what}, slow GNSS error", "P-3", kind, oracle, max(slow_off), 0.02, "largest ratio − 1")
+    kind, how = "solver written by others", "sparse" if sparse else "dense"
+    compared(f"Smoothed phase, legs of 1/w0 to 20/w0, {how} fixes", "P-3", kind, oracle, max(off), 0.01,
+             "largest ratio − 1")  # fmt: skip
+    compared(f"Smoothed phase with a slow GNSS error, {how} fixes", "P-3", kind, oracle, max(slow_off), 0.02,
+             "largest ratio − 1")  # fmt: skip
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
