@@ -67,7 +67,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """What `navbudget check` prints for a design: a line per requirement, the other verdict, then the verdict in force.
+    """What `navbudget check` prints of a design: a line per requirement, the other verdict, the verdict in force.
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
