@@ -66,7 +66,7 @@ def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -
         "Position, horizontal": ("2 m", True),
         "Position after 100 s": ("50 m", True),
         "Quadratic phase": ("90°", False),
-        "Detrended phase, rms": ("20°", False),
+        "Residual phase": ("20°", False),
     }
 
 
