@@ -245,7 +245,8 @@ def _tooltip(charts: Sequence[Chart]) -> str:
     """Every curve of every chart at the time under the pointer."""
     rows = "".join(
         f'<tr><td style="color:{STYLES[line.style].colour}">■</td><td>{chart.y_label.partition(",")[0]}, {line.label}'
-        f'</td><td style="text-align:right">@{{{_column(chart, line.key)}}}{{%.3g}} {unit_of(chart.y_label)}</td></tr>'
+        f'</td><td style="text-align:right">@{{{_column(chart, line.key)}}}{{%.3g}} {unit_of(chart.y_label)}'
+        "</td></tr>"
         for chart in charts
         for line in chart.lines
     )
