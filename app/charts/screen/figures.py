@@ -116,7 +116,8 @@ def to_bokeh(chart: AnyChart, height: int | None = 320) -> Figure:
 
 def _fill(plot: figure) -> None:
     """Make a figure as high as its place; its tools stand above it only while the pointer is on it."""
-    plot.update(height=None, min_height=_LEAST, sizing_mode="stretch_both")
+    plot.update(height=None, min_height=_LEAST, sizing_mode="stretch_both", toolbar_location="above")
+    plot.update(toolbar_inner=True, min_border_right=14)
     plot.toolbar.autohide = True
 
 
