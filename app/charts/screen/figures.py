@@ -41,7 +41,7 @@ from app.charts.styles import BAR_STYLES, DASHES, STYLES
 TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 _BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
-_LEAST = 120  # pixels of height of a figure that fills its place
+_LEAST = 180  # pixels of height of a figure that fills its place
 
 
 @dataclass

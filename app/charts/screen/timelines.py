@@ -26,7 +26,7 @@ from app.charts.screen.figures import TEXT_SIZE, add_glyph, same, unit_of
 from app.charts.screen.log_axis import mark_in_powers
 from app.charts.styles import DASHES, GREY, STYLES
 
-_LEFT = 62  # pixels left of every frame, so that the frames stand under one another
+_LEFT = 72  # pixels left of every frame, so that the frames stand under one another
 _NEAR = 0.13  # of the height: nearer labels would touch, and the lower one goes below its curve
 _FAINT: dict[str, Any] = {"line_alpha": 0.4, "line_width": 1.4}
 _STEPS = (1.0, 2.0, 5.0, 10.0)
@@ -101,7 +101,7 @@ class Timelines:
         plot = figure(
             name=chart.key,
             sizing_mode="stretch_both",
-            min_height=90,
+            min_height=130,
             x_axis_label=chart.x_label if last else None,
             y_axis_label=chart.y_label,
             y_axis_type="log" if chart.y_log else "linear",

@@ -348,7 +348,7 @@ def response_chart(budget: Budget) -> Chart:
         key="response",
         title="Point target in azimuth",
         x_label="azimuth [m]",
-        y_label="power over the error-free peak [dB]",
+        y_label="power [dB]",
         lines=tuple(
             Line(
                 key,
