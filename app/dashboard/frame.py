@@ -105,6 +105,7 @@ class Frame(pn.viewable.Viewer):
         """Have the browser's tab keep what is in force, should the page be loaded again."""
         base = self.session.lineage.base
         self._lifeline.param.update(link=self.session.link, base=base.key if base else "")
+        self._toolbar.bar.link = self.session.link
 
     def _come_back(self, link: str, base: str) -> None:
         """Take up again what the browser's tab kept of this page before it was loaded again."""

@@ -112,8 +112,9 @@ class BudgetPage(pn.viewable.Viewer):
         if compared is self._compared:
             return
         self._compared = compared
-        self._stack.compare(charts.timelines(compared.budget) if compared else None)
-        self._feed(self.session.budget)
+        with pn.io.hold():
+            self._stack.compare(charts.timelines(compared.budget) if compared else None)
+            self._feed(self.session.budget)
 
     def _feed(self, budget: Budget) -> None:
         """Tiles, bars and the lines above the charts, whose text goes only when it is another."""
@@ -171,7 +172,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._details.append(
             Folded(
                 (
-                    ("Requirements and cautions", lambda: self._told(_requirements)),
+                    ("Requirements and cautions", lambda: self._told(requirements)),
                     ("Sources and methods", lambda: self._told(_sources)),
                     ("What limits horizontal position: gyro or accelerometer?", self._regime),
                     ("Growth of the position error by cause", self._growth),
@@ -220,7 +221,8 @@ def _invalid(count: int) -> str:
     return f"{count} input{' is' if count == 1 else 's are'} invalid: last valid values used."
 
 
-def _requirements(budget: Budget) -> str:
+def requirements(budget: Budget) -> str:
+    """Every requirement with its margin, and what a careful reader must know."""
     return html_of(requirement_table(budget), caution_list(budget))
 
 
