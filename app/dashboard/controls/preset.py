@@ -54,6 +54,7 @@ class PresetControl(pn.viewable.Viewer):
             options = {f"Custom, based on {name}" if own == name else said: own for said, own in options.items()}
         if self.select.options != options:
             self.select.param.update(options=options, value=name)
+            self.select.param.trigger("value")  # the browser knows the value by its label, which is another now
         self.select.value = name
         self.restore.visible = bool(changed)
         self.select.helper_text = _entry_help(entry, changed, self.explained) if entry else ""
