@@ -103,7 +103,7 @@ def _watched(page: Page, server: str) -> Iterator[Callable[..., Page]]:
         page.set_viewport_size({"width": size.get("width", 1440), "height": size.get("height", 900)})
         page.goto(server + path)
         page.wait_for_function(_IDLE)
-        page.get_by_role("status").first.wait_for()
+        page.get_by_role("tablist").first.wait_for()
         return page
 
     yield open_
