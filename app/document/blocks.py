@@ -46,7 +46,8 @@ class Column:
 class Table:
     """A table. The first cell of a row heads it; a row of one cell heads the rows that follow.
 
-    On a page a person can choose a row: by the "radio" or the "button" in its first cell, as ``choose`` says.
+    On a page a person can choose a row: by the "radio" or the "button" in its first cell, as ``choose`` says. A first
+    cell without a value has no button.
     """
 
     key: str

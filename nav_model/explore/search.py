@@ -14,7 +14,7 @@ from nav_model.errors import InputError
 from nav_model.explore.margins import limits, ratios, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
-OWN_GNSS = "as in the design"
+OWN_GNSS = "your receiver"
 """Name of the row of receivers that is the design's own."""
 _NEEDED = ("velocity_random_walk", "angle_random_walk")
 
