@@ -118,7 +118,8 @@ class Answer:
 
 @dataclass(frozen=True)
 class KeyFigure:
-    """One figure with its unit; ``detail`` says which, ``met`` whether it keeps its ``limit`` (None: it has none).
+    """One figure with its unit; ``detail`` says which, ``met`` whether it keeps its ``limit`` (None: it has none, and
+    a tile says under it what ``limit`` says).
 
     ``amount`` is the value as a number, to compare it by; ``used`` is the part of the limit it takes (NaN: none).
     """

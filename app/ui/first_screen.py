@@ -38,6 +38,6 @@ def first_screen(
     return pn.Column(*parts, stylesheets=[sheet])
 
 
-def screen_of_views(strip: Any, views: Any) -> pn.Column:
-    """A page whose views take turns: the answer, the switch, and the view chosen in the rest of the window."""
-    return pn.Column(strip, views, stylesheets=[_VIEWS])
+def screen_of_views(strip: Any, views: Any, *below: Any) -> pn.Column:
+    """A page whose views take turns: the answer, the switch, the view chosen in the rest of the window, and tools."""
+    return pn.Column(strip, views, *below, stylesheets=[_VIEWS])

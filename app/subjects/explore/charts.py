@@ -61,8 +61,8 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
     trade = trade_map(design, x_key, y_key, result)
     outside = " Blank: the aperture would be longer than an hour." if np.isnan(trade.z).any() else ""
     knowledge = (
-        f"{len(trade.x)} × {len(trade.y)} designs through the formulas of the budget. An IMU of the catalogue is judged "
-        f"with all values of its data sheet (● passes, ✕ fails), not by the colour under it.{outside}"
+        f"{len(trade.x)} × {len(trade.y)} designs through the formulas of the budget. An IMU of the catalogue is "
+        f"judged with all values of its data sheet (● passes, ✕ fails), not by the colour under it.{outside}"
     )
     return chart_of(design, trade, "map", knowledge, is_log(x_key), is_log(y_key))
 

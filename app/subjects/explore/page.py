@@ -30,7 +30,7 @@ QUESTIONS: Mapping[str, type[Question]] = {
 
 
 class ExplorePage(pn.viewable.Viewer):
-    """Everything below the tab. A question is made when it is first asked and follows the design while it is in view."""
+    """Everything below the tab. A question is made when first asked and follows the design while it is in view."""
 
     session = held(Session)
 

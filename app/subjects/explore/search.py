@@ -1,4 +1,4 @@
-"""Which sensors meet the requirements: the IMUs that pass with the design's receiver, or every pair of IMU and receiver."""
+"""Which sensors meet the requirements: IMUs that pass with the design's receiver, or pairs of IMU and receiver."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ from nav_model.explore.search import Candidate, left_out, search
 MAX_BYTES = 200_000
 _KNOWLEDGE = (
     "The formulas of the budget, for every row. The main error source has the largest share of the tightest "
-    "requirement's variance [T-18]. Residual biases and vibration factor are your design's for every IMU: data sheets "
-    "do not give them. Receiver noise is white."
+    "requirement's variance [T-18]. Residual biases and vibration factor are your design's for every IMU: data "
+    "sheets do not give them. Receiver noise is white."
 )
 _WHOLE = ".scroll.tall { max-height: none; }"  # the view scrolls, not the table in it
 
@@ -76,7 +76,8 @@ class SearchPanel(Question):
 
     def __panel__(self) -> pn.Column:
         words = pmui.TextInput(
-            label=self.param.words.label, placeholder="closes fiber", max_length=100, width=180, margin=(8, 8), size="small",
+            label=self.param.words.label, placeholder="closes fiber", max_length=100, width=180,
+            margin=(8, 8), size="small",
         )  # fmt: skip
         words.link(self, value_input="words")
         tools = pn.FlexBox(

@@ -141,8 +141,9 @@ class SweepPanel(Question):
             return
         if seconds > MOST_SECONDS:
             self.bar.start.disabled = True
-            said = f"{plan.rows:,} designs take about {_in_words(seconds)}; at most {_in_words(MOST_SECONDS)} on this page."
-            self._say(f"{said} {_ELSEWHERE}", alert=True)
+            most = f"at most {_in_words(MOST_SECONDS)} on this page."
+            said = f"{plan.rows:,} designs take about {_in_words(seconds)}; {most} {_ELSEWHERE}"
+            self._say(said, alert=True)
         else:
             self._say(f"{plan.rows:,} designs, about {_in_words(seconds)}.")
 

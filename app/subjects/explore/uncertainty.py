@@ -146,8 +146,7 @@ class UncertaintyPanel(Question):
         scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
         return first_screen(
             left=[pn.Column(pn.FlexBox(assume, clear), *self.rows, **scrolls)],
-            right=[pn.Column(self._table, html_pane(_HELP, margin=(4, 14)), html_pane(source_note(_KNOWLEDGE), (4, 14)),
-                             **scrolls)],
+            right=[pn.Column(self._table, html_pane(_HELP + source_note(_KNOWLEDGE), margin=(4, 14)), **scrolls)],
             height="100%",
         )  # fmt: skip
 

@@ -7,6 +7,7 @@ from app.subjects.suborbital.charts.attitude import (
     star_chart,
     star_count_chart,
 )
+from app.subjects.suborbital.charts.camera_noise import NOISES, camera_noise_answer, camera_noise_chart
 from app.subjects.suborbital.charts.errors import aided_chart, growth_chart, source_chart
 from app.subjects.suborbital.charts.flight import force_chart, gravity_chart, height_chart, map_chart, rate_chart
 from app.subjects.suborbital.charts.sensors import noise_chart, sensor_chart
@@ -14,9 +15,12 @@ from app.subjects.suborbital.charts.shown import CHANNELS, SHOWN_SOURCES, Shown
 
 __all__ = [
     "CHANNELS",
+    "NOISES",
     "SHOWN_SOURCES",
     "Shown",
     "aided_chart",
+    "camera_noise_answer",
+    "camera_noise_chart",
     "force_chart",
     "gravity_chart",
     "growth_chart",
