@@ -17,7 +17,7 @@ _VIEWS = Path(__file__).with_name("screen_of_views.css").read_text("utf-8")
 def first_screen(
     *top: Any, left: Sequence[Any], right: Sequence[Any] = (), height: str = "calc(100dvh - 48px)"
 ) -> pn.Column:
-    """Rows across the top, and below them two halves that fill the rest of the window; without a right one, one whole.
+    """Rows across the top, and below them two halves, or one whole, that fill the rest of the window.
 
     Each half has one part, or two on top of each other. On a narrow window everything stands in one column and as
     high as it wants. A ``height`` of "100%" fills a place within the window, such as a view of `screen_of_views`.

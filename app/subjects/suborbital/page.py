@@ -115,6 +115,13 @@ class SuborbitalPage(pn.viewable.Viewer):
             with pn.io.hold():
                 self._show_moved(survey, renewal)
 
+    @param.depends("exact.progress", "exact.message", watch=True)
+    def _say_progress(self) -> None:
+        """Before the first answer the strip says how far it is."""
+        if self.study.shown is None:
+            said = self.exact.message or (self.exact.progress.words if self.exact.progress else "")
+            self._strip.show(WAITING, said)
+
     @param.depends("renewal.message", watch=True)
     def _say_renewal(self) -> None:
         self.bar.message = self.renewal.message
