@@ -13,6 +13,8 @@ from app.ui.theme import FRAME
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _VIEWS = Path(__file__).with_name("screen_of_views.css").read_text("utf-8")
 
+_ABOUT = 800  # pixels
+
 
 def first_screen(
     *top: Any, left: Sequence[Any], right: Sequence[Any] = (), height: str = "calc(100dvh - 48px)"
@@ -33,11 +35,13 @@ def first_screen(
             span, wide = 2 if len(half) == 1 else 1, "auto" if right else "span 2"
             where = {"grid-area": f"{rows + 1 + place} / {column} / span {span} / {wide}"}
             parts.append(pn.Column(part, styles=where | FRAME, sizing_mode="stretch_both"))
-    flex = "1 1 0" if height == "100%" else "none"
-    sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height).replace("FLEX", flex)
-    return pn.Column(*parts, stylesheets=[sheet])
+    within = height == "100%"
+    sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height)
+    sheet = sheet.replace("FLEX", "1 1 0" if within else "none")
+    # With a height the page around it stays as high as its content, and scrolls; the sheet says how high this is.
+    return pn.Column(*parts, height=None if within else _ABOUT, stylesheets=[sheet])
 
 
 def screen_of_views(strip: Any, views: Any, *below: Any) -> pn.Column:
     """A page whose views take turns: the answer, the switch, the view chosen in the rest of the window, and tools."""
-    return pn.Column(strip, views, *below, stylesheets=[_VIEWS])
+    return pn.Column(strip, views, *below, height=_ABOUT, stylesheets=[_VIEWS])

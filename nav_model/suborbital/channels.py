@@ -185,7 +185,7 @@ def _forcing(flight: TrueFlight, p: FloatArray, errors: ErrorSet, used: np.ndarr
     turn = local_axes(middle) * np.array([1.0, 1.0, -1.0])
 
     def local(inertial: FloatArray) -> FloatArray:
-        return inertial @ turn
+        return np.asarray(inertial @ turn)
 
     constant, one = triad(ACCELEROMETERS, force, None, None), np.ones(n)
     tilt = np.cross(psi + 0.5 * step_turn, force_i[:, None])

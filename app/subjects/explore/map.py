@@ -26,7 +26,6 @@ from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES, figures, inputs_of
-from nav_model.design.declaration import BaseQuantity
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.trade_map import RESULTS, changes_at
 
@@ -104,11 +103,11 @@ class MapPanel(Question):
             return
         design, trade = self.session.design, chart.trade
         places = [
-            _place(key, value, design.unit(key) if _has_unit(quantity(key)) else "")
+            _place(key, value, design.unit(key) if quantity(key).dimension else "")
             for key, value in ((trade.x_key, event.x), (trade.y_key, event.y))
         ]
         changes = changes_at(trade, *places)
-        units = {key: design.unit(key) for key in changes if _has_unit(quantity(key))}
+        units = {key: design.unit(key) for key in changes if quantity(key).dimension}
         problem = self.session.change(changes, units)
         if problem:
             self.answer = Answer("Not taken", "warn", (str(problem),))
@@ -121,7 +120,3 @@ def _place(key: str, value: float, unit: str) -> float:
     """SI of a place clicked, rounded as a person would type it, so that its box shows no more digits."""
     text = f"{value:.{_DIGITS}g}"
     return float(quantity(key).read(f"{text} {unit}").value if unit else text)
-
-
-def _has_unit(declaration: BaseQuantity[float | None]) -> bool:
-    return bool(declaration.dimension)

@@ -65,6 +65,7 @@ class RangeRow(pn.viewable.Viewer):
     def __init__(self, key: str, design: Callable[[], Design]) -> None:
         super().__init__()
         self.key, self._design = key, design
+        self._values: tuple[str, ...] = ()
         self.kind = pmui.Select(
             label=str(quantity(key).label), options=[_AS_SET, *_LABELS], width=230, margin=(9, 4, 0, 8), size="small"
         )
@@ -77,6 +78,7 @@ class RangeRow(pn.viewable.Viewer):
 
     def set(self, kind: str, *values: str) -> None:
         """Choose a distribution and its values."""
+        self._values = values
         self.kind.value = kind
         for box, value in zip(self.boxes, values, strict=False):
             box.value = value
@@ -84,7 +86,8 @@ class RangeRow(pn.viewable.Viewer):
     def _choose(self) -> None:
         kind = self.kind.value
         if kind != _AS_SET and not self.boxes:
-            self.boxes = [pmui.TextInput(width=130, margin=(9, 4, 0, 4), size="small") for _ in range(2)]
+            values = self._values or (_as_text(self._design(), self.key), "")  # before a browser has the boxes
+            self.boxes = [pmui.TextInput(value=text, width=130, margin=(9, 4, 0, 4), size="small") for text in values]
             for box in self.boxes:
                 box.param.watch(lambda _: self._read(), "value")
             self._view.extend(self.boxes)

@@ -8,7 +8,8 @@ import param
 from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.suborbital.charts import NOISES, Shown, camera_noise_answer, camera_noise_chart
+from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.charts.camera_noise import NOISES, camera_noise_answer, camera_noise_chart
 from app.ui.chart_pane import ChartPane
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane

@@ -15,8 +15,8 @@ import param
 from app.charts.kinds import Chart
 from app.declared import declared
 from app.document.pane import html_of
-from app.subjects.suborbital import charts
-from app.subjects.suborbital.charts import CHANNELS, Shown
+from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
+from app.subjects.suborbital.charts.shown import CHANNELS
 from app.subjects.suborbital.tables import (
     NumberTable,
     gap_table,
@@ -54,9 +54,13 @@ class View:
 _SPACING_S = round(STAR_FRAME_SPACING_S)
 
 
-def _of(make: Callable[[int], Describe], which: str) -> Describe:
-    """A chart of the channel or axis looked at."""
-    return lambda shown: make(getattr(shown, which))(shown)
+def _of(draw: Callable[[Shown, int], Chart]) -> Describe:
+    """A chart of the channel looked at."""
+    return lambda shown: draw(shown, shown.channel)
+
+
+def _sensor(kind: int, shown: Shown, axis: int) -> Chart:
+    return sensors.sensor_chart(shown, kind, axis)
 
 
 def _paper(index: int) -> Callable[[Shown], NumberTable]:
@@ -65,18 +69,18 @@ def _paper(index: int) -> Callable[[Shown], NumberTable]:
 
 
 VIEWS: tuple[View, ...] = (
-    View("Errors", (_of(charts.aided_chart, "channel"), _of(charts.source_chart, "channel")),
+    View("Errors", (_of(errors.aided_chart), _of(errors.source_chart)),
          chooses=("channel", "case", "aided_sources", "along_track")),
-    View("Unstable height", (charts.growth_chart,), chooses=("case", "channel")),
+    View("Unstable height", (errors.growth_chart,), chooses=("case", "channel")),
     View("Sources", tables=(source_table, gap_table)),
     View("Published values", tables=tuple(map(_paper, range(4)))),
-    View("Sensor errors", (_of(lambda axis: charts.sensor_chart(0, axis), "channel"),
-                           _of(lambda axis: charts.sensor_chart(1, axis), "channel")), chooses=("axis",)),
-    View("White noise", (_of(charts.noise_chart, "channel"),), (noise_table,), chooses=("channel", "noise")),
-    View("Attitude", (charts.inertial_attitude_chart, charts.navigation_attitude_chart), (method_table,), ("case",)),
-    View("Stars", (charts.star_chart, charts.star_count_chart), (star_table,), ("moment",)),
-    View("Flight", (charts.map_chart, charts.height_chart, charts.force_chart, charts.rate_chart)),
-    View("Gravity", (charts.gravity_chart,), (gravity_table,)),
+    View("Sensor errors", tuple(_of(partial(_sensor, kind)) for kind in (0, 1)), chooses=("axis",)),
+    View("White noise", (_of(sensors.noise_chart),), (noise_table,), chooses=("channel", "noise")),
+    View("Attitude", (attitude.inertial_attitude_chart, attitude.navigation_attitude_chart), (method_table,),
+         ("case",)),
+    View("Stars", (attitude.star_chart, attitude.star_count_chart), (star_table,), ("moment",)),
+    View("Flight", (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart)),
+    View("Gravity", (flight.gravity_chart,), (gravity_table,)),
 )  # fmt: skip
 """In their order on the page."""
 

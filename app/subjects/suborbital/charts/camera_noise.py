@@ -32,9 +32,9 @@ def camera_noise_chart(swept: CameraNoise, now_rad: float) -> Chart:
             Points("now", "this camera", np.array([now_rad / ARCSECOND]), np.array([_at(swept, now_rad)]),
                    ("this camera",), "mark", source="interpolated"),
         ),
-        knowledge="White noise of IMU and camera through the covariance of [B-4]; attitude noise of each star "
-        "image by [B-9], proportional to the centroid noise. A frame is lost where its roll about the boresight becomes too "
-        "uncertain for the camera's gate.",
+        knowledge="White noise of IMU and camera through the covariance of [B-4]. Attitude noise of an image [B-9] is "
+        "proportional to the centroid noise. A frame is lost where its roll about the boresight becomes too uncertain "
+        "for the camera.",
         x_log=True,
         y_log=True,
     )  # fmt: skip
