@@ -32,9 +32,8 @@ def camera_noise_chart(swept: CameraNoise, now_rad: float) -> Chart:
             Points("now", "this camera", np.array([now_rad / ARCSECOND]), np.array([_at(swept, now_rad)]),
                    ("this camera",), "mark", source="interpolated"),
         ),
-        knowledge="White noise of IMU and camera through the covariance of [B-4]. Attitude noise of an image [B-9] is "
-        "proportional to the centroid noise. A frame is lost where its roll about the boresight becomes too uncertain "
-        "for the camera.",
+        knowledge="White noise of IMU and camera by the covariance of [B-4]. Attitude noise of an image [B-9] is "
+        "proportional to the centroid noise. A frame is lost where its roll about the boresight is too uncertain.",
         x_log=True,
         y_log=True,
     )  # fmt: skip

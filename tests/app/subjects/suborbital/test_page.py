@@ -155,9 +155,10 @@ def test_every_view_is_built_and_fed(here: SuborbitalPage) -> None:
     assert not here.study.current().exact
 
 
-def test_the_inertial_unit_is_the_designs_until_somebody_sets_another() -> None:
+def test_the_inertial_unit_is_the_designs(survey: Survey) -> None:
     session = Session(first_design())
     page = SuborbitalPage(session)
+    page.exact.result = survey
     session.param.watch(lambda event: page.show(event.new), "budget")
     imu = session.design.imu
     assert page.inputs.settings["gyros.white_noise"] == imu.angle_random_walk * imu.vibration_factor
