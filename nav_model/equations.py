@@ -255,7 +255,7 @@ _BEYOND: tuple[Equation, ...] = (
     Equation(
         "P-3",
         "Smoothed position error, as a density",
-        "S_e (w) = 1 / (1 \/ S_p + 1 \/ S_n), quad sigma^2 = 1 / pi integral_0^oo S_e dif w",
+        r"S_e (w) = 1 / (1 \/ S_p + 1 \/ S_n), quad sigma^2 = 1 / pi integral_0^oo S_e dif w",
         "A smoother with fixes on both sides, in a leg of 6/w₀ and more on each, w₀ = (g σ_ω/s)^(1/3), and with w₀ Δt up "
         "to 0.7; otherwise the same is worked out in state space. Velocity has the density w² S_e.",
     ),
