@@ -125,7 +125,7 @@ class Gnss(Part):
     )
     interval = Quantity(
         default=1.0,
-        dimension="time",
+        dimension="interval",
         unit="s",
         short="dt",
         bounds=(1e-3, 3600.0),

@@ -48,7 +48,7 @@ def worst(by_requirement: Mapping[str, Array]) -> Array:
         If there is no requirement.
     """
     if not by_requirement:
-        raise ValueError("requirements: none is given; state at least one limit")
+        raise ValueError("requirements: none is given; give at least one limit")
     largest: Array = np.maximum.reduce(np.broadcast_arrays(*by_requirement.values()))
     return largest
 

@@ -149,6 +149,6 @@ def sentence(item: Sensitivity, figure_label: str) -> str:
             f"{verb} the {name} is outside its bounds; one percent of it moves the {said} by {abs(item.slope):.2g} %."
         )
     if abs(change) < 5e-4:
-        return f"{verb} the {name} leaves the {said} as it is (less than 0.05 %)."
+        return f"{verb} the {name} changes the {said} by less than 0.05 %."
     effect = "cuts" if change < 0 else "raises"
     return f"{verb} the {name} {effect} the {said} by {100 * abs(change):.2g} %."

@@ -94,7 +94,7 @@ def solve(design: Design, verify: Verify = "every") -> tuple[Solution, ...]:
     """
     names = list(limits(design))
     if not names:
-        raise InputError("requirements", "none is given; state at least one limit to solve for")
+        raise InputError("requirements", "none is given; give at least one limit to solve for")
     keys = [key for key in SOLVED if key != "gnss.vertical_position_noise" or design[key] is not None]
     roots, outcomes, depends = _roots(design, keys, names)
     solutions = []

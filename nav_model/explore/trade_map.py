@@ -103,7 +103,7 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     if result not in RESULTS:
         raise InputError("result", f"{result!r} is not one of {', '.join(RESULTS)}", result)
     if result == ALL and not limits(design):
-        raise InputError("requirements", "none is given; state at least one limit, or map a single figure")
+        raise InputError("requirements", "none is given; give at least one limit, or map a single figure")
     count = size or SIZE
     x, y = axis(design, x_key, count), axis(design, y_key, count)
     z = np.broadcast_to(_value(design, {x_key: x[None, :], y_key: y[:, None]}, result), (count, count))

@@ -10,7 +10,7 @@ import numpy as np
 from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
 from app.document.verdict import check_words, met_cell, requirement_quantity
-from app.document.wording import AFTER_AUTOFOCUS, best_of
+from app.document.wording import DETRENDED, best_of
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import provenance
@@ -35,14 +35,15 @@ def key_figures(budget: Budget) -> KeyFigures:
         ("Position, horizontal", "position_horizontal", "length", "horizontal_position", "[T-3]"),
         ("Position, vertical", "position_vertical", "length", "vertical_position", "[T-4]"),
         ("Velocity, horizontal", "velocity_horizontal", "speed", "horizontal_velocity", "[T-3]"),
-        ("Tilt, roll and pitch", "tilt", "angle", "tilt", "[T-3]"),
+        ("Roll, pitch", "tilt", "angle", "tilt", "[T-3]"),
     )
 
-    def figure(label: str, value: str, detail: str, name: str = "") -> KeyFigure:
-        check = checks.get(name)
+    def figure(label: str, amount: float, dimension: str, detail: str, name: str = "") -> KeyFigure:
+        check, value = checks.get(name), show(amount, dimension)
         if check is None:
-            return KeyFigure(label, value, detail)
-        return KeyFigure(label, value, detail, check_words(budget.design, check).limit, check.met)
+            return KeyFigure(label, value, detail, amount=amount)
+        limit = check_words(budget.design, check).limit
+        return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
 
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
         chosen = budget.design.requirements.steady_state
@@ -50,42 +51,46 @@ def key_figures(budget: Budget) -> KeyFigures:
         which = f"{_MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
         if chosen != "closed":
             which += f"; average {show(getattr(average, field), dimension)} {mark}"
-        return figure(label, show(getattr(moment, field), dimension), f"1σ, {which}", name)
+        return figure(label, getattr(moment, field), dimension, f"1σ, {which}", name)
 
     def sight(phase: float) -> str:
         return f"{show(float(phase_to_metres(phase, sar.wavelength)), 'length')} along the line of sight"
 
-    width = "not focused"
+    width = KeyFigure("Azimuth width", "not focused", f"ideal {show(sar.cell_length, 'length')}")
     if response is not None:
-        width = show(float(response.half_power_extent_cells) * sar.cell_length, "length")
+        width = figure(
+            "Azimuth width",
+            float(response.half_power_extent_cells) * sar.cell_length,
+            "length",
+            f"with 1σ quadratic; aperture {show(sar.aperture_time, 'time')}, "
+            f"{show(sar.aperture_length, 'length')} [S-3]",
+        )
     return KeyFigures(
         "Key figures, one sigma",
         (
             *(settled(*names) for names in fields),
             figure(
                 f"Position after {show(coast.duration, 'time')}",
-                show(coast.end_refined_horizontal, "length"),
+                coast.end_refined_horizontal,
+                "length",
                 f"horizontal, refined [T-17]; vertical {show(coast.end_refined_vertical, 'length')}",
                 "coast_horizontal_position",
             ),
             figure(
                 "Quadratic phase",
-                show(sar.quadratic, "angle"),
+                sar.quadratic,
+                "angle",
                 f"{sight(sar.quadratic)}, closed form [S-5]{autofocus}",
                 "quadratic_phase",
             ),
             figure(
-                "Detrended phase, rms",
-                show(sar.detrended, "angle"),
+                "Residual phase",
+                sar.detrended,
+                "angle",
                 f"{sight(sar.detrended)}, closed form [T-15]",
                 "detrended_phase",
             ),
-            figure(
-                "Azimuth width",
-                width,
-                f"with 1σ quadratic; aperture {show(sar.aperture_time, 'time')}, "
-                f"{show(sar.aperture_length, 'length')} [S-3]",
-            ),
+            width,
         ),
     )
 
@@ -249,7 +254,7 @@ def phase_table(budget: Budget, key: str) -> Table:
             Column("Quadratic [°]", numeric=True, width=1),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
-            Column(f"Rms after {AFTER_AUTOFOCUS[sar.autofocus_order]} [°]", numeric=True, width=1.15),
+            Column(f"Rms after {DETRENDED[sar.autofocus_order]} [°]", numeric=True, width=1.15),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
         ),
