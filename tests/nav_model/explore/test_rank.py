@@ -25,7 +25,8 @@ def _finite_difference(design, key, figure, h=1e-3):
 @settings(max_examples=25)
 @given(data=st.data())
 def test_agrees_with_finite_differences_of_the_whole_analysis(data, designs):
-    design = data.draw(designs)
+    # Post-processed the figures step where a fix more enters the leg: no difference is to be had there.
+    design = data.draw(designs).replace({"processing.mode": "real time"})
     figure = data.draw(st.sampled_from(list(FIGURES)))
     key = data.draw(st.sampled_from([key for key in stated(design) if design[key] != 0]))
     assume(abs(design[key]) > 1e-6 or key.startswith("imu"))  # an angle near zero leaves nothing to difference
@@ -48,6 +49,15 @@ def test_agrees_through_the_filter_with_a_slow_error(figure, open_design):
         assert slope == pytest.approx((f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h), abs=1e-6)
 
 
+def test_post_processed_slopes_are_the_shares(open_design):
+    smoothed = open_design.replace({"processing.mode": "post-processed", "gnss.velocity_noise": 0.03})
+    keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise", "gnss.velocity_noise"]
+    slopes = log_derivatives(smoothed, keys, ["quadratic_phase"])["quadratic_phase"]
+    shares = analyse(smoothed).post_processed.shares["quadratic_phase"]
+    names = ("accelerometer noise", "gyro noise", "GNSS noise", "GNSS velocity noise")
+    np.testing.assert_allclose(slopes, [shares[name] for name in names], rtol=1e-9)
+
+
 def test_shares_are_the_slopes_of_the_closed_form(closed_design):
     design = closed_design.replace({"requirements.steady_state": "closed"})
     x = inputs_of(design)
@@ -62,7 +72,7 @@ def test_shares_are_the_slopes_of_the_closed_form(closed_design):
 @given(data=st.data())
 def test_the_three_noises_account_for_all_of_a_settled_figure(data, designs):
     """Variance is homogeneous of degree one in the three variances, prior and posterior too."""
-    design = data.draw(designs)
+    design = data.draw(designs).replace({"processing.mode": "real time", "gnss.velocity_noise": None})
     keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise"]
     found = log_derivatives(design, keys, ("horizontal_position", "horizontal_velocity", "tilt"))
     for slopes in found.values():
