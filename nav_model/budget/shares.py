@@ -171,6 +171,10 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
     for figure, value in of(stepped).items():
         whole = np.broadcast_to(value, len(names))
         parts = np.maximum(whole.imag / (whole.real * _STEP), 0)
+        if not np.any(
+            parts > 0
+        ):  # values so far apart that rounding hides every slope: nothing is known of whose it is
+            parts = np.ones(len(names))
         found[figure] = float(whole.real[0]), _normalised(dict(zip(names, parts, strict=True)))
     return found
 

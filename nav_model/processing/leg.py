@@ -161,42 +161,49 @@ def _sorted(keys: Any, order: Any, count: int) -> None:
 
 
 @part
-def _legendre(x: Any, values: Any) -> None:
-    values[0], values[1] = 1, x
-    values[2], values[3] = (3 * x * x - 1) / 2, (5 * x * x * x - 3 * x) / 2
+def _bent(x: float, values: Any) -> None:
+    """What a kick of velocity at x in [-1, 1], kept until 1, makes of the Legendre coefficients 0 to 3, over T/2.
+
+    (2m + 1)/2 times the integral from x to 1 of P_m(y) (y - x): from order 2 on zero at both ends, since a straight
+    line has no such coefficient.
+    """
+    rest = 1 - x
+    values[0] = rest * rest / 4
+    values[1] = 3 / 2 * (1 / 3 - x / 2 + x * x * x / 6)
+    values[2] = 5 / 16 * (1 - x * x) ** 2
+    values[3] = 7 / 16 * x * (1 - x * x) ** 2
 
 
 @part
-def _carry(cov: Any, t: Any, h: Any, aperture: Any, accelerometer: Any, gyro: Any, slow: Any, decay: Any) -> None:
-    """Covariance of the four states and the four Legendre coefficients over a step of h from t, in its place."""
+def _carry(cov: Any, t: float, h: float, aperture: float, accelerometer: float, gyro: float, slow: float,
+           decay: float) -> None:  # fmt: skip
+    """Covariance of the four states and four Legendre coefficients over a step of h from t, in its place.
+
+    The coefficients are those of the error until now and of its straight continuation to the aperture's end: a step
+    changes them by its acceleration alone, so that large errors of position do not round small ones of curvature.
+    """
     phi = np.zeros((8, 8))
     for i in range(8):
         phi[i, i] = 1
     phi[0, 1], phi[0, 2], phi[1, 2], phi[3, 3] = h, h * h / 2, h, decay
     values = np.zeros(4)
     for n in range(7):
-        u = h * _NODES[n]
-        _legendre(2 * (t + u) / aperture - 1, values)
+        _bent(2 * (t + h * _NODES[n]) / aperture - 1, values)
         for m in range(4):
-            weight = (2 * m + 1) / aperture * h * _WEIGHTS[n] * values[m]
-            phi[4 + m, 0] += weight
-            phi[4 + m, 1] += weight * u
-            phi[4 + m, 2] += weight * u * u / 2
+            phi[4 + m, 2] += h * _WEIGHTS[n] * values[m] * aperture / 2
     noise = np.zeros((8, 8))
     a, w = np.zeros(8), np.zeros(8)
     for n in range(7):  # noise that enters at u; products of its responses are polynomials up to degree 12 in u
         rest = h * (1 - _NODES[n])
-        for i in range(8):
-            a[i] = w[i] = 0
         a[0], a[1] = rest, 1
         w[0], w[1], w[2] = rest * rest / 2, rest, 1
+        _bent(2 * (t + h - rest) / aperture - 1, values)
+        for m in range(4):
+            a[4 + m], w[4 + m] = values[m] * aperture / 2, 0.0
         for k in range(7):
-            v = rest * _NODES[k]
-            _legendre(2 * (t + h - rest + v) / aperture - 1, values)
+            _bent(2 * (t + h - rest + rest * _NODES[k]) / aperture - 1, values)
             for m in range(4):
-                weight = (2 * m + 1) / aperture * rest * _WEIGHTS[k] * values[m]
-                a[4 + m] += weight * v
-                w[4 + m] += weight * v * v / 2
+                w[4 + m] += rest * _WEIGHTS[k] * values[m] * aperture / 2
         for i in range(8):
             for j in range(8):
                 noise[i, j] += h * _WEIGHTS[n] * (accelerometer * a[i] * a[j] + gyro * w[i] * w[j])
@@ -212,6 +219,17 @@ def _carry(cov: Any, t: Any, h: Any, aperture: Any, accelerometer: Any, gyro: An
             for k in range(8):
                 total += half[i, k] * phi[j, k]
             cov[i, j] = total
+
+
+@part
+def _straight(cov: Any, aperture: float) -> None:
+    """Add the Legendre coefficients of the straight line p + v t to the covariance of the four states at its start."""
+    for j in range(8):
+        cov[4, j] = cov[0, j] + cov[1, j] * aperture / 2
+        cov[5, j] = cov[1, j] * aperture / 2
+    for j in range(8):
+        cov[j, 4] = cov[j, 0] + cov[j, 1] * aperture / 2
+        cov[j, 5] = cov[j, 1] * aperture / 2
 
 
 @part
@@ -374,6 +392,7 @@ def _one(p: Any, out: Any) -> None:
                     for j in range(4):
                         cov[i, j] = inverse[i, j]
                 break
+    _straight(cov, aperture)
     t = 0.0
     for n in range(count):
         now = order[n]

@@ -15,7 +15,8 @@ from nav_model.explore.solve import SOLVED
 @settings(max_examples=60)
 @given(data=st.data())
 def test_equal_to_analyse(data, designs):
-    design = data.draw(designs)
+    mode, leg = data.draw(st.sampled_from(["real time", "post-processed"])), data.draw(st.sampled_from([20.0, 300.0]))
+    design = data.draw(designs).replace({"processing.mode": mode, "processing.leg_after": leg})
     verdict = analyse(design).verdict
     found, over = figures(inputs_of(design)), ratios(design)
     assert [check.name for check in verdict.checks] == list(FIGURES)
@@ -47,7 +48,7 @@ def test_arrays_are_designs_side_by_side(closed_design):
 @given(data=st.data())
 def test_every_figure_grows_with_every_noise_interval_and_time(data, designs):
     """Monotone where theory says so: what makes solving backwards a single root."""
-    design = data.draw(designs).replace({"processing.mode": "real time"})
+    design = data.draw(designs)
     key = data.draw(st.sampled_from(SOLVED))
     now = design[key] or {"radar.aperture_time": 2.0, "gnss.vertical_position_noise": 1.0}.get(key, 1.0)
     values = now * np.linspace(1.0, 1.5, 6)

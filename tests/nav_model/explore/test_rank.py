@@ -25,8 +25,7 @@ def _finite_difference(design, key, figure, h=1e-3):
 @settings(max_examples=25)
 @given(data=st.data())
 def test_agrees_with_finite_differences_of_the_whole_analysis(data, designs):
-    # Post-processed the figures step where a fix more enters the leg: no difference is to be had there.
-    design = data.draw(designs).replace({"processing.mode": "real time"})
+    design = data.draw(designs)
     figure = data.draw(st.sampled_from(list(FIGURES)))
     key = data.draw(st.sampled_from([key for key in stated(design) if design[key] != 0]))
     assume(abs(design[key]) > 1e-6 or key.startswith("imu"))  # an angle near zero leaves nothing to difference
@@ -72,7 +71,7 @@ def test_shares_are_the_slopes_of_the_closed_form(closed_design):
 @given(data=st.data())
 def test_the_three_noises_account_for_all_of_a_settled_figure(data, designs):
     """Variance is homogeneous of degree one in the three variances, prior and posterior too."""
-    design = data.draw(designs).replace({"processing.mode": "real time", "gnss.velocity_noise": None})
+    design = data.draw(designs).replace({"gnss.velocity_noise": None})
     keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise"]
     found = log_derivatives(design, keys, ("horizontal_position", "horizontal_velocity", "tilt"))
     for slopes in found.values():

@@ -8,7 +8,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from nav_model.analytic.coast import horizontal_growth
 from nav_model.analytic.steady_state import horizontal
-from nav_model.processing.leg import Leg, _carry
+from nav_model.processing.leg import Leg, _carry, _straight
 from nav_model.processing.smoother import by_state_space, smoothed_error
 from nav_model.processing.spectrum import Channel, rates
 from nav_model.sar.phase import phase_budget, total
@@ -146,6 +146,7 @@ def test_free_ins_by_the_same_filters(order, aperture, compared):
     covariance = np.zeros((8, 8))
     unit = np.array([1.0, 1.0, g])
     covariance[:3, :3] = start.matrix() * np.outer(unit, unit)
+    _straight(covariance, aperture)
     _carry(covariance, 0.0, aperture, aperture, a**2, (g * w) ** 2, 0.0, 1.0)
     mean = float(WEIGHTS @ horizontal_growth(start, a, w, g, (NODES + 1) / 2 * aperture).position) / 2
     left = mean - sum(covariance[4 + m, 4 + m] / (2 * m + 1) for m in range(order + 1))
