@@ -223,7 +223,7 @@ def _carry(cov: Any, t: float, h: float, aperture: float, accelerometer: float, 
 
 @part
 def _straight(cov: Any, aperture: float) -> None:
-    """Add the Legendre coefficients of the straight line p + v t to the covariance of the four states at its start."""
+    """Add the Legendre coefficients of the line p + v t to the covariance of the four states at its start."""
     for j in range(8):
         cov[4, j] = cov[0, j] + cov[1, j] * aperture / 2
         cov[5, j] = cov[1, j] * aperture / 2
