@@ -24,12 +24,12 @@ def legend_html(chart: AnyChart) -> str:
 def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
     entries = [
         (_svg(f'<path d="M15 0 L20 5.5 L15 11 L10 5.5 Z" fill="none" stroke-width="2" '
-              f'stroke="{STYLES["vertical"].colour}"/>'), "closed form, 1σ"),
-        (_dot(STYLES["horizontal"], "circle"), "runs, rms"),
+              f'stroke="{STYLES["vertical"].colour}"/>'), "formula, 1σ"),
+        (_box(STYLES["horizontal"], 0.9), "runs, rms"),
         (_box(STYLES["horizontal"], 0.35), "runs, 5 to 95 %"),
     ]  # fmt: skip
     if not math.isnan(chart.limit):
-        entries.append((_line(STYLES["limit"]), "limit, brought to 1σ"))
+        entries.append((_line(STYLES["limit"]), "limit (scaled to 1σ)"))
     return entries
 
 
@@ -44,7 +44,7 @@ def _entries(chart: Chart) -> list[tuple[str, str]]:
     entries += [(_box(STYLES[band.style], 0.3), band.label) for band in chart.bands]
     entries += [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
     if any(not math.isnan(limit.level) for limit in chart.limits):
-        entries.append((_line(STYLES["limit"]), "limit, brought to 1σ"))
+        entries.append((_line(STYLES["limit"]), "limit (scaled to 1σ)"))
     return entries
 
 

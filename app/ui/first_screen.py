@@ -13,8 +13,8 @@ from app.ui.theme import FRAME
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 
 
-def first_screen(*top: Any, left: Sequence[Any], right: Sequence[Any]) -> pn.Column:
-    """Rows across the top, and below them two halves that fill the rest of the window.
+def first_screen(*top: Any, left: Sequence[Any], right: Sequence[Any], bottom: Any = None) -> pn.Column:
+    """Rows across the top, and below them two halves that fill the rest of the window; ``bottom``: a row under them.
 
     Each half has one part, or two on top of each other. On a narrow window everything stands in one column and as
     high as it wants.
@@ -30,4 +30,6 @@ def first_screen(*top: Any, left: Sequence[Any], right: Sequence[Any]) -> pn.Col
             span = 2 if len(half) == 1 else 1
             where = {"grid-area": f"{rows + 1 + place} / {column} / span {span} / auto"}
             parts.append(pn.Column(part, styles=where | FRAME, sizing_mode="stretch_both"))
+    if bottom is not None:
+        parts.append(pn.Column(bottom, styles={"grid-area": f"{rows + 3} / 1 / auto / span 2"} | FRAME))
     return pn.Column(*parts, stylesheets=[_SHEET.replace("TOP", str(max(rows, 1)))])

@@ -47,12 +47,12 @@ def draw_dots(axes: Any, chart: DotChart) -> list[Any]:
         "markeredgewidth": 1.1,
     }  # fmt: skip
     axes.plot(closed, rows, **diamond)
-    handles.append(Line2D([], [], label="closed form, 1σ", **diamond))
+    handles.append(Line2D([], [], label="formula, 1σ", **diamond))
     if not math.isnan(chart.limit):
         style = STYLES["limit"]
         look = {"color": style.colour, "linestyle": DASHES[style.dash], "linewidth": style.width * LINE_SCALE}
         axes.axvline(chart.limit, **look)
-        handles.append(Line2D([], [], label="limit, brought to 1σ", **look))
+        handles.append(Line2D([], [], label="limit (scaled to 1σ)", **look))
     axes.set_yticks(rows, [dot.label for dot in chart.dots])
     axes.set_ylim(len(chart.dots) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)

@@ -169,7 +169,7 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
     for limit in drawn:
         axes.plot([limit.start, limit.stop], [limit.level] * 2, **look)
     if drawn:
-        handles.append(Line2D([], [], label="limit, brought to 1σ", **look))
+        handles.append(Line2D([], [], label="limit (scaled to 1σ)", **look))
     if chart.x_range is not None:
         axes.set_xlim(*chart.x_range)
     if chart.square:
