@@ -84,4 +84,4 @@ def _round_up(most: float) -> float:
     if most <= 0:
         return 1.0
     decade = 10.0 ** math.floor(math.log10(most))
-    return next(step * decade for step in _STEPS if step * decade >= 1.08 * most)
+    return next(step * decade for step in _STEPS if step * decade >= 1.3 * most)

@@ -6,6 +6,7 @@ import math
 from html import escape
 
 from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart
+from app.charts.region import middle_of
 from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
 
 
@@ -34,7 +35,9 @@ def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
 
 
 def _map_entries(chart: MapChart) -> list[tuple[str, str]]:
-    entries = [(_box(STYLES[style], 0.55), name) for style, name in zip(chart.styles, chart.names, strict=True)]
+    """Regions that are too small for their name, then what is drawn over them."""
+    regions = enumerate(zip(chart.styles, chart.names, strict=True))
+    entries = [(_box(STYLES[style], 0.55), name) for i, (style, name) in regions if middle_of(chart, i) is None]
     entries.append((_line(STYLES[chart.contour.style]), chart.contour.label))
     return entries + [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
 

@@ -34,6 +34,8 @@ from nav_model.design.link import from_query, split_link
 from nav_model.errors import InputError
 
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
+_NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"
+"""Sheet of what stands only where the sidebar is a drawer over the page."""
 _SEEN = 0.02  # seconds in which a page's empty place reaches the browser, before the work of filling it begins
 _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
 
@@ -72,7 +74,9 @@ class Frame(pn.viewable.Viewer):
         self._sidebar, self._toolbar = Sidebar(session), Toolbar(session, self._say, self._examples)
         self._toolbar.bar.active = first
         self._open_page(first)
+        self._close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 10), stylesheets=[_NARROW])
         self._shell = self._make_shell()
+        self._close.on_click(lambda _: self._shell.param.update(sidebar_open=False))
         self._toolbar.bar.param.watch(self._turned, "active")
         if pn.state.curdoc:
             fit_to_paper(pn.state.curdoc)
@@ -198,7 +202,7 @@ class Frame(pn.viewable.Viewer):
         page = OwnMarkPage(
             meta_title="NavBudget",
             header=[self._toolbar],
-            sidebar=self._sidebar.parts,
+            sidebar=[self._close, *self._sidebar.parts],
             main=[
                 pn.Column(
                     self._notice,

@@ -9,10 +9,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-import panel as pn
-
 from app.dashboard.lifeline import THEME_COOKIE
 from app.subjects import SUBJECTS
+from app.upstream.connecting_cookies import connecting_cookies
 
 _COOKIE = "navbudget-opening"
 OPENING_SCRIPT = (
@@ -31,8 +30,9 @@ class Opening(NamedTuple):
 
 def opening() -> Opening:
     """Of the session that is being made."""
-    system, width, page = (*pn.state.cookies.get(_COOKIE, "").split("."), "", "", "")[:3]
-    chosen = pn.state.cookies.get(THEME_COOKIE, system)
+    cookies = connecting_cookies()
+    system, width, page = (*cookies.get(_COOKIE, "").split("."), "", "", "")[:3]
+    chosen = cookies.get(THEME_COOKIE, system)
     return Opening(index_of(page) or 0, chosen == "dark", width == "narrow")
 
 

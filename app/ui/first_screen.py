@@ -12,6 +12,8 @@ from app.ui.theme import FRAME
 
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 
+_ABOUT = 800  # pixels
+
 
 def first_screen(*top: Any, left: Sequence[Any], right: Sequence[Any], bottom: Any = None) -> pn.Column:
     """Rows across the top, and below them two halves that fill the rest of the window; ``bottom``: a row under them.
@@ -32,4 +34,5 @@ def first_screen(*top: Any, left: Sequence[Any], right: Sequence[Any], bottom: A
             parts.append(pn.Column(part, styles=where | FRAME, sizing_mode="stretch_both"))
     if bottom is not None:
         parts.append(pn.Column(bottom, styles={"grid-area": f"{rows + 3} / 1 / auto / span 2"} | FRAME))
-    return pn.Column(*parts, stylesheets=[_SHEET.replace("TOP", str(max(rows, 1)))])
+    # With a height the page around it stays as high as its content, and scrolls; the sheet says how high this is.
+    return pn.Column(*parts, height=_ABOUT, stylesheets=[_SHEET.replace("TOP", str(max(rows, 1)))])

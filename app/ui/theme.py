@@ -16,6 +16,11 @@ def _sheet(name: str) -> str:
 
 _SHARED: dict[str, Any] = {
     "MuiLinearProgress": PROGRESS_NAME,
+    "MuiAccordionSummary": {
+        "styleOverrides": {"root": {"minHeight": 38, "padding": "0 10px"}, "content": {"margin": "6px 0"}}
+    },
+    "MuiOutlinedInput": {"styleOverrides": {"root": {"fontSize": 14}}},
+    "MuiInputLabel": {"styleOverrides": {"root": {"fontSize": 14}}},
     "MuiTab": {"styleOverrides": {"root": {"textTransform": "none", "minWidth": 0}}},
 }
 

@@ -6,7 +6,7 @@ import math
 from html import escape
 
 from app.document.blocks import KeyFigure, KeyFigures
-from app.document.numbers import signed_percent
+from app.document.numbers import whole_percent
 
 
 def tiles_html(figures: KeyFigures, before: KeyFigures | None = None) -> str:
@@ -24,7 +24,7 @@ def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
     tone = ""
     if figure.met is not None:
         tone = "good" if figure.met else "bad"
-        margin = "" if math.isnan(figure.used) else f" {signed_percent(1 - figure.used)}"
+        margin = "" if math.isnan(figure.used) else f" {whole_percent(1 - figure.used)}"
         mark = f'<span class="mark" title="margin">{"✓" if figure.met else "✗"}{margin}</span>'
         limit = f"limit {figure.limit}"
     bar = f'<i style="width:{_share(figure.used)}%"></i>'
@@ -47,5 +47,5 @@ def _change(figure: KeyFigure, was: KeyFigure | None) -> str:
     if was is None or was.value == figure.value:
         return ""
     ratio = figure.amount / was.amount - 1 if was.amount else math.nan
-    said = signed_percent(ratio) if math.isfinite(ratio) else f"was {was.value}"
+    said = whole_percent(ratio) if math.isfinite(ratio) else f"was {was.value}"
     return f'<span class="delta num" title="was {escape(was.value)}">{escape(said)}</span>'

@@ -26,7 +26,7 @@ from app.charts.screen.figures import TEXT_SIZE, add_glyph, same, unit_of
 from app.charts.screen.log_axis import mark_in_powers
 from app.charts.styles import DASHES, GREY, STYLES
 
-_LEFT = 62  # pixels left of every frame, so that the frames stand under one another
+_LEFT = 72  # pixels left of every frame, so that the frames stand under one another
 _NEAR = 0.13  # of the height: nearer labels would touch, and the lower one goes below its curve
 _FAINT: dict[str, Any] = {"line_alpha": 0.4, "line_width": 1.4}
 _STEPS = (1.0, 2.0, 5.0, 10.0)
@@ -101,14 +101,15 @@ class Timelines:
         plot = figure(
             name=chart.key,
             sizing_mode="stretch_both",
-            min_height=90,
+            min_height=130,
             x_axis_label=chart.x_label if last else None,
             y_axis_label=chart.y_label,
             y_axis_type="log" if chart.y_log else "linear",
             x_range=self._x_range,
             y_range=Range1d(*(chart.y_range or _nice_range(chart))),
             tools="xpan,xbox_zoom,reset,save",
-            toolbar_location="above" if chart.lines and not last and not self._boxes else None,
+            toolbar_location=None if self._boxes else "above",
+            toolbar_inner=True,
             active_drag=None,
             min_border_left=_LEFT,
             min_border_right=12,
@@ -118,9 +119,7 @@ class Timelines:
         plot.toolbar.logo = None
         plot.toolbar.autohide = True
         plot.styles = TEXT_SIZE
-        if not last:
-            plot.xaxis.major_label_text_font_size = "0px"
-            plot.xaxis.axis_label_standoff = 0
+        plot.xaxis.visible = last
         if chart.y_log:
             mark_in_powers(plot.yaxis[0])
         box = BoxAnnotation(left=0.0, right=0.0, fill_color=GREY, fill_alpha=0.2, line_alpha=0)
@@ -174,12 +173,12 @@ def _columns(charts: Sequence[Chart]) -> dict[str, dict[str, Any]]:
             "x1": [limit.stop for limit in chart.limits],
             "y": [limit.level for limit in chart.limits],
         }
-        columns[f"{chart.key} labels"] = _labels(chart, chart is charts[0])
+        columns[f"{chart.key} labels"] = _labels(chart, chart is charts[-1])
     return columns
 
 
-def _labels(chart: Chart, first: bool) -> dict[str, Any]:
-    """Each curve's name at its end, above it or below the one it would touch; the span's name in the first chart."""
+def _labels(chart: Chart, last: bool) -> dict[str, Any]:
+    """Each curve's name at its end, above it or below the one it would touch; the span's name in the last chart."""
     low, high = (_place(chart, bound) for bound in chart.y_range or _nice_range(chart))
     ends = []
     for line in chart.lines:
@@ -195,10 +194,10 @@ def _labels(chart: Chart, first: bool) -> dict[str, Any]:
         (x, y, line.label, STYLES[line.style].colour, offset, -2.0, 0.0, "right")
         for (x, y, line), offset in zip(ends, offsets, strict=True)
     ]
-    if first:
-        bottom = (chart.y_range or _nice_range(chart))[0]
+    if last:
+        top = (chart.y_range or _nice_range(chart))[1]
         rows += [
-            ((span.start + span.stop) / 2, bottom, span.label, GREY, -6.0, 6.0, math.pi / 2, "left")
+            ((span.start + span.stop) / 2, top, span.label, GREY, 6.0, 6.0, math.pi / 2, "right")
             for span in chart.spans
             if math.isfinite(span.start)
         ]
@@ -222,7 +221,7 @@ def _nice_range(chart: Chart) -> tuple[float, float]:
     if not chart.y_log:
         return min(low, 0.0), _step(high * 1.05 or 1.0, up=True)
     low = max(low, high * 1e-5)  # a growth that starts at zero would take all the room
-    return _step(low / 1.15, up=False), _step(high * 1.3, up=True)
+    return _step(low / 1.15, up=False), _step(high * max(1.3, (high / low) ** 0.13), up=True)  # room for a label
 
 
 def _step(value: float, *, up: bool) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.charts.kinds import Array, Band, Bar, BarChart, Chart, Limit, Line, Points, Span
 from app.document.numbers import decibels, number, percent, show
-from app.document.wording import AFTER_AUTOFOCUS
+from app.document.wording import DETRENDED
 from app.subjects.budget.tables import ALONG_TRACK
 from nav_model.analytic import regime
 from nav_model.budget import Budget
@@ -261,14 +261,14 @@ def phase_chart(budget: Budget) -> BarChart:
         first, second = map(float, 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength))
         return Bar(label, quadratic * _DEG, detrended * _DEG, first, second, source)
 
-    left = AFTER_AUTOFOCUS[sar.autofocus_order]
+    left = DETRENDED[sar.autofocus_order]
     slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
     return BarChart(
         key="phase",
         title="SAR phase error by source",
         x_label="line-of-sight phase over the aperture, 1σ [°]",
         first_label="quadratic",
-        second_label=f"residual rms after {left} is removed",
+        second_label=f"residual rms after {left}",
         bars=(
             *(bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS[x.source]) for x in sar.lines),
             bar(TOTAL, sar.quadratic, sar.detrended, "[S-5], [T-15]"),
@@ -278,7 +278,7 @@ def phase_chart(budget: Budget) -> BarChart:
         second_limit=_limit(budget, "detrended_phase", _DEG),
         knowledge=(
             "Closed forms [S-5], [T-15], [S-6] with the line of sight of [S-1]; along-track [S-2]. "
-            f"Quadratic before autofocus; residual rms after {left} is removed.{slow}"
+            f"Quadratic before autofocus; residual rms after {left}.{slow}"
         ),
     )
 
@@ -348,7 +348,7 @@ def response_chart(budget: Budget) -> Chart:
         key="response",
         title="Point target in azimuth",
         x_label="azimuth [m]",
-        y_label="power over the error-free peak [dB]",
+        y_label="power [dB]",
         lines=tuple(
             Line(
                 key,

@@ -67,6 +67,8 @@ class BudgetPage(pn.viewable.Viewer):
         self._response = ChartPane(charts.response_chart, lambda: self.session.budget)
         self._details = pn.Column()
         figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
+        for figure in figures:  # the last has the axis
+            figure.styles = {"flex": "1.25 1 0" if figure is figures[-1] else "1 1 0"}
         self._view = pn.Column(
             first_screen(
                 pn.Column(self._strip, self._panel),

@@ -10,7 +10,7 @@ import numpy as np
 from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
 from app.document.verdict import check_words, met_cell, requirement_quantity
-from app.document.wording import AFTER_AUTOFOCUS, best_of
+from app.document.wording import DETRENDED, best_of
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import provenance
@@ -215,7 +215,7 @@ def phase_table(budget: Budget, key: str) -> Table:
             Column("Quadratic [°]", numeric=True, width=1),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
-            Column(f"Rms after {AFTER_AUTOFOCUS[sar.autofocus_order]} [°]", numeric=True, width=1.15),
+            Column(f"Rms after {DETRENDED[sar.autofocus_order]} [°]", numeric=True, width=1.15),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
         ),
