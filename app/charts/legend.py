@@ -36,8 +36,11 @@ def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
 
 def _map_entries(chart: MapChart) -> list[tuple[str, str]]:
     """Regions that are too small for their name, then what is drawn over them."""
-    regions = enumerate(zip(chart.styles, chart.names, strict=True))
-    entries = [(_box(STYLES[style], 0.55), name) for i, (style, name) in regions if middle_of(chart, i) is None]
+    entries = [
+        (_box(STYLES[style], 0.55), name)
+        for i, (style, name) in enumerate(zip(chart.styles, chart.names, strict=True))
+        if (chart.winner == i).any() and middle_of(chart, i) is None
+    ]
     entries.append((_line(STYLES[chart.contour.style]), chart.contour.label))
     return entries + [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
 

@@ -83,6 +83,6 @@ class _Scale:
         """A mark at each decade."""
         decades = range(self._low, self._high + 1)
         return "".join(
-            f'<span style="left:{100 * (d - self._low) / (self._high - self._low):.1f}%">{number(10.0**d)}</span>'
+            f'<span style="left:{100 * (d - self._low) / (self._high - self._low):.1f}%">10<sup>{d}</sup></span>'
             for d in decades
         )
