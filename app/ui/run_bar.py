@@ -71,5 +71,5 @@ def progress_html(progress: Progress) -> str:
     value = "" if progress.share is None else f' value="{progress.share:.3f}"'
     return (
         f'<p role="status"><progress aria-label="Progress" max="1"{value}></progress> '
-        f'<span class="num">{escape(progress.words)}</span></p>'
+        f"<span>{escape(progress.words)}</span></p>"
     )

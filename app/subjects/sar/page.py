@@ -96,6 +96,19 @@ class SarPage(pn.viewable.Viewer):
         self._image_head, self._images = html_pane("", margin=_HEAD), html_pane(_blank(), margin=(2, 10, 6, 10))
         self._points: PictureChart | None = None
         self._upload = UploadedPicture(session, lambda: self._result)
+        self._details = Folded(
+            (
+                ("Why, and what would change it", lambda: self._told(self._reasons)),
+                ("Errors by strategy", lambda: self._told(self._errors)),
+                ("Error histories and impulse responses", self._histories),
+                ("Parts of the error, impulse response in figures", lambda: self._told(self._tables)),
+                ("Quadratic phase before autofocus", lambda: self._told(self._quadratic)),
+                ("Best strategy by angle random walk", lambda: self._chart(arw_winner_chart)),
+                ("Eight point targets", self._scene),
+                ("Your phase history", lambda: self._upload),
+                ("Exports", self._exports),
+            )
+        )
         self._view = pn.Column(
             first_screen(
                 self._strip,
@@ -104,19 +117,7 @@ class SarPage(pn.viewable.Viewer):
                 right=[self._map.view],
                 bottom=pn.Column(self._image_head, self._images),
             ),
-            Folded(
-                (
-                    ("Why, and what would change it", lambda: self._told(self._reasons)),
-                    ("Errors by strategy", lambda: self._told(self._errors)),
-                    ("Error histories and impulse responses", self._histories),
-                    ("Parts of the error, impulse response in figures", lambda: self._told(self._tables)),
-                    ("Quadratic phase before autofocus", lambda: self._told(self._quadratic)),
-                    ("Best strategy by angle random walk", lambda: self._chart(arw_winner_chart)),
-                    ("Eight point targets", self._scene),
-                    ("Your phase history", lambda: self._upload),
-                    ("Exports", self._exports),
-                )
-            ),
+            self._details,
         )
         self._write()
         self._recall()

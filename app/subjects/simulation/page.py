@@ -92,6 +92,7 @@ class SimulatePage(pn.viewable.Viewer):
         super().__init__(run=session.new_run())
         self._session = session
         self._file: TrajectorySpec | None = None
+        self._asked: tuple[str, ...] = ("simulation",)  # what the result follows from
         self._more = StudyControls()
         self._follow: list[Callable[[], object]] = []  # of what was unfolded
         self._more.param.watch(lambda event: setattr(self, "added", urlencode(event.new)), "texts")
@@ -100,6 +101,10 @@ class SimulatePage(pn.viewable.Viewer):
         self._strip = AnswerStrip(_START)
         self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
         self._charts = (TIMELINES, CONSISTENCY)
+        self._keys = {
+            TIMELINES: _KEY,
+            CONSISTENCY: '<span class="quiet fine">dotted: 95 % band · grey: outage</span>',
+        }
         self._stacks = [Timelines([draw(None) for draw in TIMELINES])]
         self._stacks.append(Timelines([draw(None) for draw in CONSISTENCY], self._stacks[0]))
         self._heads = [html_pane("", margin=_HEAD) for _ in self._charts]
@@ -186,7 +191,8 @@ class SimulatePage(pn.viewable.Viewer):
                 stack.feed(lines)
             said = "".join(f'<p class="hidden">What the chart shows: {escape(in_words(line))}</p>' for line in lines)
             knowledge = " ".join(line.knowledge for line in lines) if study else _COMING
-            text = head_html(title, knowledge, said, _KEY if draws is self._charts[0] else "")
+            key = f'<span class="quiet fine">{_COMING.lower()}</span>' if study is None else self._keys[draws]
+            text = head_html(title, knowledge, said, key)
             if head.object != text:
                 head.object = text
         for follow in self._follow:
