@@ -1,4 +1,4 @@
-"""The SAR page as a person uses it: one screen, the run that comes by itself, a slider that makes it stale, an upload."""
+"""The SAR page as a person uses it: one screen, the first run, a slider that makes it stale, an upload."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _open(visit: Visit, **size: int) -> Page:
 
 
 @pytest.mark.parametrize(("width", "height"), [(1440, 900), (1920, 1080)])
-def test_what_decides_is_on_one_screen_and_no_warning_is_given(
+def test_what_decides_is_on_one_screen_without_a_warning(
     visit: Visit, page: Page, width: int, height: int
 ) -> None:
     warnings: list[str] = []

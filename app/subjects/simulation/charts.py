@@ -146,8 +146,8 @@ def consistency_chart(study: SimulationStudy | None) -> Chart:
     """Simulated rms over the filter's sigma, by kind of error; None: the frame alone."""
     low, high = (math.nan, math.nan) if study is None else study.result.rms_band
     kinds = (
-        ("position", (0, 1, 2), "horizontal"), ("velocity", (3, 4, 5), "vertical"),
-        ("roll, pitch", (6, 7), "tilt"), ("yaw", (8,), "yaw"),
+        ("position", (0, 1, 2), "x"), ("velocity", (3, 4, 5), "y"),
+        ("roll, pitch", (6, 7), "initial tilt"), ("yaw", (8,), "z"),
     )  # fmt: skip
 
     def over_sigma(study: SimulationStudy, column: int, _: float) -> Array:
