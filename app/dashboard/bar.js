@@ -41,13 +41,13 @@ export function render({ model }) {
     </div>
     <div class="menu" data-for="share" hidden>
       <label>Link to this design and page<input type="text" readonly></label>
-      <button class="copy" type="button">Copy link</button><span role="status"></span>
+      <button class="copy" type="button">Copy link</button><span aria-live="polite"></span>
     </div>
     <div class="menu" data-for="report" hidden>
       <div class="studies"></div><p class="left"></p>
       <button data-report="pdf" type="button">PDF report</button>
       <button data-report="html" type="button">HTML report</button>
-      <p class="writing" role="status"></p>
+      <p class="writing" aria-live="polite"></p>
       <button class="stop" type="button" hidden>Cancel</button>
     </div>
     <input class="chooser" type="file" accept=".toml" tabindex="-1" aria-label="Design file" hidden>`

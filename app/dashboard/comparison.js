@@ -9,7 +9,7 @@ export function render({ model }) {
       <button class="file" type="button">Design file…</button>
       <input type="file" accept=".toml" tabindex="-1" aria-label="Design file to compare with" hidden>
     </div>
-    <p class="problem" role="status"></p>`
+    <p class="problem" aria-live="polite"></p>`
   const at = (selector) => place.querySelector(selector)
   const [said, clear, choose, menu, select, file, problem] =
     ["span", ".clear", ".choose", ".menu", "select", "input", ".problem"].map(at)

@@ -68,7 +68,7 @@ class Toolbar(pn.viewable.Viewer):
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
-        self.bar.param.update(named=budget.design.name, link=self.session.link)
+        self.bar.named = budget.design.name
 
     @param.depends("session.findings", "session.budget", "session.running", watch=True)
     def _offer(self) -> None:

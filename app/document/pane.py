@@ -25,7 +25,7 @@ def html_of(*blocks: Block, said: Said = prose) -> str:
 
 
 def _answer(answer: Answer, said: Said) -> str:
-    why = "".join(f"<p>{said(sentence)}</p>" for sentence in answer.sentences)
+    why = " ".join(f"<p>{said(sentence)}</p>" for sentence in answer.sentences)  # one line of text in a report
     word = f"<h2>{escape(answer.word)}</h2>" if answer.word else ""
     return f'<div class="strip {answer.tone}" role="status">{word}{why}</div>'
 

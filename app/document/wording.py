@@ -24,6 +24,11 @@ def title_of(design: Design) -> str:
     return printable(design.name).strip() or "Untitled design"
 
 
+def identified(design: Design) -> str:
+    """A design by its name and the beginning of its hash."""
+    return f"{title_of(design)} ({design.content_hash[:12]})"
+
+
 def printable(text: str) -> str:
     """A text without control characters and byte-order marks, which no face can show; line breaks stay."""
     kept = (" " if unicodedata.category(sign) == "Cc" and sign != "\n" else sign for sign in text)

@@ -26,13 +26,8 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
     add = serve.add_argument
     add("--port", type=int, default=5006, help="port (default 5006; 0 picks a free one)")
     add("--address", default="127.0.0.1", help="address to listen on (default 127.0.0.1, this machine only)")
-    add(
-        "--allow-origin",
-        action="append",
-        default=[],
-        metavar="HOST[:PORT]",
-        help="public host the page is reached under, when not the address itself; may be repeated",
-    )
+    add("--allow-origin", action="append", default=[], metavar="HOST[:PORT]",
+        help="public host the page is reached under, when not the address itself; may be repeated")  # fmt: skip
     add("--behind-proxy", action="store_true", help="believe X-Forwarded-For and X-Forwarded-Proto; only behind one")
     who = serve.add_argument_group("who may enter (needed when the address is not this machine only)")
     add = who.add_argument
@@ -46,12 +41,8 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
     add("--oauth-redirect-uri", metavar="URL", help="where the provider sends the visitor back to")
     add("--oauth-allow", action="append", default=[], metavar="WHO",
         help="user, @domain of a mail address, or * for every account; may be repeated")  # fmt: skip
-    serve.add_argument(
-        "--library",
-        default="",
-        metavar="PATH-or-URL",
-        help="saved designs: a file, or postgresql://... (default: a file in the user's data folder)",
-    )
+    serve.add_argument("--library", default="", metavar="PATH-or-URL",
+        help="saved designs: a file, or postgresql://... (default: a file in the user's data folder)")  # fmt: skip
     limits = serve.add_argument_group("limits")
     add = limits.add_argument
     add("--max-sessions", type=int, default=100, metavar="N", help="open pages at a time (default 100)")

@@ -21,7 +21,7 @@ from nav_model.budget.figures import inputs_of
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.explore.margins import ALL, limits, quantity, ratios
-from nav_model.sar.geometry import WINDOW_WIDTH
+from nav_model.sar.geometry import WINDOW_WIDTH, cell_length
 
 SOLVED = (
     "imu.angle_random_walk",
@@ -218,9 +218,10 @@ def _bracketed(function: Callable[[Array], Array], a: Array, b: Array, at_a: Arr
 
 
 def resolution_for(design: Design, aperture: float) -> float:
-    """Azimuth resolution [m] that an aperture of so many seconds gives. [S-3]"""
+    """Azimuth resolution [m], across the line of sight, that an aperture of so many seconds gives. [S-3]"""
     x = inputs_of(design)
-    return float(WINDOW_WIDTH[design.radar.window] * x.wavelength * x.slant_range / (2 * aperture * x.speed))
+    cell = cell_length(x.wavelength, x.slant_range, x.speed, aperture, x.squint)
+    return float(WINDOW_WIDTH[design.radar.window] * cell)
 
 
 def remedies(solutions: tuple[Solution, ...], requirement: str) -> tuple[Answer, ...]:

@@ -22,9 +22,7 @@ def _open(visit: Visit, **size: int) -> Page:
 
 
 @pytest.mark.parametrize(("width", "height"), [(1440, 900), (1920, 1080)])
-def test_what_decides_is_on_one_screen_without_a_warning(
-    visit: Visit, page: Page, width: int, height: int
-) -> None:
+def test_what_decides_is_on_one_screen_without_a_warning(visit: Visit, page: Page, width: int, height: int) -> None:
     warnings: list[str] = []
     page.on("console", lambda said: warnings.append(said.text) if said.type in {"warning", "error"} else None)
     _open(visit, width=width, height=height)

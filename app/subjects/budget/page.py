@@ -9,10 +9,10 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.bars_html import bars_html
 from app.charts.screen.timelines import Timelines
 from app.charts.words import in_words
 from app.declared import held
+from app.document.bars import bars_html
 from app.document.pane import html_of
 from app.document.prose import prose
 from app.document.verdict import verdict_strip
@@ -34,6 +34,12 @@ from nav_model.budget import Budget
 
 _KEY = '<span class="quiet fine">red: limit · grey: aperture · faint: compared</span>'
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
+
+_OVER = {
+    "position": "absolute", "top": "100%", "z-index": "20", "max-height": "60vh", "overflow-y": "auto",
+    "background": "var(--panel-surface-color, Canvas)", "box-shadow": "0 6px 22px rgb(0 0 0 / 30%)",
+}  # fmt: skip
+"""Of what opens over the page: the charts keep their size."""
 
 
 class BudgetPage(pn.viewable.Viewer):
@@ -57,7 +63,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._ways_of: Budget | None = None
         self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
         self._table.param.watch(self._take, "chosen")
-        self._panel = pn.Column(self._table, visible=False, styles=FRAME, margin=(0, 0, 4, 0))
+        self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
         self._tiles = html_pane(tiles_html(key_figures(budget)), margin=0)
         self._stack = Timelines(charts.timelines(budget))
         self._stack_head = html_pane("", margin=_HEAD)
@@ -112,8 +118,9 @@ class BudgetPage(pn.viewable.Viewer):
         if compared is self._compared:
             return
         self._compared = compared
-        self._stack.compare(charts.timelines(compared.budget) if compared else None)
-        self._feed(self.session.budget)
+        with pn.io.hold():
+            self._stack.compare(charts.timelines(compared.budget) if compared else None)
+            self._feed(self.session.budget)
 
     def _feed(self, budget: Budget) -> None:
         """Tiles, bars and the lines above the charts, whose text goes only when it is another."""
@@ -164,6 +171,7 @@ class BudgetPage(pn.viewable.Viewer):
         if self._ways_of is self.session.budget and event.new.isdecimal() and int(event.new) < len(self._ways):
             way = self._ways[int(event.new)]
             self.session.change(way.changes, way.written)
+            self._toggle_ways(event)
 
     # --- below the first screen ------------------------------------------------------------------------------
 
@@ -171,7 +179,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._details.append(
             Folded(
                 (
-                    ("Requirements and cautions", lambda: self._told(_requirements)),
+                    ("Requirements and cautions", lambda: self._told(requirements)),
                     ("Sources and methods", lambda: self._told(_sources)),
                     ("What limits horizontal position: gyro or accelerometer?", self._regime),
                     ("Growth of the position error by cause", self._growth),
@@ -220,7 +228,8 @@ def _invalid(count: int) -> str:
     return f"{count} input{' is' if count == 1 else 's are'} invalid: last valid values used."
 
 
-def _requirements(budget: Budget) -> str:
+def requirements(budget: Budget) -> str:
+    """Every requirement with its margin, and what a careful reader must know."""
     return html_of(requirement_table(budget), caution_list(budget))
 
 

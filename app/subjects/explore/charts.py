@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-import contourpy
 import numpy as np
 
 from app.charts.kinds import LEVELS, Array, RankBar, RankChart, TradeMapChart
+from app.charts.region import contour
 from nav_model.budget.figures import figures, inputs_of
 from nav_model.design import Design
 from nav_model.explore.margins import label_of, quantity
@@ -105,14 +105,6 @@ def _scale(design: Design, key: str) -> tuple[float, str]:
 
 def _contours(x: Array, y: Array, ratio: Array, x_log: bool, y_log: bool) -> tuple[tuple[Array, Array], ...]:
     """Curves of the levels, found where the axes are straight."""
-    across, up = np.log(x) if x_log else x, np.log(y) if y_log else y
-    z = np.ma.masked_invalid(np.log(ratio))
-    generator = contourpy.contour_generator(across, up, z)
-    curves = []
-    for level in LEVELS:
-        gap = np.full((1, 2), np.nan)
-        pieces = [part for line in generator.lines(math.log(level)) for part in (np.asarray(line), gap)]
-        whole = np.concatenate(pieces) if pieces else np.empty((0, 2))
-        cx, cy = whole[:, 0], whole[:, 1]
-        curves.append((np.exp(cx) if x_log else cx, np.exp(cy) if y_log else cy))
-    return tuple(curves)
+    across, up, z = np.log(x) if x_log else x, np.log(y) if y_log else y, np.log(ratio)
+    curves = (contour(across, up, z, math.log(level)).T for level in LEVELS)
+    return tuple((np.exp(cx) if x_log else cx, np.exp(cy) if y_log else cy) for cx, cy in curves)

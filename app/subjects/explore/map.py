@@ -22,7 +22,6 @@ from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES, VARIABLES
-from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import PARTS
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.trade_map import RESULTS, changes_at
@@ -31,13 +30,8 @@ _X, _Y = "imu.angle_random_walk", "imu.velocity_random_walk"
 _DIGITS = 3
 
 
-def input_labels() -> dict[str, str]:
-    """What people read -> dotted key, for every input a figure depends on."""
-    titles = {part.section: part.title for part in PARTS}
-    return {f"{titles[key.partition('.')[0]]}: {quantity(key).label}": key for key in VARIABLES}
-
-
-_INPUTS = input_labels()
+_TITLES = {part.section: part.title for part in PARTS}
+_INPUTS = {f"{_TITLES[key.partition('.')[0]]}: {quantity(key).label}": key for key in VARIABLES}
 
 
 class MapPanel(pn.viewable.Viewer):
@@ -108,11 +102,11 @@ class MapPanel(pn.viewable.Viewer):
             return
         design, trade = self.session.design, chart.trade
         places = [
-            _place(key, value, design.unit(key) if _has_unit(quantity(key)) else "")
+            _place(key, value, design.unit(key) if quantity(key).dimension else "")
             for key, value in ((trade.x_key, event.x), (trade.y_key, event.y))
         ]
         changes = changes_at(trade, *places)
-        units = {key: design.unit(key) for key in changes if _has_unit(quantity(key))}
+        units = {key: design.unit(key) for key in changes if quantity(key).dimension}
         problem = self.session.change(changes, units)
         self._say("" if problem is None else f"Not adopted. {problem}")
 
@@ -127,7 +121,3 @@ def _place(key: str, value: float, unit: str) -> float:
     """SI of a place clicked, rounded as a person would type it, so that its box shows no more digits."""
     text = f"{value:.{_DIGITS}g}"
     return float(quantity(key).read(f"{text} {unit}").value if unit else text)
-
-
-def _has_unit(declaration: BaseQuantity[float | None]) -> bool:
-    return bool(declaration.dimension)

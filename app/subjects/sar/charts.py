@@ -7,9 +7,9 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from contourpy import contour_generator
 
-from app.charts.kinds import Array, Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
+from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
+from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
 from nav_model.budget import Budget
 from nav_model.sar.advice import LEFT
@@ -211,7 +211,9 @@ def _winner_chart(
     required = budget.design.requirements.detrended_phase
     limit = None if required is None else float(required) / budget.design.requirements.confidence
     x, y = drawn.aperture_time, drawn.other * scale
-    contour_x, contour_y = _contour(x, y, drawn.phase, limit)
+    line = np.full((1, 2), np.nan)
+    if limit is not None:
+        line = np.exp(contour(np.log(x), np.log(y), np.log(drawn.phase), math.log(limit)))
     here = Points(
         "design", "this design", np.array([drawn.here[0]]), np.array([drawn.here[1] * scale]), ("this design",),
         "limit", "cross", "aperture and noise of the design",
@@ -230,7 +232,7 @@ def _winner_chart(
         styles=tuple(f"strategy {k}" for k in drawn.strategies),
         points=(Points("catalogue", catalogue, drawn.x, drawn.y * scale, drawn.names, "reference", "circle", source),
                 here),
-        contour=Line("limit", "phase limit", contour_x, contour_y, "limit", "requirement"),
+        contour=Line("limit", "phase limit", line[:, 0], line[:, 1], "limit", "requirement"),
         knowledge=(
             "Formulas at every point [T-15], [T-16], [S-7], [S-1], [S-2], each with its own settled filter [T-8], "
             "this design's squint and its slow GNSS error. The map names the simplest strategy within 5 % of the "
@@ -239,18 +241,6 @@ def _winner_chart(
                f"The limit of {degrees(limit)}° at 1σ is met towards shorter apertures.")
         ),
     )  # fmt: skip
-
-
-def _contour(x: Array, y: Array, phase: Array, level: float | None) -> tuple[Array, Array]:
-    """Where the phase crosses the level, pieces apart by NaN; found in logarithms."""
-    if level is None:
-        return np.array([np.nan]), np.array([np.nan])
-    pieces = contour_generator(np.log(x), np.log(y), np.log(phase)).lines(math.log(level))
-    points = [np.full((1, 2), np.nan)]
-    for piece in pieces:
-        points += [np.asarray(piece), np.full((1, 2), np.nan)]
-    joined = np.exp(np.concatenate(points))
-    return joined[:, 0], joined[:, 1]
 
 
 _GROUPS = ((_INERTIAL, "INS and corrected INS", "ins"), (_FILTERED, "filters and smoother", "filter"))

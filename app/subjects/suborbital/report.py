@@ -5,14 +5,15 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from app.charts.kinds import Chart
 from app.console.progress import show_progress
 from app.document.blocks import Block, Cell, Column, Section, Table, Text
 from app.document.chart_block import chart_block
-from app.subjects.suborbital import charts, tables
+from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer
-from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
 from app.subjects.suborbital.finding import Finding
 from nav_model.design import Design
 from nav_model.errors import InputError
@@ -20,12 +21,10 @@ from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.settings import DEFAULTS, Settings, from_design, read_changes
 from nav_model.suborbital.survey import run_survey
 
-_ERRORS = tuple(draw for channel in (2, 1, 0) for draw in (charts.source_chart(channel), charts.aided_chart(channel)))
-_SENSORS = tuple(charts.sensor_chart(sensor, axis) for sensor in (0, 1) for axis in range(3))
-_NOISE = tuple(map(charts.noise_chart, (2, 1, 0)))
-_FLIGHT = (
-    charts.map_chart, charts.height_chart, charts.force_chart, charts.rate_chart, charts.gravity_chart,
-)  # fmt: skip
+_ERRORS = tuple(partial(draw, channel=c) for c in (2, 1, 0) for draw in (errors.source_chart, errors.aided_chart))
+_SENSORS = tuple(partial(sensors.sensor_chart, sensor=s, axis=axis) for s in (0, 1) for axis in range(3))
+_NOISE = tuple(partial(sensors.noise_chart, channel=c) for c in (2, 1, 0))
+_FLIGHT = (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart, flight.gravity_chart)
 _OF_A_DESIGN = "design"  # how the origin of an input begins that a design gave
 REFERENCES = (
     "[B] Moghtadaei Rad, Heyrani Nobari and Nikkhah, on integrating a star tracker with an inertial unit for a "
@@ -89,11 +88,12 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
             REFERENCES,
         ),
         section("errors", "errors by source, with and without star tracker",
-                *drawn(*_ERRORS, charts.growth_chart), table(tables.source_table), table(tables.gap_table)),
+                *drawn(*_ERRORS, errors.growth_chart), table(tables.source_table), table(tables.gap_table)),
         section("sensors", "errors of the sensors", *drawn(*_SENSORS), *noise),
         section("attitude", "attitude and stars",
-                *drawn(charts.inertial_attitude_chart, charts.navigation_attitude_chart), table(tables.method_table),
-                *drawn(charts.star_chart, charts.star_count_chart)),
+                *drawn(attitude.inertial_attitude_chart, attitude.navigation_attitude_chart),
+                table(tables.method_table),
+                *drawn(attitude.star_chart, attitude.star_count_chart)),
         section("flight", "trajectory and gravity", *drawn(*_FLIGHT), table(tables.gravity_table)),
         section("inputs", "inputs of the study", _inputs(finding.settings, own)),
     )  # fmt: skip

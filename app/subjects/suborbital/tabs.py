@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import panel as pn
@@ -14,18 +15,10 @@ import param
 from app.charts.kinds import Chart
 from app.declared import declared
 from app.document.pane import html_of
-from app.subjects.suborbital import charts
-from app.subjects.suborbital.charts import CHANNELS, Shown
-from app.subjects.suborbital.tables import (
-    NumberTable,
-    gap_table,
-    gravity_table,
-    method_table,
-    noise_table,
-    paper_tables,
-    source_table,
-    star_table,
-)
+from app.subjects.suborbital import tables
+from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
+from app.subjects.suborbital.charts.shown import CHANNELS
+from app.subjects.suborbital.tables import NumberTable
 from app.ui.chart_pane import ChartPane, chart_cells
 from app.ui.downloads import download
 from app.ui.grid import cell, grid
@@ -49,22 +42,24 @@ class Tab:
     chooses: tuple[str, ...] = ()
 
 
-_AXES = range(3)
 _SPACING_S = round(STAR_FRAME_SPACING_S)
 TABS: tuple[Tab, ...] = (
-    Tab("Errors",
-        tuple((make(c), 300, 6) for c in (2, 1, 0) for make in (charts.source_chart, charts.aided_chart)),
+    Tab("Errors", tuple((partial(draw, channel=c), 300, 6) for c in (2, 1, 0)
+                        for draw in (errors.source_chart, errors.aided_chart)),
         chooses=("case", "aided_sources", "along_track")),
-    Tab("Unstable height", ((charts.growth_chart, 440, 12),), chooses=("case", "channel")),
-    Tab("Tables", tables=(*(lambda shown, i=i: paper_tables(shown)[i] for i in range(4)), source_table, gap_table)),
-    Tab("Sensor errors", tuple((charts.sensor_chart(s, a), 240, 6) for a in _AXES for s in (0, 1)), beside=900),
-    Tab("White noise", tuple((charts.noise_chart(c), 300, 6) for c in (2, 1, 0)), (noise_table,), chooses=("noise",)),
-    Tab("Attitude", ((charts.inertial_attitude_chart, 340, 6), (charts.navigation_attitude_chart, 340, 6)),
-        (method_table,), 900, ("case",)),
-    Tab("Stars", ((charts.star_chart, 460, 6), (charts.star_count_chart, 340, 6)), (star_table,),
+    Tab("Unstable height", ((errors.growth_chart, 440, 12),), chooses=("case", "channel")),
+    Tab("Tables", tables=(*(lambda shown, i=i: tables.paper_tables(shown)[i] for i in range(4)), tables.source_table,
+                          tables.gap_table)),
+    Tab("Sensor errors", tuple((partial(sensors.sensor_chart, sensor=s, axis=axis), 240, 6)
+                               for axis in range(3) for s in (0, 1)), beside=900),
+    Tab("White noise", tuple((partial(sensors.noise_chart, channel=c), 300, 6) for c in (2, 1, 0)),
+        (tables.noise_table,), chooses=("noise",)),
+    Tab("Attitude", ((attitude.inertial_attitude_chart, 340, 6), (attitude.navigation_attitude_chart, 340, 6)),
+        (tables.method_table,), 900, ("case",)),
+    Tab("Stars", ((attitude.star_chart, 460, 6), (attitude.star_count_chart, 340, 6)), (tables.star_table,),
         chooses=("moment",)),
-    Tab("Flight", ((charts.map_chart, 320, 6), (charts.height_chart, 320, 6), (charts.force_chart, 280, 6),
-                   (charts.rate_chart, 280, 6), (charts.gravity_chart, 320, 12)), (gravity_table,)),
+    Tab("Flight", ((flight.map_chart, 320, 6), (flight.height_chart, 320, 6), (flight.force_chart, 280, 6),
+                   (flight.rate_chart, 280, 6), (flight.gravity_chart, 320, 12)), (tables.gravity_table,)),
 )  # fmt: skip
 """In their order on the page."""
 
@@ -110,12 +105,11 @@ class StudyTabs(pn.viewable.Viewer):
             *((tab.name, pn.Spacer(height=0)) for tab in TABS), sizing_mode="stretch_width", margin=(0, 4)
         )
         self.bar.param.watch(self._turned, "active")
-        look: dict[str, Any] = {}
         self._choosers: dict[str, Any] = {
-            name: pmui.Select.from_param(self.param[name], width=width, margin=(10, 6, 4, 6), **look)
+            name: pmui.Select.from_param(self.param[name], width=width, margin=(10, 6, 4, 6))
             for name, width in (("case", 300), ("channel", 140), ("aided_sources", 200), ("along_track", 220))
         }
-        self._choosers["moment"] = pmui.IntSlider.from_param(self.param.moment, width=260, margin=(4, 16), **look)
+        self._choosers["moment"] = pmui.IntSlider.from_param(self.param.moment, width=260, margin=(4, 16))
         self._choosers["noise"] = noise
         self._chooser = pn.FlexBox(*self._chosen(0))
         self._view = pn.Column(self.bar, self._chooser, self.place)
@@ -152,26 +146,23 @@ class StudyTabs(pn.viewable.Viewer):
         if index not in self._contents:
             self._build(index, shown)
         else:
-            self._feed(index, shown)
+            for pane in self._panes[index]:
+                pane.show(shown)
+            for place, build in self._tables[index]:
+                place.html = _table_html(build(shown))
         if self.place.objects != [self._contents[index]]:
             self.place.objects = [self._contents[index]]
-
-    def _feed(self, index: int, shown: Shown) -> None:
-        for pane in self._panes[index]:
-            pane.show(shown)
-        for place, build in self._tables[index]:
-            place.html = _table_html(build(shown))
 
     def _build(self, index: int, shown: Shown) -> None:
         tab = TABS[index]
         panes: list[ChartPane[Shown]] = []
-        tables = [
+        made = [
             (SortableTable(html=_table_html(build(shown)), sizing_mode="stretch_width", margin=(8, 12)), build)
             for build in tab.tables
         ]
-        self._panes[index], self._tables[index] = panes, tables
+        self._panes[index], self._tables[index] = panes, made
         cells = chart_cells(tab.charts, lambda what, high: ChartPane(what, self.current, high), panes)
-        cells += [cell(12, self._table_view(place, build, shown)) for place, build in tables]
+        cells += [cell(12, self._table_view(place, build, shown)) for place, build in made]
         self._contents[index] = grid(*cells, beside=tab.beside, margin=(4, 0))
 
     def _table_view(self, place: SortableTable, build: Callable[[Shown], NumberTable], shown: Shown) -> pn.Column:

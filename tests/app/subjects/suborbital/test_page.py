@@ -15,8 +15,7 @@ from waiting import PATIENCE, soon
 
 from app.serving.server import first_design
 from app.session import Session
-from app.subjects.suborbital import charts
-from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.charts import Shown, attitude, errors, sensors
 from app.subjects.suborbital.controls import InputControl
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
@@ -110,7 +109,7 @@ def test_tables_hold_the_study_and_name_the_papers_values_as_comparison(here: Su
 
 def test_decoupled_channel_is_shown_failing_where_it_does(survey: Survey) -> None:
     """star_tracker.md: gyro total in height 36.8 km by the channel, 13.6 km by the INS."""
-    chart = charts.growth_chart(Shown(survey, survey.study, case="gyro total"))
+    chart = errors.growth_chart(Shown(survey, survey.study, case="gyro total"))
     lines = {line.key: line for line in chart.lines}
     assert lines["fails"].y[-1] == pytest.approx(36.8e3, rel=0.01)
     assert lines["ins"].y[-1] == pytest.approx(13.6e3, rel=0.01)
@@ -126,7 +125,7 @@ def test_decoupled_channel_is_shown_failing_where_it_does(survey: Survey) -> Non
 
 def test_star_chart_shows_the_stars_inside_the_square(survey: Survey) -> None:
     for index in (50, 250, 500):
-        chart = charts.star_chart(Shown(survey, survey.study, star_index=index))
+        chart = attitude.star_chart(Shown(survey, survey.study, star_index=index))
         places, measured = chart.points
         assert len(places.x) >= 3
         assert np.all((places.x > -0.5) & (places.x < 1023.5) & (places.y > -0.5) & (places.y < 1023.5))
@@ -238,7 +237,7 @@ def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_s
 
 def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move(here: SuborbitalPage) -> None:
     here.tabs.bar.active = [tab.name for tab in TABS].index("White noise")
-    assert np.all(np.isnan(charts.noise_chart(2)(here.tabs.current()).lines[2].y))
+    assert np.all(np.isnan(sensors.noise_chart(here.tabs.current(), 2).lines[2].y))
     here.noise.runs = 50
 
     async def fly() -> None:
@@ -247,7 +246,7 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
     asyncio.run(fly())
     shown = here.tabs.current()
     assert shown.ensemble is not None
-    flown = charts.noise_chart(2)(shown)
+    flown = sensors.noise_chart(shown, 2)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
     assert "50 runs, seed 1" in noise_table(shown).note
     assert json.loads(here._json().getvalue())["white_noise_monte_carlo"]["runs"] == 50
@@ -259,25 +258,25 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
 
 def test_sensor_errors_are_drawn_per_axis_and_class(survey: Survey) -> None:
     shown = Shown(survey, survey.study)
-    lines = {line.key: line for line in charts.sensor_chart(1, 1)(shown).lines}
+    lines = {line.key: line for line in sensors.sensor_chart(shown, 1, 1).lines}
     assert list(lines) == ["bias", "instability", "total"]
     np.testing.assert_allclose(lines["bias"].y + lines["instability"].y, lines["total"].y)
     # Before the pitch programme the y gyro senses little: bias 4 °/h and 1e-4 of the rates the others sense.
     assert lines["bias"].y[0] == pytest.approx(4.0, abs=0.05)
-    assert charts.sensor_chart(0, 0)(shown).y_label == "specific force error [mg]"
+    assert sensors.sensor_chart(shown, 0, 0).y_label == "specific force error [mg]"
 
 
 def test_horizontal_errors_are_also_shown_along_and_across_the_track(survey: Survey) -> None:
     study = survey.study
     k = study.case("all")
     along, across = (
-        charts.aided_chart(c)(Shown(survey, study, "all", along_track=True)).lines[0].y[-1] for c in (0, 1)
+        errors.aided_chart(Shown(survey, study, "all", along_track=True), c).lines[0].y[-1] for c in (0, 1)
     )
     assert (along, across) == pytest.approx(
         (study.pure.down_range_m[k, -1] / 1e3, study.pure.cross_range_m[k, -1] / 1e3)
     )
     assert np.hypot(along, across) == pytest.approx(np.hypot(*study.pure.position_m[k, -1, :2]) / 1e3)
-    named = charts.source_chart(1)(Shown(survey, study, along_track=True))
+    named = errors.source_chart(Shown(survey, study, along_track=True), 1)
     assert named.title == "Cross-range error by source, INS alone"
 
 

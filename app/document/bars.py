@@ -69,7 +69,8 @@ class _Scale:
                 f'<u style="left:{self._share(self._limit)}"></u><em style="left:{self._share(self._limit)}">'
                 f"limit {number(self._limit)}°</em>"
             )
-        place = f"left:min({self._share(length)}, 100% - 44px)"
+        reach = max(length, self._length(was)) if was else length
+        place = f"left:min({self._share(reach)}, 100% - 44px)"
         return (
             f'<td title="{escape(tip)}"><div{over}><i style="width:{self._share(length)}"></i>{outline}{limit}'
             f'<span class="num" style="{place}">{number(length)}°</span></div></td>'
