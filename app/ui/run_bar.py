@@ -42,7 +42,7 @@ class RunBar(pn.viewable.Viewer):
         self.cancel.on_click(lambda _: run.cancel())
         self.state = html_pane("", margin=(2, 10))
         self._view = pn.FlexBox(
-            *fields, self.start, self.cancel, pn.Column(self.state, styles={"flex": "1 1 230px", "min-width": "0"}),
+            *fields, self.start, self.cancel, pn.Column(self.state, styles={"flex": "1 1 180px", "min-width": "0"}),
             align_items="center", margin=(0, 4),
         )  # fmt: skip
 

@@ -91,7 +91,12 @@ class SarPage(pn.viewable.Viewer):
             pmui.TextInput.from_param(self.param.seed, width=70, **_LOOK),
         )
         self._rank_head, self._ranks = html_pane("", margin=_HEAD), html_pane("", margin=(0, 10, 6, 10))
-        self._ranks.sizing_mode = "stretch_both"
+        narrow = (
+            "@media (max-width: 1000px) { :host { min-height: 500px !important; } }"  # names take more lines there
+        )
+        self._ranks.param.update(
+            sizing_mode="stretch_both", min_height=300, stylesheets=[*self._ranks.stylesheets, narrow]
+        )
         self._map = ChartPane(gnss_winner_chart, lambda: session.budget)
         self._image_head, self._images = html_pane("", margin=_HEAD), html_pane(_blank(), margin=(2, 10, 6, 10))
         self._points: PictureChart | None = None

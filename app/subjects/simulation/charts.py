@@ -162,7 +162,7 @@ def consistency_chart(study: SimulationStudy | None) -> Chart:
         x_label=_TIME,
         y_label="simulated / filter [-]",
         lines=(
-            *(Line(name, name, time, y, style, "rms over filter sigma")
+            *(Line(name, name, time, y, style, "rms over filter sigma", "")
               for (name, _, style), y in zip(kinds, ratios, strict=True)),
             *_edges(time, low, high, "95 % band of one axis"),
         ),
@@ -262,7 +262,7 @@ def nees_chart(study: SimulationStudy | None) -> Chart:
         y_label="mean NEES [-]",
         lines=(
             Line("nees", "mean over the runs", time, result.nees_curve if result else _NOTHING, "simulated",
-                 "errors by filter covariance"),
+                 "errors by filter covariance", ""),
             *_edges(time, low, high, "95 % band at one time"),
         ),
         spans=_outages(study),

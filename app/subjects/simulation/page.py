@@ -7,6 +7,7 @@ import importlib
 import io
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from html import escape
 from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qsl, urlencode
@@ -16,6 +17,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import Chart
+from app.charts.legend import legend_html
 from app.charts.screen.timelines import Timelines
 from app.charts.words import in_words
 from app.declared import declared, held
@@ -67,7 +69,14 @@ _UPLOAD = 20_000_000  # bytes
 _LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 _KEY = '<span class="quiet fine">solid: simulated · dashed: filter · dotted: formula · grey: outage</span>'
-_START = Answer("Not run yet", "open", ("Press Start to compare simulated errors with the filter and the formulas.",))
+_START = Answer(
+    "Not run yet",
+    "open",
+    (
+        "Press Start to compare simulated errors with the filter and the formulas.",
+        "Enter outages as start,stop in seconds; separate several with semicolons.",
+    ),
+)
 _COMING = "Appears with the first result."
 
 
@@ -111,7 +120,7 @@ class SimulatePage(pn.viewable.Viewer):
         halves = [
             pn.Column(
                 head, *(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in stack.plots),
-                sizing_mode="stretch_both",
+                sizing_mode="stretch_both", min_height=430,
             )
             for head, stack in zip(self._heads, self._stacks, strict=True)
         ]  # fmt: skip
@@ -161,12 +170,9 @@ class SimulatePage(pn.viewable.Viewer):
             names(choices.length, width=90, **_LOOK),
             names(
                 choices.outages, placeholder="start,stop; start,stop", width=140,
-                description="Enter outages as start,stop in seconds; separate several with semicolons.", **_LOOK,
             ),
             names(choices.seed, width=65, **_LOOK),
-            pmui.Select.from_param(
-                choices.states, width=110, description="15 and 21 states also estimate the biases.", **_LOOK
-            ),
+            pmui.Select.from_param(choices.states, width=110, **_LOOK),
         )  # fmt: skip
 
     @property
@@ -191,7 +197,7 @@ class SimulatePage(pn.viewable.Viewer):
                 stack.feed(lines)
             said = "".join(f'<p class="hidden">What the chart shows: {escape(in_words(line))}</p>' for line in lines)
             knowledge = " ".join(line.knowledge for line in lines) if study else _COMING
-            key = f'<span class="quiet fine">{_COMING.lower()}</span>' if study is None else self._keys[draws]
+            key = f'<span class="quiet fine">{_COMING}</span>' if study is None else self._keys[draws]
             text = head_html(title, knowledge, said, key)
             if head.object != text:
                 head.object = text
