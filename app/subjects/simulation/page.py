@@ -110,10 +110,9 @@ class SimulatePage(pn.viewable.Viewer):
         self._strip = AnswerStrip(_START)
         self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
         self._charts = (TIMELINES, CONSISTENCY)
-        self._keys = {
-            TIMELINES: _KEY,
-            CONSISTENCY: '<span class="quiet fine">dotted: 95 % band · grey: outage</span>',
-        }
+        named = CONSISTENCY[0](None)  # its curves are too near to one another for names at their ends
+        legend = legend_html(replace(named, lines=tuple(line for line in named.lines if line.style != "reference")))
+        self._keys = {TIMELINES: _KEY, CONSISTENCY: legend}
         self._stacks = [Timelines([draw(None) for draw in TIMELINES])]
         self._stacks.append(Timelines([draw(None) for draw in CONSISTENCY], self._stacks[0]))
         self._heads = [html_pane("", margin=_HEAD) for _ in self._charts]
