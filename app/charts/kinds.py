@@ -319,6 +319,11 @@ class TradeMapChart:
     level: float
 
     @property
+    def limited(self) -> bool:
+        """Whether the reference is a limit."""
+        return not math.isnan(self.trade.limit)
+
+    @property
     def structure(self) -> tuple[str, str, str]:
         """What the figure is built for; another structure needs another figure."""
         return self.x_label, self.y_label, self.trade.result

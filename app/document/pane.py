@@ -106,7 +106,7 @@ def _sort(cell: Cell) -> str:
 def _chosen(cell: Cell, choose: str, said: Said) -> str:
     """The first cell of a row, with what a person chooses the row by."""
     text, value = _cell(cell, said), escape(cell.value)
-    if choose == "button":
+    if choose == "button" and value:
         return f'<button type="button" value="{value}">{text}</button>'
     if choose == "radio":
         radio = f'<input type="radio" name="row" value="{value}" aria-label="{value}">'

@@ -58,6 +58,9 @@ PRINT_PAGE = _sheet("print_page")
 PRINT_WHOLE = _sheet("print_whole")
 """Sheet of what must not be torn by a page's end."""
 
+SWITCH = _sheet("switch")
+"""Sheet of a switch: its name is for screen readers, and its choices stand in one line as they are written."""
+
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.
 SHEET = _sheet("sheet")

@@ -103,7 +103,7 @@ def test_no_part_of_a_page_is_drawn_over_another(
             page.get_by_role("button", name="Start", exact=True).click()
             expect(page.get_by_role("status").filter(has_text="NEES")).to_be_visible()
         if name == "Suborbital":
-            expect(page.get_by_role("heading", name="What the star tracker")).to_be_visible()
+            expect(page.get_by_role("heading", name="The star tracker")).to_be_visible()
         if name == "Budget":
             page.get_by_role("button", name="Open" if width > 1240 else "Tools", exact=True).click()
             if width <= 1240:

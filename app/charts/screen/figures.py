@@ -106,7 +106,7 @@ def to_bokeh(chart: AnyChart, height: int | None = 320) -> Figure:
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
     plot = draw(chart, sources, height or _LEAST)
     if height is None:
-        _fill(plot)
+        fill(plot)
     plot.styles = TEXT_SIZE
     for axis in (plot.xaxis, plot.yaxis):
         if isinstance(axis[0], LogAxis):
@@ -114,7 +114,7 @@ def to_bokeh(chart: AnyChart, height: int | None = 320) -> Figure:
     return Figure(plot, sources, dict(columns))
 
 
-def _fill(plot: figure) -> None:
+def fill(plot: figure) -> None:
     """Make a figure as high as its place; its tools stand above it only while the pointer is on it."""
     plot.update(height=None, min_height=_LEAST, sizing_mode="stretch_both", toolbar_location="above")
     plot.update(toolbar_inner=True, min_border_right=14)
@@ -179,7 +179,7 @@ def _curves(chart: Chart, height: int | None) -> Figure:
         **({"x_range": Range1d(*chart.x_range)} if chart.x_range else {}),
     )
     if height is None:
-        _fill(plot)
+        fill(plot)
     elif chart.square:
         wide = height + _BESIDE  # so that the frame itself is square
         plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)
@@ -277,7 +277,7 @@ def _bars(chart: BarChart, height: int | None) -> Figure:
     )
     plot.toolbar.logo = None
     if height is None:
-        _fill(plot)
+        fill(plot)
     plot.x_range.start = 0
     plot.ygrid.grid_line_color = None
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}

@@ -12,7 +12,7 @@ from app.console.arguments import design_arguments, paths_of, read_design
 def add_to(commands: Any) -> None:
     """Declare the command."""
     _add_explore(commands)
-    sweep = commands.add_parser("sweep", help="evaluate grids of designs, in closed form or flown, into a table")
+    sweep = commands.add_parser("sweep", help="evaluate grids of designs by formula, or flown, into a table")
     sweep.add_argument("file", metavar="FILE", help="what to vary, TOML")
     sweep.add_argument("-o", "--output", required=True, metavar="OUT", help="OUT.csv or OUT.parquet")
     cores = os.cpu_count() or 1
@@ -25,10 +25,10 @@ def _add_explore(commands: Any) -> None:
     explore = commands.add_parser("explore", help="solve backwards, rank, map, search, uncertainty; JSON or CSV")
     questions = explore.add_subparsers(dest="question", required=True, metavar="QUESTION")
     helps = {
-        "solve": "the largest noise, interval or time that still meets the requirements",
-        "rank": "what a figure answers to, strongest first",
+        "solve": "the largest noise, interval or time that meets the requirements",
+        "rank": "which inputs a figure depends on, strongest first",
         "map": "two inputs against a result",
-        "search": "every catalogue unit with every receiver class against the requirements",
+        "search": "which IMUs and receivers of the catalogue meet the requirements",
         "uncertainty": "the probability that the design closes when inputs are ranges",
     }
     parsers = {name: questions.add_parser(name, help=text) for name, text in helps.items()}

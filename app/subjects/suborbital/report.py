@@ -12,20 +12,19 @@ from app.console.progress import show_progress
 from app.document.blocks import Block, Cell, Column, Section, Table, Text
 from app.document.chart_block import chart_block
 from app.subjects.suborbital import tables
-from app.subjects.suborbital.answer import answer
+from app.subjects.suborbital.answer import answer, explained
 from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
 from app.subjects.suborbital.finding import Finding
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.suborbital.input_table import GROUPS
-from nav_model.suborbital.settings import DEFAULTS, Settings, from_design, read_changes
+from nav_model.suborbital.settings import DEFAULTS, OF_DESIGN, Settings, follows_design, from_design, read_changes
 from nav_model.suborbital.survey import run_survey
 
 _ERRORS = tuple(partial(draw, channel=c) for c in (2, 1, 0) for draw in (errors.source_chart, errors.aided_chart))
 _SENSORS = tuple(partial(sensors.sensor_chart, sensor=s, axis=axis) for s in (0, 1) for axis in range(3))
 _NOISE = tuple(partial(sensors.noise_chart, channel=c) for c in (2, 1, 0))
 _FLIGHT = (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart, flight.gravity_chart)
-_OF_A_DESIGN = "design"  # how the origin of an input begins that a design gave
 REFERENCES = (
     "[B] Moghtadaei Rad, Heyrani Nobari and Nikkhah, on integrating a star tracker with an inertial unit for a "
     "suborbital flight; its printed equations, sensors and trajectory are lost. [B-1] to [B-9] are derived in "
@@ -56,13 +55,13 @@ def study(design: Design, options: argparse.Namespace) -> Finding:
 
 def belongs(finding: Finding, design: Design) -> bool:
     """Whether no input of the study comes from another design than this one, as it is now."""
-    return not _takes_a_design(finding.settings) or _has_unit_of(finding.settings, design)
+    return not follows_design(finding.settings) or _has_unit_of(finding.settings, design)
 
 
 def of_design(finding: Finding) -> str:
     """The design whose inertial unit it took."""
     origins = finding.settings.origin.values()
-    return next((origin for origin in origins if origin.startswith(_OF_A_DESIGN)), "none")
+    return next((origin for origin in origins if origin.startswith(OF_DESIGN)), "none")
 
 
 def sections(finding: Finding, key: str) -> tuple[Section, ...]:
@@ -84,7 +83,8 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
         Section(
             own,
             "Suborbital flight: what a star tracker repairs, and what it does not",
-            (*answer(shown, finding.settings), Text(_sensors(finding.settings)), *_paper_tables(shown, own)),
+            (*answer(shown, finding.settings), explained(shown), Text(_sensors(finding.settings)),
+             *_paper_tables(shown, own)),
             REFERENCES,
         ),
         section("errors", "errors by source, with and without star tracker",
@@ -100,7 +100,7 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
 
 
 def _takes_a_design(settings: Settings) -> bool:
-    return any(origin.startswith(_OF_A_DESIGN) for origin in settings.origin.values())
+    return any(origin.startswith(OF_DESIGN) for origin in settings.origin.values())
 
 
 def _has_unit_of(settings: Settings, design: Design) -> bool:
@@ -109,7 +109,7 @@ def _has_unit_of(settings: Settings, design: Design) -> bool:
 
 def _sensors(settings: Settings) -> str:
     """Whose sensors these are."""
-    if _takes_a_design(settings):
+    if follows_design(settings):
         return (
             "Sensors: this design's inertial unit gives white noise and constant biases; instability, scale factor, "
             "misalignment and initial errors are those listed under the inputs of the study."

@@ -242,11 +242,11 @@ def test_equations_symbols_and_references_are_those_the_studies_use(told, design
 
 def test_every_mark_in_the_html_leads_to_its_equation(html):
     ids = set(re.findall(r'id="([^"]+)"', html))
-    said = set(re.findall(r'href="#([TSB]-\d+)"', html))
+    said = set(re.findall(r'href="#([TSBP]-\d+)"', html))
     assert {"B-3", "T-16", "T-17"} <= said
     assert said <= ids
     # Not links are only an equation's own number, marks within an equation, and tables of a chart's numbers.
-    assert not re.findall(r'(?<!class="num")(?<!<td)(?<!<mtext)>\[[TSB]-\d+\]<(?!/a)', html)
+    assert not re.findall(r'(?<!class="num")(?<!<td)(?<!<mtext)>\[[TSBP]-\d+\]<(?!/a)', html)
 
 
 def test_html_and_pdf_say_every_number_of_every_table(told, html, pages):
@@ -339,19 +339,25 @@ def test_a_session_keeps_the_last_finding_of_each_kind_and_the_choice_follows(fi
 
     session = Session(design)
     choice = ReportChoice(session)
-    assert not choice.__panel__().visible
+    assert (choice.offered(), choice.lacking()) == ([], "")
     for kind, finding in findings.items():
         session.keep(kind, finding)
-    assert choice.__panel__().visible
-    assert choice._boxes.value == ["simulation", "sar", "suborbital"]
-    choice._boxes.value = ["sar"]
-    assert list(choice.chosen()) == ["sar"]
+
+    def ticked() -> list[str]:
+        return [offer["kind"] for offer in choice.offered() if offer["ticked"]]
+
+    assert ticked() == ["simulation", "sar", "suborbital"]
+    choice.tick("simulation", False)
+    choice.tick("suborbital", False)
+    assert ticked() == list(choice.chosen()) == ["sar"]
     session.change({"imu.angle_random_walk": 2.0 * design.imu.angle_random_walk})
-    assert choice._boxes.options == {}
-    assert "SAR" in choice._left.object
+    assert choice.offered() == []
+    assert "SAR" in choice.lacking()
     session.undo()
-    assert choice._boxes.value == ["sar"]
-    assert choice._left.object == ""
+    assert ticked() == ["sar"]
+    assert choice.lacking() == ""
+    session.running = True
+    assert "still running" in choice.lacking()
 
 
 def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
