@@ -336,19 +336,25 @@ def test_a_session_keeps_the_last_finding_of_each_kind_and_the_choice_follows(fi
 
     session = Session(design)
     choice = ReportChoice(session)
-    assert not choice.__panel__().visible
+    assert (choice.offered(), choice.lacking()) == ([], "")
     for kind, finding in findings.items():
         session.keep(kind, finding)
-    assert choice.__panel__().visible
-    assert choice._boxes.value == ["simulation", "sar", "suborbital"]
-    choice._boxes.value = ["sar"]
-    assert list(choice.chosen()) == ["sar"]
+
+    def ticked() -> list[str]:
+        return [offer["kind"] for offer in choice.offered() if offer["ticked"]]
+
+    assert ticked() == ["simulation", "sar", "suborbital"]
+    choice.tick("simulation", False)
+    choice.tick("suborbital", False)
+    assert ticked() == list(choice.chosen()) == ["sar"]
     session.change({"imu.angle_random_walk": 2.0 * design.imu.angle_random_walk})
-    assert choice._boxes.options == {}
-    assert "SAR" in choice._left.object
+    assert choice.offered() == []
+    assert "SAR" in choice.lacking()
     session.undo()
-    assert choice._boxes.value == ["sar"]
-    assert choice._left.object == ""
+    assert ticked() == ["sar"]
+    assert choice.lacking() == ""
+    session.running = True
+    assert "still running" in choice.lacking()
 
 
 def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
