@@ -67,7 +67,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """A line per requirement, the verdict of the other processing, then the verdict: what `navbudget check` prints for one design.
+    """What `navbudget check` prints of a design: a line per requirement, the other verdict, the verdict in force.
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """

@@ -156,7 +156,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
                 for label, kind, now, later, mark, other in rows
             ),
         ),
-        f"Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
+        "Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
         f"aperture, by {smoothed.method} [P-3]. Requirements are held against {budget.verdict.processing}.",
     )
 
