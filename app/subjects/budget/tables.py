@@ -15,6 +15,7 @@ from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import provenance
 from nav_model.budget.result import Check
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.geometry import phase_to_metres
 
 ALONG_TRACK = "along-track (separate limit)"
@@ -24,9 +25,10 @@ _MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix
 
 
 def key_figures(budget: Budget) -> KeyFigures:
-    """The figures that decide, each with which one it is and its limit."""
+    """The figures that decide in real time, each with which one it is and its limit."""
     coast, sar = budget.coast, budget.sar
-    checks = {check.name: check for check in budget.verdict.checks}
+    in_real_time = budget.other_verdict if budget.verdict.processing == POST_PROCESSED else budget.verdict
+    checks = {check.name: check for check in in_real_time.checks}
     response = sar.impulse_response
     autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
     fields = (
@@ -124,6 +126,43 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
         tuple(map(row, verdict.checks)),
         "Margin is the part of the limit left over. The share is of the variance, with an initial tilt charged to "
         "the sensors that cause it [T-18].",
+    )
+
+
+def processing_table(budget: Budget, key: str = "budget") -> Table:
+    """The figures of the image in real time and post-processed, beside each other."""
+    sar, smoothed = budget.sar, budget.post_processed
+    free, placed = budget.placement, budget.post_processed_placement
+    rows = (
+        ("Quadratic phase", "angle", sar.quadratic, smoothed.quadratic, "[S-5]", "[P-5]"),
+        ("Cubic phase", "angle", sar.cubic, smoothed.cubic, "[S-6]", "[P-5]"),
+        ("Residual phase after autofocus", "angle", sar.detrended, smoothed.detrended, "[S-6]", "[P-5]"),
+        ("Along-track quadratic phase", "angle", sar.along_track_quadratic, smoothed.along_track_quadratic, "[S-2]",
+         "[P-5]"),
+        ("Azimuth shift", "length", free.azimuth, placed.azimuth, "[P-7]", "[P-7]"),
+        ("Range shift", "length", free.range, placed.range, "[P-7]", "[P-7]"),
+        ("CE90", "length", free.ce90, placed.ce90, "[P-7]", "[P-7]"),
+        ("LE90", "length", free.le90, placed.le90, "[P-7]", "[P-7]"),
+    )  # fmt: skip
+    closes = {
+        verdict.processing: Cell("✓ closes", tone="good") if verdict.closes else Cell("✗ does not close", tone="bad")
+        for verdict in (budget.verdict, budget.other_verdict)
+        if verdict.checks
+    }
+    answers = ((Cell("Verdict"), closes[REAL_TIME], closes[POST_PROCESSED]),) if closes else ()
+    return Table(
+        f"{key}-processing",
+        "Real time and post-processed, 1σ",
+        (Column("Figure", width=1.5), Column("Real time", numeric=True), Column("Post-processed", numeric=True)),
+        (
+            *answers,
+            *(
+                (Cell(label), Cell(f"{show(now, kind)} {mark}"), Cell(f"{show(later, kind)} {other}"))
+                for label, kind, now, later, mark, other in rows
+            ),
+        ),
+        f"Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
+        f"aperture, by {smoothed.method} [P-3]. Requirements are held against {budget.verdict.processing}.",
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from app.charts.kinds import LEVELS, AnyChart, Array, Chart, Limit, Line, RankBar, RankChart, TradeMapChart
 from app.charts.region import contour
 from nav_model.budget.figures import figures, inputs_of
+from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.rank import Sensitivity, rank, sentence, silent
@@ -119,7 +120,7 @@ def chart_of(design: Design, trade: TradeMap, key: str, knowledge: str, x_log: b
     reference = "the limit" if limited else "this design's value"
     level = trade.limit
     if not limited:
-        level = float(design.requirements.confidence * figures(inputs_of(design), (result,))[result])
+        level = float(confidence_of(design, result) * figures(inputs_of(design), (result,))[result])
     ratio = trade.z / level
     (x_factor, x_label), (y_factor, y_label) = _scale(design, trade.x_key), _scale(design, trade.y_key)
     x, y = trade.x / x_factor, trade.y / y_factor

@@ -96,13 +96,14 @@ def test_requirements_have_value_limit_margin_and_verdict(mems: Budget) -> None:
 def test_check_prints_what_the_table_says_with_the_minus_of_scripts(mems: Budget) -> None:
     table = requirement_table(mems)
     assert isinstance(table, Table)
-    *lines, verdict = check_lines("a.toml", mems)
+    *lines, other, verdict = check_lines("a.toml", mems)
     for line, row, check in zip(lines, table.rows, mems.verdict.checks, strict=True):
         value, limit, margin = (cell.text.replace("−", "-") for cell in row[1:4])
         met = "met    " if check.met else "NOT MET"
         assert line.startswith(f"a.toml: {met} {check.name} {value} (limit {limit}, margin {margin}, {check.basis} ")
         assert line.endswith(f"dominated by {row[6].text.replace(',', '')})")
-    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma; tightest detrended_phase, margin -144 %"
+    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma in real time; tightest detrended_phase, margin -144 %"
+    assert other == "a.toml: post-processed it would not close; tightest detrended_phase, margin -9.7 %"
 
 
 def test_a_design_without_requirement_is_not_checked_anywhere() -> None:
