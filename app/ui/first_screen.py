@@ -37,7 +37,7 @@ def first_screen(
             parts.append(pn.Column(part, styles=where | FRAME, sizing_mode="stretch_both"))
     within = height == "100%"
     sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height)
-    sheet = sheet.replace("FLEX", "1 1 0" if within else "none")
+    sheet = sheet.replace("FLEX", "1 1 0" if within else "none").replace("OVERFLOW", "clip" if within else "visible")
     # With a height the page around it stays as high as its content, and scrolls; the sheet says how high this is.
     return pn.Column(*parts, height=None if within else _ABOUT, stylesheets=[sheet])
 
