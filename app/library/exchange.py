@@ -27,6 +27,8 @@ MAX_ARCHIVE = 20_000_000
 _MAX_FILES = 2_000
 _MAX_UNPACKED = 50_000_000
 _LIST = "library.json"
+_MAX_PARTS = 50 * _MAX_FILES  # objects, lists and what is in them
+_QUOTED = re.compile(r'"(?:[^"\\]++|\\.?)*+"?', re.DOTALL)
 _FORMAT = 1
 _KEPT = ("file", "name", "author", "note", "saved")  # of the list, by an import; the rest is worked out anew
 
@@ -168,7 +170,10 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
     if _LIST not in files:
         return []
     try:
-        content = json.loads(files.pop(_LIST).decode("utf-8"))
+        written = files.pop(_LIST).decode("utf-8")
+        if len(re.findall(r"[\[{,]", _QUOTED.sub("", written))) > _MAX_PARTS:
+            raise InputError(_LIST, f"has more than {_MAX_PARTS} parts; it is not the list of an exported library")
+        content = json.loads(written)
         if content["format"] != _FORMAT:
             raise InputError(_LIST, f"has format {content['format']!r}; this program reads {_FORMAT}")
         designs = [

@@ -1,7 +1,7 @@
 """Under which names this server answers at all.
 
-A browser takes whatever address a name server gives: a foreign site's name that leads here ("DNS rebinding") would make
-this server's pages that site's own. So the name that a request was made under is looked at before anything else.
+A browser takes whatever address a name server gives: a foreign site's name that leads here ("DNS rebinding") would
+make this server's pages that site's own. So the name that a request was made under is looked at before anything else.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ class Hosts:
     """The names a server answers under.
 
     Loopback names and the address it listens on, at any port (a forwarded port has another number here); what
-    ``--allow-origin`` names, exactly; and every address in numbers if it listens on all of them, for a name server has
-    no say in those.
+    ``--allow-origin`` names, exactly; and every address in numbers if it listens on all of them, for a name server
+    has no say in those.
     """
 
     def __init__(self, address: str, allowed: Sequence[str]) -> None:
@@ -97,8 +97,8 @@ class Refusal(RequestHandler):
 def first_rules(hosts: Hosts) -> list[Rule]:
     """What comes before every route."""
     other_name = (
-        "This server does not answer under the name in the address. Open it under its own name; its operator can allow "
-        "another one with --allow-origin HOST or HOST:PORT."
+        "This server does not answer under the name in the address. Open it under its own name; its operator can "
+        "allow another one with --allow-origin HOST or HOST:PORT."
     )
     no_path = "The address holds characters that no address here has."
     return [

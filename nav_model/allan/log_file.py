@@ -17,8 +17,8 @@ from nav_model.allan.csv_table import read_csv_table
 from nav_model.allan.imu_log import AXIS_LETTERS, ImuLog
 from nav_model.allan.log_names import Meaning, Scale, meaning_of, scale_of
 from nav_model.allan.noise_terms import FloatArray
-from nav_model.allan.npz_arrays import read_npz_arrays
 from nav_model.errors import InputError
+from nav_model.npz_arrays import read_npz_arrays
 
 IGNORED = "-"
 RATE_TOLERANCE = 0.01
@@ -140,7 +140,7 @@ def _content(source: str | Path | bytes | BinaryIO, file_name: str | None, limit
 
 
 def _from_csv(content: bytes, name: str, options: LogOptions, limits: Limits) -> _Found:
-    table = read_csv_table(io.BytesIO(content), name, limits.rows)
+    table = read_csv_table(io.BytesIO(content), name, limits.rows, limits.unpacked_bytes)
     width = table.data.shape[1]
     names = options.columns if options.columns is not None else table.names
     if names is None:

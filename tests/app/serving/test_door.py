@@ -106,7 +106,7 @@ def test_wrong_origin_on_the_websocket(visitor: Any, origin: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "host", ["evil.example", "evil.example:{port}", "127.0.0.1.evil.example:{port}", "a@127.0.0.1:{port}", "192.0.2.1",
+    "host", ["evil.example", "evil.example:{port}", "127.0.0.1.evil.example:{port}", "a@127.0.0.1", "192.0.2.1",
              "127.0.0.1:{port}, evil.example", "[::1", ""]
 )  # fmt: skip
 def test_a_foreign_host_gets_nothing(visitor: Any, host: str) -> None:

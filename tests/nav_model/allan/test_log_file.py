@@ -160,6 +160,10 @@ def test_size_limits():
         read_log(content, limits=Limits(file_bytes=1000))
     with pytest.raises(InputError, match="more than 10 rows"):
         read_log(content, limits=Limits(rows=10))
+    with pytest.raises(InputError, match="more than 0 MB of numbers"):
+        read_log(content, limits=Limits(unpacked_bytes=1000))
+    with pytest.raises(InputError, match="101 columns; a log has at most 100"):
+        read_log(b",".join([b"1"] * 101))
 
 
 def test_missing_axis_and_doubled_axis():
