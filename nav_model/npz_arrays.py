@@ -56,7 +56,7 @@ def _read_members(
     declared = sum(member.file_size for member in members)
     if declared > most_bytes:
         raise InputError(
-            file_name, f"unpacks to {declared / 2**20:.0f} MiB; at most {most_bytes / 2**20:.0f} MiB are taken"
+            file_name, f"unpacks to {declared / 1e6:.0f} MB; at most {most_bytes / 1e6:.0f} MB are allowed"
         )
     arrays: dict[str, NDArray[Any]] = {}
     for member in members:

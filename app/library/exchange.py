@@ -19,12 +19,12 @@ from sqlalchemy import text
 
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
-from nav_model.design.file import MAX_BYTES
 from nav_model.errors import InputError
 
 MAX_ARCHIVE = 20_000_000
 """The largest archive taken, in bytes as it comes."""
 _MAX_FILES = 2_000
+_MAX_FILE = 1_000_000
 _MAX_UNPACKED = 50_000_000
 _LIST = "library.json"
 _MAX_PARTS = 50 * _MAX_FILES  # objects, lists and what is in them
@@ -158,7 +158,7 @@ def _safe(path: str) -> str:
 
 
 def _read(file: IO[bytes], path: str, left: int) -> bytes:
-    bound = min(MAX_ARCHIVE if path == _LIST else MAX_BYTES, left)
+    bound = min(MAX_ARCHIVE if path == _LIST else _MAX_FILE, left)
     content = file.read(bound + 1)
     if len(content) > bound:
         raise InputError(path, f"unpacks to more than {bound} bytes")

@@ -113,8 +113,15 @@ def _read_one(source: Path | io.BytesIO, path: str | Path) -> PhaseHistory:
     except OSError as error:
         raise ValueError(f"{path}: not a readable npz file ({error})") from error
     with stream:
-        if not zipfile.is_zipfile(stream):
-            raise ValueError(f"{path}: not a readable npz file; an archive with named fields is needed")
+        try:
+            with zipfile.ZipFile(stream) as archive:
+                unpacked = sum(item.file_size for item in archive.infolist())
+        except zipfile.BadZipFile as error:
+            raise ValueError(f"{path}: not a readable npz file ({error}); it needs named fields") from error
+        if unpacked > MOST_UNPACKED_BYTES:
+            raise ValueError(
+                f"{path}: unpacks to {unpacked / 2**20:.0f} MiB; at most {MOST_UNPACKED_BYTES >> 20} MiB are taken"
+            )
         fields = read_npz_arrays(
             stream, str(path), MOST_UNPACKED_BYTES, "fiuc", [name for name, _, _ in _FILE_FIELDS]
         )
