@@ -40,6 +40,7 @@ def _refusal(capsys: pytest.CaptureFixture[str], command: list[str]) -> str:
 def test_the_compose_file_gives_options_the_program_takes(capsys: pytest.CaptureFixture[str]) -> None:
     compose = yaml.safe_load((ROOT / "deploy" / "compose.yaml").read_text())
     services = compose["services"]
+    assert all(service["mem_limit"] for service in services.values())
     command = services["navbudget"]["command"]
     options = dict(part.split("=", 1) for part in command if "=" in part)
     for option in ("--password-file", "--cookie-secret-file"):
