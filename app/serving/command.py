@@ -69,6 +69,7 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
 
 
 def _serve(options: argparse.Namespace) -> int:
+    from app.library.place import look_at, use_library
     from app.serving.rules import Rules, cookie_secret, oauth_from
 
     rules = Rules(
@@ -92,11 +93,12 @@ def _serve(options: argparse.Namespace) -> int:
         log=options.log,
     )
     rules.check()  # before the screen is loaded: a wrong command is refused at once
+    if warning := look_at(options.library):
+        print(f"navbudget: {warning}", file=sys.stderr, flush=True)
     if rules.page_processes > 1:
         from app.serving.supervisor import supervise
 
         return supervise(rules, options.library)
-    from app.library.place import use_library
     from app.serving.server import serve
 
     use_library(options.library)
