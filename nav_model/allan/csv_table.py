@@ -32,6 +32,8 @@ class CsvTable:
 def read_csv_table(stream: BinaryIO, file_name: str, most_rows: int, most_bytes: int) -> CsvTable:
     """Read comma, semicolon, tab or blank separated numbers, with or without header and #/% comment lines.
 
+    Between semicolons or tabs a comma is a decimal comma, as long as no point is one too.
+
     Nothing but decimal numbers is accepted below the header. Raises InputError with the line number for
     text, empty fields, a changed number of columns, NaN or infinity, more than `most_rows` rows, a table of more
     than `most_bytes`, or text that is not UTF-8. Memory is at most twice `most_bytes` and 100 MB.
@@ -60,7 +62,7 @@ def _read(text: io.TextIOWrapper, file_name: str, most_rows: int, most_bytes: in
         header.append(line)
     if not first:
         raise InputError(file_name, f"the first {_HEADER_LINES} lines hold no numbers; not an inertial log")
-    delimiter = next((mark for mark in ",;\t" if mark in first), None)
+    delimiter = next((mark for mark in ";\t," if mark in first), None)
     columns = len(_fields(first, delimiter))
     if columns > _MOST_COLUMNS:
         raise InputError(file_name, f"{columns} columns; a log has at most {_MOST_COLUMNS}")
@@ -130,6 +132,12 @@ def _rate(header: list[str]) -> float | None:
 
 def _parse(lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int) -> FloatArray:
     kept = [line for line in lines if line.strip()]
+    if delimiter in (";", "\t") and any("," in line for line in kept):
+        place = next(i for i, line in enumerate(lines) if "," in line)
+        if any("." in line for line in kept):
+            raise InputError(file_name, f"line {first_line + place}: decimal commas, but decimal points elsewhere")
+        kept = [line.replace(",", ".") for line in kept]
+        lines = [line.replace(",", ".") for line in lines]
     if delimiter is not None and kept and kept[0].rstrip().endswith(delimiter):
         kept = [line.rstrip().removesuffix(delimiter) for line in kept]
     if not kept:
