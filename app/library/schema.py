@@ -81,6 +81,7 @@ STEPS: tuple[tuple[str, ...], ...] = (
             PRIMARY KEY (review, number),
             FOREIGN KEY (review, place) REFERENCES review_items(review, place))""",
     ),
+    ("ALTER TABLE reviews ADD COLUMN signature TEXT",),
 )
 """What each version adds to the one before; version n is the first n steps. Released steps never change."""
 

@@ -138,7 +138,9 @@ def _serve_pages(listening: socket.socket, port: int, rules: Rules, library: str
     end_with_parent()
     set_up(rules.log)
     from app.library.place import use_library
+    from app.library.seal import use_key
     from app.serving.server import serve_on
 
     use_library(library)
+    use_key(rules.review_key)
     serve_on(SharedSocket(listening, row), port, rules, row, secret, lambda: row.put("ready", 1))

@@ -114,7 +114,8 @@ def _is_data(line: str) -> bool:
 
 def _names(header: list[str], delimiter: str | None, columns: int) -> tuple[str, ...] | None:
     for line in reversed(header):
-        fields = _fields(line.strip().lstrip("#%").strip(), delimiter)
+        bare = line.strip().lstrip("#%").strip()
+        fields = [bare] if columns == 1 else _fields(bare, delimiter)  # a name may have blanks: "gyro_x [deg/s]"
         if len(fields) == columns and not all(_is_number(field) for field in fields):
             return tuple(fields)
     return None

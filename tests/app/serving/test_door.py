@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import re
 import urllib.parse
+from pathlib import Path
 from typing import Any
 
 import pytest
 from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id
 from tornado.web import create_signed_value
 
-from app.serving.access import Tries
 from app.serving.hosts import Hosts
+from app.serving.logins import Logins
+from app.serving.passwords import password_line
 
 PASSWORD = "correct horse battery"
 
@@ -155,13 +157,63 @@ def test_logout(visitor: Any) -> None:
     assert visitor.ask("/")[0] == 302
 
 
-def test_guessing_is_slowed() -> None:
+def test_guessing_is_slowed(tmp_path: Path) -> None:
     now = [0.0]
-    tries = Tries(lambda: now[0])
+    tries = Logins(str(tmp_path / "logins.db"), lambda: now[0])
     for _ in range(10):
         assert not tries.too_many("a")
-        tries.failed("a")
+        tries.failed("a", "b")
     assert tries.too_many("a")
-    assert not tries.too_many("b")
+    assert tries.too_many("b")
+    assert not tries.too_many("c")
+    assert Logins(str(tmp_path / "logins.db"), lambda: now[0]).too_many("a")  # another process knows
     now[0] = 61.0
     assert not tries.too_many("a")
+
+
+def test_tries_are_counted_over_all_processes_and_for_an_account_from_everywhere(serving: Any, people: Path) -> None:
+    options = ("--password-file", str(people), "--behind-proxy", "--processes", "2")
+    with serving(*options) as served:
+
+        def attempt(password: str, peer: str, name: str = "ada") -> int:
+            found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
+            assert found
+            body = {"_xsrf": found[1], "username": name, "password": password}
+            return int(served.ask("/login", body, **{"X-Forwarded-For": peer})[0])
+
+        assert [attempt("guess", f"192.0.2.{peer}") for peer in range(10)] == [401] * 10
+        assert attempt(PASSWORD, "192.0.2.99") == 429  # ada's account, from an address that never failed
+        assert attempt(PASSWORD + "2", "192.0.2.99", "bob") == 302
+        assert [attempt("guess", "192.0.2.77", f"name {count}") for count in range(10)] == [401] * 10
+        assert attempt(PASSWORD + "2", "192.0.2.77", "bob") == 429
+
+
+def test_a_copied_cookie_ends_with_the_login_and_with_the_password(serving: Any, tmp_path: Path) -> None:
+    people = tmp_path / "people"
+    people.write_text(f"{password_line('ada', PASSWORD)}\n{password_line('bob', PASSWORD)}\n")
+    with serving("--password-file", str(people), "--processes", "2") as served:
+        served.log_in("ada", PASSWORD)
+        copied = dict(served.cookies)
+        assert served.ask("/")[0] == 200
+        served.ask("/logout")
+        served.cookies = dict(copied)
+        assert [served.ask("/")[0] for _ in range(6)] == [302] * 6
+        served.cookies = {}
+        for name in ("ada", "bob"):
+            served.log_in(name, PASSWORD)
+            assert served.ask("/")[0] == 200
+            served.cookies, copied = {}, dict(served.cookies)
+            token = type(served)(served.process, served.port, dict(copied)).token()
+            people.write_text(f"{password_line('ada', PASSWORD)}\n{password_line('bob', PASSWORD)}\n")  # anew
+            served.cookies = copied
+            assert [served.ask("/")[0] for _ in range(4)] == [302] * 4
+            assert served.refused(token) == 403
+            served.cookies = {}
+
+
+def test_another_persons_login_does_not_fit_a_name(visitor: Any) -> None:
+    visitor.log_in("bob", PASSWORD + "2")
+    bobs = visitor.cookies["login"]
+    visitor.log_in("ada", PASSWORD)
+    visitor.cookies["login"] = bobs
+    assert visitor.ask("/")[0] == 302
