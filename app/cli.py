@@ -11,6 +11,7 @@ import argparse
 import io
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from typing import NoReturn
 
 from app.console.ending import BAD_INPUT, run_to_end
@@ -36,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="navbudget", description="Navigation error budgets for airborne SAR.")
+    parser.add_argument("--version", action="version", version=f"navbudget {version('navbudget')}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for module in (serve, report, *(subject.load("command") for subject in SUBJECTS if subject.command)):
         module.add_to(commands)
