@@ -12,7 +12,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 define install
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	{ $(PIP) install --quiet --require-hashes -r requirements/installer.lock && \
-	  $(BIN)/uv pip install --quiet --python $(BIN)/python --require-hashes -r requirements/$(1).lock; } || \
+	  $(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python --require-hashes -r requirements/$(1).lock; } || \
 	  $(PIP) install --quiet --require-hashes -r requirements/$(1).lock
 	$(PIP) install --quiet --no-deps --no-build-isolation -e .
 endef

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import param
@@ -17,8 +18,12 @@ from app.work.run import Run
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
 from nav_model.design.link import to_query
+from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.errors import InputError
+from nav_model.units import format_quantity
 
+WATCHED = tuple(f"{section}.{name}" for section, inputs in INPUTS.items() for name in inputs)
+"""Every input that a person can set, by its dotted key."""
 _MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
 _HISTORY = 200
 
@@ -28,6 +33,14 @@ class Lineage:
 
     def __init__(self) -> None:
         self.base: Any = None
+
+
+@dataclass(frozen=True)
+class Compared:
+    """What the budget in force is held against: its name in words, and its budget."""
+
+    name: str
+    budget: Budget
 
 
 class Session(param.Parameterized):
@@ -46,6 +59,14 @@ class Session(param.Parameterized):
     findings: dict[str, Any] = declared(
         param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
     )
+    compared: Compared | None = declared(
+        param.ClassSelector(
+            class_=Compared, default=None, allow_None=True,
+            doc="What the budget is held against: the value before the last change, or a design that was chosen.",
+        )
+    )  # fmt: skip
+    invalid = param.Integer(default=0, doc="Inputs whose last typed text was refused: what was valid before counts.")
+    adopted = param.Integer(default=0, doc="How often a whole design took the place of another.")
     can_undo = param.Boolean(default=False)
     can_redo = param.Boolean(default=False)
 
@@ -56,6 +77,26 @@ class Session(param.Parameterized):
         self._future: list[tuple[Design, Lineage]] = []
         self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)
         self._runs: list[Run] = []
+        self._follows_changes = True
+
+    def compare(self, chosen: Compared | None) -> None:
+        """Hold the budget against a design until another is chosen; None: against nothing, whatever changes."""
+        self._follows_changes = False
+        self.compared = chosen
+
+    def compare_with_changes(self) -> None:
+        """Hold the budget against what was in force before the last change, and follow further changes."""
+        self._follows_changes = True
+        self.compared = self._before(self.budget)
+
+    def _before(self, budget: Budget) -> Compared | None:
+        """The design before the last change; the same object as long as the change goes on."""
+        if not self._past or self._past[-1][0] == budget.design:
+            return None
+        old = self._past[-1][0]
+        if self.compared is not None and self.compared.budget.design is old:
+            return self.compared
+        return Compared(_change_in_words(old, budget.design), analyse(old))
 
     def new_run(self) -> Run:
         """A run of this session: `running` follows it, and it ends with the session."""
@@ -103,7 +144,10 @@ class Session(param.Parameterized):
 
     def adopt(self, design: Design) -> InputError | None:
         """Put a whole design in force, which begins a lineage: an opened file, an example, a link."""
-        return self._adopt(lambda: design, frozenset(), Lineage())
+        problem = self._adopt(lambda: design, frozenset(), Lineage())
+        if problem is None:
+            self.adopted += 1
+        return problem
 
     def _adopt(self, make: Callable[[], Design], keys: frozenset[str], lineage: Lineage) -> InputError | None:
         before = self.design
@@ -147,4 +191,23 @@ class Session(param.Parameterized):
         self._show(analyse(design), lineage)
 
     def _show(self, budget: Budget, lineage: Lineage) -> None:
-        self.param.update(budget=budget, lineage=lineage, can_undo=bool(self._past), can_redo=bool(self._future))
+        self.param.update(
+            compared=self._before(budget) if self._follows_changes else self.compared,
+            budget=budget,
+            lineage=lineage,
+            can_undo=bool(self._past),
+            can_redo=bool(self._future),
+        )
+
+
+def _change_in_words(old: Design, new: Design) -> str:
+    """What a design is called beside the one that it became by a change."""
+    keys = [key for key in WATCHED if old[key] != new[key]]
+    if len(keys) != 1:
+        return "the design before the last change"
+    declaration, value = declaration_of(keys[0]), old[keys[0]]
+    if value is None:
+        return f"{declaration.label}: not given"
+    dimension = getattr(declaration, "dimension", "")
+    said = format_quantity(float(value), old.unit(keys[0]), dimension, 3) if dimension else f"{value}"
+    return f"{declaration.label} {said}"

@@ -3,8 +3,8 @@
     python benchmarks/soak.py                 # 300 pages
     python benchmarks/soak.py --pages 40
 
-Each page is opened as a browser does, goes through every tab, moves a slider and is closed. The first third is to warm
-up: caches fill, and memory reaches what the largest moment needs. The goal is held against the growth over the rest.
+Each page is opened as a browser does, goes through every tab, moves a slider and is closed. The first third is to
+warm up: caches fill, and memory reaches what the largest moment needs. The goal is for the growth over the rest.
 
 Exit status: 0 if the goal holds, 1 if it is missed.
 """

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import pytest
+from app.subjects.suborbital.tabs import TABS
 
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.suborbital.page import SuborbitalPage
-from app.subjects.suborbital.tabs import TABS
 from nav_model.suborbital.errors import ErrorSet, InitialErrors
 from nav_model.suborbital.flight import golden_flight
 from nav_model.suborbital.noise_ensemble import fly_noise

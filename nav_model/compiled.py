@@ -3,7 +3,8 @@
 Numba compiles a cached kernel again when its own file has changed, but not when a kernel that it calls, in another
 file, has: results would come from code that no longer exists. Each kernel here carries the digest of all their files,
 through two private names of Numba's. And processes that need the same kernel at once would each compile it: here one
-does, while the others wait and then load what it wrote.
+does, while the others wait and then load what it wrote. The lock is `flock`'s, which the system releases even where a
+process dies; Windows has none and is not supported.
 
 Written for: numba 0.68.1
 Upstream: numba/numba#8396 (open), numba/numba#1833

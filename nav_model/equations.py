@@ -1,7 +1,7 @@
 """The equations a report rests on, their symbols and the literature: a table of data.
 
 Written once, in Typst's math notation; the PDF sets it and the HTML carries it as MathML. Marks are those of the
-product: T for the navigation theory, S for the radar.
+product: T for the navigation theory, S for the radar, P for processing after the flight.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Symbol:
     marks: tuple[str, ...] = ()
 
 
-_CITED = re.compile(r"\[([TSB]-\d+)\]")
+_CITED = re.compile(r"\[([TSBP]-\d+)\]")
 
 EQUATIONS: tuple[Equation, ...] = (
     Equation(
@@ -240,6 +240,58 @@ REFERENCES: tuple[str, ...] = (
 
 _BEYOND: tuple[Equation, ...] = (
     Equation(
+        "P-1",
+        "Position that the IMU lets drift, as a density",
+        "S_p (w) = sigma_a^2 / w^4 + (g^2 sigma_omega^2) / w^6",
+        "Two-sided, over angular frequency w; the vertical has the first term only.",
+    ),
+    Equation(
+        "P-2",
+        "What the receiver does not know, as a density",
+        "1 / (S_n (w)) = 1 / (s^2 + S_c (w)) + w^2 / s_v^2, quad s_v = sigma_v sqrt(Delta t_v), quad "
+        "S_c (w) = (2 sigma_c^2 tau) / (1 + w^2 tau^2)",
+        "Position fixes with their slow error, and velocity fixes.",
+    ),
+    Equation(
+        "P-3",
+        "Smoothed position error, as a density",
+        "S_e (w) = 1 / (1 \/ S_p + 1 \/ S_n), quad sigma^2 = 1 / pi integral_0^oo S_e dif w",
+        "A smoother with fixes on both sides, in a leg of 6/w₀ and more on each, w₀ = (g σ_ω/s)^(1/3), and with w₀ Δt up "
+        "to 0.7; otherwise the same is worked out in state space. Velocity has the density w² S_e.",
+    ),
+    Equation(
+        "P-4",
+        "Shares of the smoothed error",
+        "S_e = sum_i (1 - H)^2 S_(p, i) + sum_j H^2 S_(n, j), quad H = S_p / (S_p + S_n)",
+        "Drift sources i and receiver sources j; the smoother is optimal, so a share is the sensitivity to its source.",
+    ),
+    Equation(
+        "P-5",
+        "The aperture as a filter",
+        'sigma_"QPE"^2 &= ((4 pi) / lambda)^2 9 / (4 pi) integral_0^oo 25 j_2^2 S dif w, quad '
+        'sigma_"CPE"^2 = ((4 pi) / lambda)^2 25 / (4 pi) integral_0^oo 49 j_3^2 S dif w \\ '
+        "sigma_m^2 &= ((4 pi) / lambda)^2 1 / pi integral_0^oo (1 - sum_(n = 0)^m (2 n + 1) j_n^2) S dif w, quad "
+        "sigma_dot(r)^2 = (2 / T)^2 1 / pi integral_0^oo 9 j_1^2 S dif w",
+        "j_n is the spherical Bessel function of w T/2, S the density of the line of sight [S-1], m the order that "
+        "autofocus removes. Quadratic phase from the error along the track: the filter (3 j₁ − 9/2 j₃)² [S-2].",
+    ),
+    Equation(
+        "P-6",
+        "Steady state with velocity fixes",
+        "c_0 = (g sigma_omega) / s, quad c_1^2 = sigma_a^2 / s^2 + rho c_0^2 + 2 c_0 c_2, quad "
+        "c_2^2 = sigma_a^2 / s_v^2 + 2 c_1, quad rho = s^2 / s_v^2, quad "
+        "p_11 = (s^2 (c_2 + rho c_0)) / sqrt(1 + rho (c_2 + rho c_0)^2)",
+        "The stable factor of w⁶ + (σ_a² w² + g² σ_ω²)(1/s² + w²/s_v²) = 0, a cubic in w²; the other elements follow.",
+    ),
+    Equation(
+        "P-7",
+        "Where the image lies",
+        "delta r = -bold(u) dot.op delta bold(p), quad delta x = delta p_x + R / V thin bold(u) dot.op dot(delta "
+        "bold(p)), quad delta y = (delta r) / (cos psi) + tan psi thin delta h",
+        "Range, azimuth and ground range; h is the height of the scene that the image is projected on. CE90 is the exact "
+        "quantile of the two errors on the ground together.",
+    ),
+    Equation(
         "T-14",
         "What a fitted polynomial leaves",
         "integral_0^T (e(t) - hat(e)_m (t))^2 (dif t) / T",
@@ -343,13 +395,18 @@ _BEYOND: tuple[Equation, ...] = (
 
 def _place(equation: Equation) -> tuple[int, int]:
     letter, _, number = equation.mark.partition("-")
-    return "TSB".index(letter), int(number)
+    return "TSPB".index(letter), int(number)
 
 
 ALL_EQUATIONS: tuple[Equation, ...] = tuple(sorted((*EQUATIONS, *_BEYOND), key=_place))
 """Every equation of the product: navigation, radar, suborbital flight."""
 
 _BEYOND_SYMBOLS: tuple[Symbol, ...] = (
+    Symbol("S_p, S_n, S_e, S_c", "densities of drift, receiver, smoothed error, slow GNSS error", "m²·s",
+           ("P-1", "P-2", "P-3", "P-4", "P-5")),
+    Symbol("sigma_v, Delta t_v, s_v", "noise of one velocity fix, its interval, density", "m/s, s, m/s·√s",
+           ("P-2", "P-6")),
+    Symbol("sigma_c, tau", "slow GNSS error and its correlation time", "m, s", ("P-2",)),
     Symbol("e, hat(e)_m", "error over the aperture, the polynomial of order m fitted to it", "m", ("T-14",)),
     Symbol("N, p", "in [T-16], [S-7] fixes in the aperture; in [B-8] pixels and their pitch", "1, m",
            ("T-16", "S-7", "B-8")),

@@ -149,6 +149,11 @@ DIMENSIONS: dict[str, Dimension] = {
             ("1 s", "200 ms", "2 min"),
         ),
         Dimension(
+            "interval",
+            {"s": Fraction(1), "ms": _MILLI, "min": Fraction(60)},
+            ("0.2 s", "200 ms", "5 Hz"),
+        ),
+        Dimension(
             "frequency",
             {
                 "Hz": Fraction(1),
@@ -257,6 +262,15 @@ def unit_symbol(unit: str, dimension: str) -> str:
     return text
 
 
+def _article(name: str) -> str:
+    """A name with its indefinite article.
+
+    >>> _article("angle"), _article("length")
+    ('an angle', 'a length')
+    """
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+
+
 def _examples(dimension: Dimension) -> str:
     return ", ".join(f'"{example}"' for example in dimension.examples)
 
@@ -291,15 +305,37 @@ def parse_quantity(text: str, dimension: str) -> Parsed:
 def parse_exact(text: str, dimension: str) -> tuple[Fraction, str]:
     """As `parse_quantity`, with the value in SI as an exact rational."""
     table = DIMENSIONS[dimension]
-    stripped = text.strip()
+    stripped = with_point(text.strip())
     match = _NUMBER.match(stripped)
     if match is None or len(stripped) > 100:
-        raise QuantityError(f"{_shown(text)} is not a {table.name}; write for example {_examples(table)}", text)
+        raise QuantityError(
+            f"{_shown(text)} is not {_article(table.name)}; write for example {_examples(table)}", text
+        )
     number, unit = match[0].replace("−", "-"), stripped[match.end() :]
     if not unit.strip():
         raise QuantityError(f"{_shown(text)} has no unit; write for example {_examples(table)}", text)
+    if dimension == "interval" and _canonical_spelling(unit) in DIMENSIONS["frequency"].units:
+        rate = parse_exact(stripped, "frequency")[0]  # "5 Hz" is 0.2 s
+        if rate <= 0:
+            raise QuantityError(f"{_shown(text)} is not an interval; write for example {_examples(table)}", text)
+        return 1 / rate, table.default_unit
     symbol = unit_symbol(unit, dimension)
     return _decimal(number, text) * table.units[symbol], symbol
+
+
+_COMMA = re.compile(r"([+\-−]?\d*),(\d+)(?![\d.,])")
+
+
+def with_point(text: str) -> str:
+    """A number with a decimal comma as one with a point; "1,000", which may mean a thousand, stays as it is.
+
+    >>> with_point("0,5 °/√h"), with_point("1,000 m")
+    ('0.5 °/√h', '1,000 m')
+    """
+    match = _COMMA.match(text)
+    if match is None or (len(match[2]) == 3 and match[1].lstrip("+-−") not in {"", "0"}):
+        return text
+    return f"{match[1]}.{match[2]}{text[match.end() :]}"
 
 
 def _decimal(number: str, text: str) -> Fraction:

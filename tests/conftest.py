@@ -56,6 +56,7 @@ LONG = (
     "nav_model/allan/test_static_log.py",
     "nav_model/analytic/test_discrete.py",
     "nav_model/explore/test_sweep.py",
+    "nav_model/processing/test_leg.py",
     "nav_model/sar/test_flown_engine.py",
     "nav_model/simulation/test_departures.py",
     "nav_model/simulation/test_kalman.py::test_error_dynamics_match_finite_differences",

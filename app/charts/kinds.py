@@ -150,14 +150,8 @@ class BarChart:
 
     def rows(self) -> Iterator[tuple[str, ...]]:
         """Every number drawn, as rows of a table."""
-        yield (
-            "source",
-            f"{self.first_label} [°]",
-            f"{self.second_label} [°]",
-            f"{self.first_label} [mm]",
-            f"{self.second_label} [mm]",
-            "equation",
-        )
+        kinds = (self.first_label, self.second_label)
+        yield ("source", *(f"{kind} [°]" for kind in kinds), *(f"{kind} [mm]" for kind in kinds), "equation")
         for bar in self.bars:
             lengths = (bar.first, bar.second, bar.first_mm, bar.second_mm)
             yield (bar.label, *(repr(float(length)) for length in lengths), bar.source)
@@ -289,7 +283,7 @@ class RankChart:
 
     def rows(self) -> Iterator[tuple[str, ...]]:
         """Every bar as a row of a table."""
-        yield ("change", f"{self.x_label}", "d ln(result)/d ln(input)", "in words")
+        yield ("change", self.x_label, "d ln(result)/d ln(input)", "in words")
         for bar in self.bars:
             yield (bar.label, repr(bar.percent), repr(bar.slope), bar.sentence)
 
@@ -321,6 +315,11 @@ class TradeMapChart:
     trade: TradeMap
     scale: tuple[float, float]
     level: float
+
+    @property
+    def limited(self) -> bool:
+        """Whether the reference is a limit."""
+        return not math.isnan(self.trade.limit)
 
     @property
     def structure(self) -> tuple[str, str, str]:

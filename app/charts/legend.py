@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from html import escape
 
 from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart
@@ -11,13 +12,7 @@ from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
 
 def legend_html(chart: AnyChart) -> str:
     """One entry for each series that has something to show."""
-    if isinstance(chart, BarChart):
-        entries = _bar_entries(chart)
-    elif isinstance(chart, DotChart):
-        entries = _dot_entries(chart)
-    else:
-        entries = _entries(chart) if isinstance(chart, Chart) else _map_entries(chart)
-    items = "".join(f"<li>{swatch} {escape(label)}</li>" for swatch, label in entries)
+    items = "".join(f"<li>{swatch} {escape(label)}</li>" for swatch, label in _ENTRIES[type(chart)](chart))
     return f'<ul class="legend" aria-label="Legend">{items}</ul>'
 
 
@@ -49,18 +44,19 @@ def _entries(chart: Chart) -> list[tuple[str, str]]:
 
 
 def _bar_entries(chart: BarChart) -> list[tuple[str, str]]:
+    labels, limits = (chart.first_label, chart.second_label), (chart.first_limit, chart.second_limit)
     entries = []
-    for (style, hatch, limit_dash), label, limit in zip(
-        BAR_STYLES,
-        (chart.first_label, chart.second_label),
-        (chart.first_limit, chart.second_limit),
-        strict=True,
-    ):
+    for (style, hatch, limit_dash), label, limit in zip(BAR_STYLES, labels, limits, strict=True):
         entries.append((_box(STYLES[style], 0.3 if hatch else 0.9, hatched=hatch), label))
         if not math.isnan(limit):
             red = STYLES["limit"]
             entries.append((_line(Style(red.colour, limit_dash, red.width)), f"limit on {label}, at 1σ"))
     return entries
+
+
+_ENTRIES: dict[type, Callable[..., list[tuple[str, str]]]] = {
+    Chart: _entries, BarChart: _bar_entries, DotChart: _dot_entries, MapChart: _map_entries,
+}  # fmt: skip
 
 
 def _svg(content: str) -> str:

@@ -1,12 +1,21 @@
-"""Where the name of a region of a map stands: the same place on screen and on paper."""
+"""Where things are on a map: a level's contour, and the name of a region, the same place on screen and on paper."""
 
 from __future__ import annotations
 
 import numpy as np
+from contourpy import contour_generator
 
-from app.charts.kinds import MapChart
+from app.charts.kinds import Array, MapChart
 
 _SLIVER = 0.004  # of the map: too little to carry a name
+
+
+def contour(across: Array, up: Array, values: Array, level: float) -> Array:
+    """Where values (m, n) over across (n,) and up (m,) are at a level: points (k, 2), pieces apart by NaN; where a
+    value is NaN there is nothing."""
+    gap = np.full((1, 2), np.nan)
+    pieces = contour_generator(across, up, np.ma.masked_invalid(values)).lines(level)
+    return np.concatenate([gap, *(part for piece in pieces for part in (np.asarray(piece), gap))])
 
 
 def middle_of(chart: MapChart, index: int) -> tuple[float, float, str] | None:

@@ -30,15 +30,8 @@ DASHES: dict[str, str] = {
 # After Okabe and Ito's palette, made darker and lighter so that each has a contrast of three and more on a white
 # page and on the dark one, and of 2.7 for eyes that lack a colour: that leaves lightness from 44 to 61, blue and red
 # at its lower end, the rest above.
-BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
-    "#1f72b0",
-    "#e4741a",
-    "#009e73",
-    "#b86a97",
-    "#3c9bd4",
-    "#d64545",
-    "#7b8794",
-)
+BLUE, ORANGE, GREEN, PURPLE = "#1f72b0", "#e4741a", "#009e73", "#b86a97"
+SKY, RED, GREY = "#3c9bd4", "#d64545", "#7b8794"
 
 STYLES: dict[str, Style] = {
     "horizontal": Style(BLUE, "solid", 3.0),

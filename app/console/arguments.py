@@ -16,15 +16,8 @@ from nav_model.design.file import MAX_BYTES, parse_design, read_bytes
 
 def design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
     parser.add_argument("designs", nargs="*", metavar="DESIGN" if one else "DESIGN...", help="a file, or - for stdin")
-    parser.add_argument(
-        "--set",
-        dest="changes",
-        action="extend",
-        nargs="+",
-        default=[],
-        metavar="KEY=VALUE",
-        help='override the file, e.g. imu.angle_random_walk="0.3 °/√h"',
-    )
+    parser.add_argument("--set", dest="changes", action="extend", nargs="+", default=[], metavar="KEY=VALUE",
+        help='override the file, e.g. imu.angle_random_walk="0.3 °/√h"')  # fmt: skip
     parser.set_defaults(one=one, parser=parser)
 
 
@@ -52,7 +45,7 @@ def content_of(path: str, most: int) -> tuple[bytes, str]:
     return read_bytes(path, most), path
 
 
-def put_json(data: dict[str, Any], output: Path | None) -> int:
+def put_json(data: Any, output: Path | None = None) -> int:
     """To standard output, or whole into a file."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
     if output is None:

@@ -1,25 +1,30 @@
-"""The frame around every page: the design on the left, the tools on top, the pages as tabs."""
+"""The frame around every page: one bar on top with tabs and tools, the design on the left."""
 
 from __future__ import annotations
 
 import asyncio
 import functools
 import html
+from pathlib import Path
 from typing import Any, Protocol
 
 import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.dashboard.lifeline import THEME_COOKIE, Lifeline
+from app.dashboard.lifeline import Lifeline
+from app.dashboard.opening import index_of, opening
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.declared import held
 from app.session import Lineage, Session
 from app.subjects import SUBJECTS
 from app.ui.faults import tell_here
+from app.ui.html_pane import html_pane
 from app.ui.paper import fit_to_paper
 from app.ui.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
+from app.ui.tour import Tour
+from app.ui.turns import in_turns
 from app.upstream.browser import Repairs
 from app.upstream.busy_line import follow_own_work
 from app.upstream.full_height import FULL_HEIGHT
@@ -27,6 +32,12 @@ from app.upstream.page_marks import OwnMarkPage
 from nav_model.budget import Budget
 from nav_model.design.link import from_query, split_link
 from nav_model.errors import InputError
+
+_SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
+_NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"
+"""Sheet of what stands only where the sidebar is a drawer over the page."""
+_SEEN = 0.02  # seconds in which a page's empty place reaches the browser, before the work of filling it begins
+_SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
 
 
 class Page(Protocol):
@@ -46,28 +57,27 @@ class Frame(pn.viewable.Viewer):
 
     def __init__(self, session: Session, notice: str = "") -> None:
         super().__init__(session=session)
+        self._opening = opening()
         self._pages: dict[int, Page] = {}
         self._loaded = False
+        self._wanted = ""  # place on the page that the address asked for
         self._addressed = False  # the page is being turned because the address says so
-        self._places = [pn.Column(visible=not i) for i in range(len(SUBJECTS))]
+        first = self._opening.page
+        self._places = [pn.Column(visible=i == first) for i in range(len(SUBJECTS))]
         self._examples = pn.Column(visible=False, stylesheets=[PRINT_NOTHING])
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
-        )
-        # Material tabs speak to keyboard and screen reader; figures must not stand inside them, so they are only
-        # the bar, and the pages below are shown and hidden.
-        self._tabs = pmui.Tabs(
-            *((subject.title, pn.Spacer(height=0)) for subject in SUBJECTS),
-            sizing_mode="stretch_width",
-            margin=(0, 6),
         )
         self._lifeline = Lifeline(
             self._come_back, link=session.link, who=str(pn.state.user or ""), margin=0, width=0, height=0
         )
         self._sidebar, self._toolbar = Sidebar(session), Toolbar(session, self._say, self._examples)
-        self._open_page(self._tabs.active)
+        self._toolbar.bar.active = first
+        self._open_page(first)
+        self._close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 10), stylesheets=[_NARROW])
         self._shell = self._make_shell()
-        self._tabs.param.watch(self._turned, "active")
+        self._close.on_click(lambda _: self._shell.param.update(sidebar_open=False))
+        self._toolbar.bar.param.watch(self._turned, "active")
         if pn.state.curdoc:
             fit_to_paper(pn.state.curdoc)
             tell_here(self._say)
@@ -83,7 +93,7 @@ class Frame(pn.viewable.Viewer):
 
     @param.depends("session.budget", watch=True)
     def _show(self) -> None:
-        page = self._pages.get(self._tabs.active)  # None where it could not be made
+        page = self._pages.get(self._toolbar.bar.active)  # None where it is not made yet, or could not be
         with pn.io.hold():
             for view in (self._sidebar, page, self._toolbar):
                 if view is not None:
@@ -95,6 +105,7 @@ class Frame(pn.viewable.Viewer):
         """Have the browser's tab keep what is in force, should the page be loaded again."""
         base = self.session.lineage.base
         self._lifeline.param.update(link=self.session.link, base=base.key if base else "")
+        self._toolbar.bar.link = self.session.link
 
     def _come_back(self, link: str, base: str) -> None:
         """Take up again what the browser's tab kept of this page before it was loaded again."""
@@ -128,18 +139,34 @@ class Frame(pn.viewable.Viewer):
         self._shell.sidebar_open = not self.session.presenting
 
     def _turned(self, event: Any) -> None:
+        """Show the page's place at once, and fill it in the next turn: nobody looks at another page meanwhile."""
         if leave := getattr(self._pages.get(event.old), "leave", None):
             leave()
-        try:
-            self._open_page(event.new)
-            self._pages[event.new].show(self.session.budget)
-        finally:  # a page that could not be made leaves its place empty, not another's page under its name
+        with pn.io.hold():
             for index, place in enumerate(self._places):
                 place.visible = index == event.new
+            if event.new not in self._pages:
+                self._places[event.new].objects = [html_pane(_SKELETON.format(SUBJECTS[event.new].title))]
         name, location = SUBJECTS[event.new].title.lower(), pn.state.location
         # An address that led here stays as it is: a new one would cut off what Forward leads to.
         if location and not self._addressed and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
+        in_turns([functools.partial(self._fill, event.new)], after=_SEEN)
+
+    def _fill(self, index: int) -> None:
+        """Make a page that was turned to, or bring it up to date, and go to the place on it that was asked for."""
+        try:
+            self._open_page(index)
+        finally:  # a page that could not be made leaves its place empty
+            if index not in self._pages:
+                self._places[index].objects = []
+        if index != self._toolbar.bar.active:
+            return
+        self._pages[index].show(self.session.budget)
+        wanted, self._wanted = self._wanted, ""
+        go_to = getattr(self._pages[index], "go_to", None)
+        if wanted and go_to:
+            go_to(wanted)
 
     def _first_page(self, location: Any) -> str:
         """The page a link is for: what stands behind # unless the query says more."""
@@ -150,49 +177,49 @@ class Frame(pn.viewable.Viewer):
     def _go_to(self, address: str) -> None:
         """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
         self._loaded = True
-        wanted, _, place = (address.lstrip("#") or SUBJECTS[0].title).partition("-")
-        for index, subject in enumerate(SUBJECTS):
-            if subject.title.lower() == wanted.lower():
-                self._addressed = True
-                try:
-                    self._tabs.active = index
-                finally:
-                    self._addressed = False
-                go_to = getattr(self._pages.get(index), "go_to", None)
-                if place and go_to:
-                    go_to(place)
+        name, _, self._wanted = (address.lstrip("#") or SUBJECTS[self._opening.page].title).partition("-")
+        index = index_of(name)
+        if index is None:
+            return
+        if index == self._toolbar.bar.active:
+            if self._wanted:
+                self._fill(index)
+            return
+        self._addressed = True
+        try:
+            self._toolbar.bar.active = index
+        finally:
+            self._addressed = False
 
     def _open_page(self, index: int) -> None:
         if index not in self._pages:
             page: Page = SUBJECTS[index].load("page")(self.session)
             self._pages[index] = page
-            self._places[index].append(page)
+            self._places[index].objects = [page]
 
     def _make_shell(self) -> pmui.Page:
-        dark = pn.state.cookies.get(THEME_COOKIE) == "dark"
-        mobile = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
-        bar = pn.Column(self._tabs, visible=self.session.param.presenting.rx.not_(), stylesheets=[PRINT_NOTHING])
+        dark = self._opening.dark
         page = OwnMarkPage(
-            title="NavBudget",
-            sidebar=self._sidebar.parts,
+            meta_title="NavBudget",
+            header=[self._toolbar],
+            sidebar=[self._close, *self._sidebar.parts],
             main=[
                 pn.Column(
-                    self._toolbar,
                     self._notice,
                     self._examples,
-                    bar,
                     *self._places,
+                    Tour(margin=0, width=0, height=0),
                     Repairs(margin=0, width=0, height=0),
                     self._lifeline,
                     styles=FULL_HEIGHT,
                 )
             ],
             dark_theme=dark,
-            sidebar_open=not mobile,
-            sidebar_width=340,
+            sidebar_open=not self._opening.narrow,
+            sidebar_width=300,
             sidebar_resizable=False,
             theme_config={"light": LIGHT, "dark": DARK},
-            stylesheets=[PRINT_PAGE],
+            stylesheets=[PRINT_PAGE, _SHEET],
         )
         follow_own_work(page, self.session.param.running)
         self._lifeline.dark = dark

@@ -1,12 +1,16 @@
-"""The design on the left: its name, and its inputs section by section."""
+"""The design on the left: what it is compared with, and its inputs section by section."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.dashboard.comparison import ComparisonChoice
 from app.dashboard.controls import SECTION_TITLES, Control, section_controls
+from app.dashboard.controls.quantity import QuantityControl
 from app.declared import held
 from app.session import Session
 from nav_model.budget import Budget
@@ -21,17 +25,18 @@ class Sidebar(pn.viewable.Viewer):
 
     session = held(Session)
     explained = param.Boolean(default=False, label="Explain every input")
-    name_of_design = param.String(label="Design")
 
     def __init__(self, session: Session) -> None:
-        super().__init__(session=session, name_of_design=session.design.name)
+        super().__init__(session=session)
         self._controls: list[Control] = []
         self._shown: Design = session.design
         self._sections = [pn.Column() for _ in INPUTS]
+        self._comparison = ComparisonChoice(session)
         accordion = pmui.Accordion(
             *zip((SECTION_TITLES[section] for section in INPUTS), self._sections, strict=True),
             active=list(_FIRST_OPEN),
             toggle=False,
+            disable_gutters=True,
             title_variant="subtitle1",
             sizing_mode="stretch_width",
             margin=0,
@@ -40,13 +45,10 @@ class Sidebar(pn.viewable.Viewer):
         pn.state.onload(lambda: self._fill(_FIRST_OPEN[1]))
         accordion.param.watch(self._opened, "active")
         self.parts = [
-            pmui.TextInput.from_param(
-                self.param.name_of_design, max_length=200, margin=(14, 10, 0, 10),
-                sizing_mode="stretch_width",
-            ),
-            pmui.Switch.from_param(self.param.explained, margin=(6, 10)),
+            self._comparison,
+            pmui.Switch.from_param(self.param.explained, margin=(2, 10)),
             accordion,
-        ]  # fmt: skip
+        ]
 
     def __panel__(self) -> pn.Column:
         return pn.Column(*self.parts)
@@ -62,8 +64,23 @@ class Sidebar(pn.viewable.Viewer):
         controls = section_controls(self.session, list(INPUTS)[index])
         for control in controls:
             control.explained = self.explained
+            if isinstance(control, QuantityControl):
+                control.param.watch(self._count_invalid, "error")
         self._controls += controls
         self._sections[index].objects = list(controls)
+
+    def _count_invalid(self, _: Any) -> None:
+        """Tell the pages how many boxes hold a text that is not in force."""
+        self.session.invalid = sum(
+            bool(control.error) for control in self._controls if isinstance(control, QuantityControl)
+        )
+
+    @param.depends("session.adopted", watch=True)
+    def _forget_invalid(self) -> None:
+        """A whole design took the place of another: no box keeps what was typed for the last."""
+        for control in self._controls:
+            if isinstance(control, QuantityControl) and control.error:
+                control.clear()
 
     @param.depends("explained", watch=True)
     def _explain(self) -> None:
@@ -71,15 +88,9 @@ class Sidebar(pn.viewable.Viewer):
             for control in self._controls:
                 control.explained = self.explained
 
-    @param.depends("name_of_design", watch=True)
-    def _rename(self) -> None:
-        if self.name_of_design != self.session.design.name:
-            self.session.change({"name": self.name_of_design})
-
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
         before, self._shown = self._shown, budget.design
         for control in self._controls:
             if control.differs(before, self._shown):
                 control.show(self._shown)
-        self.name_of_design = self._shown.name

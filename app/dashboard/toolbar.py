@@ -1,36 +1,28 @@
-"""The tools above the tabs: undo, files, link, reports, examples, tour."""
+"""What the buttons of the bar do: undo, files, link, reports, examples."""
 
 from __future__ import annotations
 
 import asyncio
-import html
-import io
 import re
-from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any, Protocol
 
 import panel as pn
-import panel_material_ui as pmui
 import param
 
+from app.dashboard.bar import Bar
 from app.dashboard.report_choice import ReportChoice
 from app.declared import held
 from app.document.wording import chapter_key
 from app.report import report_bytes
 from app.report.studies import study_sections
 from app.session import Session
-from app.ui.downloads import run_download
-from app.ui.theme import PRINT_NOTHING
-from app.ui.tour import Tour
-from app.upstream.file_input import LimitedFileInput
+from app.subjects import SUBJECTS
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, format_design, parse_design
-from nav_model.design.link import to_query
 from nav_model.errors import InputError
-
-_LOOK: dict[str, Any] = {"variant": "text", "margin": 2}
 
 
 class Say(Protocol):
@@ -56,50 +48,58 @@ class Toolbar(pn.viewable.Viewer):
         super().__init__(session=session)
         self._say, self._examples = say, examples
         self._choice = ReportChoice(session)
-        self._file = LimitedFileInput(
-            lambda why: say(f"Not opened. {why}"),
-            label="Open",
-            accept=".toml",
-            icon="folder_open",
-            max_file_size=MAX_BYTES,
-            **_LOOK,
+        self._report = session.new_run()
+        self.bar = Bar(
+            self._do,
+            titles=[subject.title for subject in SUBJECTS],
+            most=MAX_BYTES,
+            named=session.design.name,
+            can_undo=session.param.can_undo,
+            can_redo=session.param.can_redo,
+            presenting=session.param.presenting,
+            link=session.link,
+            sizing_mode="stretch_width",
+            margin=0,
         )
-        self._file.param.watch(self._opened, "value")
-        self._downloads = {
-            suffix: pmui.FileDownload(callback=make, filename=f"design.{suffix}", label=label, icon=icon, **_LOOK)
-            for suffix, label, icon, make in (
-                ("toml", "Save", "save", self._toml),
-                ("html", "HTML report", "description", self._report("html")),
-                ("pdf", "PDF report", "picture_as_pdf", self._report("pdf")),
-            )
-        }
-        self.show(session.budget)
+        self.bar.param.watch(self._renamed, "named")
 
-    def __panel__(self) -> pn.FlexBox:
-        session, downloads = self.session, self._downloads
-        return pn.FlexBox(
-            _tool("Undo", "undo", session.undo, disabled=session.param.can_undo.rx.not_()),
-            _tool("Redo", "redo", session.redo, disabled=session.param.can_redo.rx.not_()),
-            _tool("Reset", "restart_alt", session.reset),
-            self._file,
-            downloads["toml"],
-            _tool("Link", "link", self._put_link),
-            downloads["html"],
-            downloads["pdf"],
-            _tool("Examples", "auto_awesome_mosaic", self._show_examples),
-            Tour(margin=2),
-            self._choice,
-            visible=session.param.presenting.rx.not_(),
-            margin=(2, 6, 0, 6),
-            css_classes=["tools"],
-            stylesheets=[PRINT_NOTHING],
-        )
+    def __panel__(self) -> Bar:
+        return self.bar
 
     def show(self, budget: Budget) -> None:
-        """Name the files after the design in force."""
-        stem = _slug(budget.design.name)
-        for suffix, download in self._downloads.items():
-            download.filename = f"{stem}.{suffix}"
+        """Follow the budget in force."""
+        self.bar.named = budget.design.name
+
+    @param.depends("session.findings", "session.budget", "session.running", watch=True)
+    def _offer(self) -> None:
+        if not self._report.running:
+            self.bar.param.update(studies=self._choice.offered(), left_out=self._choice.lacking())
+
+    def _renamed(self, event: Any) -> None:
+        if event.new != self.session.design.name:
+            self.session.change({"name": event.new})
+
+    def _do(self, deed: dict[str, Any]) -> None:
+        match deed["do"]:
+            case "undo":
+                self.session.undo()
+            case "redo":
+                self.session.redo()
+            case "reset":
+                self.session.reset()
+            case "examples":
+                self._show_examples()
+            case "save":
+                text = format_design(self.session.design)
+                self.bar.give(f"{_slug(self.session.design.name)}.toml", text.encode("utf-8"))
+            case "open":
+                self._open(deed.get("data"), str(deed.get("name", "file")))
+            case "tick":
+                self._choice.tick(str(deed.get("kind")), bool(deed.get("ticked")))
+            case "report" if deed.get("suffix") in {"pdf", "html"}:
+                pn.state.execute(partial(self._write, deed["suffix"]))
+            case "stop":
+                self._report.cancel()
 
     def _show_examples(self) -> None:
         """Open or close the examples, which are made when first asked for."""
@@ -116,42 +116,38 @@ class Toolbar(pn.viewable.Viewer):
         else:
             self._say(f"{design.name} is open. Undo brings the last design back.", "info")
 
-    def _opened(self, event: param.parameterized.Event) -> None:
-        if not event.new:
+    def _open(self, data: Any, name: str) -> None:
+        if not isinstance(data, bytes) or len(data) > MAX_BYTES:
+            self._say(f"Not opened. {name}: larger than {MAX_BYTES / 1e6:g} MB; a design file is a few kB.")
             return
+        problem: InputError | None
         try:
-            problem = self.session.adopt(parse_design(event.new, str(self._file.filename or "file")))
+            problem = self.session.adopt(parse_design(data, name))
         except InputError as error:
             problem = error
         self._say(f"Not opened. {problem}" if problem else "")
 
-    def _put_link(self) -> None:
-        location = pn.state.location
-        if location:
-            query = to_query(self.session.design)
-            location.search = f"?{query}"
-            port = f":{location.port}" if location.port else ""
-            link = html.escape(f"{location.protocol}//{location.hostname}{port}{location.pathname}?{query}")
-            said = f'The link to this design is in the address bar: <a href="{link}">{link}</a>'
-            self._say(said, "info", markup=True)
+    async def _write(self, suffix: str) -> None:
+        """Write a report in a worker, say so meanwhile, and hand it to the browser."""
 
-    async def _toml(self) -> io.BytesIO:
-        return io.BytesIO(format_design(self.session.design).encode("utf-8"))
-
-    def _report(self, suffix: str) -> Callable[[], Awaitable[io.BytesIO]]:
         async def write() -> bytes:
             budget, findings = self.session.budget, self._choice.chosen()
             # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
             study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
             return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study])
 
-        return run_download(
-            self.session.new_run(), write, lambda why: self._say(f"The report was not written. {why}")
-        )
-
-
-def _tool(label: str, icon: str, act: Callable[[], Any], **params: Any) -> pmui.Button:
-    return pmui.Button(label=label, icon=icon, on_click=lambda _: act(), **_LOOK, **params)
+        name = f"{_slug(self.session.design.name)}.{suffix}"
+        self.bar.writing = f"{suffix.upper()} report"
+        self._report.result = None
+        try:
+            await self._report.start(lambda _: write())
+        finally:
+            self.bar.writing = ""
+        if self._report.message:
+            self._say(f"The report was not written. {self._report.message}")
+        elif self._report.result:
+            self.bar.give(name, self._report.result)
+        self._offer()
 
 
 def _slug(name: str) -> str:

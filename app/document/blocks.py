@@ -6,6 +6,7 @@ that mark. A `Cell`'s mark is a word set off from its text; it is always printed
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from app.charts.kinds import Drawing
@@ -45,7 +46,8 @@ class Column:
 class Table:
     """A table. The first cell of a row heads it; a row of one cell heads the rows that follow.
 
-    On a page a person can choose a row: by the "radio" or the "button" in its first cell, as ``choose`` says.
+    On a page a person can choose a row: by the "radio" or the "button" in its first cell, as ``choose`` says. A first
+    cell without a value has no button.
     """
 
     key: str
@@ -116,13 +118,19 @@ class Answer:
 
 @dataclass(frozen=True)
 class KeyFigure:
-    """One figure with its unit; ``detail`` says which, ``met`` whether it keeps its ``limit`` (None: it has none)."""
+    """One figure with its unit; ``detail`` says which, ``met`` whether it keeps its ``limit`` (None: it has none, and
+    a tile says under it what ``limit`` says).
+
+    ``amount`` is the value as a number, to compare it by; ``used`` is the part of the limit it takes (NaN: none).
+    """
 
     label: str
     value: str
     detail: str = ""
     limit: str = ""
     met: bool | None = None
+    amount: float = math.nan
+    used: float = math.nan
 
 
 @dataclass(frozen=True)

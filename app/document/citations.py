@@ -9,7 +9,7 @@ from typing import Any
 
 from app.document.blocks import ChartBlock, Section
 
-_MARK = re.compile(r"\[([TSB]-\d+)\]")
+_MARK = re.compile(r"\[([TSBP]-\d+)\]")
 
 
 def marks_in(sections: Iterable[Section]) -> set[str]:

@@ -26,7 +26,7 @@ from app.document.blocks import Equations, Report, Symbols
 from app.document.numbers import NONE, number
 from app.document.pane import html_of
 
-_MARK = re.compile(r"\[([TSB]-\d+)\]")
+_MARK = re.compile(r"\[([TSBP]-\d+)\]")
 _MATH = re.compile(r"<math.*?</math>", re.DOTALL)
 _TYPST_MATH = """
 #for item in json(bytes(sys.inputs.items)) { math.equation(block: item.block, eval(item.math, mode: "math")) }

@@ -78,6 +78,16 @@ def signed_percent(margin: float) -> str:
     return _signed(f"{value:+.1f} %" if abs(value) < 99.95 else f"{value:+.0f} %")
 
 
+def whole_percent(margin: float) -> str:
+    """A margin or a change where there is little room: its sign and whole percents.
+
+    >>> whole_percent(0.798), whole_percent(-1.4437)
+    ('+80 %', '−144 %')
+    """
+    value = 100 * margin
+    return _signed(f"{value:+.0f} %") if abs(value) < 1e5 else f"{'+' if value > 0 else ''}{number(value)} %"
+
+
 def decibels(value: float) -> str:
     """A level or a ratio."""
     return f"{hundredths(value)} dB"

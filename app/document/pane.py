@@ -25,7 +25,7 @@ def html_of(*blocks: Block, said: Said = prose) -> str:
 
 
 def _answer(answer: Answer, said: Said) -> str:
-    why = "".join(f"<p>{said(sentence)}</p>" for sentence in answer.sentences)
+    why = " ".join(f"<p>{said(sentence)}</p>" for sentence in answer.sentences)  # one line of text in a report
     word = f"<h2>{escape(answer.word)}</h2>" if answer.word else ""
     return f'<div class="strip {answer.tone}" role="status">{word}{why}</div>'
 
@@ -106,7 +106,7 @@ def _sort(cell: Cell) -> str:
 def _chosen(cell: Cell, choose: str, said: Said) -> str:
     """The first cell of a row, with what a person chooses the row by."""
     text, value = _cell(cell, said), escape(cell.value)
-    if choose == "button":
+    if choose == "button" and value:
         return f'<button type="button" value="{value}">{text}</button>'
     if choose == "radio":
         radio = f'<input type="radio" name="row" value="{value}" aria-label="{value}">'

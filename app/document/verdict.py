@@ -73,3 +73,21 @@ def verdict_of(budget: Budget) -> Answer:
             f"Dominated by {tightest.sensor}: {words.share} of the variance{through}.",
         ),
     )
+
+
+def verdict_strip(budget: Budget) -> Answer:
+    """The verdict in one line: the tightest requirement and what dominates it."""
+    tightest = budget.verdict.tightest
+    if tightest is None:
+        largest = max(budget.sar.lines, key=lambda line: line.share)
+        why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
+        return Answer("Not checked", "open", (why,))
+    whole, words = verdict_of(budget), check_words(budget.design, tightest)
+    failed = sum(not check.met for check in budget.verdict.checks)
+    count = f"{failed} of {len(budget.verdict.checks)} requirements not met. " if failed > 1 else ""
+    label = tightest.label[:1].upper() + tightest.label[1:]
+    return Answer(
+        whole.word,
+        whole.tone,
+        (f"{count}{label} {words.value}, limit {words.limit}; {words.share} from {tightest.sensor}.",),
+    )

@@ -9,6 +9,8 @@ from nav_model.design import Design
 
 AFTER_AUTOFOCUS = {1: "a line", 2: "a quadratic", 3: "a cubic"}
 """What is removed from the phase before its residual is measured, by the order of the autofocus."""
+DETRENDED = {1: "linear detrend", 2: "quadratic detrend", 3: "cubic detrend"}
+"""The same, as what the residual is measured after."""
 
 
 def best_of(shares: Mapping[str, float]) -> tuple[str, float]:
@@ -20,6 +22,11 @@ def best_of(shares: Mapping[str, float]) -> tuple[str, float]:
 def title_of(design: Design) -> str:
     """What a design is called."""
     return printable(design.name).strip() or "Untitled design"
+
+
+def identified(design: Design) -> str:
+    """A design by its name and the beginning of its hash."""
+    return f"{title_of(design)} ({design.content_hash[:12]})"
 
 
 def printable(text: str) -> str:

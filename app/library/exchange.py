@@ -30,7 +30,9 @@ _LIST = "library.json"
 _MAX_PARTS = 50 * _MAX_FILES  # objects, lists and what is in them
 _QUOTED = re.compile(r'"(?:[^"\\]++|\\.?)*+"?', re.DOTALL)
 _FORMAT = 1
-_KEPT = ("file", "name", "author", "note", "saved")  # of the list, by an import; the rest is worked out anew
+_TOLD = ("name", "author", "note", "saved")  # by whoever saved a revision
+_KEPT = ("file", *_TOLD)  # of the list, by an import; the rest is worked out anew
+_JUDGED = ("content_hash", "verdict", "product")
 
 
 @dataclass(frozen=True)
@@ -64,13 +66,7 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
             for revision in history:
                 path = f"{folder}/revision-{revision.number:04d}.toml"
                 archive.writestr(path, revision.text)
-                rows.append(
-                    {
-                        "file": path,
-                        **{name: getattr(revision, name) for name in ("name", "author", "note", "saved")},
-                        **{name: getattr(revision, name) for name in ("content_hash", "verdict", "product")},
-                    }
-                )
+                rows.append({"file": path, **{name: getattr(revision, name) for name in (*_TOLD, *_JUDGED)}})
             listed.append({"id": design, "tags": list(tags[design]), "revisions": rows})
         archive.writestr(_LIST, json.dumps({"format": _FORMAT, "designs": listed}, ensure_ascii=False, indent=1))
     return data.getvalue()
@@ -176,13 +172,10 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
         content = json.loads(written)
         if content["format"] != _FORMAT:
             raise InputError(_LIST, f"has format {content['format']!r}; this program reads {_FORMAT}")
-        designs = [
-            (
-                [{key: str(row[key]) for key in _KEPT} for row in d["revisions"]],
-                clean_tags(",".join(map(str, d["tags"]))),
-            )
-            for d in content["designs"]
-        ]
+        designs = []
+        for design in content["designs"]:
+            rows = [{key: str(row[key]) for key in _KEPT} for row in design["revisions"]]
+            designs.append((rows, clean_tags(",".join(map(str, design["tags"])))))
     except InputError:
         raise
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:

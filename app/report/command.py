@@ -20,19 +20,10 @@ def add_to(commands: Any) -> None:
     """Declare the command."""
     report = commands.add_parser("report", help="write a design report")
     design_arguments(report, one=False)
-    report.add_argument("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
-    _study_arguments(report)
-    report.set_defaults(run=_report)
-
-
-def _study_arguments(report: argparse.ArgumentParser) -> None:
-    report.add_argument(
-        "--with",
-        dest="studies",
-        default="",
-        metavar="STUDY,...",
-        help=f"run these and tell their results in each design's chapter: {', '.join(STUDIES)}",
-    )
+    add = report.add_argument
+    add("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
+    add("--with", dest="studies", default="", metavar="STUDY,...",
+        help=f"run these and tell their results in each design's chapter: {', '.join(STUDIES)}")  # fmt: skip
     add = report.add_argument_group("the studies of --with").add_argument
     add("--runs", type=int, metavar="N", help="of simulation and SAR (default 100 and 200)")
     add("--seed", type=int, default=1, metavar="S", help="of every study (default 1)")
@@ -42,6 +33,7 @@ def _study_arguments(report: argparse.ArgumentParser) -> None:
     add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
         help="of the simulation; may be repeated (default: the design's own, at the end)")  # fmt: skip
     add("--workers", type=int, metavar="W", help="processes of the simulation (default: all cores but one)")
+    report.set_defaults(run=_report)
 
 
 def _report(options: argparse.Namespace) -> int:

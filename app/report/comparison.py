@@ -44,15 +44,9 @@ def closing_words(budgets: Sequence[Budget]) -> str:
     """How many of two or more designs close, as a title."""
     count, closing = len(budgets), sum(budget.verdict.closes for budget in budgets)
     if closing == count:
-        return (
-            "Both designs meet their requirements" if count == 2 else f"All {count} designs meet their requirements"
-        )
+        return f"{'Both' if count == 2 else f'All {count}'} designs meet their requirements"
     if not closing:
-        return (
-            "Neither design meets its requirements"
-            if count == 2
-            else f"None of {count} designs meets its requirements"
-        )
+        return f"{'Neither design' if count == 2 else f'None of {count} designs'} meets its requirements"
     return f"{closing} of {count} designs {'meets its' if closing == 1 else 'meet their'} requirements"
 
 

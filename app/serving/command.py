@@ -31,13 +31,8 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
     add = serve.add_argument
     add("--port", type=int, default=5006, help="port (default 5006; 0 picks a free one)")
     add("--address", default="127.0.0.1", help="address to listen on (default 127.0.0.1, this machine only)")
-    add(
-        "--allow-origin",
-        action="append",
-        default=[],
-        metavar="HOST[:PORT]",
-        help="public host the page is reached under, when not the address itself; may be repeated",
-    )
+    add("--allow-origin", action="append", default=[], metavar="HOST[:PORT]",
+        help="public host the page is reached under, when not the address itself; may be repeated")  # fmt: skip
     add("--behind-proxy", action="store_true", help="believe X-Forwarded-For and X-Forwarded-Proto; only behind one")
     who = serve.add_argument_group("who may enter (needed when the address is not this machine only)")
     add = who.add_argument

@@ -18,6 +18,7 @@ from bokeh.settings import settings
 from panel.io.state import set_curdoc
 
 from app.dashboard.frame import Frame, is_review_link
+from app.dashboard.opening import OPENING_SCRIPT
 from app.serving.access import provider_of
 from app.serving.address import announce, listen, origins
 from app.serving.board import Board, Row
@@ -158,7 +159,7 @@ def opening_page() -> Callable[[str, bool], str]:
     light = page_of(document, _TITLE)
 
     def page(token: str, dark: bool) -> str:
-        text = light(token)  # dark while it loads
+        text = light(token).replace("<head>", f"<head><script>{OPENING_SCRIPT}</script>", 1)  # dark while it loads
         return text.replace("<head>", '<head><meta name="color-scheme" content="dark">', 1) if dark else text
 
     return page

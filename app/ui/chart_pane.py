@@ -30,39 +30,64 @@ _T = TypeVar("_T")
 
 class ChartPane(Generic[_T]):
     """One chart on a page, drawn from whatever its description takes: title, figure, how we know, and its data to
-    take away."""
+    take away.
 
-    def __init__(self, describe: Callable[[_T], AnyChart], current: Callable[[], _T], height: int) -> None:
+    With a height of None it fills its place (`app.ui.first_screen`): title, legend and a button for source and method
+    share one line, and the page offers the data elsewhere (`takes`).
+    """
+
+    def __init__(
+        self, describe: Callable[[_T], AnyChart], current: Callable[[], _T], height: int | None = None
+    ) -> None:
         self._describe = describe
         self._current = current
         chart = describe(current())
+        self._fills = height is None
         self.figure = to_bokeh(chart, height)
-        self._title = html_pane(_heading(chart), margin=(10, 14, 0, 14))
+        self._title = html_pane(self._heading(chart), margin=(6, 10, 0, 10) if self._fills else (10, 14, 0, 14))
+        sizing = "stretch_both" if self._fills else "stretch_width"
+        # In a native column: in a Material layout a figure breaks when replaced (panel-material-ui#548).
+        figure = pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode=sizing), sizing_mode=sizing)
+        if self._fills:
+            self._takes: list[pmui.FileDownload] = []
+            self.view = pn.Column(self._title, figure, sizing_mode=sizing, stylesheets=[PRINT_WHOLE])
+            return
         self._know = html_pane(_know(chart))
-        look = {"variant": "text", "margin": (0, 8)}
-        self._takes = [
-            pmui.FileDownload(callback=make, filename=f"{chart.key}.{suffix}", label=label, **look)
-            for make, suffix, label in zip((self._csv, self._svg), ("csv", "svg"), _labels(chart), strict=True)
-        ]
+        self._takes = self.takes()
         self.view = pn.Column(
             self._title,
-            # In a native column: in a Material layout a figure breaks when replaced (panel-material-ui#548).
-            pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode="stretch_width")),
+            figure,
             self._know,
             pn.FlexBox(*self._takes, stylesheets=[PRINT_NOTHING]),
             styles=FRAME,
             stylesheets=[PRINT_WHOLE],
         )
 
+    def takes(self) -> list[pmui.FileDownload]:
+        """The buttons that take the chart's data away, new ones at each call."""
+        chart = self._describe(self._current())
+        look = {"variant": "text", "margin": (0, 8)}
+        return [
+            pmui.FileDownload(callback=make, filename=f"{chart.key}.{suffix}", label=label, **look)
+            for make, suffix, label in zip((self._csv, self._svg), ("csv", "svg"), _labels(chart), strict=True)
+        ]
+
     def show(self, data: _T) -> None:
         """Feed the figure."""
         chart = self._describe(data)
         self.figure.feed(chart)
-        if self._title.object != _heading(chart):
-            self._title.object = _heading(chart)
-            for take, label in zip(self._takes, _labels(chart), strict=True):
+        heading = self._heading(chart)
+        if self._title.object != heading:
+            self._title.object = heading
+            for take, label in zip(self._takes, _labels(chart), strict=False):
                 take.label = label
-        self._know.object = _know(chart)
+        if not self._fills:
+            self._know.object = _know(chart)
+
+    def _heading(self, chart: AnyChart) -> str:
+        if self._fills:
+            return head_html(chart.title, chart.knowledge, legend_html(chart), described(chart))
+        return f"<h3>{escape(chart.title)}</h3>"
 
     async def _svg(self) -> io.BytesIO:
         """The chart as it prints, drawn in a worker: the plotting library would hold up every slider."""
@@ -100,8 +125,14 @@ def chart_cells(
     return cells
 
 
-def _heading(chart: AnyChart) -> str:
-    return f"<h3>{escape(chart.title)}</h3>"
+def head_html(title: str, knowledge: str, *more: str) -> str:
+    """The line above a chart that fills its place: title, ``more`` such as a legend, and a button that opens source
+    and method."""
+    how = f'<summary title="Source and method" aria-label="Source and method: {escape(title)}">i</summary>'
+    return (
+        f'<div class="head"><h3>{escape(title)}</h3>{"".join(more)}'
+        f'<details class="how">{how}<div>{prose(knowledge)}</div></details></div>'
+    )
 
 
 def _labels(chart: AnyChart) -> tuple[str, str]:

@@ -84,6 +84,11 @@ class InputBox(pn.viewable.Viewer):
             self.box.value = self.text()
         self.say()
 
+    def clear(self) -> None:
+        """Drop a text that was refused."""
+        self.error = ""
+        self.follow()
+
     def say(self) -> None:
         """Show the help, or why the text is refused."""
         said: dict[str, object] = {"helper_text": self.error or self.help()}

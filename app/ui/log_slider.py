@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -80,4 +81,4 @@ class LogSlider(PromptSlider):
         number = 10.0**self.value
         if not dimension:
             return float(f"{number:.3g}")
-        return to_si(float(f"{from_si(number, unit, dimension):.3g}"), unit, dimension)
+        return to_si(Fraction(f"{from_si(number, unit, dimension):.3g}"), unit, dimension)

@@ -16,6 +16,11 @@ def _sheet(name: str) -> str:
 
 _SHARED: dict[str, Any] = {
     "MuiLinearProgress": PROGRESS_NAME,
+    "MuiAccordionSummary": {
+        "styleOverrides": {"root": {"minHeight": 38, "padding": "0 10px"}, "content": {"margin": "6px 0"}}
+    },
+    "MuiOutlinedInput": {"styleOverrides": {"root": {"fontSize": 14}}},
+    "MuiInputLabel": {"styleOverrides": {"root": {"fontSize": 14}}},
     "MuiTab": {"styleOverrides": {"root": {"textTransform": "none", "minWidth": 0}}},
 }
 
@@ -52,6 +57,9 @@ PRINT_PAGE = _sheet("print_page")
 
 PRINT_WHOLE = _sheet("print_whole")
 """Sheet of what must not be torn by a page's end."""
+
+SWITCH = _sheet("switch")
+"""Sheet of a switch: its name is for screen readers, and its choices stand in one line as they are written."""
 
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.

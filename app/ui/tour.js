@@ -16,7 +16,8 @@ function find(selector, root = document) {
 export function render({ model }) {
   const place = document.createElement("div")
   place.innerHTML = `
-    <button class="start" type="button">Tour</button><button class="no" type="button" hidden>No, thanks</button>
+    <p class="offer" hidden><button class="start" type="button">New here? Take the tour</button>
+      <button class="no" type="button">No, thanks</button></p>
     <div class="frame" hidden></div>
     <section class="card" role="dialog" aria-modal="false" aria-labelledby="title" aria-describedby="text" hidden>
       <h2 id="title" tabindex="-1"></h2><p id="text"></p>
@@ -24,14 +25,16 @@ export function render({ model }) {
       <button class="next" type="button"></button><button class="skip" type="button">Skip</button></div>
     </section>`
   const at = (selector) => place.querySelector(selector)
-  const [start, no, frame, card] = [".start", ".no", ".frame", ".card"].map(at)
-  let step = 0, target = null, watching = 0
+  const [offer, start, no, frame, card] = [".offer", ".start", ".no", ".frame", ".card"].map(at)
+  let step = 0, target = null, watching = 0, back = null
 
-  const offered = (open) => {
-    start.textContent = open ? "New here? Take the tour" : "Tour"
-    start.classList.toggle("offer", open)
-    no.hidden = !open
+  const dress = (part) => {
+    // As light or dark as the page, which says so by the colour of its text only.
+    const ink = getComputedStyle(place).color
+    const light = ink.match(/[0-9.]+/g).slice(0, 3).reduce((sum, part) => sum + Number(part), 0) > 384
+    Object.assign(part.style, { color: ink, background: light ? "#161d24" : "#ffffff" })
   }
+  const offered = (open) => { offer.hidden = !open }
   const follow = () => {
     const box = target?.isConnected && target.getClientRects().length ? target.getBoundingClientRect() : null
     frame.hidden = !box
@@ -63,30 +66,30 @@ export function render({ model }) {
     card.hidden = frame.hidden = true
     remember()
     offered(false)
-    start.focus()
+    back?.focus()
   }
   const turn = (by) => {
     step += by
     if (step >= model.steps.length) close()
     else show()
   }
-  start.onclick = () => {
+  const begin = () => {
     step = 0
+    offered(false)
     if (location.hash.length > 1) location.hash = "#budget"  // the page it tells of
     card.hidden = false
-    // As light or dark as the page, which says so by the colour of its text only.
-    const ink = getComputedStyle(place).color
-    const light = ink.match(/[0-9.]+/g).slice(0, 3).reduce((sum, part) => sum + Number(part), 0) > 384
-    Object.assign(card.style, { color: ink, background: light ? "#161d24" : "#ffffff" })
+    dress(card)
     show()
     cancelAnimationFrame(watching)
     follow()
   }
-  no.onclick = () => { remember(); offered(false); start.focus() }
+  start.onclick = begin
+  window.addEventListener("navbudget-tour", ({ detail }) => { back = detail; begin() })
+  no.onclick = () => { remember(); offered(false) }
   at(".back").onclick = () => turn(-1)
   at(".next").onclick = () => turn(1)
   at(".skip").onclick = close
   card.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
-  offered(!known())
+  if (!known()) requestAnimationFrame(() => { dress(offer); offered(true) })
   return place
 }

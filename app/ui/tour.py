@@ -17,38 +17,39 @@ from app.ui.theme import PRINT_NOTHING
 STEPS: tuple[dict[str, str], ...] = (
     {
         "title": "Your design",
-        "text": "Inertial unit, receiver, flight, radar, limits. Start from the catalogue, then type values as they "
-        "stand on a data sheet, such as 0.09 °/√h, or move a slider. “Explain every input” says what each one is.",
+        "text": "Inertial unit, receiver, flight, radar and limits. Start from the catalogue, then type values as a "
+        "data sheet prints them, such as 0.09 °/√h, or move a slider. “Explain every input” says what each one is.",
         "at": ".sidebar",
     },
     {
         "title": "The answer",
-        "text": "Whether the design closes, by how much, and what dominates. It follows every change at once.",
+        "text": "Pass or fail, margin and main error source. Updates as you type. “What would close it” lists values "
+        "and sensors that meet the requirements.",
         "at": ".strip[role=status]",
     },
     {
         "title": "Why",
-        "text": "The charts below explain the answer. Under each stands how we know; a mark such as [T-17] leads to "
-        "its equation and to what it was checked against.",
-        "at": ".know",
+        "text": "Navigation errors on the left, SAR phase errors on the right, on one screen. Faint curves and "
+        "outlined bars show the design before the last change. The (i) of a chart has its source and method.",
+        "at": ".head",
     },
     {
         "title": "What next",
-        "text": "Explore says what would close the design, SAR what the image looks like, Simulate whether the "
-        "closed forms hold, and Review compares and signs off with your team.",
+        "text": "Explore finds what would close the design, SAR shows the image, Simulate checks the formulas, and "
+        "Review compares designs and signs them off with your team.",
         "at": "[role=tablist]",
     },
     {
         "title": "Keep and share",
-        "text": "Undo takes any change back. Save writes a file, Link an address, and the reports a document. "
-        "Examples has designs to start from.",
-        "at": ".tools",
+        "text": "Undo takes any change back. Save writes a file, Share a link, Report a document. Open has examples "
+        "to start from.",
+        "at": "[role=toolbar]",
     },
 )
 
 
 class Tour(JSComponent):
-    """The button that starts the tour, the offer on a first visit, and the card that walks through the steps."""
+    """The offer on a first visit, and the card that walks through the steps; the bar's button starts it too."""
 
     steps = param.List(default=list[Any](STEPS))
 

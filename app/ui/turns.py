@@ -15,10 +15,11 @@ _LONGEST = 0.1  # seconds of a turn in which another piece is begun; what a turn
 _BETWEEN = 0.01  # seconds: the dozen frames of a slider step come in, and it is answered
 
 
-def in_turns(pieces: Iterable[Callable[[], None]]) -> None:
+def in_turns(pieces: Iterable[Callable[[], None]], after: float = 0.0) -> None:
     """Do the pieces in order, a few in each turn of the server, until all are done or the page is closed.
 
-    In a script or a test, where there is no server: all at once.
+    The first begins ``after`` so many seconds, in which what was changed before reaches the browser. In a script or
+    a test, where there is no server: all at once.
     """
     document, waiting = pn.state.curdoc, deque(pieces)
     if document is None or document.session_context is None:
@@ -27,6 +28,7 @@ def in_turns(pieces: Iterable[Callable[[], None]]) -> None:
         return
 
     async def run() -> None:
+        await asyncio.sleep(after)
         while waiting and document.session_context is not None and not document.session_context.destroyed:
             until = time.monotonic() + _LONGEST
             with pn.io.hold(), frozen_models(document):

@@ -14,6 +14,7 @@ from nav_model.allan.degrees import degrees_of_freedom
 from nav_model.allan.noise_terms import FloatArray
 
 TAUS_PER_DECADE = 12
+_BLOCK = 1 << 14  # samples at a time: what is added up stays in the processor's cache
 
 # Slope of the fractional-frequency spectrum that each noise term has, as Greenhall and Riley number them.
 NOISE_ALPHA = {
@@ -106,8 +107,12 @@ def overlapping_allan_deviation(
 
 def _deviation(phase: FloatArray, factor: int) -> float:
     """At one averaging time in samples (SP 1065 equation 11)."""
-    second = phase[2 * factor :] - 2.0 * phase[factor:-factor] + phase[: -2 * factor]
-    return float(np.sqrt(np.mean(np.square(second, out=second)) / 2.0) / factor)
+    pairs, squares = len(phase) - 2 * factor, 0.0
+    for start in range(0, pairs, _BLOCK):
+        early, middle, late = (phase[start + k * factor :][: min(_BLOCK, pairs - start)] for k in range(3))
+        second = late - 2.0 * middle + early
+        squares += float(np.sum(np.square(second, out=second)))
+    return float(np.sqrt(squares / pairs / 2.0) / factor)
 
 
 def _limits(deviation: FloatArray, degrees: FloatArray, confidence: float) -> tuple[FloatArray, FloatArray]:

@@ -53,6 +53,24 @@ def horizontal_growth(
     return HorizontalGrowth(position, velocity, p.p33 + sigma_w**2 * t)
 
 
+def carried(start: Horizontal, sigma_a: ArrayLike, sigma_w: ArrayLike, g: ArrayLike, time: ArrayLike) -> Horizontal:
+    """Covariance of a horizontal channel `time` seconds after the last fix, every element; as `horizontal_growth`."""
+    sigma_a, sigma_w, g, t = (as_numbers(x) for x in (sigma_a, sigma_w, g, time))
+    p, a, w = start, sigma_a**2, sigma_w**2
+    grown = horizontal_growth(start, sigma_a, sigma_w, g, t)
+    p12 = (
+        p.p12
+        + (p.p22 + g * p.p13) * t
+        + 1.5 * g * p.p23 * t**2
+        + g**2 * p.p33 * t**3 / 2
+        + a * t**2 / 2
+        + g**2 * w * t**4 / 8
+    )
+    p13 = p.p13 + p.p23 * t + g * p.p33 * t**2 / 2 + g * w * t**3 / 6
+    p23 = p.p23 + g * p.p33 * t + g * w * t**2 / 2
+    return Horizontal(grown.position, p12, p13, grown.velocity, p23, grown.tilt)
+
+
 def vertical_growth(start: Vertical, sigma_a: ArrayLike, time: ArrayLike) -> VerticalGrowth:
     """Variances of the vertical channel `time` seconds after the last fix. [T-10]"""
     sigma_a, t = as_numbers(sigma_a), as_numbers(time)

@@ -4,7 +4,7 @@ The covariance is largest just before a fix (prior) and smallest just after (pos
 [T-3] is its cycle rms. Both solve the discrete algebraic Riccati equation of one channel with exact transition
 and process noise, in closed form: `nav_model.analytic.sampled_filter` for white fix noise,
 `nav_model.analytic.slow_error_filter` when a slow GNSS error enters, as a first-order Gauss-Markov state that the
-filter estimates.
+filter estimates; and by doubling in `nav_model.analytic.velocity_filter` when each fix has velocity too.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from nav_model.analytic.sampled_filter import horizontal_cycle, vertical_cycle
 from nav_model.analytic.slow_error_filter import horizontal_cycle_slow, vertical_cycle_slow
 from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.analytic.velocity_filter import horizontal_cycle_with_velocity, vertical_cycle_with_velocity
 
 
 class Sawtooth(NamedTuple):
@@ -52,6 +53,7 @@ def cycle(
     sigma_fix: ArrayLike,
     sigma_fix_vertical: ArrayLike,
     slow: SlowError | None = None,
+    velocity: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Cycle:
     """Prior and posterior covariances of the horizontal and vertical channels. [T-8]
 
@@ -66,7 +68,13 @@ def cycle(
     slow : SlowError, optional
         Slow error of the fixes, modelled in the filter by state augmentation. Position variance is then that
         of the estimate about the truth, slow error included.
+    velocity : pair of array_like, optional
+        Velocity of one fix, 1σ [m/s], horizontal and vertical.
     """
+    if velocity is not None:
+        ends = horizontal_cycle_with_velocity(sigma_a, sigma_w, g, interval, sigma_fix, velocity[0], slow)
+        ends_v = vertical_cycle_with_velocity(sigma_a, interval, sigma_fix_vertical, velocity[1], slow)
+        return Cycle(Sawtooth(ends[0], ends_v[0]), Sawtooth(ends[1], ends_v[1]), ends[2])
     if slow is None:
         horizontal_ends = horizontal_cycle(sigma_a, sigma_w, g, interval, sigma_fix)
         vertical_ends = vertical_cycle(sigma_a, interval, sigma_fix_vertical)

@@ -89,25 +89,59 @@ def position_ratio(kappa: ArrayLike) -> Array:
     return u
 
 
-def vertical(sigma_a: ArrayLike, s: ArrayLike) -> Vertical:
-    """Steady-state covariance of the vertical channel. [T-4]"""
+def vertical(sigma_a: ArrayLike, s: ArrayLike, s_v: ArrayLike | None = None) -> Vertical:
+    """Steady-state covariance of the vertical channel. [T-4]; with velocity fixes of density `s_v` [m/s·√s] [P-6]"""
     sigma_a, s = as_numbers(sigma_a), as_numbers(s)
+    if s_v is not None:
+        p = _with_velocity(sigma_a, np.zeros(()), s, as_numbers(s_v))
+        return Vertical(p.p11, p.p12, p.p22)
     v11 = np.sqrt(2 * sigma_a * s) * s
     return Vertical(v11, sigma_a * s, v11 * sigma_a / s)
 
 
-def horizontal(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike) -> Horizontal:
-    """Steady-state covariance of a horizontal channel. [T-3]
+def horizontal(
+    sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike, s_v: ArrayLike | None = None
+) -> Horizontal:
+    """Steady-state covariance of a horizontal channel. [T-3]; with velocity fixes [P-6]
 
     Parameters
     ----------
     sigma_a, sigma_w, s, g : array_like
         Positive; see the module. They broadcast together.
+    s_v : array_like, optional
+        Density of the velocity fixes, m/s·√s.
     """
     sigma_a, sigma_w, s, g = (as_numbers(x) for x in (sigma_a, sigma_w, s, g))
+    if s_v is not None:
+        p = _with_velocity(sigma_a, g * sigma_w, s, as_numbers(s_v))
+        return Horizontal(p.p11, p.p12, p.p13 / g, p.p22, p.p23 / g, p.p33 / g**2)
     return horizontal_from_position(
         position_ratio(gyro_dominance(sigma_a, sigma_w, s, g)) * vertical(sigma_a, s).v11, sigma_w, s, g
     )
+
+
+def _with_velocity(a: Array, w: Array, s: Array, s_v: Array) -> Horizontal:
+    """Covariance of position, velocity and acceleration by tilt when position and velocity are both measured. [P-6]
+
+    The characteristic polynomial x³ + c2 x² + c1 x + c0 of the settled filter is the stable factor of
+    [P-6]: c0 = w/s, c1² = a²/s² + (s c0/s_v)² + 2 c0 c2, c2² = (a/s_v)² + 2 c1. Every step adds positive numbers.
+    """
+    c0, rho = w / s, (s / s_v) ** 2
+    first, free = (a / s_v) ** 2, (a / s) ** 2 + rho * c0**2
+    c2: Array = np.sqrt(first + 2 * np.sqrt(free) + 4 * np.cbrt(c0.real) ** 2)
+    for _ in range(
+        8
+    ):  # Newton's method; the right-hand side is concave, with a slope of at most a quarter at the root
+        c1 = np.sqrt(free + 2 * c0 * c2)
+        right = np.sqrt(first + 2 * c1)
+        c2 = c2 - (c2 - right) / (1 - c0 / (c1 * right))
+    b = c2 + rho * c0
+    u = 1 / np.sqrt(1 + rho * b**2)
+    x = b * u
+    p12 = (s * x) ** 2 / (1 + u)
+    p13, p23 = u * s * w, x * s * w
+    p22 = s**2 * (x**3 / (u * (1 + u)) - c0)
+    return Horizontal(s**2 * x, p12, p13, p22, p23, p12 * p13 / s**2 + p22 * p23 / s_v**2)
 
 
 def horizontal_from_position(p11: Array, sigma_w: Array, s: Array, g: Array) -> Horizontal:

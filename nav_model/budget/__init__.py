@@ -7,6 +7,7 @@ which pages, reports and JSON read. A figure here is a standard deviation that a
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,19 +18,30 @@ from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.steady_state import Array, Horizontal
 from nav_model.budget.figures import (
     LONGEST_APERTURE,
+    PLACING,
+    SETTLED,
+    SMOOTHED,
     Inputs,
     along_track_phase,
+    by_state_space,
+    free_shifts,
     inputs_of,
     outage,
     phase_sources,
+    placing,
     sampled,
     settled,
+    smoothed_figures,
+    smoothed_shifts,
 )
-from nav_model.budget.result import Budget, Outage, PhaseLine, Sar, Sigmas, SteadyState
-from nav_model.budget.shares import Shares, coast_shares, steady_shares, velocity_shares
+from nav_model.budget.result import Budget, Outage, PhaseLine, Placement, PostProcessed, Sar, Sigmas, SteadyState
+from nav_model.budget.shares import Shares, coast_shares, shares_by_step, steady_shares, velocity_shares
 from nav_model.budget.verdict import judge
 from nav_model.design import Design
 from nav_model.errors import InputError
+from nav_model.frozen import FrozenMapping
+from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
+from nav_model.processing.smoother import SPECTRUM, STATE_SPACE
 from nav_model.sar import geometry, phase
 from nav_model.sar.impulse_response import ImpulseResponse, quadratic_response
 
@@ -89,7 +101,53 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
     start = closed.horizontal if inputs.slow is None else moments.posterior.horizontal
     sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
-    return Budget(design, steady_state, coast, sar, judge(design, steady_state, coast, sar))
+    sized = shares_by_step(inputs, lambda x: placing(x, free_shifts(x, _begun(x))))
+    placement = _placement(inputs, free_shifts(inputs, _begun(inputs)), sized)
+    smoothed, smoothed_placement = _post_processed(inputs)
+    verdicts = (
+        judge(design, steady_state, coast, sar, placement),
+        judge(design, steady_state, coast, sar, smoothed_placement, smoothed),
+    )
+    chosen, other = verdicts[::-1] if inputs.post_processed else verdicts
+    return Budget(design, steady_state, coast, sar, placement, smoothed, smoothed_placement, chosen, other)
+
+
+def _begun(x: Inputs) -> Sawtooth:
+    """The filter at the last fix before the aperture; with a slow GNSS error only the augmented one covers it."""
+    return settled(x) if x.slow is None else sampled(x).posterior
+
+
+def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares]]) -> Placement:
+    ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error)
+    return Placement(
+        range=sized["range_shift"][0],
+        azimuth=sized["azimuth_shift"][0],
+        ground=(float(ground[0]), float(ground[1]), float(ground[2])),
+        ce90=sized["ce90"][0],
+        cep=float(circular_error(*ground, share=0.5)),
+        le90=sized["le90"][0],
+        shares=FrozenMapping({name: sized[name][1] for name in PLACING}),
+    )
+
+
+def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
+    sized = shares_by_step(x, lambda y: smoothed_figures(y, SMOOTHED))
+    value = {name: value for name, (value, _) in sized.items()}
+    shares = {name: part for name, (_, part) in sized.items()}
+    shares["detrended_phase"] = shares[f"detrended_phase_{x.autofocus_order}"]
+    by_order = value["detrended_phase_1"], value["detrended_phase_2"], value["detrended_phase_3"]
+    smoothed = PostProcessed(
+        sigmas=Sigmas(*(value[name] for name in SETTLED)),
+        quadratic=value["quadratic_phase"],
+        cubic=value["cubic_phase"],
+        detrended=by_order[x.autofocus_order - 1],
+        by_order=by_order,
+        along_track_quadratic=value["along_track_quadratic_phase"],
+        azimuth_shift=value["slope_shift"],
+        method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
+        shares=FrozenMapping(shares),
+    )
+    return smoothed, _placement(x, smoothed_shifts(x), sized)
 
 
 def _refuse_hidden_target(squint: float, grazing: float) -> None:

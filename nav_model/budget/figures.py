@@ -24,17 +24,33 @@ from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, Radar
+from nav_model.design.processing import POST_PROCESSED
 from nav_model.errors import InputError
+from nav_model.processing import smoother
+from nav_model.processing.geolocation import (
+    NINETY,
+    Line,
+    Shifts,
+    circular_error,
+    free_line,
+    ground_covariance,
+    shifts,
+)
+from nav_model.processing.leg import Leg
+from nav_model.processing.spectrum import Channel
 from nav_model.sar import geometry, phase
 
 SETTLED = ("horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt")
 COASTING = ("coast_horizontal_position", "coast_vertical_position")
-IMAGING = ("quadratic_phase", "along_track_quadratic_phase", "detrended_phase")
+IMAGING = ("quadratic_phase", "along_track_quadratic_phase", "cubic_phase", "detrended_phase")
+PLACING = ("azimuth_shift", "range_shift", "ce90", "le90")
+PERCENTAGES = ("ce90", "le90")
+"""Figures that hold a percentage already, so that a design's confidence does not multiply them."""
 
 FIGURES: Mapping[str, str] = MappingProxyType(
     {
         name: "quadratic_phase" if name == "along_track_quadratic_phase" else name
-        for name in (*IMAGING, *SETTLED, *COASTING)
+        for name in (*IMAGING, *PLACING, *SETTLED, *COASTING)
     }
 )
 """Name of a figure -> name of the requirement that limits it; the order is that of a verdict."""
@@ -54,7 +70,7 @@ Replacement = ArrayLike | None
 
 @dataclass(frozen=True)
 class Inputs:
-    """What the closed forms take, in SI, vibration applied; numbers or arrays that broadcast together."""
+    """What the figures are worked out from, in SI, vibration applied; numbers or arrays that broadcast together."""
 
     sigma_a: Array
     sigma_w: Array
@@ -78,6 +94,13 @@ class Inputs:
     aperture: Array
     autofocus_order: int
     steady_state: str
+    velocity: Array | None
+    velocity_vertical: Array | None
+    velocity_interval: Array | None
+    post_processed: bool
+    leg_before: Array
+    leg_after: Array
+    scene_height_error: Array
 
     @property
     def s(self) -> Array:
@@ -88,6 +111,14 @@ class Inputs:
     def s_vertical(self) -> Array:
         """Density of the vertical fixes, m·√s. [T-2]"""
         return steady.fix_density(self.fix_vertical, self.interval)
+
+    @property
+    def velocity_densities(self) -> tuple[Array, Array] | None:
+        """Densities of the velocity fixes, horizontal and vertical, m/s·√s; None without them. [P-2]"""
+        if self.velocity is None or self.velocity_vertical is None or self.velocity_interval is None:
+            return None
+        root = np.sqrt(self.velocity_interval)
+        return self.velocity * root, self.velocity_vertical * root
 
 
 def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) -> Inputs:
@@ -122,6 +153,7 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
     fix = value("gnss.position_noise")
     wavelength, squint = SPEED_OF_LIGHT / value("radar.frequency"), value("radar.squint_angle")
     slant_range, speed = value("radar.slant_range"), value("flight.speed")
+    velocity = value("gnss.velocity_noise") if given("gnss.velocity_noise") else None
     slow = None
     if gnss.correlated:
         slow = SlowError(value("gnss.correlated_noise"), value("gnss.correlation_time"))
@@ -154,17 +186,34 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         ),
         autofocus_order=radar.autofocus_order,
         steady_state=design.requirements.steady_state,
+        velocity=velocity,
+        velocity_vertical=value("gnss.vertical_velocity_noise")
+        if given("gnss.vertical_velocity_noise")
+        else velocity,
+        velocity_interval=(
+            value("gnss.velocity_interval") if given("gnss.velocity_interval") else value("gnss.interval")
+        ),
+        post_processed=design.processing.mode == POST_PROCESSED,
+        leg_before=value("processing.leg_before"),
+        leg_after=value("processing.leg_after"),
+        scene_height_error=value("processing.scene_height_error"),
     )
 
 
 def sampled(x: Inputs, slow: bool = True) -> Cycle:
     """Prior and posterior of the filter as it is built, with the slow error of its fixes or without. [T-8]"""
-    return cycle(x.sigma_a, x.sigma_w, x.g, x.interval, x.fix, x.fix_vertical, x.slow if slow else None)
+    velocity = None
+    if (densities := x.velocity_densities) is not None:  # taken with the position fixes, at noise of the same density
+        velocity = densities[0] / np.sqrt(x.interval), densities[1] / np.sqrt(x.interval)
+    return cycle(x.sigma_a, x.sigma_w, x.g, x.interval, x.fix, x.fix_vertical, x.slow if slow else None, velocity)
 
 
 def settled(x: Inputs) -> Sawtooth:
-    """Cycle rms of the settled filter in closed form. [T-3], [T-4]"""
-    return Sawtooth(steady.horizontal(x.sigma_a, x.sigma_w, x.s, x.g), steady.vertical(x.sigma_a, x.s_vertical))
+    """Cycle rms of the settled filter in closed form. [T-3], [T-4], with velocity [P-6]"""
+    level, upright = x.velocity_densities or (None, None)
+    return Sawtooth(
+        steady.horizontal(x.sigma_a, x.sigma_w, x.s, x.g, level), steady.vertical(x.sigma_a, x.s_vertical, upright)
+    )
 
 
 def outage(x: Inputs, posterior: Sawtooth, time: ArrayLike) -> tuple[Array, Array]:
@@ -210,6 +259,127 @@ def along_track_phase(x: Inputs, start: Horizontal) -> Array:
     )
 
 
+def free_shifts(x: Inputs, start: Sawtooth) -> Shifts:
+    """Shift of an image that a free INS from the last fix focuses. [P-7]"""
+    inside = x.before_aperture, x.aperture
+    level = free_line(start.horizontal, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, x.g, *inside)
+    upright = free_line(start.vertical, x.sigma_a, 0.0, x.bias_a, 0.0, x.g, *inside)
+    return shifts(level, upright, x.grazing_angle, x.slant_range, x.speed, x.squint)
+
+
+def placing(x: Inputs, moved: Shifts) -> dict[str, Array]:
+    """Every figure of `PLACING` from the variances of the image's shift."""
+    ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error)
+    return {
+        "azimuth_shift": np.sqrt(moved.azimuth),
+        "range_shift": np.sqrt(moved.range),
+        "ce90": circular_error(*ground),
+        "le90": NINETY * np.sqrt(moved.height + x.scene_height_error**2),
+    }
+
+
+def channels(x: Inputs) -> tuple[Channel, Channel]:
+    """A horizontal axis and the vertical one, as the smoother sees them."""
+    slow = (None, None) if x.slow is None else (as_numbers(x.slow.sigma), as_numbers(x.slow.correlation_time))
+    interval = x.velocity_interval if x.velocity is not None else None
+    return (
+        Channel(x.sigma_a, x.g * x.sigma_w, x.fix, x.interval, x.velocity, interval, *slow),
+        Channel(x.sigma_a, None, x.fix_vertical, x.interval, x.velocity_vertical, interval, *slow),
+    )
+
+
+_NEEDED: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "quadratic_phase": ("quadratic",),
+        "along_track_quadratic_phase": ("turned",),
+        "cubic_phase": ("cubic",),
+        "azimuth_shift": ("mean", "slope", "mean_slope"),
+        "range_shift": ("mean", "slope", "mean_slope"),
+        "ce90": ("mean", "slope", "mean_slope"),
+        "le90": ("mean", "slope", "mean_slope"),
+        "horizontal_position": ("position",),
+        "vertical_position": ("position",),
+        "horizontal_velocity": ("velocity",),
+        "vertical_velocity": ("velocity",),
+        "tilt": ("tilt",),
+        "detrended_phase_1": ("left_1",),
+        "detrended_phase_2": ("left_2",),
+        "detrended_phase_3": ("left_3",),
+        "slope_shift": ("slope",),
+    }
+)
+"""What each smoothed figure takes from the smoother; "detrended_phase" is the one of the design's autofocus order."""
+
+SMOOTHED = tuple(_NEEDED)
+"""Names of every figure that `smoothed_figures` knows, beside "detrended_phase"."""
+
+
+def by_state_space(x: Inputs) -> Array:
+    """Where either channel is smoothed in state space, and not by its spectrum."""
+    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
+    level, upright = (smoother.by_state_space(channel, leg) for channel in channels(x))
+    return np.asarray(level | upright)
+
+
+def smoothed_figures(x: Inputs, names: Collection[str]) -> dict[str, Array]:
+    """One sigma of the figures asked for when a smoother has the whole leg. [P-3], [P-5]
+
+    Parameters
+    ----------
+    x : Inputs
+    names : collection of str
+        Of `SMOOTHED`: also the residual after each autofocus order, "detrended_phase_1" to 3, and "slope_shift", the
+        azimuth shift without the position along the track. Constant residual biases cost nothing: the smoother takes
+        them up.
+    """
+    order = f"detrended_phase_{x.autofocus_order}"
+    wanted = {order if name == "detrended_phase" else name for name in names}
+    level, upright = channels(x)
+    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
+    columns = {column for name in wanted for column in _NEEDED[name]}
+    only_level = {"turned", "tilt"}
+    h = smoother.smoothed_error(level, x.aperture, leg, sorted(columns))
+    v = smoother.smoothed_error(upright, x.aperture, leg, sorted(columns - only_level))
+    wide, high = geometry.line_of_sight_weights(x.grazing_angle)
+    to_phase = np.where(x.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / x.wavelength
+    found: dict[str, Array] = {}
+    for name in wanted & set(_PHASES):
+        column = _NEEDED[name][0]
+        found[name] = to_phase * np.sqrt(wide * h[column] + high * v[column])
+    if "along_track_quadratic_phase" in wanted:
+        turn = x.speed * np.cos(x.squint) ** 2 * x.aperture / (2 * x.slant_range)
+        found["along_track_quadratic_phase"] = to_phase * turn * np.sqrt(h["turned"])
+    if "slope_shift" in wanted:
+        lever = x.slant_range / (x.speed * np.cos(x.squint))
+        found["slope_shift"] = lever * np.sqrt(wide * h["slope"] + high * v["slope"])
+    if wanted & set(PLACING):
+        found |= {name: value for name, value in placing(x, _moved(x, h, v)).items() if name in wanted}
+    for name, part, column in (
+        ("horizontal_position", h, "position"), ("vertical_position", v, "position"),
+        ("horizontal_velocity", h, "velocity"), ("vertical_velocity", v, "velocity"), ("tilt", h, "tilt"),
+    ):  # fmt: skip
+        if name in wanted:
+            found[name] = np.sqrt(part[column]) / (x.g if name == "tilt" else 1)
+    if "detrended_phase" in names:
+        found["detrended_phase"] = found[order]
+    return {name: found[name] for name in names}
+
+
+def smoothed_shifts(x: Inputs) -> Shifts:
+    """Shift of an image that is focused with the smoothed trajectory. [P-7]"""
+    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
+    parts = (smoother.smoothed_error(channel, x.aperture, leg, _NEEDED["ce90"]) for channel in channels(x))
+    return _moved(x, *parts)
+
+
+def _moved(x: Inputs, level: Mapping[str, Array], upright: Mapping[str, Array]) -> Shifts:
+    lines = [Line(part["mean"], part["slope"], part["mean_slope"]) for part in (level, upright)]
+    return shifts(lines[0], lines[1], x.grazing_angle, x.slant_range, x.speed, x.squint)
+
+
+_PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase_1", "detrended_phase_2", "detrended_phase_3")
+
+
 def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Array]:
     """One sigma of the figures asked for, in SI: what `analyse` holds against the requirements.
 
@@ -227,15 +397,29 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
     """
     found: dict[str, Array] = {}
     wanted = set(names)
-    imaging, settling, coasting = (wanted.intersection(group) for group in (IMAGING, SETTLED, COASTING))
-    closed = settled(x) if (imaging and x.slow is None) or (settling and x.steady_state == "closed") else None
-    saw = sampled(x) if coasting or closed is None or (settling and x.steady_state != "closed") else None
+    if x.post_processed:
+        found |= smoothed_figures(x, [name for name in FIGURES if name in wanted and name not in COASTING])
+        wanted &= set(COASTING)
+    imaging, placed, settling, coasting = (
+        wanted.intersection(group) for group in (IMAGING, PLACING, SETTLED, COASTING)
+    )
+    closed = None
+    if ((imaging or placed) and x.slow is None) or (settling and x.steady_state == "closed"):
+        closed = settled(x)
+    starting = (imaging or placed) and x.slow is not None
+    saw = sampled(x) if coasting or starting or (settling and x.steady_state != "closed") else None
+    # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
+    begun = saw.posterior if saw and x.slow is not None else closed
+    if placed:
+        assert begun is not None
+        found |= {name: value for name, value in placing(x, free_shifts(x, begun)).items() if name in placed}
     if imaging:
-        # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
-        start = (saw.posterior if saw and x.slow is not None else closed).horizontal  # type: ignore[union-attr]
+        assert begun is not None
+        start = begun.horizontal
         whole = phase.total(phase_sources(x, start))
         to_phase = np.where(x.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / x.wavelength
         found["quadratic_phase"] = to_phase * np.sqrt(whole.quadratic)
+        found["cubic_phase"] = to_phase * np.sqrt(whole.cubic)
         found["detrended_phase"] = to_phase * np.sqrt(whole.detrended)
         if "along_track_quadratic_phase" in wanted:
             track = along_track_phase(x, start)
@@ -250,4 +434,4 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
         assert saw is not None
         ends = outage(x, saw.posterior, x.duration)
         found |= {name: np.sqrt(variance) for name, variance in zip(COASTING, ends, strict=True)}
-    return {name: found[name] for name in FIGURES if name in wanted}
+    return {name: found[name] for name in FIGURES if name in names}

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from nav_model.budget.provenance import cautions, provenance
-from nav_model.budget.result import Budget, Check, Sigmas
+from nav_model.budget.result import Budget, Check, Placement, PostProcessed, Sigmas, Verdict
 from nav_model.sar.impulse_response import ImpulseResponse
 
 
@@ -85,14 +85,53 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "impulse_response": _response(sar.impulse_response, sar.cell_length),
             "impulse_response_after_autofocus": _response(sar.after_autofocus, sar.cell_length),
         },
-        "verdict": {
-            "closes": verdict.closes,
-            "confidence": verdict.confidence,
-            "tightest": verdict.tightest.name if verdict.tightest else None,
-            "requirements": [_check(check) for check in verdict.checks],
+        "processing": {"mode": verdict.processing},
+        "post_processed": _post_processed(budget.post_processed),
+        "geolocation": {
+            "real_time": _placement(budget.placement),
+            "post_processed": _placement(budget.post_processed_placement),
         },
+        "verdict": _verdict(verdict),
+        "other_verdict": _verdict(budget.other_verdict),
         "cautions": list(cautions(budget)),
         "provenance": {key: asdict(entry) for key, entry in provenance(budget).items()},
+    }
+
+
+def _verdict(verdict: Verdict) -> dict[str, Any]:
+    return {
+        "processing": verdict.processing,
+        "closes": verdict.closes,
+        "confidence": verdict.confidence,
+        "tightest": verdict.tightest.name if verdict.tightest else None,
+        "requirements": [_check(check) for check in verdict.checks],
+    }
+
+
+def _post_processed(smoothed: PostProcessed) -> dict[str, Any]:
+    shares = smoothed.shares["quadratic_phase"]
+    return {
+        **_sigmas(smoothed.sigmas),
+        "quadratic_phase_sigma_rad": smoothed.quadratic,
+        "cubic_phase_sigma_rad": smoothed.cubic,
+        "detrended_phase_sigma_rad": smoothed.detrended,
+        "detrended_phase_by_order_sigma_rad": {str(n): left for n, left in enumerate(smoothed.by_order, 1)},
+        "along_track_quadratic_phase_sigma_rad": smoothed.along_track_quadratic,
+        "azimuth_shift_sigma_m": smoothed.azimuth_shift,
+        "method": smoothed.method,
+        "lines": [{"source": source, "share": share} for source, share in shares.items()],
+    }
+
+
+def _placement(placement: Placement) -> dict[str, Any]:
+    azimuth, across, both = placement.ground
+    return {
+        "range_m": placement.range,
+        "azimuth_m": placement.azimuth,
+        "ground_covariance_m2": [[azimuth, both], [both, across]],
+        "ce90_m": placement.ce90,
+        "cep_m": placement.cep,
+        "le90_m": placement.le90,
     }
 
 

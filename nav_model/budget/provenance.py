@@ -15,12 +15,13 @@ from nav_model.design import Design
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
 
-INPUT, CLOSED, DISCRETE, SERIES, RESPONSE = (
+INPUT, CLOSED, DISCRETE, SERIES, RESPONSE, SMOOTHER = (
     "input",
     "closed form",
     "discrete Riccati equation, solved in closed form",
     "linear covariance propagation",
     "aperture integral",
+    "smoothed error, by spectrum or in state space",
 )
 
 
@@ -73,7 +74,14 @@ _TABLE: dict[str, Provenance] = {
     "sar.impulse_response_after_autofocus": Provenance(
         "[S-3], [S-5]", RESPONSE, "1σ quadratic phase if autofocus_order is 1, else no quadratic phase"
     ),
-    "verdict": Provenance("[T-8], [T-17], [S-2], [S-5]", "comparison with the limits"),
+    "processing.mode": Provenance("", INPUT),
+    "post_processed": Provenance("[P-3], [P-5]", SMOOTHER, "fixes before, in and after the aperture"),
+    "post_processed.tilt_sigma_rad": Provenance("[P-5]", SMOOTHER),
+    "post_processed.lines": Provenance("[P-4]", SMOOTHER, "shares of the quadratic phase's variance"),
+    "post_processed.azimuth_shift_sigma_m": Provenance("[P-5]", SMOOTHER, "without the position along the track"),
+    "geolocation": Provenance("[P-7]", CLOSED, "flat scene; azimuth first, then ground range"),
+    "verdict": Provenance("[T-8], [T-17], [S-2], [S-5], [P-3]", "comparison with the limits"),
+    "other_verdict": Provenance("[T-8], [T-17], [S-2], [S-5], [P-3]", "the same limits, processed the other way"),
 }
 
 _AUGMENTED_NOTE = "no closed form covers the slow GNSS error; white noise only"

@@ -122,6 +122,45 @@ class Sar:
 
 
 @dataclass(frozen=True)
+class PostProcessed:
+    """What a smoother with the whole leg leaves: m, m/s, rad. [P-3], [P-5]
+
+    ``by_order`` is the residual phase after autofocus to order 1, 2 and 3, ``detrended`` that of the design's order.
+    ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track. ``method`` is
+    "spectrum" or "state space". ``shares`` gives, for each figure that a requirement can limit, the share of each
+    source in its variance.
+    """
+
+    sigmas: Sigmas
+    quadratic: float
+    cubic: float
+    detrended: float
+    by_order: tuple[float, float, float]
+    along_track_quadratic: float
+    azimuth_shift: float
+    method: str
+    shares: Mapping[str, Shares]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where the image lies, 1σ: m. [P-7]
+
+    ``ground`` holds the variances in azimuth and in ground range and their covariance, m². ``ce90``, ``cep`` and
+    ``le90`` are the radii and the height that 90 %, one half and 90 % of images stay within. ``shares`` as in
+    `PostProcessed`.
+    """
+
+    range: float
+    azimuth: float
+    ground: tuple[float, float, float]
+    ce90: float
+    cep: float
+    le90: float
+    shares: Mapping[str, Shares]
+
+
+@dataclass(frozen=True)
 class Check:
     """One requirement held against its figure.
 
@@ -150,8 +189,12 @@ class Check:
 
 @dataclass(frozen=True)
 class Verdict:
-    """All checks, in the order of the requirements; ``tightest`` is the one with the least margin."""
+    """All checks, in the order of the requirements; ``tightest`` is the one with the least margin.
 
+    ``processing`` is the mode that the figures belong to: "real time" or "post-processed".
+    """
+
+    processing: str
     closes: bool
     confidence: float
     checks: tuple[Check, ...]
@@ -162,6 +205,9 @@ class Verdict:
 class Budget:
     """Everything known about a design, immutable, in SI.
 
+    ``steady_state``, ``coast``, ``sar`` and ``placement`` are those of real time. ``verdict`` is that of the design's
+    processing and decides; ``other_verdict`` holds the same requirements against the other one.
+
     `nav_model.budget.provenance` says which equation each number comes from.
     """
 
@@ -169,4 +215,8 @@ class Budget:
     steady_state: SteadyState
     coast: Outage
     sar: Sar
+    placement: Placement
+    post_processed: PostProcessed
+    post_processed_placement: Placement
     verdict: Verdict
+    other_verdict: Verdict

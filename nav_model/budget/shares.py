@@ -3,20 +3,37 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from nav_model.analytic import coast as growth
-from nav_model.analytic.discrete import Sawtooth
+from nav_model.analytic.discrete import Sawtooth, SlowError
 from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
 from nav_model.analytic.steady_state import Array, Horizontal
-from nav_model.budget.figures import Inputs
+from nav_model.budget.figures import Inputs, settled
 from nav_model.frozen import FrozenMapping
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
 ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
+
+GNSS_VELOCITY, SCENE_HEIGHT = "GNSS velocity noise", "scene height error"
+
+_STEP = 1e-20
+_FIELDS: Mapping[str, tuple[str, ...]] = {
+    ACCELEROMETER_NOISE: ("sigma_a",),
+    GYRO_NOISE: ("sigma_w",),
+    GNSS_NOISE: ("fix", "fix_vertical"),
+    GNSS_VELOCITY: ("velocity", "velocity_vertical"),
+    SLOW_GNSS: ("slow",),
+    ACCELEROMETER_BIAS: ("bias_a",),
+    GYRO_BIAS: ("bias_w",),
+    SCENE_HEIGHT: ("scene_height_error",),
+}
+"""Source of error -> the inputs that are its size."""
 
 Shares = Mapping[str, float]
 """Source -> its share of a variance; they add up to one."""
@@ -29,6 +46,15 @@ def steady_shares(x: Inputs, closed: Sawtooth, prior: Sawtooth, white: Sawtooth)
     """
     by_kind: dict[str, dict[str, float]] = {}
     kinds = ("horizontal_position", "horizontal_velocity", "tilt")
+    if x.velocity is not None:
+        level = _parts_by_step(x, lambda y: settled(y).horizontal)
+        upright = _parts_by_step(x, lambda y: settled(y).vertical)
+        for kind, parts, element in (
+            ("horizontal_position", level, "p11"), ("horizontal_velocity", level, "p22"), ("tilt", level, "p33"),
+            ("vertical_position", upright, "v11"), ("vertical_velocity", upright, "v22"),
+        ):  # fmt: skip
+            by_kind[kind] = dict(_normalised({name: getattr(part, element) for name, part in parts.items()}))
+        return _with_slow(by_kind, prior, white)
     for kind, shares in zip(kinds, horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g), strict=True):
         by_kind[kind] = {
             ACCELEROMETER_NOISE: float(shares.accelerometer),
@@ -43,6 +69,11 @@ def steady_shares(x: Inputs, closed: Sawtooth, prior: Sawtooth, white: Sawtooth)
     ):
         share = float(part / whole)
         by_kind[kind] = {ACCELEROMETER_NOISE: share, GNSS_NOISE: 1 - share}
+    return _with_slow(by_kind, prior, white)
+
+
+def _with_slow(by_kind: dict[str, dict[str, float]], prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
+    """Shares in the settled variances with that of the slow GNSS error, which the white ones give way to."""
     if prior is not white:
         pairs = {
             "horizontal_position": (prior.horizontal.p11, white.horizontal.p11),
@@ -67,12 +98,17 @@ def coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -
     bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_position(x.bias_a, x.bias_w, g, time))
     level: dict[str, Array | float] = {source: grown.position for source, grown in _grown_parts(x, time).items()}
     level |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
-    accelerometer, gnss = vertical_parts(a, x.s_vertical)
-    upright: dict[str, Array | float] = {
-        ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
-        GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
-        ACCELEROMETER_BIAS: bias_a,
-    }
+    upright: dict[str, Array | float]
+    if x.velocity is None:
+        accelerometer, gnss = vertical_parts(a, x.s_vertical)
+        upright = {
+            ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
+            GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
+        }
+    else:
+        grown = _parts_by_step(x, lambda y: growth.vertical_growth(settled(y).vertical, y.sigma_a, time))
+        upright = {source: part.position for source, part in grown.items()}
+    upright[ACCELEROMETER_BIAS] = bias_a
     if posterior is not white:
         slow, fast = (growth.horizontal_growth(m.horizontal, a, w, g, time) for m in (posterior, white))
         slow_v, fast_v = (growth.vertical_growth(m.vertical, a, time) for m in (posterior, white))
@@ -84,6 +120,10 @@ def coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -
 def _grown_parts(x: Inputs, time: ArrayLike) -> dict[str, growth.HorizontalGrowth]:
     """What each white noise has grown to `time` after the last fix, in a horizontal channel. [T-9], [T-18]"""
     a, w, g = x.sigma_a, x.sigma_w, x.g
+    if x.velocity is not None:
+        return _parts_by_step(
+            x, lambda y: growth.horizontal_growth(settled(y).horizontal, y.sigma_a, y.sigma_w, y.g, time)
+        )
     parts = horizontal_parts(a, w, x.s, g)
     return {
         ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time),
@@ -111,3 +151,52 @@ def velocity_shares(x: Inputs, p: Horizontal, start: Horizontal) -> Shares:
         grown, white = (growth.horizontal_growth(m, x.sigma_a, x.sigma_w, x.g, coast).velocity for m in (start, p))
         parts[SLOW_GNSS] = np.maximum(grown - white, 0.0)
     return _normalised(parts)
+
+
+def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> dict[str, tuple[float, Shares]]:
+    """Value of each figure and the shares of its sources, where the variance is of degree one in theirs. [P-4]
+
+    A source's share is the figure's logarithmic derivative by the source's size, taken by a complex step: the filter
+    and the smoother are optimal, so it is what the source alone leaves. All sources are stepped in one evaluation.
+
+    Parameters
+    ----------
+    x : Inputs
+        Of one design.
+    of : callable
+        Inputs to figures, one sigma each, which broadcasts.
+    """
+    names, stepped = _stepped(x)
+    found: dict[str, tuple[float, Shares]] = {}
+    for figure, value in of(stepped).items():
+        whole = np.broadcast_to(value, len(names))
+        parts = np.maximum(whole.imag / (whole.real * _STEP), 0)
+        found[figure] = float(whole.real[0]), _normalised(dict(zip(names, parts, strict=True)))
+    return found
+
+
+def _stepped(x: Inputs) -> tuple[list[str], Inputs]:
+    """Sources that the design has, and its inputs as an array in which each is stepped once."""
+    names = [name for name, fields in _FIELDS.items() if _present(x, fields[0])]
+    changes: dict[str, Any] = {}
+    for n, name in enumerate(names):
+        factor = 1 + 1j * _STEP * (np.arange(len(names)) == n)
+        for field in _FIELDS[name]:
+            value = getattr(x, field)
+            changes[field] = (
+                SlowError(value.sigma * factor, value.correlation_time) if field == "slow" else value * factor
+            )
+    return names, replace(x, **changes)
+
+
+def _present(x: Inputs, field: str) -> bool:
+    value = getattr(x, field)
+    return value is not None and (isinstance(value, SlowError) or bool(np.any(value)))
+
+
+def _parts_by_step(x: Inputs, of: Callable[[Inputs], Any]) -> dict[str, Any]:
+    """What each white noise contributes to every element that `of` finds, a named tuple of variances. [T-18]"""
+    names, stepped = _stepped(replace(x, slow=None, bias_a=0 * x.bias_a, bias_w=0 * x.bias_w))
+    found = of(stepped)
+    elements = [np.broadcast_to(element, len(names)).imag / (2 * _STEP) for element in found]
+    return {name: type(found)(*(element[n] for element in elements)) for n, name in enumerate(names)}

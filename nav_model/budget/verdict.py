@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nav_model.budget.figures import FIGURES
-from nav_model.budget.result import Check, Outage, Sar, SteadyState, Verdict
+from nav_model.budget.figures import FIGURES, PERCENTAGES, PLACING
+from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 
 @dataclass(frozen=True)
@@ -25,24 +26,38 @@ def checked(design: Design) -> tuple[str, ...]:
     return tuple(name for name, key in FIGURES.items() if getattr(design.requirements, key) is not None)
 
 
-def judge(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) -> Verdict:
-    """Check every requirement that is given.
+def confidence_of(design: Design, name: str) -> float:
+    """By how much a figure's one sigma is multiplied before it is held against its limit."""
+    return 1.0 if name in PERCENTAGES else design.requirements.confidence
+
+
+def judge(
+    design: Design,
+    steady_state: SteadyState,
+    coast: Outage,
+    sar: Sar,
+    placement: Placement,
+    smoothed: PostProcessed | None = None,
+) -> Verdict:
+    """Check every requirement that is given: in real time, or with `smoothed`, and its placement, post-processed.
 
     In steady state the prior, the worst of the cycle, is checked unless the design chooses otherwise; after
     the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
     the along-track term [S-2] as well, which has a check of its own because other sensors answer for it.
     """
-    confidence = design.requirements.confidence
-    figures = _figures(design, steady_state, coast, sar)
+    figures = _figures(design, steady_state, coast, sar, placement)
+    if smoothed is not None:
+        figures |= _smoothed(design, smoothed, placement)
+    tilt_shares = sar.tilt_shares
     checks = []
     for name in checked(design):
         figure, limit_key = figures[name], FIGURES[name]
         limit = getattr(design.requirements, limit_key)
         declaration = design.requirements.param[limit_key]
-        value = confidence * figure.sigma
+        value = confidence_of(design, name) * figure.sigma
         margin = 1 - value / limit
         dominant = max(figure.shares, key=lambda source: figure.shares[source])
-        by_sensor = _by_sensor(figure.shares, sar.tilt_shares)
+        by_sensor = _by_sensor(figure.shares, tilt_shares)
         sensor = max(by_sensor, key=lambda source: by_sensor[source])
         label = str(declaration.label) if name == limit_key else "Along-track quadratic phase"
         checks.append(
@@ -64,7 +79,9 @@ def judge(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) ->
             )
         )
     tightest = min(checks, key=lambda check: check.margin, default=None)
-    return Verdict(all(check.met for check in checks), confidence, tuple(checks), tightest)
+    processing = REAL_TIME if smoothed is None else POST_PROCESSED
+    closes = all(check.met for check in checks)
+    return Verdict(processing, closes, design.requirements.confidence, tuple(checks), tightest)
 
 
 def _by_sensor(shares: Shares, tilt_shares: Shares) -> dict[str, float]:
@@ -77,7 +94,36 @@ def _by_sensor(shares: Shares, tilt_shares: Shares) -> dict[str, float]:
     return charged
 
 
-def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) -> dict[str, _Figure]:
+def _smoothed(design: Design, smoothed: PostProcessed, placement: Placement) -> dict[str, _Figure]:
+    """Every figure that post-processing changes; the end of an outage stays that of real time."""
+    sigmas = smoothed.sigmas
+    values = {
+        "quadratic_phase": (smoothed.quadratic, "[P-5]"),
+        "along_track_quadratic_phase": (smoothed.along_track_quadratic, "[P-5]"),
+        "cubic_phase": (smoothed.cubic, "[P-5]"),
+        "detrended_phase": (smoothed.detrended, "[P-5]"),
+        "horizontal_position": (sigmas.position_horizontal, "[P-3]"),
+        "vertical_position": (sigmas.position_vertical, "[P-3]"),
+        "horizontal_velocity": (sigmas.velocity_horizontal, "[P-3]"),
+        "vertical_velocity": (sigmas.velocity_vertical, "[P-3]"),
+        "tilt": (sigmas.tilt, "[P-3]"),
+    }
+    basis = f"smoothed by {smoothed.method}"
+    figures = {name: _Figure(sigma, basis, mark, smoothed.shares[name]) for name, (sigma, mark) in values.items()}
+    return figures | _placed(placement, basis)
+
+
+def _placed(placement: Placement, basis: str) -> dict[str, _Figure]:
+    values = (placement.azimuth, placement.range, placement.ce90, placement.le90)
+    return {
+        name: _Figure(value, basis, "[P-7]", placement.shares[name])
+        for name, value in zip(PLACING, values, strict=True)
+    }
+
+
+def _figures(
+    design: Design, steady_state: SteadyState, coast: Outage, sar: Sar, placement: Placement
+) -> dict[str, _Figure]:
     chosen = design.requirements.steady_state
     sigmas = getattr(steady_state, chosen)
     label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]
@@ -90,11 +136,15 @@ def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar)
     budget = "closed form" if not slow else "closed form from the augmented filter's tilt"
 
     def by_source(field: str) -> dict[str, float]:
+        if field == "cubic_share":
+            return {line.source: (line.cubic / sar.cubic) ** 2 for line in sar.lines}
         return {line.source: getattr(line, field) for line in sar.lines}
 
     return {
         "quadratic_phase": _Figure(sar.quadratic, budget, "[S-5]", by_source("share")),
         "along_track_quadratic_phase": _Figure(sar.along_track_quadratic, budget, "[S-2]", sar.velocity_shares),
+        "cubic_phase": _Figure(sar.cubic, budget, "[S-6]", by_source("cubic_share")),
+        **_placed(placement, budget),
         "detrended_phase": _Figure(sar.detrended, budget, "[T-15], [S-6]", by_source("detrended_share")),
         "horizontal_position": settled("horizontal_position", sigmas.position_horizontal, "[T-3]"),
         "vertical_position": settled("vertical_position", sigmas.position_vertical, "[T-4]"),

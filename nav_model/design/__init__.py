@@ -15,6 +15,7 @@ from typing import Any, cast
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import (
     INPUTS,
+    LATER,
     LONGEST_ORIGIN,
     PARTS,
     PRESET_KEYS,
@@ -24,6 +25,7 @@ from nav_model.design.parts import (
     Gnss,
     Imu,
     Part,
+    Processing,
     Radar,
     Requirements,
     all_keys,
@@ -36,11 +38,11 @@ Value = float | int | bool | str | None
 
 
 class Design:
-    """One design, immutable: a name, a description and six parts.
+    """One design, immutable: a name, a description and seven parts.
 
     Attributes
     ----------
-    imu, gnss, flight, coast, radar, requirements
+    imu, gnss, flight, coast, radar, processing, requirements
         The parts; every quantity in SI.
     written : mapping
         Dotted key -> unit the value was written in, for showing and saving it the way it came.
@@ -56,6 +58,7 @@ class Design:
     flight: Flight
     coast: Coast
     radar: Radar
+    processing: Processing
     requirements: Requirements
     written: Mapping[str, str]
     origins: Mapping[str, str]
@@ -175,6 +178,7 @@ class Design:
             # Adding zero makes -0.0 the 0.0 it is equal to.
             f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(value)}"
             for key, value in self._values.items()
+            if key not in LATER or value != declaration_of(key).default
         )
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 

@@ -21,6 +21,7 @@ from nav_model.units import (
     join_quantity,
     parse_exact,
     shortest_decimal,
+    with_point,
 )
 
 _T = TypeVar("_T")
@@ -165,7 +166,7 @@ class BaseQuantity(param.Number[_T]):
     def _plain(self, text: Any, where: str) -> float:
         if isinstance(text, str):
             try:
-                number = float(text)
+                number = float(with_point(text.strip()))
             except ValueError as error:
                 raise InputError(where, f"{shown(text)} is not a number; {self.allowed()}", text) from error
         elif isinstance(text, bool) or not isinstance(text, int | float):

@@ -77,6 +77,32 @@ class Requirements(Part):
         "Limit on rms phase over the aperture after autofocus_order is removed.",
         "6° keeps the integrated side lobes of wide-band phase at −20 dB, 20° costs half a decibel of the peak",
     )  # fmt: skip
+    cubic_phase: Any = _limit(
+        "angle", "°", "cpe", 1e6 * DEGREE, _PHASE, "Cubic phase",
+        "Limit on cubic phase error at the aperture's ends: 22.5° tight, 45° usual [S-4].",
+        "22.5° to 45°; beyond, one side lobe rises",
+    )  # fmt: skip
+    azimuth_shift: Any = _limit(
+        "length", "m", "azs", 1e6, _POSITION, "Azimuth shift",
+        "Of the image along the track: the position error there and R/V times the line-of-sight velocity error.",
+        f"{_REACHED}navigation 0.3 to 0.7, tactical 1 to 4, MEMS 2 to 6 m; a fifth of that post-processed",
+    )  # fmt: skip
+    range_shift: Any = _limit(
+        "length", "m", "rgs", 1e6, _POSITION, "Range shift",
+        "Of the image along the line of sight: the mean position error over the aperture.",
+        f"{_REACHED}navigation 0.2 to 0.3, tactical 0.3 to 0.6, MEMS 0.4 to 0.7 m",
+    )  # fmt: skip
+    ce90: Any = _limit(
+        "length", "m", "ce", 1e6, _POSITION, "CE90",
+        "Radius on the ground within which 90 % of images lie; already a percentage, so the confidence does not "
+        "multiply it.",
+        f"{_REACHED}navigation 0.6 to 1.2, tactical 2 to 7, MEMS 4 to 10 m",
+    )  # fmt: skip
+    le90: Any = _limit(
+        "length", "m", "le", 1e6, _POSITION, "LE90",
+        "Height error that 90 % of images stay below; already a percentage, so the confidence does not multiply it.",
+        f"{_REACHED}navigation 0.2 to 0.5, tactical 0.2 to 0.5, MEMS 0.4 to 0.7 m",
+    )  # fmt: skip
     horizontal_position: Any = _limit(
         "length",
         "m",

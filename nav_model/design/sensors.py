@@ -125,7 +125,7 @@ class Gnss(Part):
     )
     interval = Quantity(
         default=1.0,
-        dimension="time",
+        dimension="interval",
         unit="s",
         short="dt",
         bounds=(1e-3, 3600.0),
@@ -135,6 +135,40 @@ class Gnss(Part):
         datasheet='"Update rate": 1 Hz is 1 s.',
         typical="0.05 to 1 s",
         alternative=Alternative("rate", "frequency", "Hz", 1.0),
+    )
+    velocity_noise = OptionalQuantity(
+        dimension="speed",
+        unit="m/s",
+        short="gvn",
+        bounds=(1e-5, 100.0),
+        softbounds=(1e-3, 1.0),
+        label="Velocity noise",
+        doc="One velocity fix, per axis, 1σ, independent from fix to fix; without it position alone is used.",
+        datasheet='Receiver table: "velocity accuracy".',
+        typical="Doppler 0.03 to 0.1, carrier phase 0.01 m/s",
+    )
+    vertical_velocity_noise = OptionalQuantity(
+        dimension="speed",
+        unit="m/s",
+        short="gvv",
+        bounds=(1e-5, 100.0),
+        softbounds=(1e-3, 1.0),
+        label="Vertical velocity noise",
+        doc="If it differs from the horizontal one.",
+        datasheet="Usually 1.5 to 2 times the horizontal figure.",
+        typical="0.02 to 0.2 m/s",
+    )
+    velocity_interval = OptionalQuantity(
+        dimension="time",
+        unit="s",
+        short="gvt",
+        bounds=(1e-3, 3600.0),
+        softbounds=(0.02, 10.0),
+        label="Velocity interval",
+        doc="Time between velocity fixes, if it differs from the fix interval. In real time they are taken with the "
+        "position fixes, at the noise of the same density.",
+        datasheet='"Velocity update rate": 10 Hz is 0.1 s.',
+        typical="as the fix interval",
     )
     correlated = Choice(
         default=False,

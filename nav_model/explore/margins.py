@@ -9,6 +9,7 @@ import numpy as np
 
 from nav_model.analytic.steady_state import Array
 from nav_model.budget.figures import FIGURES, Inputs, Replacement, figures, inputs_of
+from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
@@ -20,9 +21,8 @@ ALL = "all requirements"
 
 def limits(design: Design) -> dict[str, float]:
     """Limit at one sigma [SI] of every figure that a requirement of the design limits, in a verdict's order."""
-    confidence = design.requirements.confidence
     given = ((name, getattr(design.requirements, limit)) for name, limit in FIGURES.items())
-    return {name: limit / confidence for name, limit in given if limit is not None}
+    return {name: limit / confidence_of(design, name) for name, limit in given if limit is not None}
 
 
 def ratios(design: Design, changes: Mapping[str, Replacement] | None = None) -> dict[str, Array]:
@@ -48,7 +48,7 @@ def worst(by_requirement: Mapping[str, Array]) -> Array:
         If there is no requirement.
     """
     if not by_requirement:
-        raise ValueError("requirements: none is given; state at least one limit")
+        raise ValueError("requirements: none is given; give at least one limit")
     largest: Array = np.maximum.reduce(np.broadcast_arrays(*by_requirement.values()))
     return largest
 

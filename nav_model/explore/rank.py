@@ -29,7 +29,10 @@ SENSORS: Mapping[str, str] = {
     "imu.gyro_bias": "gyro bias",
     "gnss.position_noise": "GNSS noise",
     "gnss.vertical_position_noise": "GNSS noise",
+    "gnss.velocity_noise": "GNSS velocity noise",
+    "gnss.vertical_velocity_noise": "GNSS velocity noise",
     "gnss.correlated_noise": "slow GNSS error",
+    "processing.scene_height_error": "scene height error",
 }
 """Inputs that are error sources -> the name a budget gives the source."""
 
@@ -80,6 +83,8 @@ def silent(design: Design) -> tuple[str, ...]:
 def stated(design: Design) -> list[str]:
     """Numeric inputs that the design states and uses: optional ones only when given."""
     unused = {"gnss.correlated_noise", "gnss.correlation_time"} if not design.gnss.correlated else set()
+    if design.gnss.velocity_noise is None:
+        unused |= {"gnss.vertical_velocity_noise", "gnss.velocity_interval"}
     if design.radar.aperture_time is not None:
         unused.add("radar.azimuth_resolution")
     return [key for key in VARIABLES if key not in unused and design[key] is not None]
@@ -144,6 +149,6 @@ def sentence(item: Sensitivity, figure_label: str) -> str:
             f"{verb} the {name} is outside its bounds; one percent of it moves the {said} by {abs(item.slope):.2g} %."
         )
     if abs(change) < 5e-4:
-        return f"{verb} the {name} leaves the {said} as it is (less than 0.05 %)."
+        return f"{verb} the {name} changes the {said} by less than 0.05 %."
     effect = "cuts" if change < 0 else "raises"
     return f"{verb} the {name} {effect} the {said} by {100 * abs(change):.2g} %."

@@ -1,4 +1,4 @@
-"""Which sensors would do: every inertial unit with every receiver class, held against a design's requirements."""
+"""Which sensors meet the requirements: every inertial unit with every receiver class."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from nav_model.errors import InputError
 from nav_model.explore.margins import limits, ratios, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
-OWN_GNSS = "as in the design"
+OWN_GNSS = "your receiver"
 """Name of the row of receivers that is the design's own."""
 _NEEDED = ("velocity_random_walk", "angle_random_walk")
 
@@ -55,10 +55,10 @@ def search(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, En
     """
     names = list(limits(design))
     if not names:
-        raise InputError("requirements", "none is given; state at least one limit to search against")
+        raise InputError("requirements", "none is given; give at least one limit to compare sensors with")
     known = [entry for entry in imus.values() if not _lacks(entry)]
     if not known:
-        raise InputError("imu catalogue", "no unit in it states both random walks")
+        raise InputError("imu catalogue", "no unit gives both random walks; add one that does")
     pairs = [(imu, receiver) for imu in known for receiver in (None, *receivers.values())]
     changes = [_changes(imu, receiver) for imu, receiver in pairs]
     keys = sorted({key for change in changes for key in change} & set(_numeric(changes)))

@@ -13,6 +13,7 @@ import io
 import json
 import os
 import shutil
+import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import ExitStack, contextmanager
@@ -21,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from nav_model.analytic.steady_state import Array
 from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
 from nav_model.design import Design, Value
 from nav_model.errors import InputError
@@ -165,7 +167,7 @@ def compute_part(plan: Plan, n: int, suffix: str) -> bytes:
     """One part of a sweep's file: importable and picklable, so that any worker can do it."""
     start = n * plan.rows_per_part
     columns = evaluate(plan, start, start + _size(plan, n))
-    return _to_parquet(columns) if suffix == ".parquet" else _to_csv(columns)
+    return to_parquet(columns) if suffix == ".parquet" else to_csv(columns)
 
 
 def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
@@ -201,13 +203,49 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
             results[name][rows] = found[name]
         for name, limit in limits(design).items():
             margins[name][rows] = 1 - found[name] / limit
-    columns |= {f"{name}_sigma_{_unit(name)}": values for name, values in results.items()}
+    columns |= {_sigma(name): values for name, values in results.items()}
     columns |= {f"{name}_margin": values for name, values in margins.items()}
     columns["closes"] = list(worst({n: -m for n, m in margins.items()}) <= 0) if margins else [None] * (stop - start)
     if plan.flight is not None:
         flown = [fly(plan.flight, design) for design in _designs(plan, start, stop)]
         columns |= {name: [row[name] for row in flown] for name in flown[0]}
     return columns
+
+
+def whole_sweep(
+    plan: Plan, *, progress: Callable[[float, str], None] = lambda share, what: None
+) -> dict[str, Column]:
+    """Every row of a plan as columns, as `evaluate` gives them, in memory.
+
+    Parameters
+    ----------
+    plan : Plan
+    progress : callable
+        Called with the share done and how far that is, in words.
+
+    Examples
+    --------
+    >>> columns = whole_sweep(parse_plan(text))
+    >>> columns["closes"]
+    """
+    found: list[dict[str, Column]] = []
+    for n in range(plan.parts):
+        start = n * plan.rows_per_part
+        progress(start / plan.rows, f"{start} of {plan.rows} designs")
+        found.append(evaluate(plan, start, start + _size(plan, n)))
+    return {
+        name: np.concatenate([part[name] for part in found])
+        if isinstance(column, np.ndarray)
+        else [value for part in found for value in part[name]]
+        for name, column in found[0].items()
+    }
+
+
+def expected_seconds(plan: Plan) -> float:
+    """How long `whole_sweep` takes here, from the time of the first part."""
+    began = time.perf_counter()
+    evaluate(plan, 0, _size(plan, 0))
+    return (time.perf_counter() - began) * plan.rows / _size(plan, 0)
 
 
 def _designs(plan: Plan, start: int, stop: int) -> Iterator[Design]:
@@ -225,11 +263,25 @@ def _varied(design: Design, changes: tuple[tuple[tuple[str, Value], ...], ...]) 
     return design
 
 
-def _unit(figure: str) -> str:
-    return next(unit for word, unit in _UNITS.items() if word in figure)
+def _sigma(figure: str) -> str:
+    """Name of a figure's column."""
+    return f"{figure}_sigma_{next(unit for word, unit in _UNITS.items() if word in figure)}"
 
 
-def _to_csv(columns: Mapping[str, Column]) -> bytes:
+def sweep_sigma(columns: Mapping[str, Column], figure: str) -> Array:
+    """One sigma of a figure [SI] for every row."""
+    return np.asarray(columns[_sigma(figure)], float)
+
+
+def sweep_ratios(columns: Mapping[str, Column]) -> Array:
+    """The worst requirement of every row, as a multiple of its limit; ValueError without any requirement."""
+    return worst(
+        {name: 1 - np.asarray(column, float) for name, column in columns.items() if name.endswith("_margin")}
+    )
+
+
+def to_csv(columns: Mapping[str, Column]) -> bytes:
+    """Columns as a CSV file with a head, numbers in full precision."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -241,7 +293,8 @@ def _plain(value: Any) -> Any:
     return repr(float(value)) if isinstance(value, float) else value
 
 
-def _to_parquet(columns: Mapping[str, Column]) -> bytes:
+def to_parquet(columns: Mapping[str, Column]) -> bytes:
+    """Columns as a Parquet file. InputError where pyarrow is missing."""
     arrow, parquet = _arrow()
     sink = io.BytesIO()
     parquet.write_table(arrow.table({name: arrow.array(values) for name, values in columns.items()}), sink)

@@ -130,7 +130,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
         raise InputError("combine", f"{combine!r} is not one of grid, together", combine)
     vary = tables.get("vary")
     if not isinstance(vary, dict) or not vary:
-        raise InputError("vary", 'gives no input; write for example gnss.position_noise = ["2 cm", "1 m"]')
+        raise InputError("vary", 'gives no input. Try gnss.position_noise = ["2 cm", "1 m"]')
     axes = tuple(_axis(key, spec) for key, spec in _flat(vary))
     for i, axis in enumerate(axes):
         if axis.key in {other.key for other in axes[:i]}:

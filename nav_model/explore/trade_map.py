@@ -8,6 +8,7 @@ import numpy as np
 
 from nav_model.analytic.steady_state import Array
 from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
+from nav_model.budget.verdict import confidence_of
 from nav_model.catalogue import Entry, catalogue
 from nav_model.design import Design, Value
 from nav_model.errors import InputError
@@ -102,18 +103,18 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     if result not in RESULTS:
         raise InputError("result", f"{result!r} is not one of {', '.join(RESULTS)}", result)
     if result == ALL and not limits(design):
-        raise InputError("requirements", "none is given; state at least one limit, or map a single figure")
+        raise InputError("requirements", "none is given; give at least one limit, or map a single figure")
     count = size or SIZE
     x, y = axis(design, x_key, count), axis(design, y_key, count)
     z = np.broadcast_to(_value(design, {x_key: x[None, :], y_key: y[:, None]}, result), (count, count))
-    limit = 1.0 if result == ALL else limits(design).get(result, np.nan) * design.requirements.confidence
+    limit = 1.0 if result == ALL else limits(design).get(result, np.nan) * confidence_of(design, result)
     return TradeMap(x_key, y_key, result, x, y, z, limit, _points(design, x_key, y_key, result, limit))
 
 
 def _value(design: Design, changes: dict[str, Array], result: str) -> Array:
     if result == ALL:
         return worst(ratios(design, changes))
-    return design.requirements.confidence * figures(inputs_of(design, changes), (result,))[result]
+    return confidence_of(design, result) * figures(inputs_of(design, changes), (result,))[result]
 
 
 def _here(design: Design, key: str) -> float:

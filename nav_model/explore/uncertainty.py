@@ -137,7 +137,7 @@ def uncertain_verdict(
         raise InputError("uncertainty", "no input is uncertain; give at least one range")
     names = list(limits(design))
     if not names:
-        raise InputError("requirements", "none is given; state at least one limit to hold designs against")
+        raise InputError("requirements", "none is given; give at least one limit to judge designs by")
     columns = _samples(inputs, seed, points)
     total = SCRAMBLINGS * points
     found = {name: np.broadcast_to(ratio, total) for name, ratio in ratios(design, columns).items()}

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.constants import SPEED_OF_LIGHT
+from nav_model.sar.geometry import cell_length
 from nav_model.sar.image import back_project, pulse_errors, simulate_phase_history
 from nav_model.sar.impulse_response import Taper, Window
 from nav_model.sar.line_of_sight import ApertureGeometry
@@ -49,7 +50,7 @@ def scene_images(
     for name, value in (("bandwidth", bandwidth), ("half_width", half_width), ("wavelength", wavelength)):
         if not (np.isfinite(value) and value > 0):
             raise ValueError(f"{name}: {value}; a positive, finite number is needed")
-    azimuth_cell = wavelength * geometry.slant_range / (2 * geometry.speed * aperture_time)
+    azimuth_cell = cell_length(wavelength, geometry.slant_range, geometry.speed, aperture_time, geometry.squint)
     range_cell = SPEED_OF_LIGHT / (2 * bandwidth)
     diagonal = 2 * np.sqrt(2) * half_width * _ROOM
     pulses = max(_LEAST, int(np.ceil(diagonal / azimuth_cell)))

@@ -167,11 +167,11 @@ def _forcing(flight: TrueFlight, p: FloatArray, errors: ErrorSet, used: np.ndarr
         """C times the constant part of [B-1] (no sines), or the oscillating one."""
         bias, first = (BIAS, MATRIX) if slow is None else (SLOW_BIAS, SLOW_MATRIX)
         bias, first = start + bias, start + first
-        turned = np.einsum("cab,tb->tca", p[:, first : first + 9].reshape(-1, 3, 3), measured)
+        turned = (measured @ p[:, first : first + 9].reshape(-1, 3).T).reshape(n, -1, 3)
         both = p[:, bias : bias + 3]
         if slow is not None and fast is not None:
             both, turned = slow[:, None, None] * both, fast[:, None, None] * turned
-        return np.asarray(np.einsum("tij,tcj->tci", c, both + turned))
+        return (both + turned) @ np.swapaxes(c, 1, 2)
 
     launch = local_axes(flight.position_i[0])
     step_turn = (triad(GYROS, rate, None, None) + triad(GYROS, rate, s[:, 2], s[:, 3])) * h
@@ -185,7 +185,7 @@ def _forcing(flight: TrueFlight, p: FloatArray, errors: ErrorSet, used: np.ndarr
     turn = local_axes(middle) * np.array([1.0, 1.0, -1.0])
 
     def local(inertial: FloatArray) -> FloatArray:
-        return np.asarray(np.einsum("tji,tcj->tci", turn, inertial))
+        return np.asarray(inertial @ turn)
 
     constant, one = triad(ACCELEROMETERS, force, None, None), np.ones(n)
     tilt = np.cross(psi + 0.5 * step_turn, force_i[:, None])

@@ -27,6 +27,8 @@ Value = float | str | tuple[float, ...] | tuple[tuple[float, float], ...] | None
 """What an input may hold, SI."""
 GP1 = "GP-1"
 """Name of the parameter set of star_tracker.md, the default of every input."""
+OF_DESIGN = "design"
+"""How the origin of an input begins that a design gave."""
 
 
 @dataclass(frozen=True)
@@ -188,8 +190,20 @@ def from_design(settings: Settings, design: Design) -> Settings:
             "accelerometers.bias": signed("accelerometers.bias", imu.accelerometer_bias),
             "gyros.bias": signed("gyros.bias", imu.gyro_bias),
         },
-        f"design {design.name}".strip(),
+        f"{OF_DESIGN} {design.name}".strip(),
     )
+
+
+def follow_design(settings: Settings, design: Design) -> Settings:
+    """The same study with what it has of a design from this one; what a person set since stays."""
+    now = from_design(DEFAULTS, design)
+    keys = [key for key, origin in settings.origin.items() if origin.startswith(OF_DESIGN)]
+    return settings.change({key: now[key] for key in keys}, now.origin[keys[0]]) if keys else settings
+
+
+def follows_design(settings: Settings) -> bool:
+    """Whether some input is a design's."""
+    return any(origin.startswith(OF_DESIGN) for origin in settings.origin.values())
 
 
 def read_changes(settings: Settings, changes: Mapping[str, str], origin: str) -> Settings:

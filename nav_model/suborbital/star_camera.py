@@ -181,41 +181,57 @@ def star_frame(
     flight: TrueFlight, camera: StarCamera, sky: Sky, time_s: float, seed: int = 1, method: str = "SVD"
 ) -> StarFrame:
     """The star image at any time of the flight. ValueError for a time outside it or an unknown method."""
+    return star_frames(flight, camera, sky, np.array([time_s]), seed, method)[0]
+
+
+def star_frames(
+    flight: TrueFlight, camera: StarCamera, sky: Sky, time_s: FloatArray, seed: int = 1, method: str = "SVD"
+) -> tuple[StarFrame, ...]:
+    """The star images at times (n,) of the flight, their noise from the seeds `seed`, `seed` + 1 and so on.
+
+    ValueError for a time outside the flight or an unknown method.
+    """
     end = float(flight.time_s[-1])
-    require(0.0 <= time_s <= end, f"time_s = {time_s!r}: must be between 0 and {end:g} s")
+    for time in time_s[(time_s < 0.0) | (time_s > end)]:
+        require(False, f"time_s = {float(time)!r}: must be between 0 and {end:g} s")
     require(method in METHODS, f"method = {method!r}: must be one of {', '.join(METHODS)}")
-    attitude = attitude_at(flight, np.array([time_s]))
+    attitude = attitude_at(flight, time_s)
     chosen, count = select_stars(camera, sky, attitude)
-    body, _, weight = measured = measure(camera, sky, attitude, chosen, np.random.default_rng(seed))
+    measured = [
+        measure(camera, sky, attitude[[k]], chosen[[k]], np.random.default_rng(seed + k)) for k in range(len(time_s))
+    ]
+    body, reference, weight = (np.concatenate(parts) for parts in zip(*measured, strict=True))
     used, reason = gate(camera, body, weight, method)
-    seen = chosen[0][chosen[0] >= 0]
-    x, y = project(camera, sky.direction[seen] @ attitude[0] @ CAMERA_TO_BODY)
-    mx, my = project(camera, body[0, : len(seen)] @ CAMERA_TO_BODY)
-    boresight = -attitude[0, :, 2]
-    estimate = error = sigma = None
-    if used[0]:
-        answer = METHODS[method](*measured[:2], camera.centroid_sigma_rad, weight)
-        estimate = answer.rotation[0].T
-        error = attitude_error(answer.rotation[0], attitude[0].T)
-        sigma = np.sqrt(np.diagonal(answer.covariance[0]))
-    return StarFrame(
-        time_s=float(time_s),
-        identifier=sky.identifier[seen],
-        magnitude=sky.magnitude[seen],
-        pixel_x=x,
-        pixel_y=y,
-        measured_x=mx,
-        measured_y=my,
-        stars_in_field=int(count[0]),
-        boresight_ra_rad=float(np.arctan2(boresight[1], boresight[0]) % (2.0 * np.pi)),
-        boresight_dec_rad=float(np.arcsin(np.clip(boresight[2], -1.0, 1.0))),
-        used=bool(used[0]),
-        reason=str(reason[0]),
-        estimate_bi=estimate,
-        error_rad=error,
-        sigma_rad=sigma,
-        source=f"{sky.source}; camera [B-8], {method} [B-9], seed {seed}",
-    )
+    answer = METHODS[method](body[used], reference[used], camera.centroid_sigma_rad, weight[used])
+    error = attitude_error(answer.rotation, np.swapaxes(attitude[used], -1, -2))
+    sigma = np.sqrt(np.diagonal(answer.covariance, axis1=-2, axis2=-1))
+    x, y = project(camera, sky.direction[np.maximum(chosen, 0)] @ attitude @ CAMERA_TO_BODY)
+    mx, my = project(camera, body @ CAMERA_TO_BODY)
+    solved = np.cumsum(used) - 1
+
+    def frame(k: int) -> StarFrame:
+        seen = chosen[k][chosen[k] >= 0]
+        stars, boresight = len(seen), -attitude[k, :, 2]
+        return StarFrame(
+            time_s=float(time_s[k]),
+            identifier=sky.identifier[seen],
+            magnitude=sky.magnitude[seen],
+            pixel_x=x[k, :stars],
+            pixel_y=y[k, :stars],
+            measured_x=mx[k, :stars],
+            measured_y=my[k, :stars],
+            stars_in_field=int(count[k]),
+            boresight_ra_rad=float(np.arctan2(boresight[1], boresight[0]) % (2.0 * np.pi)),
+            boresight_dec_rad=float(np.arcsin(np.clip(boresight[2], -1.0, 1.0))),
+            used=bool(used[k]),
+            reason=str(reason[k]),
+            estimate_bi=answer.rotation[solved[k]].T if used[k] else None,
+            error_rad=error[solved[k]] if used[k] else None,
+            sigma_rad=sigma[solved[k]] if used[k] else None,
+            source=f"{sky.source}; camera [B-8], {method} [B-9], seed {seed + k}",
+        )
+
+    return tuple(frame(k) for k in range(len(time_s)))
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ number back. A key that is not stated has its GP-1 value.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlencode
 
 import tomli_w
@@ -25,10 +25,22 @@ from nav_model.design.link import STUDY_PREFIX, pairs_of
 from nav_model.errors import InputError, shown
 from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import INPUTS
-from nav_model.suborbital.settings import DEFAULTS, Settings, Value, read_value
+from nav_model.suborbital.settings import (
+    DEFAULTS,
+    OF_DESIGN,
+    Settings,
+    Value,
+    follows_design,
+    from_design,
+    read_value,
+)
 from nav_model.toml_text import read_toml
 
+if TYPE_CHECKING:
+    from nav_model.design import Design
+
 KIND = "suborbital"
+_IMU = "imu"  # in a link: whose inertial unit the study has, where it is the design's
 MAX_BYTES = BOUNDS.most_bytes + 1_000_000
 
 _SECTIONS = tuple(dict.fromkeys(key.rpartition(".")[0] for key in INPUTS if "." in key))
@@ -134,14 +146,17 @@ def _number(value: Any) -> float | int:
 
 
 def to_link(settings: Settings) -> str:
-    """The part of a link's query that gives the study's inputs: what differs from GP-1. A trajectory from a file
-    does not fit into an address."""
-    changed = [key for key in INPUTS if settings[key] != DEFAULTS[key]]
-    return urlencode([(STUDY_PREFIX + key, settings.show(key, None)) for key in changed or ["seed"]])
+    """The part of a link's query that gives the study's inputs: what differs from GP-1, and that the inertial unit is
+    the design's where it is. A trajectory from a file does not fit into an address."""
+    own = [key for key in INPUTS if not settings.origin[key].startswith(OF_DESIGN)]
+    changed = [(STUDY_PREFIX + key, settings.show(key, None)) for key in own if settings[key] != DEFAULTS[key]]
+    if follows_design(settings):
+        changed.append((STUDY_PREFIX + _IMU, OF_DESIGN))
+    return urlencode(changed or [(f"{STUDY_PREFIX}seed", settings.show("seed", None))])
 
 
-def from_link(query: str) -> Settings:
-    """The inputs that the study's part of a link gives.
+def from_link(query: str, design: Design | None = None) -> Settings:
+    """The inputs that the study's part of a link gives; of ``design`` those that it says are a design's.
 
     Raises
     ------
@@ -149,9 +164,16 @@ def from_link(query: str) -> Settings:
         Naming the key that is wrong; nothing of a wrong link is used.
     """
     values: dict[str, Value] = {}
+    of_design = False
     for name, text in pairs_of(query):
         key = name.removeprefix(STUDY_PREFIX)
         if key in values:
             raise InputError(key, "is given twice in the link")
+        if key == _IMU:
+            if text != OF_DESIGN or design is None:
+                raise InputError(key, f"{shown(text)} is not allowed; it must be {OF_DESIGN!r}")
+            of_design = True
+            continue
         values[key] = read_value(key, text)
-    return _settings(values, "link")
+    start = from_design(DEFAULTS, design) if of_design and design is not None else DEFAULTS
+    return start.change({key: value for key, value in values.items() if value != DEFAULTS[key]}, "link")

@@ -54,13 +54,13 @@ def explain(study: Study) -> str:
     forcing = [_size(pure[n]) for n in ("gyro total", "initial attitude")]
     left = [_size(aided[n]) for n in ("gyro total", "initial attitude")]
     if max(forcing) < 1.0:
-        parts.append("There was no attitude forcing of weight for it to remove.")
+        parts.append("Attitude errors hardly matter on this flight.")
     else:
         share = sum(left) / sum(forcing)
         verbs = ((0.05, "removes"), (0.98, "reduces"), (1.02, "does not change"), (np.inf, "adds to"))
         verb = next(word for limit, word in verbs if share < limit)
         parts.append(
-            f"It {verb} the forcing through attitude: gyro errors go from {_metres(forcing[0])} to "
+            f"It {verb} what comes through attitude: gyro errors go from {_metres(forcing[0])} to "
             f"{_metres(left[0])}, initial alignment from {_metres(forcing[1])} to {_metres(left[1])}."
         )
     first = float(flight.time_s[int(np.argmax(study.used))])
@@ -69,7 +69,7 @@ def explain(study: Study) -> str:
             parts.append(
                 f"Its first frame comes at {first:.0f} s, after burn-out at {flight.burnout_s:.0f} s: "
                 "without thrust "
-                "attitude does not matter, so it comes too late to help."
+                "attitude does not matter, so it is too late to help."
             )
         else:
             parts.append(
@@ -101,7 +101,7 @@ def explain(study: Study) -> str:
         )
     slow = float(height_e_folding_time(np.mean(flight.height_m)))
     parts.append(
-        f"It does not stabilise the height: left to itself an error there grows by e about every {slow:.0f} s."
+        f"It does not stabilise the height: an unaided height error grows by a factor e about every {slow:.0f} s."
     )
     return " ".join(parts)
 

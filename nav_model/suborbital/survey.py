@@ -30,7 +30,7 @@ from nav_model.suborbital.star_camera import (
     gate,
     measure,
     select_stars,
-    star_frame,
+    star_frames,
     track_stars,
 )
 from nav_model.suborbital.study import Renewal, Study, gravity_rows, needs_renewal, renew, run_study, slide
@@ -148,7 +148,7 @@ def run_survey(
     say(0.86, "star frames and attitude methods")
     times = np.arange(0.0, float(flight.time_s[-1]) + 1e-9, STAR_FRAME_SPACING_S)
     method, seed = settings["camera.method"], int(settings["seed"])
-    shown = tuple(star_frame(flight, camera, sky, float(t), seed + k, method) for k, t in enumerate(times))
+    shown = star_frames(flight, camera, sky, times, seed, method)
     scores, refused = _scores(flight, camera, sky, seed)
     say(0.95, "gravity models")
     return Survey(

@@ -108,7 +108,7 @@ def test_published_table(budget, compared):
 def test_every_equation_cited_is_on_the_theory_page():
     known = {equation.mark for equation in ALL_EQUATIONS}
     sources = [*ROOT.glob("nav_model/**/*.py"), *ROOT.glob("app/**/*.py")]
-    cited = {mark for path in sources for mark in re.findall(r"\[([TSB]-\d+)\]", path.read_text())}
+    cited = {mark for path in sources for mark in re.findall(r"\[([TSBP]-\d+)\]", path.read_text())}
     assert cited <= known
     assert known == {
         *(f"T-{i}" for i in range(1, 19)),

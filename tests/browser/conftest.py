@@ -103,7 +103,7 @@ def _watched(page: Page, server: str) -> Iterator[Callable[..., Page]]:
         page.set_viewport_size({"width": size.get("width", 1440), "height": size.get("height", 900)})
         page.goto(server + path)
         page.wait_for_function(_IDLE)
-        page.get_by_role("status").first.wait_for()
+        page.get_by_role("tablist").first.wait_for()
         return page
 
     yield open_
@@ -125,7 +125,7 @@ def plain(browser: Browser, server: str) -> Iterator[Page]:
     page.set_default_timeout(_MS)
     with _watched(page, server) as open_:
         open_()
-        expect(page.locator(".bk-Figure:visible")).to_have_count(6)  # those below the first screen come later
+        expect(page.locator(".bk-Figure:visible")).to_have_count(4)
         yield page
     page.close()
 
@@ -135,6 +135,7 @@ def desk(plain: Page) -> Iterator[Page]:
     """The same, for tests that change the design and nothing else; it is reset after them."""
     said = plain.evaluate(_SAYS)
     yield plain
+    plain.get_by_role("button", name="Open", exact=True).click()
     plain.get_by_role("button", name="Reset").click()
     plain.wait_for_function(f"said => ({_SAYS})() === said", arg=said)
 

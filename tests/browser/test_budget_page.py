@@ -24,7 +24,7 @@ _CURVE = """(name) => {
   const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
   const data = sources.find(m => m.name === name).data
   const columns = data instanceof Map ? data : new Map(Object.entries(data))
-  return [...columns.get([...columns.keys()].find(key => key.startsWith("horizontal: ")))]
+  return [...columns.get("position horizontal")]
 }"""
 
 
@@ -61,25 +61,122 @@ def test_first_screen_gives_the_answer(plain: Page) -> None:
     expect(card(plain, "Position, horizontal")).to_have_text(
         f"{100 * budget.steady_state.prior.position_horizontal:.3g} cm"
     )
-    expect(plain.get_by_text("Source and method:").first).to_be_visible()
+    plain.get_by_label("Source and method: SAR phase error by source").click()
+    expect(plain.get_by_text("Closed forms [S-5]").first).to_be_visible()
+    plain.get_by_label("Source and method: SAR phase error by source").click()
 
 
-_TAKES_CSV = ("Position", "Velocity", "Attitude", "Phase budget", "Azimuth impulse", "What limits")
+# Boxes of what must be seen at once, and how many of each there are.
+_BOXES = """() => {
+  const kinds = { ".strip": "verdict", ".tile": "tile", ".bk-Figure": "chart", "table.bars": "phase" }
+  const found = [], roots = [document]
+  for (const root of roots)
+    for (const element of root.querySelectorAll("*")) {
+      if (element.shadowRoot) roots.push(element.shadowRoot)
+      const kind = Object.keys(kinds).find(selector => element.matches(selector))
+      if (!kind || !element.getClientRects().length) continue
+      const { left, top, right, bottom } = element.getBoundingClientRect()
+      found.push([kinds[kind], left, top, right, bottom])
+    }
+  return found
+}"""
+_SEEN = {"verdict": 1, "tile": 8, "chart": 4, "phase": 1}
 
 
-def test_what_is_below_the_first_screen_follows_and_covers_nothing(desk: Page) -> None:
-    """The charts made after the first view: all there, one below or beside the other, fed like the first."""
-    expect(desk.locator(".bk-Figure:visible")).to_have_count(6)
-    expect(desk.get_by_role("textbox", name="Position noise", exact=True)).to_be_visible()
-    for name in _TAKES_CSV:  # a trial click fails where something lies over the button
-        desk.get_by_role("button", name=re.compile(f"^{name}.*CSV")).click(trial=True)
-    before = desk.evaluate(_CURVE, "velocity lines 0")
-    enter(box(desk, "Angle random walk"), "0.5")
-    desk.wait_for_function(f"(old) => ({_CURVE})('velocity lines 0')[0] !== old", arg=before[0])
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1920, 1080), (1280, 720)])
+def test_the_answer_and_what_moves_it_are_on_one_screen(visit: Visit, width: int, height: int) -> None:
+    """Verdict, all tiles, the three sigma charts, phase by source and point target, with the design beside them."""
+    said: list[str] = []
+    visit_page = visit(width=width, height=height)
+    visit_page.on("console", lambda message: said.append(message.text) if message.type == "warning" else None)
+    expect(visit_page.locator(".bk-Figure:visible")).to_have_count(4)
+    expect(box(visit_page, "Angle random walk")).to_be_visible()
+
+    def inside() -> bool:
+        boxes = visit_page.evaluate(_BOXES)
+        counted = {kind: sum(found[0] == kind for found in boxes) for kind in _SEEN}
+        fits = all(
+            0 <= left < right <= width and 0 <= top < bottom <= height for _, left, top, right, bottom in boxes
+        )
+        return counted == _SEEN and fits
+
+    until(inside, "everything inside the window")
+    assert said == []
+
+
+_ALL_CURVES = """() => {
+  const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
+  const data = sources.find(m => m.name === "timelines").data
+  const columns = data instanceof Map ? data : new Map(Object.entries(data))
+  const names = [...columns.keys()].filter(key => key !== "x")
+  return Object.fromEntries(names.map(name => [name, [...columns.get(name)].at(-1)]))
+}"""
+
+
+def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
+    """Every sigma that gyro noise moves, tiles, phase bars; and what was before is told beside it, until cleared."""
+    curves, bars = desk.evaluate(_ALL_CURVES), desk.locator("table.bars").inner_text()
+    tiles = [card(desk, name).inner_text() for name in ("Roll, pitch", "Quadratic phase", "Residual phase")]
+    assert len(curves) == 6
+    slider = desk.get_by_role("slider", name="Angle random walk")
+    slider.focus()
+    for _ in range(3):
+        slider.press("ArrowRight")
+    moved = [name for name in curves if "vertical" not in name]  # the vertical channel has no gyro in it
+
+    def moves() -> bool:
+        now = desk.evaluate(_ALL_CURVES)
+        return all(now[name] > curves[name] for name in moved)
+
+    until(moves, "the curves")
+    expect(desk.locator("table.bars")).not_to_have_text(bars)
+    for name, before in zip(("Roll, pitch", "Quadratic phase", "Residual phase"), tiles, strict=True):
+        expect(card(desk, name)).not_to_have_text(before)
+    expect(desk.get_by_text("Compared with: Angle random walk 0.15 °/√h")).to_be_visible()
+    delta = desk.locator(".tile").filter(has_text="Quadratic phase").locator(".delta")
+    expect(delta).to_contain_text("+")
+    desk.get_by_role("button", name="clear").click()
+    expect(delta).to_have_count(0)
+    desk.get_by_role("button", name="choose").click()
+    desk.get_by_role("button", name="Value before the last change").click()
+    expect(delta).to_be_visible()
+
+
+def test_what_is_folded_opens_and_follows(desk: Page) -> None:
+    desk.get_by_role("button", name="Requirements and cautions").click()
+    row = desk.locator("tr").filter(has_text="Quadratic phase").first
+    expect(row).to_contain_text("163°")
+    enter(box(desk, "Angle random walk"), "0.3")
+    expect(row).not_to_contain_text("163°")
+    desk.get_by_role("button", name="Requirements and cautions").click()
+
+
+def test_what_would_close_it_is_one_press_away(desk: Page) -> None:
+    desk.get_by_role("button", name="What would close it").click()
+    way = desk.get_by_role("button", name=re.compile("^IMU: ")).first
+    expect(way).to_be_visible()
+    way.click()
+    expect(desk.get_by_role("status").first).to_contain_text("✓ Closes")
+    desk.get_by_role("button", name="How far each input can go").click()
+    expect(way).to_be_hidden()
+
+
+def test_an_invalid_text_is_said_in_the_verdict_and_goes_with_reset(desk: Page) -> None:
+    arw = box(desk, "Angle random walk")
+    enter(arw, "5 kg")
+    expect(desk.get_by_role("status").first).to_contain_text("1 input is invalid: last valid values used.")
+    desk.get_by_role("button", name="Open", exact=True).click()
+    desk.get_by_role("button", name="Reset").click()
+    expect(arw).to_have_value("0.15 °/√h")
+    expect(desk.get_by_role("status").first).not_to_contain_text("invalid")
+    enter(box(desk, "Fix interval"), "5 Hz")
+    expect(box(desk, "Fix interval")).to_have_value("0.2 s")
+    enter(arw, "0,5")
+    expect(arw).to_have_value("0.5 °/√h")
 
 
 def test_slider_moves_box_curve_and_verdict_together(desk: Page) -> None:
-    curve = desk.evaluate(_CURVE, "position lines 0")
+    curve = desk.evaluate(_CURVE, "timelines")
     phase = card(desk, "Quadratic phase").inner_text()
     slider = desk.get_by_role("slider", name="Angle random walk")
     slider.focus()
@@ -91,11 +188,11 @@ def test_slider_moves_box_curve_and_verdict_together(desk: Page) -> None:
     def shows() -> bool:
         changes = [f"imu.angle_random_walk={box(desk, 'Angle random walk').input_value()}"]
         expected = analyse(parse_design((EXAMPLES / "mems_x_band.toml").read_bytes(), changes=changes))
-        shown = desk.evaluate(_CURVE, "position lines 0")[2:]
-        return bool(shown == pytest.approx(list(expected.coast.position_horizontal), rel=1e-12))
+        shown = desk.evaluate(_CURVE, "timelines")[2:]
+        return bool(shown == pytest.approx(list(expected.coast.refined_horizontal), rel=1e-12))
 
     until(shows, "the last key press on its way round to the curve")
-    assert desk.evaluate(_CURVE, "position lines 0")[50] != curve[50]
+    assert desk.evaluate(_CURVE, "timelines")[50] != curve[50]
 
 
 def test_typed_value_unit_and_refusal(desk: Page) -> None:
@@ -143,6 +240,7 @@ def test_undo_redo_reset_by_keyboard(desk: Page) -> None:
     desk.get_by_role("button", name="Redo").focus()
     desk.keyboard.press("Enter")
     expect(card(desk, "Position, horizontal")).to_have_text(changed)
+    desk.get_by_role("button", name="Open", exact=True).press("Enter")
     desk.get_by_role("button", name="Reset").press("Enter")
     expect(card(desk, "Position, horizontal")).to_have_text("40.4 cm")
 
@@ -166,13 +264,15 @@ def test_link_reproduces_the_design(visit: Visit, server: str) -> None:
     enter(box(page, "Position noise"), "7 cm")
     expect(card(page, "Position, horizontal")).not_to_have_text("40.4 cm")
     shown = card(page, "Position, horizontal").inner_text()
-    page.get_by_role("button", name="Link").click()
-    page.wait_for_function("() => location.search.length > 1")
-    assert page.evaluate("() => location.pathname") == "/"
-    link = page.get_by_role("alert").filter(has_text="in the address bar").get_by_role("link")
-    expect(link).to_have_text(page.url)
-    expect(link).to_have_attribute("href", page.url)
-    query = page.evaluate("() => location.search")
+    page.get_by_role("button", name="Share").click()
+    link = page.get_by_role("textbox", name="Link to this design and page").input_value()
+    assert link.startswith(f"{server}/?")
+    assert link.endswith("#budget")
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.get_by_role("button", name="Copy link").click()
+    expect(page.get_by_text("Copied.")).to_be_visible()
+    assert page.evaluate("() => navigator.clipboard.readText()") == link
+    query = link.removeprefix(f"{server}/").removesuffix("#budget")
     assert from_query(query).gnss.position_noise == 0.07
     again = visit(f"/{query}")
     expect(card(again, "Position, horizontal")).to_have_text(shown)
@@ -197,7 +297,7 @@ def test_forged_link_is_said_and_harms_nothing(visit: Visit, query: str) -> None
 def test_save_open_and_refuse(visit: Visit, tmp_path: Path) -> None:
     page = visit()
     with page.expect_download() as waiting:
-        page.get_by_role("button", name="Save").click()
+        page.get_by_role("button", name="Save", exact=True).click()
     saved = parse_design(content(waiting.value))
     assert waiting.value.suggested_filename == "mems-imu-at-x-band.toml"
     assert saved == read_design(EXAMPLES / "mems_x_band.toml")
@@ -226,6 +326,7 @@ def test_every_tab_has_an_address(visit: Visit) -> None:
 
 def test_chart_data_to_take_away(plain: Page) -> None:
     with plain.expect_download() as waiting:
+        plain.get_by_role("button", name="Exports").click()
         plain.get_by_role("button", name="Position sigma: CSV").click()
     rows = list(csv.reader(io.StringIO(content(waiting.value).decode())))
     budget = analyse(read_design(EXAMPLES / "mems_x_band.toml"))
@@ -238,8 +339,12 @@ def test_chart_data_to_take_away(plain: Page) -> None:
     [("PDF report", b"%PDF-"), pytest.param("HTML report", b"<!doctype html>", marks=pytest.mark.slow)],
 )
 def test_report_from_the_page(plain: Page, button: str, magic: bytes) -> None:
+    plain.get_by_role("button", name="Report", exact=True).click()
     with plain.expect_download() as waiting:
         plain.get_by_role("button", name=button).click()
+        expect(plain.get_by_role("button", name=re.compile("^Writing"))).to_be_visible()
+    expect(plain.get_by_role("button", name="Report", exact=True)).to_be_visible()
+    plain.keyboard.press("Escape")
     assert content(waiting.value).lower().startswith(magic.lower())
 
 
@@ -257,6 +362,12 @@ def test_phone_fits_and_the_design_is_a_drawer(visit: Visit, fits: Check) -> Non
     page = visit(width=390, height=844)
     fits(page, 390)
     assert page.evaluate("() => document.documentElement.clientWidth") == 390
+    expect(page.get_by_role("status").first).to_contain_text("Does not close")  # nothing lies over it
+    page.get_by_role("button", name="Open drawer").click()
+    expect(box(page, "Angle random walk")).to_be_visible()
+    page.get_by_role("button", name="Close", exact=True).click()
+    expect(box(page, "Angle random walk")).to_be_hidden()
+    page.get_by_role("tab", name="Budget").click()
 
 
 def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit, accessible: Check) -> None:

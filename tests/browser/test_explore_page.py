@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import csv
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from app.subjects.budget.page import _LAYOUT
+from app.subjects.explore.page import QUESTIONS
 
 Visit = Callable[..., Page]
 Check = Callable[..., None]
@@ -22,17 +24,12 @@ _SOURCE = """(name) => {
 }"""
 
 
-_FIGURES = """() => [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "Figure").length"""
-
-
-def _open(visit: Visit, **size: int) -> Page:
-    page = visit(**size)
-    # Nobody turns the page before the first one's charts have all come, as a script on a busy machine would.
-    page.wait_for_function(f"(count) => ({_FIGURES})() >= count", arg=len(_LAYOUT))
-    if size:
+def _open(visit: Visit, question: str = "What would close it", **size: int) -> Page:
+    page = visit("/#explore", **size)
+    if size.get("width", 1440) < 1000:
         page.keyboard.press("Escape")  # the drawer, open over a narrow page
-    page.get_by_role("tab", name="Explore").click()
-    expect(page.get_by_text("Sensors that meet the requirements")).to_be_visible()
+    expect(page.get_by_text("Largest allowed value of each input")).to_be_visible()
+    page.get_by_role("button", name=question, exact=True).click()
     return page
 
 
@@ -42,31 +39,46 @@ def _cross(page: Page) -> list[float]:
 
 
 @pytest.mark.slow
-def test_answer_first_then_a_slider_moves_it_and_the_cross(visit: Visit) -> None:
+def test_every_question_fits_the_window_and_says_nothing_in_the_console(
+    visit: Visit, settled: Callable[[Page], None]
+) -> None:
+    page = _open(visit)
+    said: list[str] = []
+    page.on("console", lambda m: said.append(m.text) if m.type in {"warning", "error"} else None)
+    for name in QUESTIONS:
+        page.get_by_role("button", name=name, exact=True).click()
+        settled(page)
+        strip = page.get_by_role("status").first.bounding_box()
+        assert strip is not None
+        assert strip["y"] < 80, name
+        assert page.locator(".main-content").evaluate("e => e.scrollHeight - e.clientHeight") <= 1, name
+    assert not said
+
+
+@pytest.mark.slow
+def test_answer_first_and_a_solved_value_is_one_press_away(visit: Visit) -> None:
     page = _open(visit)
     answer = page.get_by_role("status").first
     expect(answer).to_contain_text("Largest gyro noise (angle random walk) that closes: 0.036 °/√h")
     expect(answer).to_contain_text("You have 0.15 °/√h")
-    page.wait_for_function(f"() => ({_SOURCE})('map design').x")
-    before = _cross(page)
     slider = page.get_by_role("slider", name="Angle random walk")
     slider.focus()
     page.keyboard.press("ArrowLeft")
     expect(answer).not_to_contain_text("You have 0.15 °/√h")
     expect(answer).to_contain_text("0.036 °/√h")  # the others are held: the largest value does not move
-    page.wait_for_function(f"(x) => ({_SOURCE})('map design').x[0] < x", arg=before[0])
-    assert _cross(page)[1] == before[1]
+    page.get_by_role("button", name="Gyro noise (angle random walk)").press("Enter")
+    expect(page.get_by_role("textbox", name="Angle random walk", exact=True)).to_have_value(re.compile("^0.036"))
+    expect(page.get_by_role("region", name="Largest allowed value of each input")).to_contain_text("✓ 0.036")
+
+
+def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
+    page = _open(visit, "Trade two inputs")
+    page.wait_for_function(f"() => ({_SOURCE})('map design').x")
     catalogue = page.evaluate(_SOURCE, "map catalogue")
     said = dict(zip(catalogue["unit"], catalogue["said"], strict=True))
     assert said["LN-100"].startswith("meets the limit, margin +")
     assert said["MPU-9250"].startswith("does not meet the limit, margin −")
-
-
-def test_click_on_the_map_adopts_the_point_clicked(visit: Visit) -> None:
-    page = _open(visit)
-    page.wait_for_function(f"() => ({_SOURCE})('map design').x")
     canvas = page.locator(".bk-Figure:visible").first
-    canvas.evaluate("element => element.scrollIntoView({block: 'center'})")
     canvas.click(trial=True)  # once it has come to rest
     place = canvas.bounding_box()
     assert place is not None
@@ -79,32 +91,19 @@ def test_click_on_the_map_adopts_the_point_clicked(visit: Visit) -> None:
 
 
 @pytest.mark.slow
-def test_a_pair_is_found_chosen_and_adopted_by_keyboard(visit: Visit) -> None:
-    page = _open(visit)
-    page.get_by_label("Show only rows with these words").fill("closes carrier HG9900")
-    pairs = page.get_by_role("region", name="Pairs of inertial unit and receiver")
-    expect(pairs.get_by_role("radio")).to_have_count(0)  # its sheet is silent on the accelerometers
-    page.get_by_label("Show only rows with these words").fill("ln-100 closes")
-    expect(pairs.get_by_role("radio")).not_to_have_count(0)
-    pairs.get_by_role("radio").first.focus()
-    page.keyboard.press("Space")
-    adopt = page.get_by_role("button", name="Adopt the selected row")
-    expect(adopt).to_be_enabled()
-    adopt.press("Enter")
-    expect(page.get_by_text("Adopted LN-100 with")).to_be_visible()
-    expect(page.get_by_label("Angle random walk").first).to_have_value("0.001 °/√h")
-    pairs.get_by_role("button", name="Margin").press("Enter")
-    expect(pairs.get_by_role("columnheader", name="Margin")).to_have_attribute("aria-sort", "ascending")
-
-
-@pytest.mark.slow
-def test_uncertain_inputs_then_own_units_found_and_nothing_axe_minds(
+def test_imus_that_pass_with_my_receiver_come_first_and_one_is_taken_by_keyboard(
     visit: Visit, tmp_path: Path, accessible: Check
 ) -> None:
-    page = _open(visit)
-    page.get_by_label("Angle random walk: range").fill("0.02 °/√h .. 0.06 °/√h")
-    page.keyboard.press("Enter")
-    expect(page.get_by_text("Closes with")).to_contain_text("40.1 %")
+    page = _open(visit, "Which sensors")
+    expect(page.get_by_role("status").first).to_contain_text("IMUs pass with your receiver")
+    imus = page.get_by_role("region", name="IMUs with your receiver")
+    expect(imus.get_by_role("rowheader").first).to_have_text("LN-100")
+    page.get_by_label("Filter").fill("HG9900")
+    expect(imus.get_by_role("rowheader")).to_have_count(0)  # its sheet is silent on the accelerometers
+    page.get_by_label("Filter").fill("ln-100 closes")
+    imus.get_by_role("button", name="LN-100").press("Enter")
+    expect(page.get_by_text("The design now has LN-100.")).to_be_visible()
+    expect(page.get_by_label("Angle random walk").first).to_have_value("0.001 °/√h")
 
     own = tmp_path / "own.toml"
     own.write_text(
@@ -113,20 +112,48 @@ def test_uncertain_inputs_then_own_units_found_and_nothing_axe_minds(
         'velocity_random_walk = { value = "0.012 m/s/√h", status = "confirmed", source = "bench" }\n',
         encoding="utf-8",
     )
-    page.locator(
-        "input[type=file][accept='.toml']:below(:text('Sensors that meet the requirements'))"
-    ).first.set_input_files(own)
+    page.locator("input[type=file][accept='.toml']").last.set_input_files(own)
     expect(page.get_by_text("Added Ours.")).to_be_visible()
-    page.get_by_label("Show only rows with these words").fill("ours design")
-    pairs = page.get_by_role("region", name="Pairs of inertial unit and receiver")
-    expect(pairs.get_by_role("radio")).to_have_count(1)
-    accessible(page)
+    page.get_by_label("Filter").fill("ours")
+    expect(imus.get_by_role("rowheader")).to_have_count(1)
+    page.get_by_role("button", name="All receivers").click()
+    pairs = page.get_by_role("region", name="Pairs of IMU and receiver")
+    expect(pairs.get_by_role("rowheader")).not_to_have_count(1)
+    pairs.get_by_role("button", name="Margin").press("Enter")
+    expect(pairs.get_by_role("columnheader", name="Margin")).to_have_attribute("aria-sort", "ascending")
+    accessible(page, every=True)
+
+
+@pytest.mark.slow
+def test_a_sweep_is_run_taken_away_and_nothing_axe_minds(visit: Visit, accessible: Check) -> None:
+    page = _open(visit, "Sweep")
+    expect(page.get_by_text("400 designs, about")).to_be_visible()
+    page.get_by_label("Points").first.fill("1e9")
+    page.keyboard.press("Enter")
+    expect(page.get_by_text("is not a whole number from 2 to")).to_be_visible()
+    page.get_by_label("Points").first.fill("5")
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name="Run sweep").click()
+    expect(page.get_by_role("status").first).to_contain_text("of 100 designs meet all requirements")
+    expect(page.locator(".bk-Figure:visible")).to_have_count(1)
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Table: CSV").click()
+    rows = list(csv.DictReader(Path(str(waiting.value.path())).read_text().splitlines()))
+    assert len(rows) == 100
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Table: Parquet").click()
+    assert Path(str(waiting.value.path())).read_bytes().startswith(b"PAR1")
+    for question in ("How sure", "What would close it", "Sweep"):
+        page.get_by_role("button", name=question, exact=True).click()
+        if question == "How sure":
+            page.get_by_role("button", name="Assume").click()
+            expect(page.get_by_role("status").first).to_contain_text("Closes with a probability of")
+        accessible(page, question, every=True)
+    page.get_by_role("button", name="theme").click()
+    accessible(page, "dark", every=True)
 
 
 @pytest.mark.slow
 def test_nothing_overflows_a_phone(visit: Visit, fits: Check) -> None:
-    page = _open(visit, width=390, height=844)
-    strip = page.get_by_role("status").first.bounding_box()
-    assert strip is not None
-    assert strip["x"] + strip["width"] <= 391
+    page = _open(visit, "Which sensors", width=390, height=844)
     fits(page, 390)

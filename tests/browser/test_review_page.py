@@ -206,6 +206,7 @@ def test_a_revision_is_the_base_of_its_own_changes_only(visit: Visit) -> None:
     save(page, "Ours")
     following = page.get_by_role("button", name="Save as revision 2 of Ours")
     expect(following).to_be_visible()
+    page.get_by_role("button", name="Open", exact=True).click()
     page.get_by_role("button", name="Examples").click()
     page.get_by_role("button", name="Open L band from a jet").click()
     expect(following).to_be_hidden()
@@ -273,7 +274,7 @@ def test_the_presenter_view_leaves_the_room_one_decision(visit: Visit) -> None:
     page.get_by_label("Presenter view").check()
     slide = page.locator(".slide")
     expect(slide).to_contain_text("decision 1 of 5")
-    for tool in (page.get_by_role("button", name="PDF report", exact=True), field(page, "Your name"),
+    for tool in (page.get_by_role("button", name="Report", exact=True), field(page, "Your name"),
                  page.get_by_role("tab", name="Budget"), page.get_by_role("tab", name="Library")):  # fmt: skip
         expect(tool).to_be_hidden()
     assert slide.locator("h2").evaluate("e => parseFloat(getComputedStyle(e).fontSize)") >= 60

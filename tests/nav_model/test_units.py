@@ -99,7 +99,8 @@ def test_spellings_of_data_sheets(text, dimension, value):
 
 REFUSED = [
     ("", "length"), ("m", "length"), ("1", "length"), ("1 furlong", "length"), ("1 s", "length"),
-    ("one m", "length"), ("nan m", "length"), ("inf m", "length"), ("1,5 m", "length"), ("1 m m", "length"),
+    ("one m", "length"), ("nan m", "length"), ("inf m", "length"), ("1,500 m", "length"), ("1 m m", "length"),
+    ("-5 Hz", "interval"), ("0 Hz", "interval"),
     ("1e999 m", "length"), ("1e99999999999 m", "length"), ("0x10 m", "length"), ("1 2 m", "length"),
     ("0.5 °/h", "angle random walk"), ("0.5 m/s/√h", "angle random walk"),
     ("0.5 °/√h", "velocity random walk"),
@@ -117,6 +118,15 @@ def test_refusals_say_what_was_given_and_what_is_allowed(text, dimension):
     assert len(message) < 250
     given = text.strip()[:10]
     assert given in message or "'" in message
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "value", "unit"),
+    [("1,5 m", "length", 1.5, "m"), ("0,125 °", "angle", math.radians(0.125), "°"), (",5 s", "time", 0.5, "s"),
+     ("5 Hz", "interval", 0.2, "s"), ("2,5 kHz", "interval", 4e-4, "s"), ("200 ms", "interval", 0.2, "ms")],
+)  # fmt: skip
+def test_a_decimal_comma_and_a_rate_are_read(text, dimension, value, unit):
+    assert parse_quantity(text, dimension) == (pytest.approx(value, rel=1e-15), unit)
 
 
 @pytest.mark.parametrize(("dimension", "unit"), EVERY_UNIT, ids=lambda value: value)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.charts.kinds import DotChart, MapChart, PictureChart
-from app.charts.print.look import DASHES, LINE_SCALE, MARKERS, log_axis, plain
+from app.charts.print.look import MARKERS, area_entry, line_entry, log_axis, pen, plain
 from app.charts.region import middle_of
 from app.charts.styles import STYLES
 
@@ -22,9 +22,6 @@ _MOST_HIGH = 44.0  # mm of one picture
 
 def draw_dots(axes: Any, chart: DotChart) -> list[Any]:
     """Rows of dots; the entries of the legend."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     plain(axes)
     axes.grid(visible=True, axis="x")
     axes.set(xlabel=chart.x_label, xscale="log")
@@ -35,24 +32,20 @@ def draw_dots(axes: Any, chart: DotChart) -> list[Any]:
     )
     handles: list[Any] = []
     if not np.isnan(runs).all():
-        axes.barh(rows, high - low, left=low, height=0.42, color=band, alpha=0.35, linewidth=0)
+        pale: dict[str, Any] = {"color": band, "alpha": 0.35, "linewidth": 0}
+        axes.barh(rows, high - low, left=low, height=0.42, **pale)
         dot: dict[str, Any] = {"color": band, "marker": "o", "linestyle": "none", "markersize": 4.5}
         axes.plot(runs, rows, **dot)
-        handles += [
-            Patch(color=band, alpha=0.35, linewidth=0, label="runs, 5 to 95 %"),
-            Line2D([], [], label="runs, rms", **dot),
-        ]
+        handles += [area_entry("runs, 5 to 95 %", pale), line_entry("runs, rms", dot)]
     diamond: dict[str, Any] = {
         "color": form, "marker": "D", "linestyle": "none", "markersize": 6.5, "fillstyle": "none",
         "markeredgewidth": 1.1,
     }  # fmt: skip
     axes.plot(closed, rows, **diamond)
-    handles.append(Line2D([], [], label="closed form, 1σ", **diamond))
+    handles.append(line_entry("closed form, 1σ", diamond))
     if not math.isnan(chart.limit):
-        style = STYLES["limit"]
-        look = {"color": style.colour, "linestyle": DASHES[style.dash], "linewidth": style.width * LINE_SCALE}
-        axes.axvline(chart.limit, **look)
-        handles.append(Line2D([], [], label="limit, brought to 1σ", **look))
+        axes.axvline(chart.limit, **pen(STYLES["limit"]))
+        handles.append(line_entry("limit, brought to 1σ", pen(STYLES["limit"])))
     axes.set_yticks(rows, [dot.label for dot in chart.dots])
     axes.set_ylim(len(chart.dots) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)
@@ -62,9 +55,6 @@ def draw_dots(axes: Any, chart: DotChart) -> list[Any]:
 
 def draw_map(axes: Any, chart: MapChart) -> list[Any]:
     """Regions by colour, hatch and name, points and the contour; the entries of the legend."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     plain(axes)
     axes.set(xlabel=chart.x_label, ylabel=chart.y_label, xscale="log", yscale="log")
     axes.set(xlim=(chart.x[0], chart.x[-1]), ylim=(chart.y[0], chart.y[-1]))
@@ -73,28 +63,22 @@ def draw_map(axes: Any, chart: MapChart) -> list[Any]:
         here = chart.winner == index
         if not here.any():
             continue
-        hatch, colour = _HATCHES[index % len(_HATCHES)], _pale(STYLES[style].colour)
+        hatch, edge, colour = _HATCHES[index % len(_HATCHES)], STYLES[style].colour, _pale(STYLES[style].colour)
         drawn = axes.contourf(
             chart.x, chart.y, here.astype(float), levels=[0.5, 1.5], colors=[colour], hatches=[hatch], zorder=1
         )
-        drawn.set_edgecolor(STYLES[style].colour)
+        drawn.set_edgecolor(edge)
         drawn.set_linewidth(0.3)
-        handles.append(
-            Patch(facecolor=colour, edgecolor=STYLES[style].colour, hatch=hatch or None, linewidth=0.4, label=name)
-        )
+        area = {"facecolor": colour, "edgecolor": edge, "hatch": hatch or None, "linewidth": 0.4}
+        handles.append(area_entry(name, area))
         place = middle_of(chart, index)
         if place is not None:
             box = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.6}
             axes.text(place[0], place[1], name, ha="center", va="center", bbox=box, zorder=4)
-    style_of_limit = STYLES[chart.contour.style]
-    line: dict[str, Any] = {
-        "color": style_of_limit.colour,
-        "linestyle": DASHES[style_of_limit.dash],
-        "linewidth": 1.3 * style_of_limit.width * LINE_SCALE,
-    }
     if not np.isnan(chart.contour.y).all():
+        line = pen(STYLES[chart.contour.style], width=1.3)
         axes.plot(chart.contour.x, chart.contour.y, zorder=2, **line)
-        handles.append(Line2D([], [], label=chart.contour.label, **line))
+        handles.append(line_entry(chart.contour.label, line))
     for points in chart.points:
         cross = points.marker == "cross"
         look: dict[str, Any] = {
@@ -103,7 +87,7 @@ def draw_map(axes: Any, chart: MapChart) -> list[Any]:
             "markeredgecolor": STYLES[points.style].colour if cross else "white",
         }  # fmt: skip
         axes.plot(points.x, points.y, zorder=3, **look)
-        handles.append(Line2D([], [], label=points.label, **look))
+        handles.append(line_entry(points.label, look))
     for axis in (axes.xaxis, axes.yaxis):
         log_axis(axis)
     return handles

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from app.charts.kinds import Points
+from app.charts.styles import Style
 
 DASHES: dict[str, Any] = {
     "solid": "-",
@@ -22,6 +23,28 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _BESIDE = ((5, 0, "left", "center"), (-5, 0, "right", "center"), (0, 5, "center", "bottom"), (0, -5, "center", "top"))
 _NAME_SIZE = 6.5
 _BEHIND = {"facecolor": "white", "alpha": 0.65, "edgecolor": "none", "pad": 0.6}
+
+
+def pen(style: Style, dash: str = "", width: float = 1.0) -> dict[str, Any]:
+    """A style as Matplotlib draws a line, in another dash or so many times as wide if asked for."""
+    return {
+        "color": style.colour, "linestyle": DASHES[dash or style.dash],
+        "linewidth": width * style.width * LINE_SCALE,
+    }  # fmt: skip
+
+
+def line_entry(label: str, look: dict[str, Any]) -> Any:
+    """A line or a marker in the legend."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], label=label, **look)
+
+
+def area_entry(label: str, look: dict[str, Any]) -> Any:
+    """An area in the legend."""
+    from matplotlib.patches import Patch
+
+    return Patch(label=label, **look)
 
 
 def plain(axes: Any) -> None:

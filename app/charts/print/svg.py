@@ -15,7 +15,16 @@ from typing import Any
 
 from app.charts.kinds import BarChart, Chart, DotChart, Drawing, MapChart, Points
 from app.charts.print.grid import ROW_HEIGHT, draw_dots, draw_map, draw_pictures, pictures_height
-from app.charts.print.look import DASHES, LINE_SCALE, MARKERS, label_points, log_axis, plain
+from app.charts.print.look import (
+    LINE_SCALE,
+    MARKERS,
+    area_entry,
+    label_points,
+    line_entry,
+    log_axis,
+    pen,
+    plain,
+)
 from app.charts.styles import STYLES
 
 WIDTH = 166.0  # mm: the text width of an A4 page
@@ -49,6 +58,7 @@ _SETTINGS = {
     "hatch.linewidth": 0.6,
     "axes.unicode_minus": True,
 }
+_SHADE = {"color": "#7b8794", "alpha": 0.18, "linewidth": 0}
 _settings_lock = threading.Lock()
 
 
@@ -120,9 +130,6 @@ def _in_lines(label: str) -> str:
 
 
 def _curves(axes: Any, chart: Chart) -> list[Any]:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     plain(axes)
     axes.grid(visible=True)
     axes.set(xlabel=chart.x_label, ylabel=_in_lines(chart.y_label))
@@ -134,42 +141,30 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
     for span in chart.spans:
         if math.isnan(span.start):
             continue
-        axes.axvspan(span.start, span.stop, color="#7b8794", alpha=0.18, linewidth=0)
+        axes.axvspan(span.start, span.stop, **_SHADE)
         if span.label not in [handle.get_label() for handle in handles]:
-            handles.append(Patch(color="#7b8794", alpha=0.18, linewidth=0, label=span.label))
+            handles.append(area_entry(span.label, _SHADE))
     for band in chart.bands:
-        colour = STYLES[band.style].colour
-        axes.fill_between(band.x, band.low, band.high, color=colour, alpha=0.25, linewidth=0)
-        handles.append(Patch(color=colour, alpha=0.25, linewidth=0, label=band.label))
+        pale: dict[str, Any] = {"color": STYLES[band.style].colour, "alpha": 0.25, "linewidth": 0}
+        axes.fill_between(band.x, band.low, band.high, **pale)
+        handles.append(area_entry(band.label, pale))
     for line in chart.lines:
-        style = STYLES[line.style]
-        look: dict[str, Any] = {
-            "color": style.colour,
-            "linestyle": DASHES[style.dash],
-            "linewidth": style.width * LINE_SCALE,
-        }
-        axes.plot(line.x, line.y, **look)
-        handles.append(Line2D([], [], label=line.label, **look))
+        axes.plot(line.x, line.y, **pen(STYLES[line.style]))
+        handles.append(line_entry(line.label, pen(STYLES[line.style])))
     for points in chart.points:
-        look = {
-            "color": STYLES[points.style].colour,
-            "marker": MARKERS[points.marker],
-            "linestyle": "none",
-            "markersize": 4.5,
-        }
+        mark = {"color": STYLES[points.style].colour, "marker": MARKERS[points.marker]}
+        look: dict[str, Any] = {**mark, "linestyle": "none", "markersize": 4.5}
         if points.sizes is None:  # whole even on the edge of the frame, unless the frame was chosen
             axes.plot(points.x, points.y, zorder=3, clip_on=bool(chart.x_range or chart.y_range), **look)
         else:
-            marker = {"color": look["color"], "marker": look["marker"], "zorder": 3}
-            axes.scatter(points.x, points.y, s=(LINE_SCALE * points.sizes) ** 2, linewidths=0.9, **marker)
-        handles.append(Line2D([], [], label=points.label, **look))
+            sizes = (LINE_SCALE * points.sizes) ** 2
+            axes.scatter(points.x, points.y, s=sizes, linewidths=0.9, zorder=3, **mark)
+        handles.append(line_entry(points.label, look))
     drawn = [limit for limit in chart.limits if not math.isnan(limit.level)]
-    style = STYLES["limit"]
-    look = {"color": style.colour, "linestyle": DASHES[style.dash], "linewidth": style.width * LINE_SCALE}
     for limit in drawn:
-        axes.plot([limit.start, limit.stop], [limit.level] * 2, **look)
+        axes.plot([limit.start, limit.stop], [limit.level] * 2, **pen(STYLES["limit"]))
     if drawn:
-        handles.append(Line2D([], [], label="limit, brought to 1σ", **look))
+        handles.append(line_entry("limit, brought to 1σ", pen(STYLES["limit"])))
     if chart.x_range is not None:
         axes.set_xlim(*chart.x_range)
     if chart.square:
@@ -189,9 +184,6 @@ _BAR_KINDS = (("first", STYLES["quadratic"].colour, -0.19, "", "dashdot"),
 
 
 def _bars(axes: Any, chart: BarChart) -> list[Any]:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     plain(axes)
     axes.grid(visible=True, axis="x")
     axes.set_xlabel(chart.x_label)
@@ -199,24 +191,15 @@ def _bars(axes: Any, chart: BarChart) -> list[Any]:
     handles: list[Any] = []
     for kind, colour, offset, hatch, dash in _BAR_KINDS:
         lengths = [getattr(bar, kind) for bar in chart.bars]
-        look: dict[str, Any] = {
-            "facecolor": colour if not hatch else "white",
-            "edgecolor": colour,
-            "linewidth": 0.6,
-            "hatch": hatch or None,
-        }
+        face = "white" if hatch else colour
+        look: dict[str, Any] = {"facecolor": face, "edgecolor": colour, "linewidth": 0.6, "hatch": hatch or None}
         axes.barh([row + offset for row in rows], lengths, height=0.34, **look)
         label = getattr(chart, f"{kind}_label")
-        handles.append(Patch(label=label, **look))
+        handles.append(area_entry(label, look))
         limit = getattr(chart, f"{kind}_limit")
         if not math.isnan(limit):
-            line = {
-                "color": STYLES["limit"].colour,
-                "linestyle": DASHES[dash],
-                "linewidth": STYLES["limit"].width * LINE_SCALE,
-            }
-            axes.axvline(limit, **line)
-            handles.append(Line2D([], [], label=f"limit on {label}, at 1σ", **line))
+            axes.axvline(limit, **pen(STYLES["limit"], dash))
+            handles.append(line_entry(f"limit on {label}, at 1σ", pen(STYLES["limit"], dash)))
     axes.set_yticks(list(rows), [bar.label for bar in chart.bars])
     axes.set_ylim(len(chart.bars) - 0.5, -0.5)  # a last row without a second bar stays whole
     axes.set_xlim(left=0)

@@ -41,6 +41,7 @@ from app.charts.styles import BAR_STYLES, DASHES, STYLES
 TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 _BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
+_LEAST = 180  # pixels of height of a figure that fills its place
 
 
 @dataclass
@@ -60,7 +61,7 @@ class Figure:
             sent, source = self._sent[name], self._sources[name]
             if renamed:
                 source.data = dict(columns)
-            elif changed := {key: new for key, new in columns.items() if not _same(sent[key], new)}:
+            elif changed := {key: new for key, new in columns.items() if not same(sent[key], new)}:
                 source.data.update(changed)
             self._sent[name] = columns
         if isinstance(chart, Chart):
@@ -95,20 +96,29 @@ class Figure:
             self.plot.y_range.update(start=start, end=end, reset_start=start, reset_end=end)
 
 
-def to_bokeh(chart: AnyChart, height: int = 320) -> Figure:
-    """A figure for a chart, as wide as its place."""
+def to_bokeh(chart: AnyChart, height: int | None = 320) -> Figure:
+    """A figure for a chart, as wide as its place; with a height of None also as high as its place."""
     if isinstance(chart, Chart):
         return _curves(chart, height)
     if isinstance(chart, BarChart):
         return _bars(chart, height)
     columns = columns_of(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
-    plot = draw(chart, sources, height)
+    plot = draw(chart, sources, height or _LEAST)
+    if height is None:
+        fill(plot)
     plot.styles = TEXT_SIZE
     for axis in (plot.xaxis, plot.yaxis):
         if isinstance(axis[0], LogAxis):
             mark_in_powers(axis[0])
     return Figure(plot, sources, dict(columns))
+
+
+def fill(plot: figure) -> None:
+    """Make a figure as high as its place; its tools stand above it only while the pointer is on it."""
+    plot.update(height=None, min_height=_LEAST, sizing_mode="stretch_both", toolbar_location="above")
+    plot.update(toolbar_inner=True, min_border_right=14)
+    plot.toolbar.autohide = True
 
 
 def _columns(chart: AnyChart) -> dict[str, dict[str, Any]]:
@@ -144,7 +154,7 @@ def _line_source(chart: Chart, x: Any) -> str:
     return f"lines {next(i for i, line in enumerate(chart.lines) if line.x is x)}"
 
 
-def _same(old: Any, new: Any) -> bool:
+def same(old: Any, new: Any) -> bool:
     """Whether a column need not be sent again."""
     if old is new:
         return True
@@ -153,10 +163,10 @@ def _same(old: Any, new: Any) -> bool:
     return repr(old) == repr(new)
 
 
-def _curves(chart: Chart, height: int) -> Figure:
+def _curves(chart: Chart, height: int | None) -> Figure:
     plot = figure(
         name=chart.key,
-        height=height,
+        height=height or _LEAST,
         sizing_mode="stretch_width",
         x_axis_type="log" if chart.x_log else "linear",
         y_axis_type="log" if chart.y_log else "linear",
@@ -168,7 +178,9 @@ def _curves(chart: Chart, height: int) -> Figure:
         **({"y_range": Range1d(*chart.y_range)} if chart.y_range else {}),
         **({"x_range": Range1d(*chart.x_range)} if chart.x_range else {}),
     )
-    if chart.square:
+    if height is None:
+        fill(plot)
+    elif chart.square:
         wide = height + _BESIDE  # so that the frame itself is square
         plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)
     plot.toolbar.logo = None
@@ -178,16 +190,16 @@ def _curves(chart: Chart, height: int) -> Figure:
     for band in chart.bands:
         style = STYLES[band.style]
         source = sources[f"band {band.key}"]
-        _draw(plot, source, VArea(x="x", y1="low", y2="high", fill_color=style.colour, fill_alpha=0.25))
+        add_glyph(plot, source, VArea(x="x", y1="low", y2="high", fill_color=style.colour, fill_alpha=0.25))
         for edge in ("low", "high"):  # a thin band would vanish without them
-            _draw(plot, source, LineGlyph(x="x", y=edge, line_color=style.colour, line_alpha=0.6))
+            add_glyph(plot, source, LineGlyph(x="x", y=edge, line_color=style.colour, line_alpha=0.6))
     lines = []
     for line in chart.lines:
         style = STYLES[line.style]
         look = {"line_color": style.colour, "line_dash": DASHES[style.dash], "line_width": style.width}
         glyph = LineGlyph(x="x", y=field_of(_column(line)), **look)
-        lines.append(_draw(plot, sources[_line_source(chart, line.x)], glyph, _column(line)))
-    x_unit, y_unit = _unit(chart.x_label), _unit(chart.y_label)
+        lines.append(add_glyph(plot, sources[_line_source(chart, line.x)], glyph, _column(line)))
+    x_unit, y_unit = unit_of(chart.x_label), unit_of(chart.y_label)
     _hover(plot, lines, f"<b>$name</b><br>@$name{{0.000e+0}} {y_unit} at @x{{0.000}} {x_unit}")
     for points in chart.points:
         style = STYLES[points.style]
@@ -196,12 +208,12 @@ def _curves(chart: Chart, height: int) -> Figure:
             x="x", y="y", marker=value(points.marker), size=9 if points.sizes is None else "size",
             fill_color=style.colour, line_color=style.colour, line_width=style.width if points.marker == "x" else 1.0,
         )  # fmt: skip
-        renderer = _draw(plot, source, glyph)
+        renderer = add_glyph(plot, source, glyph)
         _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
     if chart.limits:
         style = STYLES["limit"]
         look = {"line_color": style.colour, "line_dash": DASHES[style.dash], "line_width": style.width}
-        renderer = _draw(plot, sources["limits"], Segment(x0="x0", y0="y", x1="x1", y1="y", **look))
+        renderer = add_glyph(plot, sources["limits"], Segment(x0="x0", y0="y", x1="x1", y1="y", **look))
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
     plot.styles = TEXT_SIZE
     for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
@@ -210,14 +222,19 @@ def _curves(chart: Chart, height: int) -> Figure:
     return Figure(plot, sources, dict(columns), spans, lines)
 
 
-def _draw(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:
+def add_glyph(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:
     """Draw without the looks for selected and muted data that the plotting functions add: nothing is selected
     here, and every model counts in the time to the first view."""
     plain = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
     return plot.add_glyph(source, glyph, name=name, **plain)
 
 
-def _unit(label: str) -> str:
+def unit_of(label: str) -> str:
+    """The unit in an axis label.
+
+    >>> unit_of("position, 1σ [m]")
+    'm'
+    """
     return label.rpartition("[")[2].rstrip("]")
 
 
@@ -246,11 +263,11 @@ def _bar_columns(chart: BarChart) -> dict[str, dict[str, Any]]:
     }
 
 
-def _bars(chart: BarChart, height: int) -> Figure:
+def _bars(chart: BarChart, height: int | None) -> Figure:
     columns = _bar_columns(chart)
     plot = figure(
         name=chart.key,
-        height=height,
+        height=height or _LEAST,
         sizing_mode="stretch_width",
         y_range=FactorRange(*columns["bars"]["label"]),
         x_axis_label=chart.x_label,
@@ -259,6 +276,8 @@ def _bars(chart: BarChart, height: int) -> Figure:
         active_drag=None,
     )
     plot.toolbar.logo = None
+    if height is None:
+        fill(plot)
     plot.x_range.start = 0
     plot.ygrid.grid_line_color = None
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}

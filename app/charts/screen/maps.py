@@ -18,8 +18,8 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from app.charts.kinds import LEVELS, RankChart, TradeMapChart
-from app.charts.screen.figures import TEXT_SIZE
+from app.charts.kinds import LEVELS, Array, RankChart, TradeMapChart
+from app.charts.screen.figures import TEXT_SIZE, fill
 from app.charts.screen.log_axis import mark_in_powers
 from app.charts.styles import STYLES
 from nav_model.explore.trade_map import MapPoint
@@ -39,8 +39,6 @@ class RankFigure:
         self._source = ColumnDataSource(_bars(chart), name=f"{chart.key} bars")
         self.plot = figure(
             name=chart.key,
-            height=360,
-            sizing_mode="stretch_width",
             y_range=FactorRange(*self._source.data["label"]),
             x_range=Range1d(0, _most(chart)),
             x_axis_label=chart.x_label,
@@ -48,6 +46,7 @@ class RankFigure:
             toolbar_location="right",
         )
         self.plot.toolbar.logo = None
+        fill(self.plot)
         self.plot.ygrid.grid_line_color = None
         self.plot.styles = TEXT_SIZE
         colour = STYLES["quadratic"].colour
@@ -93,8 +92,6 @@ class MapFigure:
         self._chart = chart
         self.plot = figure(
             name=chart.key,
-            height=460,
-            sizing_mode="stretch_width",
             x_axis_type="log" if chart.x_log else "linear",
             y_axis_type="log" if chart.y_log else "linear",
             x_axis_label=chart.x_label,
@@ -105,6 +102,7 @@ class MapFigure:
             toolbar_location="right",
         )
         self.plot.toolbar.logo = None
+        fill(self.plot)
         self.plot.grid.visible = False
         self.plot.styles = TEXT_SIZE
         self._image = ColumnDataSource(_image(chart), name=f"{chart.key} image")
@@ -164,14 +162,18 @@ class MapFigure:
 
 
 def _image(chart: TradeMapChart) -> dict[str, Any]:
-    # The grid is even where the axis is straight, so the picture's corners place every cell.
-    return {
-        "image": [chart.ratio],
-        "x": [chart.x[0]],
-        "y": [chart.y[0]],
-        "dw": [chart.x[-1] - chart.x[0]],
-        "dh": [chart.y[-1] - chart.y[0]],
-    }
+    # The grid is even where the axis is straight, so the picture's corners place every cell, the point in its middle.
+    (left, right), (bottom, top) = _edges(chart.x, chart.x_log), _edges(chart.y, chart.y_log)
+    return {"image": [chart.ratio], "x": [left], "y": [bottom], "dw": [right - left], "dh": [top - bottom]}
+
+
+def _edges(values: Array, is_log: bool) -> tuple[float, float]:
+    """Where the first cell begins and the last one ends."""
+    straight = np.log(values) if is_log else values
+    half = (straight[-1] - straight[0]) / (len(straight) - 1) / 2
+    ends = np.array([straight[0] - half, straight[-1] + half])
+    low, high = np.exp(ends) if is_log else ends
+    return float(low), float(high)
 
 
 def _points(chart: TradeMapChart) -> dict[str, Any]:
@@ -195,7 +197,7 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
 
 def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
     """Where each name stands beside its mark: the first place that covers no other name or mark, as drawn about
-    430 pixels wide; a name that finds none is left to the hover."""
+    860 pixels wide; a name that finds none is left to the hover."""
     x, y = (
         (np.log(values) - np.log(ends[0])) / (np.log(ends[-1]) - np.log(ends[0]))
         if is_log
@@ -205,7 +207,7 @@ def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
             (chart.points_y, chart.y, chart.y_log),
         )
     )
-    across, down = 430 * x, -400 * y
+    across, down = 860 * x, -560 * y
     taken = [(px - 6, py - 6, px + 6, py + 6) for px, py in zip(across, down, strict=True)]
     placed: dict[str, list[Any]] = {"right": [], "down": [], "align": [], "name": []}
     for point, px, py in zip(chart.points, across, down, strict=True):
@@ -213,7 +215,7 @@ def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
         for right, lower, align in _PLACES:
             left = px + right - {"left": 0, "right": width, "center": width / 2}[align]
             box = (left, py + lower - 7, left + width, py + lower + 7)
-            if box[0] > 0 and box[2] < 490 and not any(_overlap(box, other) for other in taken):
+            if box[0] > 0 and box[2] < 920 and not any(_overlap(box, other) for other in taken):
                 taken.append(box)
                 break
         else:

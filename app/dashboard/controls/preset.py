@@ -23,10 +23,10 @@ class PresetControl(pn.viewable.Viewer):
         self.section = section
         self.key = f"{section}.preset"
         entries = catalogue(kind_of(section))
-        options: dict[str, str] = {"none": ""}
-        options |= {_preset_label(entry): entry.name for entry in entries.values()}
+        self._options: dict[str, str] = {"none": ""}
+        self._options |= {_preset_label(entry): entry.name for entry in entries.values()}
         self.select = pmui.Select(
-            label="From the catalogue", options=options, margin=(10, 10, 0, 10), sizing_mode="stretch_width"
+            label="From the catalogue", options=self._options, margin=(10, 10, 0, 10), sizing_mode="stretch_width"
         )
         self.restore = pmui.Button(
             label="Take the catalogue's values", variant="text", margin=(2, 10, 0, 10), visible=False
@@ -49,6 +49,12 @@ class PresetControl(pn.viewable.Viewer):
         name = preset_of(design, self.section) or ""
         changed = len(deviations(design, self.section))
         entry = find("imu" if self.section == "imu" else "radar", name) if name else None
+        options = self._options
+        if changed:  # what was edited is no longer what the catalogue has
+            options = {f"Custom, based on {name}" if own == name else said: own for said, own in options.items()}
+        if self.select.options != options:
+            self.select.param.update(options=options, value=name)
+            self.select.param.trigger("value")  # the browser knows the value by its label, which is another now
         self.select.value = name
         self.restore.visible = bool(changed)
         self.select.helper_text = _entry_help(entry, changed, self.explained) if entry else ""

@@ -14,7 +14,7 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import entry_of, preset_of
 from nav_model.errors import InputError
-from nav_model.units import DIMENSIONS, format_quantity
+from nav_model.units import DIMENSIONS, format_quantity, with_point
 
 _SLIDERS = {
     "imu.velocity_random_walk",
@@ -151,7 +151,7 @@ class QuantityControl(InputBox):
 def _with_unit(text: str, unit: str) -> str:
     """A bare number takes the unit beside the box."""
     try:
-        float(text.replace("−", "-"))
+        float(with_point(text).replace("−", "-"))
     except ValueError:
         return text
     return f"{text} {unit}".strip()

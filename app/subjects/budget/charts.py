@@ -10,7 +10,7 @@ import numpy as np
 
 from app.charts.kinds import Array, Band, Bar, BarChart, Chart, Limit, Line, Points, Span
 from app.document.numbers import decibels, number, percent, show
-from app.document.wording import AFTER_AUTOFOCUS
+from app.document.wording import DETRENDED
 from app.subjects.budget.tables import ALONG_TRACK
 from nav_model.analytic import regime
 from nav_model.budget import Budget
@@ -185,6 +185,64 @@ def attitude_chart(budget: Budget) -> Chart:
     )  # fmt: skip
 
 
+def timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
+    """Position, velocity and attitude on one time axis, as the page shows them together.
+
+    Before the last fix each curve has the level that its requirement is held against, the tile's; after it position
+    is the refined curve [T-17], velocity and attitude the formulas [T-9], [T-10], [T-5].
+    """
+    coast, x = budget.coast, _grid(budget)
+    settled = getattr(budget.steady_state, budget.design.requirements.steady_state)
+    lead, end = float(x[0]), coast.duration
+    span = (_aperture_span(budget),)
+
+    def chart(
+        key: str, quantity: str, unit: str, curves: tuple[tuple[str, str, Array], ...], *limits: Limit
+    ) -> Chart:
+        lines = tuple(Line(label, label, x, y, style) for label, style, y in curves)
+        return Chart(
+            key, f"{quantity} sigma", "time since the last fix [s]", f"{quantity}, 1σ [{unit}]", lines,
+            limits=limits, spans=span, y_log=True,
+        )  # fmt: skip
+
+    return (
+        chart(
+            "position", "position", "m",
+            (
+                ("horizontal", "horizontal", _held(settled.position_horizontal, coast.refined_horizontal)),
+                ("vertical", "vertical", _held(settled.position_vertical, coast.refined_vertical)),
+            ),
+            *_limits(
+                budget,
+                (
+                    ("horizontal_position", lead, 0.0),
+                    ("vertical_position", lead, 0.0),
+                    ("coast_horizontal_position", 0.0, end),
+                    ("coast_vertical_position", 0.0, end),
+                ),
+            ),
+        ),
+        chart(
+            "velocity", "velocity", "m/s",
+            (
+                ("horizontal", "horizontal", _held(settled.velocity_horizontal, coast.velocity_horizontal)),
+                ("vertical", "vertical", _held(settled.velocity_vertical, coast.velocity_vertical)),
+            ),
+            *_limits(budget, (("horizontal_velocity", lead, 0.0), ("vertical_velocity", lead, 0.0))),
+        ),
+        chart(
+            "attitude", "attitude", "°",
+            (
+                ("roll, pitch", "tilt", _held(settled.tilt * _DEG, coast.tilt * _DEG)),
+                ("yaw growth", "yaw", _after(coast.yaw_growth * _DEG)),
+            ),
+            *_limits(budget, (("tilt", lead, 0.0),), _DEG),
+        ),
+    )  # fmt: skip
+
+
+TOTAL = "total"
+"""What the sum of the sources in quadrature is called beside them."""
 _LINE_EQUATIONS = {
     "initial tilt": "(4π/λ)(T²/8) g √p33 cos ψ [S-5]",
     "accelerometer noise": "(4π/λ)(T²/8) σa √(10/7T) [S-5]",
@@ -203,24 +261,24 @@ def phase_chart(budget: Budget) -> BarChart:
         first, second = map(float, 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength))
         return Bar(label, quadratic * _DEG, detrended * _DEG, first, second, source)
 
-    left = AFTER_AUTOFOCUS[sar.autofocus_order]
+    left = DETRENDED[sar.autofocus_order]
     slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
     return BarChart(
         key="phase",
-        title="Phase budget by source",
+        title="SAR phase error by source",
         x_label="line-of-sight phase over the aperture, 1σ [°]",
         first_label="quadratic",
         second_label=f"residual rms after {left}",
         bars=(
             *(bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS[x.source]) for x in sar.lines),
-            bar("total in quadrature", sar.quadratic, sar.detrended, "[S-5], [T-15]"),
+            bar(TOTAL, sar.quadratic, sar.detrended, "[S-5], [T-15]"),
             bar(ALONG_TRACK, sar.along_track_quadratic, math.nan, "πVT²δV/(λR) [S-2]"),
         ),
         first_limit=_limit(budget, "quadratic_phase", _DEG),
         second_limit=_limit(budget, "detrended_phase", _DEG),
         knowledge=(
             "Closed forms [S-5], [T-15], [S-6] with the line of sight of [S-1]; along-track [S-2]. "
-            f"Quadratic before autofocus; residual rms after {left} is removed.{slow}"
+            f"Quadratic before autofocus; residual rms after {left}.{slow}"
         ),
     )
 
@@ -268,7 +326,7 @@ def response_chart(budget: Budget) -> Chart:
     x = aperture_positions(1024)
     phases = np.stack((0 * x, sar.quadratic * x**2, sar.quadratic * x**2 + sar.cubic * x**3))
     keys = ("ideal", "quadratic", "cubic")
-    labels = ("no error", "1σ quadratic", "1σ quadratic and cubic")
+    labels = ("no error", "1σ quadratic", "with cubic")
     if sar.impulse_response is None:
         cells, power = np.array([0.0]), np.full((3, 1), np.nan)
     else:
@@ -288,9 +346,9 @@ def response_chart(budget: Budget) -> Chart:
     metres = cells * sar.cell_length
     return Chart(
         key="response",
-        title="Azimuth impulse response",
+        title="Point target in azimuth",
         x_label="azimuth [m]",
-        y_label="power over the error-free peak [dB]",
+        y_label="power [dB]",
         lines=tuple(
             Line(
                 key,

@@ -65,7 +65,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """A line per requirement, then the verdict: what `navbudget check` prints for one design.
+    """A line per requirement, the verdict of the other processing, then the verdict: what `navbudget check` prints for one design.
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
@@ -81,7 +81,15 @@ def check_lines(path: str, budget: Budget) -> list[str]:
         )
     said = "closes" if verdict.closes else "DOES NOT CLOSE"
     margin = check_words(budget.design, tightest).margin
-    lines.append(f"{path}: {said} at {verdict.confidence:g} sigma; tightest {tightest.name}, margin {margin}")
+    other = budget.other_verdict
+    assert other.tightest is not None  # it has the same requirements
+    would = "would close" if other.closes else "would not close"
+    beside = check_words(budget.design, other.tightest).margin
+    lines += [
+        f"{path}: {other.processing} it {would}; tightest {other.tightest.name}, margin {beside}",
+        f"{path}: {said} at {verdict.confidence:g} sigma, {verdict.processing}; tightest {tightest.name}, "
+        f"margin {margin}",
+    ]
     return [line.replace("−", "-") for line in lines]
 
 

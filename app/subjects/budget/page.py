@@ -1,76 +1,246 @@
-"""The Budget page: the answer, the key figures, then the charts that explain them."""
+"""The Budget page: answer, key figures and the charts that explain them on one screen; details folded below."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import panel as pn
+import panel_material_ui as pmui
+import param
 
-from app.charts.kinds import BarChart, Chart
+from app.charts.screen.timelines import Timelines
+from app.charts.words import in_words
 from app.declared import held
+from app.document.bars import bars_html
 from app.document.pane import html_of
-from app.document.verdict import verdict_of
+from app.document.prose import prose
+from app.document.verdict import verdict_strip
 from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts
-from app.subjects.budget.tables import key_figures, requirement_table
-from app.ui.chart_pane import ChartView
-from app.ui.grid import cell, grid
+from app.subjects.budget.closing import Way, ways, ways_block
+from app.subjects.budget.tables import key_figures, requirement_table, steady_table
+from app.ui.answer_strip import AnswerStrip
+from app.ui.chart_pane import ChartPane, ChartView, head_html, source_note
+from app.ui.first_screen import first_screen
+from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
-from app.ui.turns import in_turns
+from app.ui.sortable_table import SortableTable
+from app.ui.theme import FRAME, PRINT_NOTHING
+from app.ui.tiles import tiles_html
+from app.work.pool import elsewhere
 from nav_model.budget import Budget
 
-# Chart, height in pixels, columns of twelve on a wide screen.
-_LAYOUT: tuple[tuple[Callable[[Budget], Chart | BarChart], int, int], ...] = (
-    (charts.position_chart, 380, 12),
-    (charts.velocity_chart, 300, 6),
-    (charts.attitude_chart, 300, 6),
-    (charts.phase_chart, 360, 6),
-    (charts.response_chart, 360, 6),
-    (charts.regime_chart, 340, 12),
-)
+_KEY = '<span class="quiet fine">red: limit · grey: aperture · faint: compared</span>'
+_HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
-_TIMELINES = 3  # the first charts share their time axis
-_AROUND = 100  # pixels of title, legend and line of knowledge around a figure, at least
+_OVER = {
+    "position": "absolute", "top": "100%", "z-index": "20", "max-height": "60vh", "overflow-y": "auto",
+    "background": "var(--panel-surface-color, Canvas)", "box-shadow": "0 6px 22px rgb(0 0 0 / 30%)",
+}  # fmt: skip
+"""Of what opens over the page: the charts keep their size."""
 
 
 class BudgetPage(pn.viewable.Viewer):
-    """Everything below the tab.
+    """Everything below the bar.
 
-    The first screen is made at once: the answer and the first chart. The other charts follow when it stands, so
-    that nobody waits for what is below the fold.
+    The first screen is made at once and fills the window. What is folded below is made when it is opened.
     """
 
     session = held(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
-        self._answer = html_pane(answer(session.budget))
-        self._charts: list[ChartView] = []
-        # About the height of what will stand in each, so that nothing jumps.
-        self._cells = [cell(columns, min_height=height + _AROUND) for _, height, columns in _LAYOUT]
-        self._view = pn.Column(self._answer, grid(*self._cells))
-        self._add_chart()
-        pn.state.onload(lambda: in_turns([self._add_chart] * (len(_LAYOUT) - 1)))  # in a script or a test: at once
+        budget = session.budget
+        self._follow: list[Callable[[Budget], object]] = []
+        self._close = pmui.Button(
+            label=_ask(budget), variant="text", end_icon="expand_more", margin=(6, 10), stylesheets=[PRINT_NOTHING]
+        )
+        self._close.on_click(self._toggle_ways)
+        self._strip = AnswerStrip(verdict_strip(budget), self._close)
+        self._ways: tuple[Way, ...] = ()
+        self._ways_of: Budget | None = None
+        self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
+        self._table.param.watch(self._take, "chosen")
+        self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
+        self._tiles = html_pane(tiles_html(key_figures(budget)), margin=0)
+        self._stack = Timelines(charts.timelines(budget))
+        self._stack_head = html_pane("", margin=_HEAD)
+        self._phase = html_pane("", margin=(0, 10, 4, 10))
+        self._phase.sizing_mode = "stretch_both"
+        self._phase_head = html_pane("", margin=_HEAD)
+        self._response = ChartPane(charts.response_chart, lambda: self.session.budget)
+        self._details = pn.Column()
+        figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
+        for figure in figures:  # the last has the axis
+            figure.styles = {"flex": "1.25 1 0" if figure is figures[-1] else "1 1 0"}
+        self._view = pn.Column(
+            first_screen(
+                pn.Column(self._strip, self._panel),
+                self._tiles,
+                left=[pn.Column(self._stack_head, *figures, sizing_mode="stretch_both")],
+                right=[
+                    pn.Column(self._phase_head, self._phase, sizing_mode="stretch_both"),
+                    self._response.view,
+                ],
+            ),
+            self._details,
+        )
+        self._compared: Any = None
+        self._feed(budget)
+        pn.state.onload(self._add_details)
 
     def __panel__(self) -> pn.Column:
         return self._view
 
-    def _add_chart(self) -> None:
-        describe, height, _ = _LAYOUT[len(self._charts)]
-        chart = ChartView(describe, self.session, height)
-        if 0 < len(self._charts) < _TIMELINES:  # one time axis: panning one pans all
-            chart.figure.plot.x_range = self._charts[0].figure.plot.x_range
-        self._cells[len(self._charts)].append(chart.view)
-        self._charts.append(chart)
-
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
-        self._answer.object = answer(budget)
-        for chart in self._charts:
-            chart.show(budget)
+        self._strip.show(verdict_strip(budget), _invalid(self.session.invalid))
+        self._stack.feed(charts.timelines(budget))
+        self._response.show(budget)
+        self._feed(budget)
+        if self._close.label != _ask(budget):
+            self._close.label = _ask(budget)
+        if self._panel.visible:
+            self._find_ways()
+        for follow in self._follow:
+            follow(budget)
+
+    @param.depends("session.invalid", watch=True)
+    def _warn(self) -> None:
+        self._strip.show(verdict_strip(self.session.budget), _invalid(self.session.invalid))
+
+    @param.depends("session.compared", watch=True)
+    def _compare(self) -> None:
+        """Hold the page against what is compared; a change of the budget that comes with it shows it anyway."""
+        compared = self.session.compared
+        if compared is self._compared:
+            return
+        self._compared = compared
+        with pn.io.hold():
+            self._stack.compare(charts.timelines(compared.budget) if compared else None)
+            self._feed(self.session.budget)
+
+    def _feed(self, budget: Budget) -> None:
+        """Tiles, bars and the lines above the charts, whose text goes only when it is another."""
+        was = self.session.compared.budget if self.session.compared else None
+        phase = charts.phase_chart(budget)
+        lines = charts.timelines(budget)
+        said = "".join(f'<p class="hidden">What the chart shows: {in_words(line)}</p>' for line in lines)
+        knowledge = charts.position_chart(budget).knowledge
+        for pane, text in (
+            (self._tiles, tiles_html(key_figures(budget), key_figures(was) if was else None)),
+            (self._phase, bars_html(phase, charts.TOTAL, charts.phase_chart(was) if was else None)),
+            (self._phase_head, head_html(phase.title, phase.knowledge)),
+            (self._stack_head, head_html("Position, velocity, attitude", knowledge, said, _KEY)),
+        ):
+            if pane.object != text:
+                pane.object = text
+
+    # --- what would close it ---------------------------------------------------------------------------------
+
+    def _toggle_ways(self, _: Any) -> None:
+        self._panel.visible = not self._panel.visible
+        self._close.end_icon = "expand_less" if self._panel.visible else "expand_more"
+        if self._panel.visible:
+            self._find_ways()
+
+    def _find_ways(self) -> None:
+        if self._ways_of is not self.session.budget:
+            if not self._table.html:
+                self._table.html = "<p role='status'>Solving …</p>"
+            pn.state.execute(self._solve)
+
+    async def _solve(self) -> None:
+        """In a worker: sliders move on meanwhile, and what was asked for an earlier design is dropped."""
+        budget = self.session.budget
+        try:
+            found = await elsewhere(ways, budget.design)
+        except ArithmeticError as error:  # a value that does not hold is not shown
+            self._table.html = f"<p>Not solved: {error}</p>"
+            return
+        if budget is self.session.budget:
+            self._ways, self._ways_of = found, budget
+            self._table.html = html_of(ways_block(budget, found))
+
+    def _take(self, event: Any) -> None:
+        if not event.new:
+            return
+        self._table.chosen = ""
+        if self._ways_of is self.session.budget and event.new.isdecimal() and int(event.new) < len(self._ways):
+            way = self._ways[int(event.new)]
+            self.session.change(way.changes, way.written)
+            self._toggle_ways(event)
+
+    # --- below the first screen ------------------------------------------------------------------------------
+
+    def _add_details(self) -> None:
+        self._details.append(
+            Folded(
+                (
+                    ("Requirements and cautions", lambda: self._told(requirements)),
+                    ("Sources and methods", lambda: self._told(_sources)),
+                    ("What limits horizontal position: gyro or accelerometer?", self._regime),
+                    ("Growth of the position error by cause", self._growth),
+                    ("Exports", self._exports),
+                )
+            )
+        )
+
+    def _told(self, tell: Callable[[Budget], str]) -> Any:
+        pane = html_pane(tell(self.session.budget))
+
+        def follow(budget: Budget) -> None:
+            pane.object = tell(budget)
+
+        self._follow.append(follow)
+        return pane
+
+    def _regime(self) -> Any:
+        return self._chart(charts.regime_chart)
+
+    def _growth(self) -> Any:
+        return self._chart(charts.position_chart)
+
+    def _chart(self, describe: Callable[[Budget], Any]) -> Any:
+        chart = ChartView(describe, self.session, 340)
+        self._follow.append(chart.show)
+        return chart.view
+
+    def _exports(self) -> Any:
+        takes = [
+            take
+            for describe in charts.BUDGET_CHARTS
+            for take in ChartPane(describe, lambda: self.session.budget).takes()
+        ]
+        return pn.FlexBox(*takes, stylesheets=[PRINT_NOTHING])
 
 
-def answer(budget: Budget) -> str:
-    """Everything above the charts, one pane so that a slider step sends it once."""
-    return html_of(verdict_of(budget), key_figures(budget), requirement_table(budget), caution_list(budget))
+def _ask(budget: Budget) -> str:
+    return "How far each input can go" if budget.verdict.closes else "What would close it"
+
+
+def _invalid(count: int) -> str:
+    """What the strip says of boxes that hold a text that was refused."""
+    if not count:
+        return ""
+    return f"{count} input{' is' if count == 1 else 's are'} invalid: last valid values used."
+
+
+def requirements(budget: Budget) -> str:
+    """Every requirement with its margin, and what a careful reader must know."""
+    return html_of(requirement_table(budget), caution_list(budget))
+
+
+def _sources(budget: Budget) -> str:
+    notes = "".join(
+        f"<h3>{chart.title}</h3>{source_note(chart.knowledge)}"
+        for chart in (describe(budget) for describe in charts.BUDGET_CHARTS)
+    )
+    figures = "".join(
+        f"<tr><th scope='row'>{item.label}</th><td class='num'>{item.value}</td><td>{prose(item.detail)}</td></tr>"
+        for item in key_figures(budget).items
+    )
+    table = f"<table class='checks'><caption>Key figures, one sigma</caption><tbody>{figures}</tbody></table>"
+    return f"{table}{html_of(steady_table(budget, 'd'))}{notes}"

@@ -10,6 +10,7 @@ from app.subjects.budget.tables import (
     key_figures,
     outage_table,
     phase_table,
+    processing_table,
     requirement_table,
     steady_table,
 )
@@ -23,6 +24,7 @@ def sections(budget: Budget, key: str) -> tuple[Section, ...]:
     )
     return (
         Section(f"{key}-requirements", "Requirements", (key_figures(budget), requirement_table(budget, key))),
+        Section(f"{key}-processing", "Processing", (processing_table(budget, key),)),
         Section(f"{key}-steady", "Steady state", (steady_table(budget, key),)),
         Section(f"{key}-growth", "Errors against time", (position, outage_table(budget, key), velocity, attitude)),
         Section(

@@ -10,11 +10,12 @@ import numpy as np
 from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
 from app.document.verdict import check_words, met_cell, requirement_quantity
-from app.document.wording import AFTER_AUTOFOCUS, best_of
+from app.document.wording import DETRENDED, best_of
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import provenance
 from nav_model.budget.result import Check
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.geometry import phase_to_metres
 
 ALONG_TRACK = "along-track (separate limit)"
@@ -24,23 +25,25 @@ _MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix
 
 
 def key_figures(budget: Budget) -> KeyFigures:
-    """The figures that decide, each with which one it is and its limit."""
+    """The figures that decide in real time, each with which one it is and its limit."""
     coast, sar = budget.coast, budget.sar
-    checks = {check.name: check for check in budget.verdict.checks}
+    in_real_time = budget.other_verdict if budget.verdict.processing == POST_PROCESSED else budget.verdict
+    checks = {check.name: check for check in in_real_time.checks}
     response = sar.impulse_response
     autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
     fields = (
         ("Position, horizontal", "position_horizontal", "length", "horizontal_position", "[T-3]"),
         ("Position, vertical", "position_vertical", "length", "vertical_position", "[T-4]"),
         ("Velocity, horizontal", "velocity_horizontal", "speed", "horizontal_velocity", "[T-3]"),
-        ("Tilt, roll and pitch", "tilt", "angle", "tilt", "[T-3]"),
+        ("Roll, pitch", "tilt", "angle", "tilt", "[T-3]"),
     )
 
-    def figure(label: str, value: str, detail: str, name: str = "") -> KeyFigure:
-        check = checks.get(name)
+    def figure(label: str, amount: float, dimension: str, detail: str, name: str = "") -> KeyFigure:
+        check, value = checks.get(name), show(amount, dimension)
         if check is None:
-            return KeyFigure(label, value, detail)
-        return KeyFigure(label, value, detail, check_words(budget.design, check).limit, check.met)
+            return KeyFigure(label, value, detail, amount=amount)
+        limit = check_words(budget.design, check).limit
+        return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
 
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
         chosen = budget.design.requirements.steady_state
@@ -48,42 +51,46 @@ def key_figures(budget: Budget) -> KeyFigures:
         which = f"{_MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
         if chosen != "closed":
             which += f"; average {show(getattr(average, field), dimension)} {mark}"
-        return figure(label, show(getattr(moment, field), dimension), f"1σ, {which}", name)
+        return figure(label, getattr(moment, field), dimension, f"1σ, {which}", name)
 
     def sight(phase: float) -> str:
         return f"{show(float(phase_to_metres(phase, sar.wavelength)), 'length')} along the line of sight"
 
-    width = "not focused"
+    width = KeyFigure("Azimuth width", "not focused", f"ideal {show(sar.cell_length, 'length')}")
     if response is not None:
-        width = show(float(response.half_power_extent_cells) * sar.cell_length, "length")
+        width = figure(
+            "Azimuth width",
+            float(response.half_power_extent_cells) * sar.cell_length,
+            "length",
+            f"with 1σ quadratic; aperture {show(sar.aperture_time, 'time')}, "
+            f"{show(sar.aperture_length, 'length')} [S-3]",
+        )
     return KeyFigures(
         "Key figures, one sigma",
         (
             *(settled(*names) for names in fields),
             figure(
                 f"Position after {show(coast.duration, 'time')}",
-                show(coast.end_refined_horizontal, "length"),
+                coast.end_refined_horizontal,
+                "length",
                 f"horizontal, refined [T-17]; vertical {show(coast.end_refined_vertical, 'length')}",
                 "coast_horizontal_position",
             ),
             figure(
                 "Quadratic phase",
-                show(sar.quadratic, "angle"),
+                sar.quadratic,
+                "angle",
                 f"{sight(sar.quadratic)}, closed form [S-5]{autofocus}",
                 "quadratic_phase",
             ),
             figure(
-                "Detrended phase, rms",
-                show(sar.detrended, "angle"),
+                "Residual phase",
+                sar.detrended,
+                "angle",
                 f"{sight(sar.detrended)}, closed form [T-15]",
                 "detrended_phase",
             ),
-            figure(
-                "Azimuth width",
-                width,
-                f"with 1σ quadratic; aperture {show(sar.aperture_time, 'time')}, "
-                f"{show(sar.aperture_length, 'length')} [S-3]",
-            ),
+            width,
         ),
     )
 
@@ -119,6 +126,43 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
         tuple(map(row, verdict.checks)),
         "Margin is the part of the limit left over. The share is of the variance, with an initial tilt charged to "
         "the sensors that cause it [T-18].",
+    )
+
+
+def processing_table(budget: Budget, key: str = "budget") -> Table:
+    """The figures of the image in real time and post-processed, beside each other."""
+    sar, smoothed = budget.sar, budget.post_processed
+    free, placed = budget.placement, budget.post_processed_placement
+    rows = (
+        ("Quadratic phase", "angle", sar.quadratic, smoothed.quadratic, "[S-5]", "[P-5]"),
+        ("Cubic phase", "angle", sar.cubic, smoothed.cubic, "[S-6]", "[P-5]"),
+        ("Residual phase after autofocus", "angle", sar.detrended, smoothed.detrended, "[S-6]", "[P-5]"),
+        ("Along-track quadratic phase", "angle", sar.along_track_quadratic, smoothed.along_track_quadratic, "[S-2]",
+         "[P-5]"),
+        ("Azimuth shift", "length", free.azimuth, placed.azimuth, "[P-7]", "[P-7]"),
+        ("Range shift", "length", free.range, placed.range, "[P-7]", "[P-7]"),
+        ("CE90", "length", free.ce90, placed.ce90, "[P-7]", "[P-7]"),
+        ("LE90", "length", free.le90, placed.le90, "[P-7]", "[P-7]"),
+    )  # fmt: skip
+    closes = {
+        verdict.processing: Cell("✓ closes", tone="good") if verdict.closes else Cell("✗ does not close", tone="bad")
+        for verdict in (budget.verdict, budget.other_verdict)
+        if verdict.checks
+    }
+    answers = ((Cell("Verdict"), closes[REAL_TIME], closes[POST_PROCESSED]),) if closes else ()
+    return Table(
+        f"{key}-processing",
+        "Real time and post-processed, 1σ",
+        (Column("Figure", width=1.5), Column("Real time", numeric=True), Column("Post-processed", numeric=True)),
+        (
+            *answers,
+            *(
+                (Cell(label), Cell(f"{show(now, kind)} {mark}"), Cell(f"{show(later, kind)} {other}"))
+                for label, kind, now, later, mark, other in rows
+            ),
+        ),
+        f"Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
+        f"aperture, by {smoothed.method} [P-3]. Requirements are held against {budget.verdict.processing}.",
     )
 
 
@@ -210,7 +254,7 @@ def phase_table(budget: Budget, key: str) -> Table:
             Column("Quadratic [°]", numeric=True, width=1),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
-            Column(f"Rms after {AFTER_AUTOFOCUS[sar.autofocus_order]} [°]", numeric=True, width=1.15),
+            Column(f"Rms after {DETRENDED[sar.autofocus_order]} [°]", numeric=True, width=1.15),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
         ),

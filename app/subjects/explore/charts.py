@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 
-import contourpy
 import numpy as np
 
-from app.charts.kinds import LEVELS, Array, RankBar, RankChart, TradeMapChart
+from app.charts.kinds import LEVELS, AnyChart, Array, Chart, Limit, Line, RankBar, RankChart, TradeMapChart
+from app.charts.region import contour
 from nav_model.budget.figures import figures, inputs_of
+from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
-from nav_model.explore.margins import label_of, quantity
+from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.rank import Sensitivity, rank, sentence, silent
-from nav_model.explore.trade_map import is_log, place, trade_map
+from nav_model.explore.sweep import Column, sweep_ratios, sweep_sigma
+from nav_model.explore.sweep_plan import Plan
+from nav_model.explore.trade_map import TradeMap, is_log, place, trade_map
 from nav_model.units import DIMENSIONS
 
 _SHOWN = 12  # bars of a ranking
+_WORST = "Worst requirement"
 _GIVEN = ("flight.gravity", "flight.latitude")  # nobody chooses these to improve a figure
 
 
@@ -35,8 +40,8 @@ def rank_chart(design: Design, figure: str) -> RankChart:
         x_label="reduction [%]",
         bars=tuple(sorted(bars, key=lambda bar: -bar.percent)[:_SHOWN]),
         knowledge=(
-            "Each bar is the whole figure evaluated again with that input halved or doubled; the slopes in the CSV "
-            f"are exact derivatives by complex step, which for noises are the shares of [T-18].{left}"
+            "Each bar: the figure evaluated again with that input halved (plain) or doubled (hatched). The slopes in "
+            f"the CSV are exact derivatives by complex step; for noises they are the shares of [T-18].{left}"
         ),
     )
 
@@ -55,20 +60,74 @@ def _bar(item: Sensitivity, figure_label: str) -> RankBar | None:
 def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapChart:
     """The map of a result over two inputs, in the units the design is shown in."""
     trade = trade_map(design, x_key, y_key, result)
+    outside = " Blank: the aperture would be longer than an hour." if np.isnan(trade.z).any() else ""
+    knowledge = (
+        f"{len(trade.x)} × {len(trade.y)} designs through the formulas of the budget. An IMU of the catalogue is "
+        f"judged with all values of its data sheet (● passes, ✕ fails), not by the colour under it.{outside}"
+    )
+    return chart_of(design, trade, "map", knowledge, is_log(x_key), is_log(y_key))
+
+
+def sweep_chart(
+    design: Design, plan: Plan, columns: Mapping[str, Column], keys: Sequence[str]
+) -> AnyChart | TradeMapChart:
+    """What a sweep found over one or two of its numeric inputs: the best of its other inputs at each place.
+
+    The result is the worst requirement, or the first figure where the design has no requirement.
+    """
+    axes = [axis.key for axis in plan.axes]
+    lengths = [len(axis.shown) for axis in plan.axes]
+    result = ALL if limits(design) else plan.results[0]
+    found = sweep_ratios(columns) if result == ALL else sweep_sigma(columns, result) * design.requirements.confidence
+    others = tuple(i for i, key in enumerate(axes) if key not in keys)
+    best = np.min(found.reshape(lengths), axis=others)
+    values = [np.array(plan.axes[axes.index(key)].shown, float) for key in keys]
+    spaced = [_even_log(axis) for axis in values]
+    of_rest = " At each place the best of the other inputs." if others else ""
+    knowledge = f"The sweep's {plan.rows} designs through the formulas of the budget.{of_rest}"
+    if len(keys) == 2:
+        z = best.T if axes.index(keys[0]) < axes.index(keys[1]) else best
+        limit = 1.0 if result == ALL else limits(design).get(result, math.nan) * design.requirements.confidence
+        trade = TradeMap(keys[0], keys[1], result, values[0], values[1], z, limit, ())
+        return chart_of(design, trade, "sweep-map", knowledge, *spaced)
+    factor, label = _scale(design, keys[0])
+    name = _WORST if result == ALL else label_of(result)
+    x = values[0] / factor
+    line = Line("best", name, x, best, "horizontal", "formulas of the budget")
+    limit_line = (Limit("limit", "limit", float(x[0]), float(x[-1]), 1.0),) if result == ALL else ()
+    return Chart(
+        key="sweep-curve",
+        title=f"{name} over {label.partition(' [')[0].lower()}",
+        x_label=label,
+        y_label="multiple of its limit [1]" if result == ALL else f"{name} [SI]",
+        lines=(line,),
+        limits=limit_line,
+        knowledge=knowledge,
+        x_log=spaced[0],
+        y_log=True,
+    )
+
+
+def _even_log(values: Array) -> bool:
+    """Whether a range is even in its logarithm."""
+    return bool(values[0] > 0 and np.allclose(np.diff(np.log(values)), np.log(values[1] / values[0])))
+
+
+def chart_of(design: Design, trade: TradeMap, key: str, knowledge: str, x_log: bool, y_log: bool) -> TradeMapChart:
+    """A map as it is drawn: over the limit or this design's value, in the units the design is shown in."""
+    result = trade.result
     limited = not math.isnan(trade.limit)
     reference = "the limit" if limited else "this design's value"
     level = trade.limit
     if not limited:
-        level = float(design.requirements.confidence * figures(inputs_of(design), (result,))[result])
+        level = float(confidence_of(design, result) * figures(inputs_of(design), (result,))[result])
     ratio = trade.z / level
-    (x_factor, x_label), (y_factor, y_label) = _scale(design, x_key), _scale(design, y_key)
+    (x_factor, x_label), (y_factor, y_label) = _scale(design, trade.x_key), _scale(design, trade.y_key)
     x, y = trade.x / x_factor, trade.y / y_factor
-    x_log, y_log = is_log(x_key), is_log(y_key)
     here = place(design, trade)
-    outside = " Blank: the aperture would be longer than an hour." if np.isnan(ratio).any() else ""
     return TradeMapChart(
-        key="map",
-        title=f"{label_of(result)} over {reference}",
+        key=key,
+        title=f"{_WORST if result == ALL else label_of(result)}: multiple of {reference}",
         x_label=x_label,
         y_label=y_label,
         x=x,
@@ -82,11 +141,7 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
         points_x=np.array([point.x for point in trade.points]) / x_factor,
         points_y=np.array([point.y for point in trade.points]) / y_factor,
         here=(here[0] / x_factor, here[1] / y_factor),
-        knowledge=(
-            f"{len(x)} × {len(y)} designs through the same closed forms as the budget. A unit of the catalogue is "
-            "judged with every figure of its own sheet (●  meets the limit, ✕ does not), not by the colour under "
-            f"it.{outside}"
-        ),
+        knowledge=knowledge,
         trade=trade,
         scale=(x_factor, y_factor),
         level=level,
@@ -105,14 +160,6 @@ def _scale(design: Design, key: str) -> tuple[float, str]:
 
 def _contours(x: Array, y: Array, ratio: Array, x_log: bool, y_log: bool) -> tuple[tuple[Array, Array], ...]:
     """Curves of the levels, found where the axes are straight."""
-    across, up = np.log(x) if x_log else x, np.log(y) if y_log else y
-    z = np.ma.masked_invalid(np.log(ratio))
-    generator = contourpy.contour_generator(across, up, z)
-    curves = []
-    for level in LEVELS:
-        gap = np.full((1, 2), np.nan)
-        pieces = [part for line in generator.lines(math.log(level)) for part in (np.asarray(line), gap)]
-        whole = np.concatenate(pieces) if pieces else np.empty((0, 2))
-        cx, cy = whole[:, 0], whole[:, 1]
-        curves.append((np.exp(cx) if x_log else cx, np.exp(cy) if y_log else cy))
-    return tuple(curves)
+    across, up, z = np.log(x) if x_log else x, np.log(y) if y_log else y, np.log(ratio)
+    curves = (contour(across, up, z, math.log(level)).T for level in LEVELS)
+    return tuple((np.exp(cx) if x_log else cx, np.exp(cy) if y_log else cy) for cx, cy in curves)

@@ -12,12 +12,11 @@ from app.console.arguments import design_arguments, paths_of, read_design
 def add_to(commands: Any) -> None:
     """Declare the command."""
     _add_explore(commands)
-    sweep = commands.add_parser("sweep", help="evaluate grids of designs, in closed form or flown, into a table")
+    sweep = commands.add_parser("sweep", help="evaluate grids of designs by formula, or flown, into a table")
     sweep.add_argument("file", metavar="FILE", help="what to vary, TOML")
     sweep.add_argument("-o", "--output", required=True, metavar="OUT", help="OUT.csv or OUT.parquet")
-    sweep.add_argument(
-        "--workers", type=count, default=os.cpu_count() or 1, help="local processes (default: all cores)"
-    )
+    cores = os.cpu_count() or 1
+    sweep.add_argument("--workers", type=count, default=cores, help="local processes (default: all cores)")
     sweep.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do the work")
     sweep.set_defaults(run=_sweep)
 
@@ -26,10 +25,10 @@ def _add_explore(commands: Any) -> None:
     explore = commands.add_parser("explore", help="solve backwards, rank, map, search, uncertainty; JSON or CSV")
     questions = explore.add_subparsers(dest="question", required=True, metavar="QUESTION")
     helps = {
-        "solve": "the largest noise, interval or time that still meets the requirements",
-        "rank": "what a figure answers to, strongest first",
+        "solve": "the largest noise, interval or time that meets the requirements",
+        "rank": "which inputs a figure depends on, strongest first",
         "map": "two inputs against a result",
-        "search": "every catalogue unit with every receiver class against the requirements",
+        "search": "which IMUs and receivers of the catalogue meet the requirements",
         "uncertainty": "the probability that the design closes when inputs are ranges",
     }
     parsers = {name: questions.add_parser(name, help=text) for name, text in helps.items()}
@@ -42,18 +41,13 @@ def _add_explore(commands: Any) -> None:
     parsers["map"].add_argument("--y", default="gnss.position_noise", metavar="KEY")
     parsers["map"].add_argument("--result", default="all requirements", metavar="FIGURE")
     parsers["map"].add_argument("--size", type=count, metavar="N", help="points along a side (default 200)")
-    parsers["search"].add_argument("--imus", action="append", default=[], metavar="FILE", help="your own units")
-    parsers["search"].add_argument(
-        "--receivers", action="append", default=[], metavar="FILE", help="your own receivers"
-    )
-    parsers["uncertainty"].add_argument(
-        "--vary",
-        action="append",
-        default=[],
-        metavar="KEY=RANGE",
-        help='e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h", with log behind, or "0.15 °/√h */ 1.3"',
-    )
-    parsers["uncertainty"].add_argument("--seed", type=int, default=1)
+    add = parsers["search"].add_argument
+    add("--imus", action="append", default=[], metavar="FILE", help="your own units")
+    add("--receivers", action="append", default=[], metavar="FILE", help="your own receivers")
+    add = parsers["uncertainty"].add_argument
+    add("--vary", action="append", default=[], metavar="KEY=RANGE",
+        help='e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h", with log behind, or "0.15 °/√h */ 1.3"')  # fmt: skip
+    add("--seed", type=int, default=1)
 
 
 def count(text: str) -> int:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import csv
-import json
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from app.console.arguments import put_json
 from app.console.progress import show_progress
 from nav_model.budget.figures import FIGURES
 from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
@@ -25,6 +25,7 @@ from nav_model.explore.sweep_plan import read_plan
 from nav_model.explore.trade_map import trade_map
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 
+_CANDIDATE = ("imu", "gnss", "closes", "margin", "tightest", "dominant", "share")
 Rows = Iterable[Mapping[str, Any]]
 
 
@@ -99,13 +100,7 @@ def searched(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     imus, receivers = _entries("imu", options.imus), _entries("gnss", options.receivers)
     rows = [
         {
-            "imu": row.imu,
-            "gnss": row.gnss,
-            "closes": row.closes,
-            "margin": row.margin,
-            "tightest": row.tightest,
-            "dominant": row.dominant,
-            "share": row.share,
+            **{name: getattr(row, name) for name in _CANDIDATE},
             **{f"margin_{name}": margin for name, margin in row.margins.items()},
             "not_confirmed": "; ".join(row.doubts),
         }
@@ -162,14 +157,12 @@ def explore(design: Design, options: argparse.Namespace) -> int:
     if options.question == "rank" and options.result is None:
         options.result = next(iter(limits(design)), next(iter(FIGURES)))
     whole, rows = QUESTIONS[options.question](design, options)
-    if options.csv:
-        table = list(rows)
-        writer = csv.DictWriter(sys.stdout, table[0], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(table)
-    else:
-        json.dump(whole, sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
-        sys.stdout.write("\n")
+    if not options.csv:
+        return put_json(whole)
+    table = list(rows)
+    writer = csv.DictWriter(sys.stdout, table[0], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(table)
     return 0
 
 

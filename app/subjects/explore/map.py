@@ -1,4 +1,4 @@
-"""The map of the Explore page: two inputs against a result; a click adopts the place."""
+"""The map of the Explore page: two inputs against a result; a click takes the place into the design."""
 
 from __future__ import annotations
 
@@ -13,17 +13,19 @@ from bokeh.events import Tap
 
 from app.charts.kinds import TradeMapChart, to_csv
 from app.charts.screen.maps import MapFigure
-from app.declared import declared, held
+from app.declared import declared
+from app.document.blocks import Answer
 from app.session import Session
 from app.subjects.explore.charts import map_chart
-from app.ui.chart_pane import described, source_note
+from app.subjects.explore.question import NO_LIMIT, Question
+from app.subjects.explore.sweep_inputs import input_labels
+from app.subjects.explore.tables import map_answer
+from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
+from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
-from app.ui.theme import FRAME
 from nav_model.budget import Budget
-from nav_model.budget.figures import FIGURES, VARIABLES
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import PARTS
+from nav_model.budget.figures import FIGURES, figures, inputs_of
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.trade_map import RESULTS, changes_at
 
@@ -31,46 +33,31 @@ _X, _Y = "imu.angle_random_walk", "imu.velocity_random_walk"
 _DIGITS = 3
 
 
-def input_labels() -> dict[str, str]:
-    """What people read -> dotted key, for every input a figure depends on."""
-    titles = {part.section: part.title for part in PARTS}
-    return {f"{titles[key.partition('.')[0]]}: {quantity(key).label}": key for key in VARIABLES}
-
-
 _INPUTS = input_labels()
 
 
-class MapPanel(pn.viewable.Viewer):
+class MapPanel(Question):
     """Three choosers, the map, and what a click did."""
 
-    session = held(Session)
     x: str = declared(param.Selector(objects=_INPUTS, default=_X, label="X axis"))
     y: str = declared(param.Selector(objects=_INPUTS, default=_Y, label="Y axis"))
     result: str = declared(param.Selector(objects={label_of(name): name for name in RESULTS}, label="Result"))
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, result=ALL if limits(session.design) else next(iter(FIGURES)))
-        self._said = html_pane("", margin=(0, 14))
-        self._title = html_pane("", margin=(10, 14, 0, 14))
-        self._know = html_pane("")
-        self._place = pn.Column()
+        self._head = html_pane("", margin=(6, 10, 0, 10))
+        self._place = pn.Column(sizing_mode="stretch_both")
         self._drawn: MapFigure | None = None
         self._chart: TradeMapChart | None = None
-        self._draw()
 
     def __panel__(self) -> pn.Column:
         choosers = (
-            pmui.Select.from_param(parameter, width=240, margin=(10, 8, 0, 8))
+            pmui.Select.from_param(parameter, width=270, margin=(10, 8, 0, 8))
             for parameter in (self.param.x, self.param.y, self.param.result)
         )
-        return pn.Column(
-            self._title,
-            pn.FlexBox(*choosers, margin=(0, 6)),
-            self._said,
-            self._place,
-            self._know,
-            download("Map: CSV", "map.csv", self._csv),
-            styles=FRAME,
+        tools = pn.FlexBox(*choosers, download("Map: CSV", "map.csv", self._csv), align_items="center")
+        return first_screen(
+            tools, left=[pn.Column(self._head, self._place, sizing_mode="stretch_both")], height="100%"
         )
 
     def show(self, budget: Budget) -> None:
@@ -81,26 +68,34 @@ class MapPanel(pn.viewable.Viewer):
     def _draw(self) -> None:
         budget = self.session.budget
         if self.x == self.y:
-            self._say("Choose two different inputs.")
+            self.answer = Answer("Choose two different inputs", "warn", ("Both axes have the same input.",))
             return
         if self.result == ALL and not budget.verdict.checks:
-            self._say("No requirement is set: map a single figure, or give a limit under Requirements.")
+            self.answer = Answer(
+                NO_LIMIT.word, "open", ("Choose a single result, or give a limit under Requirements.",)
+            )
             return
-        self._say("")
         chart = map_chart(budget.design, self.x, self.y, self.result)
+        self.answer = map_answer(chart, self._value(budget, chart))
         if self._drawn is None or self._chart is None or self._chart.structure != chart.structure:
             self._drawn = MapFigure(chart)
             self._drawn.plot.on_event(Tap, self._tapped)
-            self._place.objects = [pn.pane.Bokeh(self._drawn.plot, sizing_mode="stretch_width")]
+            self._place.objects = [pn.pane.Bokeh(self._drawn.plot, sizing_mode="stretch_both")]
         else:
             self._drawn.feed(chart)
         self._chart = chart
-        self._title.object = f"<h3>{escape(chart.title)}</h3>"
-        self._know.object = (
-            f"{described(chart)}<p>Orange cross: this design. Red line: {escape(chart.reference)}; dotted: half of "
-            "it; dashed: twice. Lighter is better. Click the map to adopt a point.</p>"
-            f"{source_note(chart.knowledge)}"
+        key = (
+            f'<span class="quiet fine">Cross: this design. Solid line: {escape(chart.reference)}; dotted: half; '
+            "dashed: twice. Lighter is better. ● passes, ✕ fails.</span>"
         )
+        self._head.object = head_html(chart.title, chart.knowledge, described(chart), key)
+
+    def _value(self, budget: Budget, chart: TradeMapChart) -> float:
+        """The result of the design itself, over the map's reference."""
+        if self.result == ALL:
+            return 1 - min(check.margin for check in budget.verdict.checks)
+        found = figures(inputs_of(budget.design), (self.result,))[self.result]
+        return float(budget.design.requirements.confidence * found) / chart.level
 
     def _tapped(self, event: Any) -> None:
         chart = self._chart
@@ -108,16 +103,14 @@ class MapPanel(pn.viewable.Viewer):
             return
         design, trade = self.session.design, chart.trade
         places = [
-            _place(key, value, design.unit(key) if _has_unit(quantity(key)) else "")
+            _place(key, value, design.unit(key) if quantity(key).dimension else "")
             for key, value in ((trade.x_key, event.x), (trade.y_key, event.y))
         ]
         changes = changes_at(trade, *places)
-        units = {key: design.unit(key) for key in changes if _has_unit(quantity(key))}
+        units = {key: design.unit(key) for key in changes if quantity(key).dimension}
         problem = self.session.change(changes, units)
-        self._say("" if problem is None else f"Not adopted. {problem}")
-
-    def _say(self, text: str) -> None:
-        self._said.object = f'<p role="status">{escape(text)}</p>' if text else ""
+        if problem:
+            self.answer = Answer("Not taken", "warn", (str(problem),))
 
     def _csv(self) -> io.BytesIO:
         return io.BytesIO(to_csv(map_chart(self.session.design, self.x, self.y, self.result)).encode())
@@ -127,7 +120,3 @@ def _place(key: str, value: float, unit: str) -> float:
     """SI of a place clicked, rounded as a person would type it, so that its box shows no more digits."""
     text = f"{value:.{_DIGITS}g}"
     return float(quantity(key).read(f"{text} {unit}").value if unit else text)
-
-
-def _has_unit(declaration: BaseQuantity[float | None]) -> bool:
-    return bool(declaration.dimension)

@@ -1,77 +1,71 @@
-"""The Explore page: what would close the design, what to improve first, and which sensors would close it."""
+"""The Explore page: its questions one at a time, each with its answer above it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from functools import partial
-from typing import Protocol
 
 import panel as pn
 
 from app.declared import held
-from app.document.pane import html_of
 from app.session import Session
 from app.subjects.explore.map import MapPanel
-from app.subjects.explore.ranking import RankPanel
+from app.subjects.explore.question import NO_LIMIT, Question
 from app.subjects.explore.search import SearchPanel
-from app.subjects.explore.tables import answer, solved_blocks, unsolved
+from app.subjects.explore.solved import SolvedPanel
+from app.subjects.explore.sweep import SweepPanel
 from app.subjects.explore.uncertainty import UncertaintyPanel
-from app.ui.grid import cell, grid
-from app.ui.html_pane import html_pane
-from app.ui.turns import in_turns
+from app.ui.answer_strip import AnswerStrip
+from app.ui.first_screen import screen_of_views
+from app.ui.named_views import NamedViews
 from nav_model.budget import Budget
-from nav_model.explore.solve import Solution, solve
 
-
-class _Part(Protocol):
-    def __panel__(self) -> pn.viewable.Viewable: ...
-
-    def show(self, budget: Budget) -> None: ...
+QUESTIONS: Mapping[str, type[Question]] = {
+    "What would close it": SolvedPanel,
+    "Which sensors": SearchPanel,
+    "Trade two inputs": MapPanel,
+    "How sure": UncertaintyPanel,
+    "Sweep": SweepPanel,
+}
 
 
 class ExplorePage(pn.viewable.Viewer):
-    """Everything below the tab."""
+    """Everything below the tab. A question is made when first asked and follows the design while it is in view."""
 
     session = held(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
-        self._answer = html_pane("")
-        self._parts: list[_Part] = []
-        cells = [cell(columns) for _, columns in _LAYOUT]
-        self._view = pn.Column(self._answer, grid(*cells))
-        self._solve(session.budget)
-
-        def add(index: int) -> None:
-            self._parts.append(_LAYOUT[index][0](session))
-            cells[index].append(self._parts[-1])
-
-        in_turns([partial(add, index) for index in range(len(_LAYOUT))])
+        self._strip = AnswerStrip(NO_LIMIT)
+        self._asked: dict[str, Question] = {}
+        self.views = NamedViews("Question", {name: partial(self._ask, name) for name in QUESTIONS})
+        self.views.param.watch(lambda _: self.show(session.budget), "chosen")
+        self.show(session.budget)
+        self._view = screen_of_views(self._strip, self.views)
 
     def __panel__(self) -> pn.Column:
         return self._view
 
+    def _ask(self, name: str) -> Question:
+        question = self._asked[name] = QUESTIONS[name](session=self.session)
+        question.param.watch(lambda _: self._tell(), "answer")
+        return question
+
+    @property
+    def question(self) -> Question:
+        """The one in view."""
+        return self._asked[self.views.chosen]
+
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
-        self._solve(budget)
-        for part in self._parts:
-            part.show(budget)
+        self.question.show(budget)
+        self._tell()
 
-    def _solve(self, budget: Budget) -> None:
-        solutions: tuple[Solution, ...] = ()
-        if budget.verdict.checks:
-            try:
-                solutions = solve(budget.design, verify="together")
-            except ArithmeticError as error:  # a value that does not hold is not shown
-                self._answer.object = html_of(unsolved(str(error)))
-                return
-        self._answer.object = html_of(answer(budget, solutions), *solved_blocks(budget, solutions))
+    def _tell(self) -> None:
+        self._strip.show(self.question.answer)
 
-
-# What makes each part, columns of twelve on a wide screen.
-_LAYOUT: tuple[tuple[Callable[[Session], _Part], int], ...] = (
-    (MapPanel, 7),
-    (RankPanel, 5),
-    (SearchPanel, 12),
-    (UncertaintyPanel, 12),
-)
+    def go_to(self, place: str) -> None:
+        """Ask the question whose name begins like the end of an address, such as "which" of "#explore-which"."""
+        name = next((name for name in QUESTIONS if name.lower().replace(" ", "-").startswith(place.lower())), None)
+        if name:
+            self.views.chosen = name

@@ -1,6 +1,8 @@
-"""Uncertainty on the Explore page: inputs as ranges, the verdict as a probability."""
+"""How sure the verdict is: inputs as ranges, the verdict as a probability."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import panel as pn
 import panel_material_ui as pmui
@@ -10,13 +12,16 @@ from app.declared import held
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.explore.tables import uncertain_blocks
+from app.subjects.explore.question import NO_LIMIT, Question
+from app.subjects.explore.tables import uncertain_answer, uncertain_table
 from app.ui.chart_pane import source_note
+from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
-from app.ui.theme import FRAME
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
+from nav_model.design import Design
+from nav_model.design.several import with_unit
 from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
@@ -35,102 +40,150 @@ _INPUTS = (
     "radar.slant_range",
 )
 _ASSUMED = 1.3  # factor of one standard deviation that the button puts on the noises
+_AS_SET, _TYPICAL, _UNIFORM, _LOG = "As set", "Typical ×/÷", "Uniform", "Log-uniform"
+_LABELS = {_TYPICAL: ("typical", "factor (1σ)"), _UNIFORM: ("lowest", "highest"), _LOG: ("lowest", "highest")}
+_NO_RANGE = Answer(
+    "No input has a range", "open", ("Choose a distribution for at least one input to see how sure the verdict is.",)
+)
 _KNOWLEDGE = (
     "10 × 1024 quasi-random samples (scrambled Sobol points) through the formulas of the budget, inputs independent; "
     "95 % confidence interval from the ten, never narrower than three designs in all."
 )
+_HELP = (
+    "<p class='quiet fine'><b>Typical ×/÷</b>: a typical data-sheet value; half of the units are worse (log-normal, "
+    "the factor is one standard deviation). <b>Uniform</b> and <b>Log-uniform</b>: between the best unit you expect "
+    "and the data sheet's maximum.</p>"
+)
 
 
-class UncertaintyPanel(pn.viewable.Viewer):
-    """A box for each input's range, and the answer."""
+class RangeRow(pn.viewable.Viewer):
+    """One input: its distribution, and the two values that this takes."""
 
-    session = held(Session)
+    text = param.String(doc="The range as `read_uncertain` takes it; empty: the input is as set.")
+    problem = param.String(doc="Why the range cannot be used; empty: it can.")
+
+    def __init__(self, key: str, design: Callable[[], Design]) -> None:
+        super().__init__()
+        self.key, self._design = key, design
+        self._values: tuple[str, ...] = ()
+        self.kind = pmui.Select(
+            label=str(quantity(key).label), options=[_AS_SET, *_LABELS], width=230, margin=(9, 4, 0, 8), size="small"
+        )
+        self.kind.param.watch(lambda _: self._choose(), "value")
+        self.boxes: list[pmui.TextInput] = []
+        self._view = pn.Row(self.kind)
+
+    def __panel__(self) -> pn.Row:
+        return self._view
+
+    def set(self, kind: str, *values: str) -> None:
+        """Choose a distribution and its values."""
+        self._values = values
+        self.kind.value = kind
+        for box, value in zip(self.boxes, values, strict=False):
+            box.value = value
+
+    def _choose(self) -> None:
+        kind = self.kind.value
+        if kind != _AS_SET and not self.boxes:
+            values = self._values or (_as_text(self._design(), self.key), "")  # before a browser has the boxes
+            self.boxes = [pmui.TextInput(value=text, width=130, margin=(9, 4, 0, 4), size="small") for text in values]
+            for box in self.boxes:
+                box.param.watch(lambda _: self._read(), "value")
+            self._view.extend(self.boxes)
+        for box, label in zip(self.boxes, _LABELS.get(kind, ("", "")), strict=False):
+            box.param.update(label=label, visible=kind != _AS_SET)
+        if kind != _AS_SET and not self.boxes[0].value:
+            self.boxes[0].value = _as_text(self._design(), self.key)
+        self._read()
+
+    def _read(self) -> None:
+        kind, (first, second) = self.kind.value, [box.value.strip() for box in self.boxes] or ("", "")
+        if kind == _AS_SET or not second:
+            self._say("")
+            self.text = ""
+            return
+        unit = self._design().unit(self.key) if quantity(self.key).dimension else ""
+        low, high = (with_unit(text, unit) if unit else text for text in (first, second))
+        text = f"{low} */ {second}" if kind == _TYPICAL else f"{low} .. {high}{' log' if kind == _LOG else ''}"
+        try:
+            read_uncertain(self.key, text)
+        except InputError as error:
+            self._say(error.reason)
+            return
+        self._say("")
+        self.text = text
+
+    def _say(self, problem: str) -> None:
+        self.problem = problem
+        if self.boxes:
+            self.boxes[1].param.update(helper_text=problem, error_state=bool(problem))
+
+
+def _as_text(design: Design, key: str) -> str:
+    value, declaration = design[key], quantity(key)
+    assert isinstance(value, float | int)
+    if not declaration.dimension:
+        return f"{value:.4g}"
+    return format_quantity(float(value), design.unit(key), declaration.dimension, 4)
+
+
+class UncertaintyPanel(Question):
+    """A row for each input, and what each requirement is met with."""
+
     run = held(Run)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run())
-        self._boxes = {
-            key: pmui.TextInput(
-                label=f"{quantity(key).label}: range", placeholder="as set", width=300,
-                margin=(10, 8, 0, 8),
-            )
-            for key in _INPUTS
-        }  # fmt: skip
-        for box in self._boxes.values():
-            box.param.watch(lambda _: self._ask(), "value")
-        self._answer = html_pane(_EMPTY, margin=(4, 14))
+        self.rows = [RangeRow(key, lambda: session.design) for key in _INPUTS]
+        for row in self.rows:
+            row.param.watch(lambda *_: self._ask(), ["text", "problem"])
+        self._table = html_pane("", margin=(4, 14))
 
     def __panel__(self) -> pn.Column:
         assume = pmui.Button(
-            label=f"Assume a factor of {_ASSUMED} (1σ) on every noise", variant="outlined",
-            margin=(8, 8, 8, 14), on_click=lambda _: self._fill(),
+            label=f"Assume ×/÷ {_ASSUMED} (1σ) on every noise", variant="outlined", margin=(8, 8),
+            on_click=lambda _: self.assume(),
         )  # fmt: skip
         clear = pmui.Button(label="Clear", variant="text", margin=(8, 8), on_click=lambda _: self._clear())
-        return pn.Column(
-            html_pane(_HELP, margin=(10, 14, 0, 14)),
-            pn.FlexBox(*self._boxes.values(), margin=(0, 6)),
-            pn.FlexBox(assume, clear),
-            self._answer,
-            html_pane(source_note(_KNOWLEDGE)),
-            styles=FRAME,
-        )
+        scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
+        return first_screen(
+            left=[pn.Column(pn.FlexBox(assume, clear), *self.rows, **scrolls)],
+            right=[pn.Column(self._table, html_pane(_HELP + source_note(_KNOWLEDGE), margin=(4, 14)), **scrolls)],
+            height="100%",
+        )  # fmt: skip
 
     def show(self, budget: Budget) -> None:
-        """Hold the ranges against the design in force."""
+        """Ask again for the design in force."""
         self._ask()
 
-    def _ranges(self) -> dict[str, str]:
-        return {key: box.value.strip() for key, box in self._boxes.items() if box.value.strip()}
-
-    def _fill(self) -> None:
-        design = self.session.design
-        for key, box in self._boxes.items():
-            if key.endswith(("random_walk", "position_noise")):
-                value = design[key]
-                assert isinstance(value, float)
-                box.value = f"{format_quantity(value, design.unit(key), quantity(key).dimension, 4)} */ {_ASSUMED}"
+    def assume(self) -> None:
+        """Take every noise as typical, with the usual factor."""
+        for row in self.rows:
+            if row.key.endswith(("random_walk", "position_noise")):
+                row.set(_TYPICAL, _as_text(self.session.design, row.key), str(_ASSUMED))
 
     def _clear(self) -> None:
-        for box in self._boxes.values():
-            box.value = ""
+        for row in self.rows:
+            row.set(_AS_SET)
 
     def _ask(self) -> None:
         """Have the newest question answered in a worker; one under way is dropped."""
-        ranges = self._ranges()
-        for key, box in self._boxes.items():
-            problem = _problem(key, ranges[key]) if key in ranges else ""
-            if box.helper_text != problem:
-                box.param.update(helper_text=problem, error_state=bool(problem))
-        if not ranges:
+        texts = {row.key: row.text for row in self.rows if row.text}
+        if not self.session.budget.verdict.checks or not texts:
             self.run.cancel()
-            self._answer.object = _EMPTY
-        elif not any(box.error_state for box in self._boxes.values()):
-            design, inputs = self.session.design, {key: read_uncertain(key, text) for key, text in ranges.items()}
+            self._table.object = ""
+            self.answer = _NO_RANGE if self.session.budget.verdict.checks else NO_LIMIT
+        elif not any(row.problem for row in self.rows):
+            design, inputs = self.session.design, {key: read_uncertain(key, text) for key, text in texts.items()}
             pn.state.execute(lambda: self.run.start(lambda _: elsewhere(uncertain_verdict, design, inputs)))
 
     @param.depends("run.running", watch=True)
     def _tell(self) -> None:
-        if not self._ranges() or self.run.running:
+        if self.run.running or not any(row.text for row in self.rows):
             return
         if self.run.message:
-            self._answer.object = html_of(Answer("No probability", "warn", (self.run.message,)))
+            self.answer = Answer("No probability", "warn", (self.run.message,))
         elif self.run.result is not None:
-            self._answer.object = html_of(*uncertain_blocks(self.run.result))
-
-
-_EMPTY = "<p>No input has a range: the verdict above is for the values as set.</p>"
-_HELP = (
-    "<h3>How sure is the verdict</h3><p>How to write what a data sheet says. <b>Typical</b> is a middle value, half "
-    "the units are worse: <b>TYPICAL */ FACTOR</b> (lognormal about it, one standard deviation a factor). "
-    "<b>Maximum</b> is a bound no unit shipped exceeds: <b>LOWEST .. MAXIMUM</b> (uniform; <b>log</b> after it "
-    "spreads evenly over the decades), with the best unit you expect as the lowest. Inputs left empty keep their "
-    "value.</p>"
-)
-
-
-def _problem(key: str, text: str) -> str:
-    try:
-        read_uncertain(key, text)
-    except InputError as error:
-        return error.reason
-    return ""
+            self.answer = uncertain_answer(self.run.result)
+            self._table.object = html_of(uncertain_table(self.run.result))

@@ -16,16 +16,9 @@ from app.document.wording import shortened
 from app.library.reviews import RESULTS, Review, add_comment, decide, list_reviews, load_review, open_review, sign
 from app.library.store import Library
 from app.report import report_bytes
+from app.subjects.review import report
 from app.subjects.review.desk import LOOK, Desk, button
 from app.subjects.review.overview import overview, state_of
-from app.subjects.review.report import (
-    audit_sections,
-    audit_table,
-    comment_table,
-    decision_table,
-    status_table,
-    subject_label,
-)
 from app.subjects.review.slide import Point, point_of, slide
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
@@ -40,7 +33,7 @@ _EMPTY = (
     "requirement, until somebody signs it off.</p>"
 )
 _SUBJECTS = {
-    subject_label(subject): subject
+    report.subject_label(subject): subject
     for subject in ("", *RESULTS, *(f"{section}.{name}" for section, names in INPUTS.items() for name in names))
 }
 
@@ -195,13 +188,8 @@ class ReviewRoom(pn.viewable.Viewer):
                 self._slide.object, self._status.object = "", _EMPTY
                 return
             self._offer(review)
-            self._status.object = html_of(
-                state_of(review),
-                status_table(review),
-                comment_table(review),
-                decision_table(review),
-                audit_table(review),
-            )
+            tables = (report.status_table, report.comment_table, report.decision_table, report.audit_table)
+            self._status.object = html_of(state_of(review), *(table(review) for table in tables))
             self._draw_slide()
 
     def _offer(self, review: Review) -> None:
@@ -285,7 +273,7 @@ class ReviewRoom(pn.viewable.Viewer):
     async def _report(self, suffix: str) -> bytes:
         assert self.review is not None  # its button is hidden without one
         budgets = [revision.budget() for revision in self.review.revisions]
-        return await elsewhere(report_bytes, budgets, suffix, None, audit_sections(self.review))
+        return await elsewhere(report_bytes, budgets, suffix, None, report.audit_sections(self.review))
 
 
 def _mark(review: Review, place: int, check: Check) -> str:

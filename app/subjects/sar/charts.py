@@ -7,9 +7,9 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from contourpy import contour_generator
 
-from app.charts.kinds import Array, Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
+from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
+from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
 from app.document.wording import AFTER_AUTOFOCUS
 from nav_model.budget import Budget
@@ -26,7 +26,7 @@ FILTERED = ("4", "6", "7", "8")
 _DEG = 180 / math.pi
 _NOTHING = np.array([0.0])
 _NOT_RUN = "Not run yet."
-_SHORT = {
+SHORT = {
     "1": "1 ideal",
     "2": "2 INS from the filter",
     "3": "3 INS after a coast",
@@ -37,12 +37,8 @@ _SHORT = {
     "7": "7 damping loop ⁽ʳ⁾",
     "8": "8 RTS smoother",
 }
+"""A strategy's name for legends and rows; ⁽ʳ⁾ marks a reconstruction."""
 _ON_MAP = {"2": "2 INS", "3": "3 coasted", "5": "5 fit", "5w": "5w shrunk"}
-
-
-def short_name(key: str) -> str:
-    """A strategy's name for legends and rows; ⁽ʳ⁾ marks a reconstruction."""
-    return _SHORT[key]
 
 
 def navigation_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, name: str) -> Chart:
@@ -51,7 +47,7 @@ def navigation_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, 
     rows = [STRATEGY_KEYS.index(key) for key in keys]
     lines = tuple(
         Line(
-            key, _SHORT[key], time, np.full(1, np.nan) if study is None else 1000 * study.typical[row],
+            key, SHORT[key], time, np.full(1, np.nan) if study is None else 1000 * study.typical[row],
             f"strategy {key}", STRATEGIES[row].source,
         )
         for key, row in zip(keys, rows, strict=True)
@@ -66,7 +62,7 @@ def navigation_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, 
         knowledge=_NOT_RUN if study is None else (
             f"One run of {study.runs}: the one whose INS (2) has the median rms; {_removed(study)} after "
             "projection on the turning line of sight. Rms over the runs: "
-            + "; ".join(f"{_SHORT[STRATEGY_KEYS[row]]} {number(1000 * study.rms[row])} mm" for row in rows)
+            + "; ".join(f"{SHORT[STRATEGY_KEYS[row]]} {number(1000 * study.rms[row])} mm" for row in rows)
             + "."
         ),
     )  # fmt: skip
@@ -88,7 +84,7 @@ def responses_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, n
         x_label="azimuth [m]",
         y_label="power over the error-free peak [dB]",
         lines=tuple(
-            Line(key, _SHORT[key], metres, np.maximum(values, -60.0), f"strategy {key}", "aperture integral")
+            Line(key, SHORT[key], metres, np.maximum(values, -60.0), f"strategy {key}", "aperture integral")
             for key, values in zip(shown, power, strict=True)
         ),
         y_range=(-45.0, 2.0),
@@ -137,7 +133,7 @@ def _dot_chart(
             band = study.parts[part]
             ensemble, low, high = (scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high))
         closed_phase = math.nan if form is None else to_degrees * form
-        dots.append(Dot(_SHORT[strategy.key], closed_phase, ensemble, low, high, strategy.source))
+        dots.append(Dot(SHORT[strategy.key], closed_phase, ensemble, low, high, strategy.source))
     said = "" if study is None else (
         f" Runs: {study.runs}, seed {study.seed}; rms within {percent(_worst_error(study))} (standard error)."
     )  # fmt: skip
@@ -179,7 +175,7 @@ def uploaded_picture(pictures: Pictures, name: str, key: str) -> PictureChart:
         x=pictures.x,
         y=pictures.y,
         power_db=pictures.power_db,
-        names=("without navigation error", f"with that of {_SHORT[key]}"),
+        names=("without navigation error", f"with that of {SHORT[key]}"),
         captions=("brightest 0 dB", f"brightest {signed_decibels(loss)}"),
         reference=f"over the brightest pixel of {name}; Taylor window; the brightest pixel moved by "
         f"{number(math.hypot(moved_x - x, moved_y - y))} m",
@@ -205,7 +201,7 @@ def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) 
         x=pictures.x,
         y=pictures.y,
         power_db=pictures.power_db,
-        names=tuple(_SHORT[strategy] for strategy in STRATEGY_KEYS),
+        names=tuple(SHORT[strategy] for strategy in STRATEGY_KEYS),
         captions=tuple(f"brightest {signed_decibels(float(power.max()))}" for power in pictures.power_db),
         reference=f"over {over}; the typical run; {cell}",
         knowledge=f"Every image at one scale, over {over}; the typical run of the ensemble; {cell}.",
@@ -236,7 +232,9 @@ def _winner_chart(
     required = budget.design.requirements.detrended_phase
     limit = None if required is None else float(required) / budget.design.requirements.confidence
     x, y = drawn.aperture_time, drawn.other * scale
-    contour_x, contour_y = _contour(x, y, drawn.phase, limit)
+    line = np.full((1, 2), np.nan)
+    if limit is not None:
+        line = np.exp(contour(np.log(x), np.log(y), np.log(drawn.phase), math.log(limit)))
     here = Points(
         "design", "this design", np.array([drawn.here[0]]), np.array([drawn.here[1] * scale]), ("this design",),
         "limit", "cross", "aperture and noise of the design",
@@ -255,7 +253,7 @@ def _winner_chart(
         styles=tuple(f"strategy {k}" for k in drawn.strategies),
         points=(Points("catalogue", catalogue, drawn.x, drawn.y * scale, drawn.names, "reference", "circle", source),
                 here),
-        contour=Line("limit", "phase limit", contour_x, contour_y, "limit", "requirement"),
+        contour=Line("limit", "phase limit", line[:, 0], line[:, 1], "limit", "requirement"),
         knowledge=(
             "Closed forms at every point [T-15], [T-16], [S-7], [S-1], [S-2], each with its own settled filter "
             "[T-8]; the design's squint and slow GNSS error included. Named is the simplest of 2, 3, 5, 5w within "
@@ -264,18 +262,6 @@ def _winner_chart(
                f"The limit of {degrees(limit)}° at 1σ is met on the side of shorter apertures.")
         ),
     )  # fmt: skip
-
-
-def _contour(x: Array, y: Array, phase: Array, level: float | None) -> tuple[Array, Array]:
-    """Where the phase crosses the level, pieces apart by NaN; found in logarithms."""
-    if level is None:
-        return np.array([np.nan]), np.array([np.nan])
-    pieces = contour_generator(np.log(x), np.log(y), np.log(phase)).lines(math.log(level))
-    points = [np.full((1, 2), np.nan)]
-    for piece in pieces:
-        points += [np.asarray(piece), np.full((1, 2), np.nan)]
-    joined = np.exp(np.concatenate(points))
-    return joined[:, 0], joined[:, 1]
 
 
 _GROUPS = ((INERTIAL, "INS and corrected INS", "ins"), (FILTERED, "filters and smoother", "filter"))

@@ -20,18 +20,14 @@ def add_to(commands: Any) -> None:
     """Declare the command."""
     sar = commands.add_parser("sar", help="image quality for every way of navigating through the aperture, as JSON")
     design_arguments(sar, one=True)
-    sar.add_argument("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
-    sar.add_argument("--seed", type=int, default=0, help="of the ensemble (default 0)")
-    sar.add_argument(
-        "--engine",
-        choices=("fast", "simulator"),
-        default="fast",
-        help="per-axis error model, or full flights of the simulator with the error model beside them (default fast)",
-    )
-    sar.add_argument(
-        "--workers", type=int, metavar="W", help="processes of the simulator (default: all cores but one)"
-    )
-    sar.add_argument("-o", "--output", type=Path, metavar="FILE", help="write there instead of standard output")
+    add = sar.add_argument
+    add("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
+    add("--seed", type=int, default=0, help="of the ensemble (default 0)")
+    add("--engine", choices=("fast", "simulator"), default="fast",
+        help="per-axis error model, or full flights of the simulator with the error model beside them (default "
+             "fast)")  # fmt: skip
+    add("--workers", type=int, metavar="W", help="processes of the simulator (default: all cores but one)")
+    add("-o", "--output", type=Path, metavar="FILE", help="write there instead of standard output")
     sar.set_defaults(run=_sar)
 
 

@@ -9,7 +9,7 @@ from app.console.progress import count_runs
 from app.document.blocks import Block, Section, Text
 from app.document.chart_block import chart_block
 from app.document.numbers import degrees
-from app.document.wording import title_of
+from app.document.wording import identified
 from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
 from app.subjects.sar.run import SarResult, pictures
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_said
@@ -24,7 +24,6 @@ REFERENCES = (
     "3(8), 1965 (8). After Kim, Fellerhoff and Kohler, 2001 (6), and Song et al., 2015 and 2017 (7): "
     "reconstructions, the literature names the schemes and not their gains.",
 )
-
 
 _RUNS = 200
 
@@ -58,8 +57,7 @@ def belongs(result: SarResult, design: Design) -> bool:
 
 def of_design(result: SarResult) -> str:
     """The design they were run for."""
-    design = result.study.budget.design
-    return f"{title_of(design)} ({design.content_hash[:12]})"
+    return identified(result.study.budget.design)
 
 
 def sections(result: SarResult, key: str) -> tuple[Section, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
 from app.document.numbers import NONE, hundredths, number
 from app.document.wording import AFTER_AUTOFOCUS
-from app.subjects.sar.charts import short_name
+from app.subjects.sar.charts import SHORT
 from nav_model.budget import Budget
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
@@ -74,7 +74,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
         else:
             cells += [_number(scale * float(study.rms[index])) for scale in _scales(study.budget)]
             cells += [_banded(study.parts["residual_rms"], index, scale) for scale in _scales(study.budget)]
-        rows.append((Cell(short_name(strategy.key)), Cell(_kind(strategy)), *map(Cell, cells)))
+        rows.append((Cell(SHORT[strategy.key]), Cell(_kind(strategy)), *map(Cell, cells)))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
     return Table(
         f"{key}-sar-errors",
@@ -170,7 +170,7 @@ def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
     scales = _scales(study.budget)
     rows = tuple(
         (
-            Cell(short_name(one.key)),
+            Cell(SHORT[one.key]),
             *(Cell(_number(scale * sigma)) for sigma in (one.flown, one.fast) for scale in scales),
             Cell(f"{number(one.ratio, 4)} ± {number(one.error, 2)}"),
             Cell("✓ agrees", tone="good") if one.agrees else Cell("✗ differs", tone="warn"),
@@ -201,7 +201,7 @@ def _by_strategy(key: str, caption: str, titles: tuple[str, ...], rows: list[tup
         key,
         caption,
         (Column("Strategy", width=1.5), *(Column(title, numeric=True, width=1) for title in titles)),
-        tuple((Cell(short_name(strategy.key)), *map(Cell, cells)) for strategy, cells in named),
+        tuple((Cell(SHORT[strategy.key]), *map(Cell, cells)) for strategy, cells in named),
         note,
     )
 

@@ -15,7 +15,7 @@ from app.declared import declared, held
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.sar.charts import short_name, uploaded_picture
+from app.subjects.sar.charts import SHORT, uploaded_picture
 from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.run import SarResult
 from app.ui.fields import number
@@ -45,7 +45,7 @@ class UploadedPicture(pn.viewable.Viewer):
     strategy: str = declared(
         param.Selector(
             default="2",
-            objects={short_name(key): key for key in STRATEGY_KEYS[1:]},
+            objects={SHORT[key]: key for key in STRATEGY_KEYS[1:]},
             label="Navigation error of strategy",
         )
     )

@@ -101,16 +101,8 @@ class LogPanel(pn.viewable.Viewer):
             pn.state.on_session_destroyed(lambda _: self.close())
 
     def __panel__(self) -> pn.Column:
-        intake = pmui.Paper(
-            html_pane("<h3>What does my log say?</h3>" + _HELP, margin=(10, 14, 0, 14)),
-            self.bar,
-            self.message,
-            variant="outlined",
-            elevation=0,
-            sizing_mode="stretch_width",
-            margin=(6, 10),
-        )
-        return pn.Column(intake, self.static, self.moving)
+        said = html_pane("<h3>What does my log say?</h3>" + _HELP, margin=(10, 14, 0, 14))
+        return pn.Column(_paper(said, self.bar, self.message), self.static, self.moving)
 
     # --- taking a log in ----------------------------------------------------------------------------------
 
@@ -217,18 +209,13 @@ class StaticResult(pn.viewable.Viewer):
         self._session = session
         self.analysis: LogAnalysis | None = None
         self.head, self.tables = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
-        self.use = _button("Use these in the design", variant="contained")
+        self.use = _button("Use these in the design")
         self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(self._known)))
         self.axis = pmui.Select(label="Axis", width=220, margin=(8, 14), options=[])
         self.axis.param.watch(lambda event: self._feed() if event.new else None, "value")
         self._charts: list[ChartView] = []
         self._place = pn.Column()
-        self._view = pn.Column(
-            pmui.Paper(self.head, self.use, self.tables, variant="outlined", elevation=0,
-                       sizing_mode="stretch_width", margin=(6, 10)),
-            self._place,
-            visible=False,
-        )  # fmt: skip
+        self._view = pn.Column(_paper(self.head, self.use, self.tables), self._place, visible=False)
 
     def __panel__(self) -> pn.Column:
         return self._view
@@ -277,12 +264,9 @@ class MotionResult(pn.viewable.Viewer):
         self.analysis: MotionAnalysis | None = None
         self._bench = BenchNoise()
         self.head, self.table = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
-        self.use = _button("Use this factor in the design", variant="contained")
+        self.use = _button("Use this factor in the design")
         self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, self._known, self._bench)))
-        self._view = pmui.Paper(
-            self.head, self.use, self.table, variant="outlined", elevation=0, visible=False,
-            sizing_mode="stretch_width", margin=(6, 10),
-        )  # fmt: skip
+        self._view = _paper(self.head, self.use, self.table, visible=False)
 
     def __panel__(self) -> pmui.Paper:
         return self._view
@@ -304,5 +288,11 @@ class MotionResult(pn.viewable.Viewer):
             self._view.visible = True
 
 
-def _button(label: str, variant: str = "outlined", **params: Any) -> pmui.Button:
-    return pmui.Button(label=label, variant=variant, margin=(12, 14, 8, 14), **params)
+def _button(label: str) -> pmui.Button:
+    return pmui.Button(label=label, variant="contained", margin=(12, 14, 8, 14))
+
+
+def _paper(*content: Any, **params: Any) -> pmui.Paper:
+    return pmui.Paper(
+        *content, variant="outlined", elevation=0, sizing_mode="stretch_width", margin=(6, 10), **params
+    )

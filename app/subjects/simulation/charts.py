@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -84,30 +85,18 @@ def designed_attitude_chart(study: SimulationStudy) -> Chart:
     )
 
 
-def horizontal_position_chart(study: SimulationStudy) -> Chart:
-    """Horizontal position error."""
-    lines = (*_pair(study, 0, 1, "north", "east"), _refined(study, 0))
-    closed = "Closed form [T-3], in the outage [T-9]; refined [T-17]."
-    return _errors(study, "position-horizontal", "Horizontal position", lines, closed)
-
-
-def vertical_position_chart(study: SimulationStudy) -> Chart:
-    """Vertical position error."""
-    lines = (*_single(study, 2, "down"), _refined(study, 2))
-    closed = "Closed form [T-4], in the outage [T-10]; refined [T-17]."
-    return _errors(study, "position-vertical", "Vertical position", lines, closed)
-
-
-def horizontal_velocity_chart(study: SimulationStudy) -> Chart:
-    """Horizontal velocity error."""
-    closed = "Closed form [T-3], in the outage [T-9]."
-    return _errors(study, "velocity-horizontal", "Horizontal velocity", _pair(study, 3, 4, "north", "east"), closed)
-
-
-def vertical_velocity_chart(study: SimulationStudy) -> Chart:
-    """Vertical velocity error."""
-    closed = "Closed form [T-4], in the outage [T-10]."
-    return _errors(study, "velocity-vertical", "Vertical velocity", _single(study, 5, "down"), closed)
+def axis_chart(study: SimulationStudy, what: str, axes: str) -> Chart:
+    """Error of "position" or "velocity", "horizontal" or "vertical"."""
+    column = ("position", "velocity").index(what) * 3
+    if axes == "horizontal":
+        lines = _pair(study, column, column + 1, "north", "east")
+        closed = "Closed form [T-3], in the outage [T-9]"
+    else:
+        column += 2
+        lines, closed = _single(study, column, "down"), "Closed form [T-4], in the outage [T-10]"
+    if what == "position":
+        lines, closed = (*lines, _refined(study, column)), f"{closed}; refined [T-17]"
+    return _errors(study, f"{what}-{axes}", f"{axes.capitalize()} {what}", lines, f"{closed}.")
 
 
 def tilt_chart(study: SimulationStudy) -> Chart:
@@ -268,10 +257,11 @@ def nees_chart(study: SimulationStudy) -> Chart:
 
 
 CHARTS: tuple[Callable[[SimulationStudy], Chart], ...] = (
-    horizontal_position_chart,
-    vertical_position_chart,
-    horizontal_velocity_chart,
-    vertical_velocity_chart,
+    *(
+        partial(axis_chart, what=what, axes=axes)
+        for what in ("position", "velocity")
+        for axes in ("horizontal", "vertical")
+    ),
     tilt_chart,
     yaw_chart,
     outage_chart,

@@ -18,34 +18,21 @@ def add_to(commands: Any) -> None:
         "the design and sensor errors, receiver and tuning beyond it, e.g. --set gyro.bias_instability='25 °/h'.",
     )
     design_arguments(simulate, one=True)
-    simulate.add_argument("--inputs", action="store_true", help="list what --set takes beyond the design and stop")
-    simulate.add_argument("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
-    simulate.add_argument("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
-    simulate.add_argument(
-        "--duration", type=float, metavar="S", help="length of a run (default 500 s, or the file's)"
-    )
-    simulate.add_argument(
-        "--outage",
-        dest="outages",
-        action="append",
-        default=[],
-        metavar="START,STOP",
-        help="seconds between which fixes are lost; may be repeated",
-    )
-    simulate.add_argument(
-        "--trajectory",
-        default="wandering",
-        metavar="NAME-or-FILE",
-        help="wandering, straight, turns, climb, or a CSV file",
-    )
-    simulate.add_argument(
-        "--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)"
-    )
-    simulate.add_argument("--states", type=int, choices=(9, 15, 21), default=9,
+    add = simulate.add_argument
+    add("--inputs", action="store_true", help="list what --set takes beyond the design and stop")
+    add("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
+    add("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
+    add("--duration", type=float, metavar="S", help="length of a run (default 500 s, or the file's)")
+    add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
+        help="seconds between which fixes are lost; may be repeated")  # fmt: skip
+    add("--trajectory", default="wandering", metavar="NAME-or-FILE",
+        help="wandering, straight, turns, climb, or a CSV file")  # fmt: skip
+    add("--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)")
+    add("--states", type=int, choices=(9, 15, 21), default=9,
         help="of the filter; 15 estimates biases, 21 two kinds of them apart")  # fmt: skip
-    simulate.add_argument("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
-    simulate.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
-    simulate.add_argument("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
+    add("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
+    add("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
+    add("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
     simulate.set_defaults(run=_simulate)
 
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import io
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from nav_model.simulation.design_study import to_document
-
-if TYPE_CHECKING:
-    from nav_model.simulation.design_study import SimulationStudy
+from nav_model.simulation.design_study import SimulationStudy, to_document
 
 
 def as_json(study: SimulationStudy) -> str:

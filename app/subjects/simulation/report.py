@@ -6,6 +6,7 @@ import argparse
 
 from app.document.blocks import Section
 from app.document.chart_block import chart_block
+from app.document.wording import identified
 from app.subjects.simulation.charts import CHARTS, outage_chart
 from app.subjects.simulation.tables import findings, verdict
 from nav_model.design import Design
@@ -16,7 +17,6 @@ REFERENCES = (
     "and Dynamics 21, 1998 (mechanisation). Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking "
     "and Navigation, Wiley, 2001 (NEES, NIS and their chi-square bands).",
 )
-
 
 _SETTLED = 400.0  # s with fixes before the design's outage: most filters have settled
 _RUNS = 100
@@ -58,7 +58,7 @@ def belongs(study: SimulationStudy, design: Design) -> bool:
 
 def of_design(study: SimulationStudy) -> str:
     """The design it was flown for."""
-    return f"{study.design.name or 'without a name'} ({study.design.content_hash[:12]})"
+    return identified(study.design)
 
 
 def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:

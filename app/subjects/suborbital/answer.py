@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from app.charts.kinds import Array
-from app.document.blocks import Answer, KeyFigure, KeyFigures
+from app.document.blocks import Answer, KeyFigure, KeyFigures, Text
 from app.document.numbers import percent, show
 from app.subjects.suborbital.charts.shown import Shown
 from nav_model.suborbital.settings import Settings
 from nav_model.suborbital.summary import explain
 
 WAITING = Answer(
-    "Star tracker on a suborbital flight",
+    "Running the first study",
     "open",
-    ("The first run is under way: every error source is integrated with and without the star tracker.",),
+    ("Every error source is integrated with and without the star tracker. This takes a few seconds.",),
 )
+_HELPS = 0.98  # of the error without a tracker
+_UNDER = "INS alone → with tracker"
 _CARDS = {
     "all": "Everything",
     "gyro total": "Gyros",
@@ -24,23 +26,45 @@ _CARDS = {
 
 
 def answer(shown: Shown, settings: Settings) -> tuple[Answer, KeyFigures]:
-    """What the tracker repairs at the settings in force, in words and in figures."""
-    said = (explain(shown.study), _exactness(shown))
-    return Answer("What the star tracker did and did not repair", "open", said), _figures(shown, settings)
+    """What the tracker repairs at the settings in force, in a line and in figures."""
+    study = shown.study
+    before, after = (_size(errors.position_m[study.case("all"), -1]) for errors in (study.pure, study.aided))
+    what = f"from {_metres(before)} to {_metres(after)}"
+    if not study.used.any():
+        word, tone = "The star tracker gives no frame on this flight", "warn"
+    elif after < _HELPS * before:
+        word, tone = f"The star tracker cuts the final position error {what}", "good"
+    else:
+        word, tone = f"The star tracker hardly changes the final position error: {what}", "warn"
+    left = {
+        label: _size(study.aided.position_m[study.case(case), -1]) for case, label in _CARDS.items() if case != "all"
+    }
+    largest = max(left, key=lambda label: left[label])
+    said = f"Largest remaining source: {largest.lower()}, {_metres(left[largest])}."
+    return Answer(word, tone, (said, _exactness(shown))), _figures(shown, settings)
+
+
+def explained(shown: Shown) -> Text:
+    """What the tracker repairs and what not, source by source."""
+    return Text(explain(shown.study))
+
+
+def _size(error: Array) -> float:
+    return float((error @ error) ** 0.5)
 
 
 def _exactness(shown: Shown) -> str:
     if not shown.exact:
-        return "Moved by the linear sensitivity matrix [B-4] from the last exact run; recompute exactly for the gap."
+        return "Moved from the last exact run by the linear sensitivity matrix [B-4]."
     if shown.gap is None:
-        return "Exact: integrated at these inputs."
+        return "Exact."
     gap = shown.gap
     k = gap.names.index("all")
     pure, aided = (
         f"{_metres(float(metres[k]))} ({percent(float(share[k]))})"
         for metres, share in ((gap.pure_m, gap.pure_share), (gap.aided_m, gap.aided_share))
     )
-    return f"Exact. Before, the linear answer was off by {pure} for the INS alone and {aided} with the tracker."
+    return f"Exact. The linear answer before was off by {pure} (INS alone) and {aided} (with tracker)."
 
 
 def _figures(shown: Shown, settings: Settings) -> KeyFigures:
@@ -58,8 +82,7 @@ def _figures(shown: Shown, settings: Settings) -> KeyFigures:
 
 
 def _figure(label: str, pure: Array, aided: Array, detail: str) -> KeyFigure:
-    before, after = (_metres(float((error @ error) ** 0.5)) for error in (pure, aided))
-    return KeyFigure(label, f"{before} → {after}", detail)
+    return KeyFigure(label, f"{_metres(_size(pure))} → {_metres(_size(aided))}", detail, _UNDER)
 
 
 def _channels(error: Array) -> str:

@@ -3,11 +3,10 @@ error."""
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from app.console.arguments import put_json
 from app.console.files import put_file
 from app.console.progress import show_progress
 from nav_model.design.declaration import Choice
@@ -78,6 +77,4 @@ def run(
         raise
     except ValueError as error:
         raise InputError("suborbital", str(error)) from error
-    json.dump(answer, sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
-    sys.stdout.write("\n")
-    return 0
+    return put_json(answer)

@@ -41,8 +41,7 @@ class InputControl(InputBox):
     def __init__(self, key: str, settings: Callable[[], Settings], put: Put) -> None:
         self._settings, self._put_value = settings, put
         self._declared = declared = INPUTS[key]
-        look: dict[str, Any] = {"label": str(declared.label), "margin": (9, 10, 0, 10)}
-        look |= {"sizing_mode": "stretch_width"}
+        look = {"label": str(declared.label), "margin": (9, 10, 0, 10), "sizing_mode": "stretch_width"}
         box: pmui.Select | pmui.TextInput
         if isinstance(declared, Choice):
             box = pmui.Select(options=list(declared.objects), value=settings()[key], **look)
@@ -56,14 +55,11 @@ class InputControl(InputBox):
         self.listen()
 
     def __panel__(self) -> pn.viewable.Viewable:
-        if self.slider is None:
-            return self.box
-        return pn.Column(self.box, self.slider)
+        return self.box if self.slider is None else pn.Column(self.box, self.slider)
 
     def value(self) -> Value:
         """The value in force, SI."""
-        value: Value = self._settings()[self.key]
-        return value
+        return self._settings()[self.key]
 
     def text(self) -> str:
         """The value in force in its usual unit."""

@@ -16,20 +16,22 @@ from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.suborbital.controls import InputControl
+from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
-from app.ui.theme import FRAME
 from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
+from nav_model.design import Design
 from nav_model.design.link import MAX_QUERY
 from nav_model.errors import InputError
 from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import GROUPS
-from nav_model.suborbital.settings import DEFAULTS, Settings, Value, from_design
+from nav_model.suborbital.settings import DEFAULTS, Settings, Value, follow_design, follows_design, from_design
 from nav_model.suborbital.study_file import MAX_BYTES as MAX_STUDY
 from nav_model.suborbital.study_file import format_study, from_link, parse_study, to_link
 
 Trajectory = tuple[str, bytes] | None
 _OPEN = 1  # gyros: what the tracker replaces
+_PLAIN = to_link(from_design(DEFAULTS, Design()))  # of a study that nobody changed
 _LOOK: dict[str, Any] = {"margin": 2, "variant": "text"}
 _FILE_HELP = (
     '<p class="know quiet">CSV with time_s, latitude_deg, longitude_deg, height_m, roll_deg, pitch_deg, yaw_deg; '
@@ -47,7 +49,7 @@ class InputPanel(pn.viewable.Viewer):
     )
 
     def __init__(self, session: Session) -> None:
-        super().__init__(session=session)
+        super().__init__(session=session, settings=from_design(DEFAULTS, session.design))
         self.controls: list[InputControl] = []
         self.notice = pmui.Alert(object="", severity="error", closeable=True, visible=False, margin=(4, 14))
         self._view = self._layout()
@@ -59,8 +61,17 @@ class InputPanel(pn.viewable.Viewer):
     @param.depends("session.study_link", watch=True)
     def _follow_link(self) -> None:
         link = self.session.study_link
-        if link and link != to_link(self.settings) and (problem := self.adopt(lambda: from_link(link))):
+        if link and link != to_link(self.settings) and (problem := self.adopt(lambda: self._linked(link))):
             self.say(f"The link's study was not used. {problem}")
+
+    def _linked(self, link: str) -> Settings:
+        return from_link(link, self.session.design)
+
+    def follow(self, design: Design) -> None:
+        """Take the inertial unit of another design, where the study has it from the design."""
+        settings = follow_design(self.settings, design)
+        if dict(settings.values) != dict(self.settings.values) or settings.origin != self.settings.origin:
+            self.adopt(lambda: settings)
 
     def say(self, text: str, severity: str = "error") -> None:
         """A message above the page, until the next one; empty: none."""
@@ -70,24 +81,36 @@ class InputPanel(pn.viewable.Viewer):
 
     def _layout(self) -> pn.Column:
         self._sections = [pn.Column() for _ in GROUPS]
-        narrow = "Mobi" in (pn.state.headers or {}).get("User-Agent", "")
-        opened = [] if narrow else [_OPEN]  # on a phone the inputs are above the charts
-        accordion = pmui.Accordion(
-            *zip(GROUPS, self._sections, strict=True),
-            active=opened,
-            title_variant="subtitle1",
-            sizing_mode="stretch_width",
-            margin=0,
+        parts = list(zip(GROUPS, self._sections, strict=True))
+        half = len(parts) // 2
+        look: dict[str, Any] = {"title_variant": "subtitle1", "sizing_mode": "stretch_width", "margin": 0}
+        scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
+        halves = []
+        for first, some in ((0, parts[:half]), (half, parts[half:])):
+            accordion = pmui.Accordion(
+                *some, active=[_OPEN - first] if 0 <= _OPEN - first < len(some) else [], **look
+            )
+            accordion.param.watch(lambda event, first=first: self._fill([first + i for i in event.new]), "active")
+            halves.append(accordion)
+        self._fill([_OPEN])
+        self._imu = html_pane("", margin=(2, 12))
+        self._say_imu()
+        return first_screen(
+            pn.Column(self._imu, pn.FlexBox(*self._sources(), margin=(0, 4))),
+            left=[pn.Column(halves[0], **scrolls)],
+            right=[pn.Column(halves[1], self._flight_file(), **scrolls)],
+            height="100%",
         )
-        accordion.param.watch(lambda event: self._fill(event.new), "active")
-        self._fill(opened)
-        return pn.Column(
-            html_pane("<h3>Inputs of the study</h3>", margin=(6, 12, 0, 12)),
-            pn.FlexBox(*self._sources(), margin=(0, 4)),
-            accordion,
-            self._flight_file(),
-            styles=FRAME,
+
+    def _say_imu(self) -> None:
+        own = follows_design(self.settings)
+        said = (
+            f"IMU noise and constant biases are those of the design: {escape(self.session.design.name)}. "
+            "All other inputs are here."
+            if own
+            else "IMU noise and biases are the study's own, not those of the design."
         )
+        self._imu.object = f"<p>{said}</p>"
 
     def _sources(self) -> list[pn.viewable.Viewable]:
         self.file = LimitedFileInput(
@@ -107,13 +130,13 @@ class InputPanel(pn.viewable.Viewer):
             self.file,
             save,
             button("Link to study", "link", self._put_link),
-            button("Copy IMU from design", "input", self._take_design),
+            button("Use IMU of the design", "input", self._take_design),
             button("Reset to GP-1 reference case", "restart_alt", lambda: self.adopt(lambda: DEFAULTS)),
         ]
 
     def _take_design(self) -> None:
         problem = self.adopt(lambda: from_design(self.settings, self.session.design))
-        self.say(f"The design's IMU was not copied. {problem}" if problem else "")
+        self.say(f"The design's IMU was not used. {problem}" if problem else "")
 
     def _flight_file(self) -> pn.viewable.Viewable:
         self.trajectory_file = LimitedFileInput(
@@ -155,7 +178,9 @@ class InputPanel(pn.viewable.Viewer):
 
     @param.depends("settings", watch=True)
     def _show(self) -> None:
-        self.session.study_link = to_link(self.settings)
+        link = to_link(self.settings)
+        self.session.study_link = "" if link == _PLAIN else link
+        self._say_imu()
         for control in self.controls:
             control.follow()
 

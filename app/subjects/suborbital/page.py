@@ -1,4 +1,7 @@
-"""The Suborbital page: what a star tracker repairs of an INS over a suborbital flight, and what it does not."""
+"""The Suborbital page: what a star tracker repairs of an INS over a suborbital flight, and what it does not.
+
+The inertial unit is the design's; the page adds flight, tracker, camera and initial errors.
+"""
 
 from __future__ import annotations
 
@@ -10,18 +13,20 @@ import panel as pn
 import param
 
 from app.declared import held
-from app.document.pane import html_of
 from app.session import Session
 from app.subjects.suborbital.answer import WAITING, answer
+from app.subjects.suborbital.camera import CameraNoisePanel
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
 from app.subjects.suborbital.inputs import InputPanel, Trajectory
 from app.subjects.suborbital.noise import NoisePanel
-from app.subjects.suborbital.tabs import StudyTabs
+from app.subjects.suborbital.views import CAMERA_NOISE, StudyViews
+from app.ui.answer_strip import AnswerStrip
 from app.ui.downloads import download
-from app.ui.grid import cell, grid
-from app.ui.html_pane import block_pane
+from app.ui.first_screen import screen_of_views
+from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
+from app.ui.tiles import tiles_html
 from app.work.alone import RunLost, run_alone
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -43,25 +48,28 @@ class SuborbitalPage(pn.viewable.Viewer):
     renewal = held(Run)
     inputs = held(InputPanel)
     noise = held(NoisePanel)
-    tabs = held(StudyTabs)
+    camera = held(CameraNoisePanel)
+    study = held(StudyViews)
 
     def __init__(self, session: Session) -> None:
-        noise = NoisePanel(session, lambda: self.tabs.shown)
+        noise, camera, inputs = (
+            NoisePanel(session, lambda: self.study.shown),
+            CameraNoisePanel(session),
+            InputPanel(session),
+        )
         super().__init__(
-            exact=session.new_run(), renewal=session.new_run(), inputs=InputPanel(session), noise=noise,
-            tabs=StudyTabs(noise),
+            exact=session.new_run(), renewal=session.new_run(), inputs=inputs, noise=noise, camera=camera,
+            study=StudyViews(noise, camera, inputs),
         )  # fmt: skip
         self._session = session
         self._gap: Gap | None = None  # of the moved curves that the last exact run replaced
         self._flown: Trajectory = None  # the trajectory of the last exact run
-        self._answer = block_pane(WAITING)
+        self._strip = AnswerStrip(WAITING)
+        self._tiles = html_pane("", margin=(8, 0, 0, 0))
         self.bar = RunBar(self.exact, self.run, "Recompute exactly")
-        self._view = pn.Column(
-            self._answer,
-            pn.Row(self.bar, download("Study (JSON)", "suborbital.json", self._json)),
-            self.inputs.notice,
-            grid(cell(3, self.inputs), cell(9, self.tabs), margin=(4, 6)),
-        )
+        self.study.views.param.watch(lambda _: self._sweep_camera(), "chosen")
+        tools = pn.Row(self.bar, download("Study (JSON)", "suborbital.json", self._json))
+        self._view = screen_of_views(pn.Column(self._strip, self.inputs.notice, self._tiles), self.study, tools)
         if pn.state.curdoc:
             self.run()
 
@@ -69,7 +77,8 @@ class SuborbitalPage(pn.viewable.Viewer):
         return self._view
 
     def show(self, budget: Budget) -> None:
-        """The design enters by the button only; the study has its own inputs."""
+        """Follow the design's inertial unit, where the study takes it."""
+        self.inputs.follow(budget.design)
 
     @property
     def survey(self) -> Survey | None:
@@ -106,6 +115,13 @@ class SuborbitalPage(pn.viewable.Viewer):
             with pn.io.hold():
                 self._show_moved(survey, renewal)
 
+    @param.depends("exact.progress", "exact.message", watch=True)
+    def _say_progress(self) -> None:
+        """Before the first answer the strip says how far it is."""
+        if self.study.shown is None:
+            said = self.exact.message or (self.exact.progress.words if self.exact.progress else "")
+            self._strip.show(WAITING, said)
+
     @param.depends("renewal.message", watch=True)
     def _say_renewal(self) -> None:
         self.bar.message = self.renewal.message
@@ -116,7 +132,7 @@ class SuborbitalPage(pn.viewable.Viewer):
 
     async def _run_survey(self, run: Run, settle: float) -> Survey | None:
         await asyncio.sleep(settle)
-        settings, trajectory, before = self.inputs.settings, self.inputs.trajectory, self.tabs.shown
+        settings, trajectory, before = self.inputs.settings, self.inputs.trajectory, self.study.shown
         try:
             survey: Survey = await run_alone(
                 run_survey, settings, trajectory, progress=lambda share, what: run.tell(what, share)
@@ -136,30 +152,36 @@ class SuborbitalPage(pn.viewable.Viewer):
     def _show_exact(self) -> None:
         if self.survey is not None:
             with pn.io.hold():
-                self.tabs.last_moment(int(self.survey.star_frames[-1].time_s))
+                self.study.last_moment(int(self.survey.star_frames[-1].time_s))
                 self.follow()
 
     # --- on screen ---------------------------------------------------------------------------------------
 
-    @param.depends("tabs.case", "tabs.channel", "tabs.aided_sources", "tabs.along_track", "tabs.moment",
+    @param.depends("study.case", "study.channel", "study.aided_sources", "study.along_track", "study.moment",
                    "noise.run.result", watch=True)  # fmt: skip
     def _look(self) -> None:
-        if self.survey is not None and self.tabs.shown is not None:
-            self._put_on_screen(self.survey, self.tabs.shown.study)
+        if self.survey is not None and self.study.shown is not None:
+            self._put_on_screen(self.survey, self.study.shown.study)
 
     def _put_on_screen(self, survey: Survey, study: Study) -> None:
         ensemble = self.noise.ensemble_of(study)
-        shown = Shown(survey, study, **self.tabs.looks, ensemble=ensemble, gap=self._gap)
+        shown = Shown(survey, study, **self.study.looks, ensemble=ensemble, gap=self._gap)
         self._session.keep("suborbital", Finding(shown, self.inputs.settings))
         with pn.io.hold():
-            said = html_of(*answer(shown, self.inputs.settings))
-            if self._answer.object != said:
-                self._answer.object = said
+            word, figures = answer(shown, self.inputs.settings)
+            self._strip.show(word)
+            self._tiles.object = tiles_html(figures)
             self.noise.note(study)
-            self.tabs.shown = shown
+            self.study.shown = shown
+            self._sweep_camera()
+
+    def _sweep_camera(self) -> None:
+        shown = self.study.shown
+        if shown is not None and self.study.views.chosen == CAMERA_NOISE:
+            self.camera.show(shown, self.inputs.settings)
 
     def _json(self) -> io.BytesIO:
-        shown = self.tabs.shown
+        shown = self.study.shown
         if shown is None:
             return io.BytesIO(b"{}")
         content = survey_json(shown.survey, shown.study, self.inputs.settings)

@@ -5,28 +5,26 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from app.charts.kinds import Chart
 from app.console.progress import show_progress
 from app.document.blocks import Block, Cell, Column, Section, Table, Text
 from app.document.chart_block import chart_block
-from app.subjects.suborbital import charts, tables
-from app.subjects.suborbital.answer import answer
-from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital import tables
+from app.subjects.suborbital.answer import answer, explained
+from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
 from app.subjects.suborbital.finding import Finding
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.suborbital.input_table import GROUPS
-from nav_model.suborbital.settings import DEFAULTS, Settings, from_design, read_changes
+from nav_model.suborbital.settings import DEFAULTS, OF_DESIGN, Settings, follows_design, from_design, read_changes
 from nav_model.suborbital.survey import run_survey
 
-_ERRORS = tuple(draw for channel in (2, 1, 0) for draw in (charts.source_chart(channel), charts.aided_chart(channel)))
-_SENSORS = tuple(charts.sensor_chart(sensor, axis) for sensor in (0, 1) for axis in range(3))
-_NOISE = tuple(map(charts.noise_chart, (2, 1, 0)))
-_FLIGHT = (
-    charts.map_chart, charts.height_chart, charts.force_chart, charts.rate_chart, charts.gravity_chart,
-)  # fmt: skip
-_OF_A_DESIGN = "design"  # how the origin of an input begins that a design gave
+_ERRORS = tuple(partial(draw, channel=c) for c in (2, 1, 0) for draw in (errors.source_chart, errors.aided_chart))
+_SENSORS = tuple(partial(sensors.sensor_chart, sensor=s, axis=axis) for s in (0, 1) for axis in range(3))
+_NOISE = tuple(partial(sensors.noise_chart, channel=c) for c in (2, 1, 0))
+_FLIGHT = (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart, flight.gravity_chart)
 REFERENCES = (
     "[B] Moghtadaei Rad, Heyrani Nobari and Nikkhah, on integrating a star tracker with an inertial unit for a "
     "suborbital flight; its printed equations, sensors and trajectory are lost. [B-1] to [B-9] are derived in "
@@ -57,13 +55,13 @@ def study(design: Design, options: argparse.Namespace) -> Finding:
 
 def belongs(finding: Finding, design: Design) -> bool:
     """Whether no input of the study comes from another design than this one, as it is now."""
-    return not _takes_a_design(finding.settings) or _has_unit_of(finding.settings, design)
+    return not follows_design(finding.settings) or _has_unit_of(finding.settings, design)
 
 
 def of_design(finding: Finding) -> str:
     """The design whose inertial unit it took."""
     origins = finding.settings.origin.values()
-    return next((origin for origin in origins if origin.startswith(_OF_A_DESIGN)), "none")
+    return next((origin for origin in origins if origin.startswith(OF_DESIGN)), "none")
 
 
 def sections(finding: Finding, key: str) -> tuple[Section, ...]:
@@ -85,22 +83,24 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
         Section(
             own,
             "Suborbital flight: what a star tracker repairs, and what it does not",
-            (*answer(shown, finding.settings), Text(_sensors(finding.settings)), *_paper_tables(shown, own)),
+            (*answer(shown, finding.settings), explained(shown), Text(_sensors(finding.settings)),
+             *_paper_tables(shown, own)),
             REFERENCES,
         ),
         section("errors", "errors by source, with and without star tracker",
-                *drawn(*_ERRORS, charts.growth_chart), table(tables.source_table), table(tables.gap_table)),
+                *drawn(*_ERRORS, errors.growth_chart), table(tables.source_table), table(tables.gap_table)),
         section("sensors", "errors of the sensors", *drawn(*_SENSORS), *noise),
         section("attitude", "attitude and stars",
-                *drawn(charts.inertial_attitude_chart, charts.navigation_attitude_chart), table(tables.method_table),
-                *drawn(charts.star_chart, charts.star_count_chart)),
+                *drawn(attitude.inertial_attitude_chart, attitude.navigation_attitude_chart),
+                table(tables.method_table),
+                *drawn(attitude.star_chart, attitude.star_count_chart)),
         section("flight", "trajectory and gravity", *drawn(*_FLIGHT), table(tables.gravity_table)),
         section("inputs", "inputs of the study", _inputs(finding.settings, own)),
     )  # fmt: skip
 
 
 def _takes_a_design(settings: Settings) -> bool:
-    return any(origin.startswith(_OF_A_DESIGN) for origin in settings.origin.values())
+    return any(origin.startswith(OF_DESIGN) for origin in settings.origin.values())
 
 
 def _has_unit_of(settings: Settings, design: Design) -> bool:
@@ -109,7 +109,7 @@ def _has_unit_of(settings: Settings, design: Design) -> bool:
 
 def _sensors(settings: Settings) -> str:
     """Whose sensors these are."""
-    if _takes_a_design(settings):
+    if follows_design(settings):
         return (
             "Sensors: this design's inertial unit gives white noise and constant biases; instability, scale factor, "
             "misalignment and initial errors are those listed under the inputs of the study."

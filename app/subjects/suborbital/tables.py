@@ -72,8 +72,8 @@ _PAPER_GROUPS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("initial", "Initial conditions", ("initial position and velocity", "initial attitude")),
 )  # fmt: skip
 PAPER_NOTE = (
-    "The paper's values are as far as they can be read. Its sensors and trajectory are lost, and its x and y are not "
-    "our north and east: its values are for comparison only and are never a test."
+    "The paper's values are read from its figures. Its sensors and trajectory are not published, and its x and y are "
+    "not north and east: compare orders of magnitude only."
 )
 
 
@@ -220,10 +220,10 @@ def method_table(shown: Shown) -> NumberTable:
             for s in shown.survey.scores
         ),
         f"The same images of this flight for all five, one a second, centroid noise {number(sigma)} arcsec per axis; "
-        f"{shown.survey.scenes_refused} refused by the gate. Covariances [B-9]. TRIAD takes the two brightest stars: "
-        "where these happen to stand close together its error is large, so its mean hangs on few scenes. Over 1000 "
-        "random scenes of five stars at 10 arcsec that mean is about 240 arcsec, but from 207 to 362 over twenty "
-        "seeds, where the optimal methods stay within 72 to 78.",
+        f"{shown.survey.scenes_refused} refused by the gate. Covariances [B-9]. TRIAD uses only two stars, the "
+        "brightest: its error is large where these are close together, so a few scenes decide its mean. Over 1000 "
+        "random scenes of five stars at 10 arcsec, twenty seeds give means of 207 to 362 arcsec; the optimal methods "
+        "give 72 to 78.",
     )  # fmt: skip
 
 
@@ -234,9 +234,9 @@ def gravity_table(shown: Shown) -> NumberTable:
         "Cost of a mismatched gravity model",
         ("truth / INS", *(f"{channel} [m]" for channel in CHANNELS)),
         tuple((f"{truth} / {model}", *map(float, error)) for truth, model, error in shown.survey.gravity),
-        "Final error of an INS without any other error, the golden flight flown in each true field; integrated [B-3]."
+        "Final error of an otherwise perfect INS on the golden flight in each true field; integrated [B-3]."
         if shown.survey.gravity
-        else "Not run for a trajectory from a file: it is flown in one field only.",
+        else "Not available for a trajectory from a file.",
     )
 
 

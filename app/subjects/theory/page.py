@@ -20,7 +20,7 @@ from app.ui.anchored_text import AnchoredText
 from nav_model.budget import Budget
 from nav_model.equations import ALL_EQUATIONS, ALL_SYMBOLS, REFERENCES, source_of
 
-_PARTS = {"T": "Navigation", "S": "Radar", "B": "Suborbital flight and star tracker"}
+_PARTS = {"T": "Navigation", "S": "Radar", "P": "Processing", "B": "Suborbital flight and star tracker"}
 _CONTENTS = {
     "validation": "Validation",
     "differences": "Where figures differ",

@@ -239,11 +239,11 @@ def test_equations_symbols_and_references_are_those_the_studies_use(told, design
 
 def test_every_mark_in_the_html_leads_to_its_equation(html):
     ids = set(re.findall(r'id="([^"]+)"', html))
-    said = set(re.findall(r'href="#([TSB]-\d+)"', html))
+    said = set(re.findall(r'href="#([TSBP]-\d+)"', html))
     assert {"B-3", "T-16", "T-17"} <= said
     assert said <= ids
     # Not links are only an equation's own number, marks within an equation, and tables of a chart's numbers.
-    assert not re.findall(r'(?<!class="num")(?<!<td)(?<!<mtext)>\[[TSB]-\d+\]<(?!/a)', html)
+    assert not re.findall(r'(?<!class="num")(?<!<td)(?<!<mtext)>\[[TSBP]-\d+\]<(?!/a)', html)
 
 
 def test_html_and_pdf_say_every_number_of_every_table(told, html, pages):

@@ -43,6 +43,10 @@ def fleet():
                 "horizontal_velocity": prior.velocity_horizontal,
                 "vertical_velocity": prior.velocity_vertical,
                 "tilt": math.degrees(prior.tilt),
+                "azimuth_shift": budget.placement.azimuth,
+                "range_shift": budget.placement.range,
+                "ce90": budget.placement.ce90,
+                "le90": budget.placement.le90,
                 "coast_horizontal_position": budget.coast.end_refined_horizontal,
                 "coast_vertical_position": budget.coast.end_refined_vertical,
             }

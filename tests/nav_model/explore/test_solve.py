@@ -8,9 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nav_model.budget import analyse
+from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.explore.margins import ALL, quantity, ratios
 from nav_model.explore.solve import SOLVED, remedies, resolution_for, round_down, solve
+from nav_model.sar.geometry import aperture_time
 
 
 def _margin(design, key, value, requirement):
@@ -94,6 +96,26 @@ def test_quadratic_phase_of_a_bias_free_aperture_in_closed_form(open_design):
     by_resolution = open_design.replace({"radar.azimuth_resolution": resolution})
     assert analyse(by_resolution).sar.aperture_time == pytest.approx(aperture.value, rel=1e-12)
     assert analyse(by_resolution).verdict.tightest.margin == pytest.approx(0, abs=1e-9)
+
+
+@given(st.floats(-0.9, 0.9), st.floats(0.1, 2.0), st.sampled_from(["uniform", "hamming", "taylor"]))
+def test_the_resolution_of_an_aperture_is_the_one_it_was_made_for(squint, resolution, window):
+    design = Design({"radar.squint_angle": squint, "radar.azimuth_resolution": resolution, "radar.window": window})
+    radar = design.radar
+    wavelength = 299792458 / radar.frequency
+    time = aperture_time(wavelength, radar.slant_range, design.flight.speed, resolution, window, squint)
+    assert resolution_for(design, float(time)) == pytest.approx(resolution, rel=1e-12)
+
+
+@pytest.mark.parametrize(("squint", "resolution"), [(0.0, 0.5), (30.0, 0.5773503)])
+def test_a_squinted_aperture_resolves_less_by_the_cosine(squint, resolution):
+    """By hand from [S-3]: 0.8858929 x 0.03 m x 10 km / (2 x 100 m/s x 2.6576788 s) is 0.5 m abeam; the track of 266 m
+    looks shorter by cos 30° from the scene, so the cell is longer by 2/√3."""
+    design = Design(
+        {"radar.frequency": 299792458 / 0.03, "radar.slant_range": 10e3, "flight.speed": 100.0,
+         "radar.window": "uniform", "radar.squint_angle": math.radians(squint)}
+    )  # fmt: skip
+    assert resolution_for(design, 2.6576788) == pytest.approx(resolution, rel=1e-7)
 
 
 def test_no_value_helps_is_said_with_what_would(open_design):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line
@@ -16,59 +14,51 @@ from nav_model.suborbital.study import Study
 HOLDS_WITHIN = 0.1  # of the INS's own error: where the decoupled channel is drawn as holding
 
 
-def source_chart(channel: int) -> Callable[[Shown], Chart]:
-    """The chart of errors by source in one channel, as a function of `Shown`."""
-
-    def describe(shown: Shown) -> Chart:
-        study = shown.study
-        which = "with star tracker" if shown.aided_sources else "INS alone"
-        x, axis = study.pure.time_s, shown.axis(channel)
-        return Chart(
-            key=f"sources-{CHANNELS[channel]}",
-            title=f"{axis.capitalize()} error by source, {which}",
-            x_label=TIME,
-            y_label=f"{_LABELS[channel]} [km]",
-            lines=tuple(
-                Line(name, "everything" if name == "all" else name, x,
-                     km(shown.position_m(shown.aided_sources, name, channel)),
-                     "everything" if name == "all" else name, "integrated INS [B-3]")
-                for name in SHOWN_SOURCES
-            ),
-            spans=boost(study),
-            knowledge=f"{shown.how}. Each source runs alone; the parts add up to everything to second order.",
-        )  # fmt: skip
-
-    return describe
+def source_chart(shown: Shown, channel: int) -> Chart:
+    """Errors by source in one channel."""
+    study = shown.study
+    which = "with star tracker" if shown.aided_sources else "INS alone"
+    x, axis = study.pure.time_s, shown.axis(channel)
+    return Chart(
+        key=f"sources-{CHANNELS[channel]}",
+        title=f"{axis.capitalize()} error by source, {which}",
+        x_label=TIME,
+        y_label=f"{_LABELS[channel]} [km]",
+        lines=tuple(
+            Line(name, "everything" if name == "all" else name, x,
+                 km(shown.position_m(shown.aided_sources, name, channel)),
+                 "everything" if name == "all" else name, "integrated INS [B-3]")
+            for name in SHOWN_SOURCES
+        ),
+        spans=boost(study),
+        knowledge=f"{shown.how}. Each source runs alone; the parts add up to everything to second order.",
+    )  # fmt: skip
 
 
-def aided_chart(channel: int) -> Callable[[Shown], Chart]:
-    """The chart of the INS against the aided INS in one channel, as a function of `Shown`."""
-
-    def describe(shown: Shown) -> Chart:
-        study, axis = shown.study, shown.axis(channel)
-        x = study.pure.time_s
-        pairs = tuple(
-            (name, shown.position_m(aided, shown.case, channel), _noise(shown, aided, channel))
-            for name, aided in (("INS alone", False), ("INS with tracker", True))
-        )
-        return Chart(
-            key=f"aided-{CHANNELS[channel]}",
-            title=f"INS against star tracker, {axis}",
-            x_label=TIME,
-            y_label=f"{_LABELS[channel]} [km]",
-            lines=tuple(
-                Line(name, name, x, km(error), name, "integrated INS [B-3], [B-7]") for name, error, _ in pairs
-            ),
-            bands=tuple(
-                Band(name, f"{name}, ±1σ of white noise", x, km(error - sigma), km(error + sigma), name,
-                     "covariance of [B-4] under white noise")
-                for name, error, sigma in pairs
-            ),
-            spans=boost(study),
-            knowledge=f"Case: {called(shown.case)}. {shown.how}. Bands: white noise alone, covariance of [B-4].",
-        )  # fmt: skip
-
-    return describe
+def aided_chart(shown: Shown, channel: int) -> Chart:
+    """The INS against the aided INS in one channel."""
+    study, axis = shown.study, shown.axis(channel)
+    x = study.pure.time_s
+    pairs = tuple(
+        (name, shown.position_m(aided, shown.case, channel), _noise(shown, aided, channel))
+        for name, aided in (("INS alone", False), ("INS with tracker", True))
+    )
+    return Chart(
+        key=f"aided-{CHANNELS[channel]}",
+        title=f"INS against star tracker, {axis}",
+        x_label=TIME,
+        y_label=f"{_LABELS[channel]} [km]",
+        lines=tuple(
+            Line(name, name, x, km(error), name, "integrated INS [B-3], [B-7]") for name, error, _ in pairs
+        ),
+        bands=tuple(
+            Band(name, f"{name}, ±1σ of white noise", x, km(error - sigma), km(error + sigma), name,
+                 "covariance of [B-4] under white noise")
+            for name, error, sigma in pairs
+        ),
+        spans=boost(study),
+        knowledge=f"Case: {called(shown.case)}. {shown.how}. Bands: white noise alone, covariance of [B-4].",
+    )  # fmt: skip
 
 
 _LABELS = ("horizontal error", "horizontal error", "height error")

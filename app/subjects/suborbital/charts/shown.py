@@ -67,8 +67,7 @@ class Shown:
         study = self.study
         errors, k = study.aided if aided else study.pure, study.case(case)
         if self.along_track and channel < 2:
-            history: Array = (errors.down_range_m, errors.cross_range_m)[channel][k]
-            return history
+            return (errors.down_range_m, errors.cross_range_m)[channel][k]
         return errors.position_m[k, :, channel]
 
     def axis(self, channel: int) -> str:
@@ -87,9 +86,7 @@ class Shown:
         """The closed forms [B-6] of the case looked at, (m, 3), m."""
         study = self.study
         parameters = study.parameters[study.case(self.case)]
-        errors = closed_form_errors(study.flight, parameters, study.inputs.errors, every_of(study))
-        position_m: Array = errors.position_m[0]
-        return position_m
+        return closed_form_errors(study.flight, parameters, study.inputs.errors, every_of(study)).position_m[0]
 
     @cached_property
     def matrix_gap(self) -> Gap:
@@ -107,8 +104,7 @@ def every_of(study: Study) -> int:
 
 
 def boost(study: Study) -> tuple[Span, ...]:
-    burnout = study.flight.burnout_s
-    return (Span("boost", "boost", 0.0, burnout if burnout is not None else 0.0),)
+    return (Span("boost", "boost", 0.0, study.flight.burnout_s or 0.0),)
 
 
 def km(values: Array) -> Array:

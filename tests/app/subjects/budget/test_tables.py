@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from app.document.blocks import Table, Text
-from app.document.verdict import verdict_of
+from app.document.verdict import check_words, verdict_of, verdict_strip
 from app.report.cautions import caution_list
 from app.report.content import report_of
 from app.session import Session
 from app.subjects.budget.command import check_lines
-from app.subjects.budget.page import BudgetPage, answer
+from app.subjects.budget.page import BudgetPage, requirements
 from app.subjects.budget.tables import key_figures, requirement_table
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
@@ -66,7 +66,7 @@ def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -
         "Position, horizontal": ("2 m", True),
         "Position after 100 s": ("50 m", True),
         "Quadratic phase": ("90°", False),
-        "Detrended phase, rms": ("20°", False),
+        "Residual phase": ("20°", False),
     }
 
 
@@ -96,13 +96,14 @@ def test_requirements_have_value_limit_margin_and_verdict(mems: Budget) -> None:
 def test_check_prints_what_the_table_says_with_the_minus_of_scripts(mems: Budget) -> None:
     table = requirement_table(mems)
     assert isinstance(table, Table)
-    *lines, verdict = check_lines("a.toml", mems)
+    *lines, other, verdict = check_lines("a.toml", mems)
     for line, row, check in zip(lines, table.rows, mems.verdict.checks, strict=True):
         value, limit, margin = (cell.text.replace("−", "-") for cell in row[1:4])
         met = "met    " if check.met else "NOT MET"
         assert line.startswith(f"a.toml: {met} {check.name} {value} (limit {limit}, margin {margin}, {check.basis} ")
         assert line.endswith(f"dominated by {row[6].text.replace(',', '')})")
-    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma; tightest detrended_phase, margin -144 %"
+    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma, real time; tightest detrended_phase, margin -144 %"
+    assert other == "a.toml: post-processed it would not close; tightest detrended_phase, margin -9.7 %"
 
 
 def test_a_design_without_requirement_is_not_checked_anywhere() -> None:
@@ -123,14 +124,17 @@ def test_the_verdict_says_when_its_one_requirement_is_met() -> None:
 
 
 def test_page_and_report_say_the_same(mems: Budget) -> None:
-    page = answer(mems)
+    page, strip = requirements(mems), verdict_strip(mems)
     chapter = report_of([mems]).chapters[0]
     figures, table = chapter.sections[0].blocks
     assert figures == key_figures(mems)
     assert table == requirement_table(mems)
     assert chapter.verdict == verdict_of(mems)
     assert chapter.sections[-1].blocks[0] == caution_list(mems)
-    for text in (*chapter.verdict.sentences, *(row[1].text for row in table.rows), *caution_list(mems).items[:1]):
+    assert (strip.word, strip.tone) == (chapter.verdict.word, chapter.verdict.tone)
+    tightest = check_words(mems.design, mems.verdict.tightest)
+    assert all(text in strip.sentences[0] for text in (tightest.value, tightest.limit, tightest.share))
+    for text in (*(row[1].text for row in table.rows), *caution_list(mems).items[:1]):
         assert text in page
 
 
@@ -145,6 +149,6 @@ def test_the_page_follows_the_budget_it_is_shown(mems: Budget) -> None:
     page = BudgetPage(session)
     other = changed(imu__angle_random_walk=2 * mems.design.imu.angle_random_walk)
     page.show(other)
-    assert key_figures(other).items[5].value in page._answer.object
-    assert key_figures(mems).items[5].value not in page._answer.object
-    assert [chart.figure.plot.x_range for chart in page._charts[:3]] == [page._charts[0].figure.plot.x_range] * 3
+    assert key_figures(other).items[5].value in page._tiles.object
+    assert key_figures(mems).items[5].value not in page._tiles.object
+    assert [plot.x_range for plot in page._stack.plots] == [page._stack.plots[0].x_range] * 3

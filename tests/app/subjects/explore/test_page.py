@@ -1,18 +1,32 @@
-"""The Explore page without a browser: what the search adopts, whose sensors it takes, what it refuses."""
+"""The Explore page without a browser: what a press takes, whose sensors are judged, what is refused."""
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import io
 import re
+from typing import Any
 
+import numpy as np
+import pyarrow.parquet
 import pytest
+from waiting import soon
 
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.explore.page import ExplorePage
 from app.subjects.explore.search import EXAMPLE
+from app.subjects.explore.sweep import SweepPanel
+from app.subjects.explore.sweep_inputs import NONE
+from app.subjects.explore.uncertainty import RangeRow
+from nav_model.budget import analyse
+from nav_model.catalogue import catalogue
+from nav_model.design.presets import preset_fill
 from nav_model.explore import solve as solving
+from nav_model.explore.search import OWN_GNSS
+from nav_model.explore.sweep import sweep_ratios, to_csv, to_parquet
+from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
 
@@ -37,20 +51,74 @@ def explore() -> ExplorePage:
     return made
 
 
+def _ask(explore: ExplorePage, name: str) -> Any:
+    explore.views.chosen = name
+    return explore.question
+
+
+def _search(explore: ExplorePage) -> Any:
+    return _ask(explore, "Which sensors")
+
+
 def _open(explore: ExplorePage, content: bytes) -> str:
-    search = explore._parts[2]
+    search = _search(explore)
     search._file.value = content
     return str(search._said.object)
 
 
+def test_only_the_question_in_view_is_made_and_worked_out(explore: ExplorePage) -> None:
+    assert list(explore._asked) == ["What would close it"]
+    solved = explore.question
+    _search(explore)
+    before = solved.answer
+    explore.session.change({"imu.angle_random_walk": 1e-6})
+    assert solved.answer is before
+    assert "pass with your receiver" in explore._strip._text.object
+    explore.views.chosen = "What would close it"
+    assert solved.answer is not before
+
+
+def test_an_address_names_a_question(explore: ExplorePage) -> None:
+    explore.go_to("which")
+    assert explore.views.chosen == "Which sensors"
+    explore.go_to("nothing-of-the-kind")
+    assert explore.views.chosen == "Which sensors"
+
+
+def test_a_solved_value_is_taken_and_then_the_design_closes_at_its_limit(explore: ExplorePage) -> None:
+    solved = explore.question
+    assert not explore.session.budget.verdict.closes
+    solved._table.chosen = "imu.angle_random_walk"
+    verdict = explore.session.budget.verdict
+    assert verdict.closes
+    assert 0 <= verdict.tightest.margin < 0.01  # rounded down to three digits
+    assert explore.session.design.unit("imu.angle_random_walk") == "°/√h"
+    assert solved._table.chosen == ""
+    explore.session.undo()
+    solved._table.chosen = "gnss.position_noise"  # no value of it is enough
+    assert explore.session.design == first_design()
+
+
+def test_imus_with_the_designs_receiver_come_first_and_all_pairs_on_demand(explore: ExplorePage) -> None:
+    search = _search(explore)
+    assert {row.gnss for row in search._found} == {OWN_GNSS}
+    margins = [row.margin for row in search._found]
+    assert margins == sorted(margins, reverse=True)
+    few = len(margins)
+    search.own = False
+    assert len(search._found) == few * (1 + len(catalogue("gnss")))
+    own = [row.margin for row in search._found if row.gnss == OWN_GNSS]
+    assert own == margins
+
+
 def test_own_units_and_receivers_are_judged_and_adopted(explore: ExplorePage) -> None:
-    search = explore._parts[2]
+    search = _search(explore)
+    search.own = False
     before = search._table.html.count("<tr>")
     assert "Added Our &lt;b&gt;unit&lt;/b&gt;, Our receiver" in _open(explore, OWN.encode())
     assert search._table.html.count("<tr>") > before
     assert "<b>unit" not in search._table.html
     search._table.chosen = "Our <b>unit</b> with Our receiver"
-    search._adopt_selected()
     design = search.session.design
     assert design["imu.preset"] is None
     assert design.imu.angle_random_walk == pytest.approx(0.01 * 3.14159265 / 180 / 60)
@@ -68,9 +136,8 @@ def test_the_example_offered_is_such_a_file(explore: ExplorePage) -> None:
 
 
 def test_a_pair_that_is_no_longer_there_adopts_nothing(explore: ExplorePage) -> None:
-    search = explore._parts[2]
+    search = _search(explore)
     search._table.chosen = "LN-200 with a kite"
-    search._adopt_selected()
     assert search.session.design == first_design()
 
 
@@ -88,24 +155,124 @@ def test_a_pair_that_is_no_longer_there_adopts_nothing(explore: ExplorePage) -> 
 def test_files_that_hold_no_sensors_are_refused_and_change_nothing(
     explore: ExplorePage, content: bytes, said: str
 ) -> None:
-    before = explore._parts[2]._table.html
+    before = _search(explore)._table.html
     answer = _open(explore, content)
     assert "Not opened" in answer
     assert said in answer
-    assert explore._parts[2]._table.html == before
+    assert _search(explore)._table.html == before
 
 
 def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
-    search = explore._parts[2]
+    search = _search(explore)
     rows = list(csv.DictReader(io.StringIO(search._csv().read().decode())))
-    shown = re.findall(r'type="radio" name="row" value="(.*?)"', search._table.html)
+    shown = re.findall(r'<button type="button" value="(.*?)"', search._table.html)
     assert [f"{row['IMU']} with {row['Receiver']}" for row in rows] == shown
     assert search._table.html.count("✓ closes") == sum(row["Closes"] == "True" for row in rows) > 0
 
 
 def test_an_answer_that_fails_its_check_is_not_shown(explore: ExplorePage, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "Largest allowed value" in explore._answer.object
+    assert "Largest allowed value" in explore.question._table.html
     monkeypatch.setattr(solving, "_CLOSE", 0.1)  # roots stop far from the limit
-    explore.show(explore._parts[2].session.budget)
-    assert "Not solved" in explore._answer.object
-    assert "Largest allowed value" not in explore._answer.object
+    explore.show(explore.session.budget)
+    assert explore.question.answer.word == "Not solved"
+    assert "Largest allowed value" not in explore.question._table.html
+
+
+def test_a_range_is_what_the_command_takes() -> None:
+    row = RangeRow("imu.angle_random_walk", first_design)
+    row.set("Uniform", "0.02", "0.06 °/√h")
+    assert read_uncertain(row.key, row.text) == read_uncertain(row.key, "0.02 °/√h .. 0.06 °/√h")
+    row.set("Log-uniform", "0.02", "0.06")
+    assert row.text.endswith("log")
+    row.set("Typical ×/÷", "0.15", "1.3")
+    assert read_uncertain(row.key, row.text).kind == "lognormal"
+    row.set("Uniform", "0.06", "0.02")
+    assert "below" in row.problem
+
+
+def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> None:
+    sure = _ask(explore, "How sure")
+
+    async def asked() -> None:
+        next(row for row in sure.rows if row.key == "imu.angle_random_walk").set("Uniform", "0.02", "0.06")
+        await soon(lambda: sure.run.result is not None and not sure.run.running, "the probability")
+
+    asyncio.run(asked())
+    found = uncertain_verdict(first_design(), {"imu.angle_random_walk": read_uncertain(
+        "imu.angle_random_walk", "0.02 °/√h .. 0.06 °/√h")})  # fmt: skip
+    assert sure.run.result.closes == found.closes
+    assert "Closes with a probability of 40.1 %" in sure.answer.word
+
+
+def _rows(sweep: SweepPanel, *specs: tuple[str, str, str, str]) -> None:
+    for row, (key, low, high, points) in zip(sweep.rows, specs, strict=False):
+        row.input.value = key
+        row.low.value, row.high.value, row.points.value = low, high, points
+
+
+def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) -> None:
+    async def swept() -> SweepPanel:
+        sweep: SweepPanel = _ask(explore, "Sweep")
+        _rows(
+            sweep, ("imu.angle_random_walk", "0.01 °/√h", "0.1 °/√h", "5"), ("gnss.position_noise", "0.1", "1", "3")
+        )
+        assert "15 designs" in sweep._count.object
+        await sweep.start()
+        sweep.estimate.cancel()
+        return sweep
+
+    sweep = asyncio.run(swept())
+    columns = sweep.run.result.columns
+    assert len(columns["row"]) == 15
+    base = first_design()
+    for row in (0, 7, 14):
+        design = base.replace({key: columns[key][row] for key in ("imu.angle_random_walk", "gnss.position_noise")})
+        verdict = analyse(design).verdict
+        assert columns["closes"][row] == verdict.closes
+        assert 1 - sweep_ratios(columns)[row] == pytest.approx(verdict.tightest.margin, rel=1e-9)
+    assert f"{sum(columns['closes'])} of 15 designs meet all requirements" in sweep.answer.word
+    best = int(np.argmax(1 - sweep_ratios(columns)))
+
+    async def taken_up() -> None:
+        sweep._table.chosen = str(best)
+        sweep.estimate.cancel()
+
+    asyncio.run(taken_up())
+    taken = explore.session.design
+    assert taken.imu.angle_random_walk == pytest.approx(columns["imu.angle_random_walk"][best])
+    assert "earlier sweep or design" in sweep.answer.sentences[0]  # the design is another now
+    parquet = pyarrow.parquet.read_table(io.BytesIO(to_parquet(columns)))
+    table = list(csv.DictReader(io.StringIO(to_csv(columns).decode())))
+    assert parquet.column_names == list(table[0])
+    assert [float(row["gnss.position_noise"]) for row in table] == parquet["gnss.position_noise"].to_pylist()
+
+
+def test_a_sweep_too_large_for_the_page_is_not_started(explore: ExplorePage) -> None:
+    async def asked() -> None:
+        sweep = _ask(explore, "Sweep")
+        _rows(sweep, ("imu.angle_random_walk", "0.01", "1", "1000"), ("gnss.position_noise", "0.01", "1", "1000"))
+        assert "1,000,000 designs; at most 200,000 on this page" in sweep._count.object
+        assert sweep.bar.start.disabled
+        assert sweep.start() is None
+        _rows(sweep, ("imu.angle_random_walk", "5 kg", "1", "10"))
+        assert "kg" in sweep._count.object
+        assert sweep.bar.start.disabled
+        sweep.estimate.cancel()
+
+    asyncio.run(asked())
+
+
+def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> None:
+    async def swept() -> SweepPanel:
+        sweep: SweepPanel = _ask(explore, "Sweep")
+        sweep.rows[0].input.value = "imu.preset"
+        sweep.rows[0].names.value = ["LN-200", "STIM300"]
+        sweep.rows[1].input.value = NONE
+        await sweep.start()
+        sweep.estimate.cancel()
+        return sweep
+
+    columns = asyncio.run(swept()).run.result.columns
+    for name, ratio in zip(columns["imu.preset"], sweep_ratios(columns), strict=True):
+        fill = preset_fill("imu", name)[0]
+        assert 1 - ratio == pytest.approx(analyse(first_design().replace(fill)).verdict.tightest.margin, rel=1e-9)

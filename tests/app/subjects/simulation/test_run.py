@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import multiprocessing
 import re
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -99,23 +99,28 @@ def test_what_is_found_so_far_is_shown_and_stays_partial_when_the_run_is_cancell
     assert re.fullmatch(r"Cancelled: [1-9]\d* of 5000 runs\.", run.message)
 
 
-def _slow_start() -> None:
-    time.sleep(0.5)
-
-
 def test_a_compilation_is_told_and_can_be_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulator, "warm_up", _slow_start)
+    told = multiprocessing.get_context("spawn").Event()  # the compilation lasts until it is told
+    compiling = "Compiling the simulator, once for this installation"
+    monkeypatch.setattr(simulator, "warm_up", told.wait)
     monkeypatch.setattr(simulator, "_SURELY_COMPILING", 0.01)
-    run, said = _fly({"runs": 2, "duration": 10.0})
-    assert said[1] == "Compiling the simulator, once for this installation"
+
+    def go_on(run: Run) -> None:
+        if run.progress.what == compiling:
+            told.set()
+
+    run, said = _fly({"runs": 2, "duration": 10.0}, go_on)
+    assert said[1] == compiling
     assert run.result.wanted == 2
 
     def stop(run: Run) -> None:
-        if run.progress.what == said[1]:
+        if run.progress.what == compiling:
             run.cancel()
+            told.set()
 
+    told.clear()
     run, _ = _fly({"runs": 2, "duration": 10.0}, stop)
-    assert run.message == "Cancelled: Compiling the simulator, once for this installation."
+    assert run.message == f"Cancelled: {compiling}."
     assert run.result is None
 
 

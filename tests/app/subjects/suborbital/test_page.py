@@ -15,17 +15,16 @@ from waiting import PATIENCE, soon
 
 from app.serving.server import first_design
 from app.session import Session
-from app.subjects.suborbital import charts
-from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.charts import Shown, attitude, errors, sensors
 from app.subjects.suborbital.controls import InputControl
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
-from app.subjects.suborbital.tabs import TABS
+from app.subjects.suborbital.views import VIEWS
 from app.work.alone import run_alone
 from nav_model.suborbital.flight_file import format_flight
 from nav_model.suborbital.input_table import INPUTS
-from nav_model.suborbital.settings import DEFAULTS
-from nav_model.suborbital.study_file import format_study, to_link
+from nav_model.suborbital.settings import DEFAULTS, follows_design
+from nav_model.suborbital.study_file import format_study, from_link, to_link
 from nav_model.suborbital.survey import Survey, run_survey
 
 # Panel Material UI warns of its own widgets.
@@ -39,7 +38,10 @@ def survey() -> Survey:
 
 @pytest.fixture
 def here(survey: Survey) -> SuborbitalPage:
-    here = SuborbitalPage(Session(first_design()))
+    """The page with the reference case, whose values are printed."""
+    session = Session(first_design())
+    session.study_link = to_link(DEFAULTS)
+    here = SuborbitalPage(session)
     here.exact.result = survey
     return here
 
@@ -56,20 +58,20 @@ async def flown(page: SuborbitalPage, trajectory: tuple[str, bytes]) -> None:
 
 
 def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
-    before = here.tabs.shown
+    before = here.study.shown
     assert before is not None
     assert before.exact
     assert here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h")) is None
-    after = here.tabs.shown
+    after = here.study.shown
     assert after is not None
     assert not after.exact
     k = after.study.case("gyro total")
     change = after.study.pure.position_m[k, -1] - before.study.pure.position_m[k, -1]
     assert np.linalg.norm(change) > 10_000
-    assert "Moved by the linear sensitivity matrix" in here._answer.object
+    assert "Moved from the last exact run" in here._strip._text.object
     # and back: the exact answer again
     here.inputs.put("gyros.bias", DEFAULTS["gyros.bias"])
-    assert here.tabs.current().exact
+    assert here.study.current().exact
 
 
 def test_a_refusal_stands_at_the_field_and_changes_nothing(here: SuborbitalPage) -> None:
@@ -94,7 +96,7 @@ def test_a_slider_keeps_the_ratio_of_the_axes(here: SuborbitalPage) -> None:
 
 
 def test_tables_hold_the_study_and_name_the_papers_values_as_comparison(here: SuborbitalPage) -> None:
-    shown = here.tabs.current()
+    shown = here.study.current()
     tables = paper_tables(shown)
     assert len(tables) == 4
     bias = next(row for row in tables[0].rows if row[0] == "accelerometer bias")
@@ -110,7 +112,7 @@ def test_tables_hold_the_study_and_name_the_papers_values_as_comparison(here: Su
 
 def test_decoupled_channel_is_shown_failing_where_it_does(survey: Survey) -> None:
     """star_tracker.md: gyro total in height 36.8 km by the channel, 13.6 km by the INS."""
-    chart = charts.growth_chart(Shown(survey, survey.study, case="gyro total"))
+    chart = errors.growth_chart(Shown(survey, survey.study, case="gyro total"))
     lines = {line.key: line for line in chart.lines}
     assert lines["fails"].y[-1] == pytest.approx(36.8e3, rel=0.01)
     assert lines["ins"].y[-1] == pytest.approx(13.6e3, rel=0.01)
@@ -126,7 +128,7 @@ def test_decoupled_channel_is_shown_failing_where_it_does(survey: Survey) -> Non
 
 def test_star_chart_shows_the_stars_inside_the_square(survey: Survey) -> None:
     for index in (50, 250, 500):
-        chart = charts.star_chart(Shown(survey, survey.study, star_index=index))
+        chart = attitude.star_chart(Shown(survey, survey.study, star_index=index))
         places, measured = chart.points
         assert len(places.x) >= 3
         assert np.all((places.x > -0.5) & (places.x < 1023.5) & (places.y > -0.5) & (places.y < 1023.5))
@@ -140,18 +142,41 @@ def test_json_of_the_page_is_the_command_s(here: SuborbitalPage) -> None:
     assert answer["exact"] is True
 
 
-def test_every_tab_is_built_and_fed(here: SuborbitalPage) -> None:
-    contents = []
-    for index in range(len(TABS)):
-        here.tabs.bar.active = index
-        here.tabs.param.trigger("shown")  # fed a second time
-        contents += here.tabs.place.objects
-    assert len({id(content) for content in contents}) == len(TABS)
+def test_every_view_is_built_and_fed(here: SuborbitalPage) -> None:
+    for view in VIEWS:
+        here.study.views.chosen = view.name
+        here.study.param.trigger("shown")  # fed a second time
+    contents = [place.objects[0] for place in here.study._places.values()]
+    assert len({id(content) for content in contents}) == len(VIEWS)
     # what is opened after the curves have moved shows the moved ones
-    here.tabs.bar.active = 0
+    here.study.views.chosen = VIEWS[0].name
     here.inputs.put("gyros.bias", (0.0, 0.0, 0.0))
-    here.tabs.bar.active = 1
-    assert not here.tabs.current().exact
+    here.study.views.chosen = VIEWS[1].name
+    assert not here.study.current().exact
+
+
+def test_the_inertial_unit_is_the_designs(survey: Survey) -> None:
+    session = Session(first_design())
+    page = SuborbitalPage(session)
+    page.exact.result = survey
+    session.param.watch(lambda event: page.show(event.new), "budget")
+    imu = session.design.imu
+    assert page.inputs.settings["gyros.white_noise"] == imu.angle_random_walk * imu.vibration_factor
+    assert session.study_link == ""  # nothing to say beside the design
+    session.change({"imu.angle_random_walk": 2e-5, "imu.gyro_bias": 1e-6})
+    assert page.inputs.settings["gyros.white_noise"] == 2e-5
+    assert np.abs(page.inputs.settings["gyros.bias"]).tolist() == [1e-6] * 3
+
+
+def test_what_a_person_set_stays_while_the_design_moves(here: SuborbitalPage) -> None:
+    here.inputs._take_design()
+    here.inputs.put("gyros.bias", (1e-6, 1e-6, 1e-6))
+    here.inputs.follow(first_design().replace({"imu.angle_random_walk": 2e-5, "imu.gyro_bias": 5e-6}))
+    assert here.inputs.settings["gyros.bias"] == (1e-6, 1e-6, 1e-6)
+    assert here.inputs.settings["gyros.white_noise"] == 2e-5
+    linked = from_link(to_link(here.inputs.settings), first_design().replace({"imu.angle_random_walk": 3e-5}))
+    assert linked["gyros.bias"] == (1e-6, 1e-6, 1e-6)
+    assert linked["gyros.white_noise"] == 3e-5  # the design's that the link is opened beside
 
 
 def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage) -> None:
@@ -162,17 +187,17 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
     )
     asyncio.run(run_exactly(here))
     assert any(running and "error sources" in words for running, words in told)
-    shown = here.tabs.current()
+    shown = here.study.current()
     assert shown.exact
     assert shown.gap is not None
     share = shown.gap.pure_share[shown.gap.names.index("all")]
     assert 0 < share < 0.05
-    assert "the linear answer was off by" in here._answer.object
+    assert "The linear answer before was off by" in here._strip._text.object
     assert not here._session.running
 
 
 def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
-    before = here.tabs.current()
+    before = here.study.current()
     asyncio.run(flown(here, ("mine.csv", b"a,b\n1,2\n")))
     assert "mine.csv: line 1: columns time_s" in here.inputs.notice.object
     assert here.inputs.trajectory is None
@@ -215,7 +240,7 @@ def test_a_wrong_study_is_refused_by_name_and_changes_nothing(here: SuborbitalPa
     session.study_link = "study.gyros.bias=5kg"
     linked = SuborbitalPage(session)
     assert "The link&#x27;s study was not used. gyros.bias" in linked.inputs.notice.object
-    assert linked.inputs.settings is DEFAULTS
+    assert follows_design(linked.inputs.settings)
 
 
 def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_steps(here: SuborbitalPage) -> None:
@@ -226,58 +251,58 @@ def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_s
 
     async def slid() -> None:
         slider.value = float(np.log10(0.34))
-        assert here.tabs.current().exact  # other frames need other matrices first
+        assert here.study.current().exact  # other frames need other matrices first
         await soon(lambda: not here.renewal.running, "the matrices")
 
     asyncio.run(slid())
     assert here.inputs.settings["tracker.frame_interval"] == pytest.approx(0.3)
     assert here.renewal.message == ""
-    assert not here.tabs.current().exact
-    assert here.tabs.current().study.used.sum() < here.survey.study.used.sum()
+    assert not here.study.current().exact
+    assert here.study.current().study.used.sum() < here.survey.study.used.sum()
 
 
 def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move(here: SuborbitalPage) -> None:
-    here.tabs.bar.active = [tab.name for tab in TABS].index("White noise")
-    assert np.all(np.isnan(charts.noise_chart(2)(here.tabs.current()).lines[2].y))
+    here.study.views.chosen = "White noise"
+    assert np.all(np.isnan(sensors.noise_chart(here.study.current(), 2).lines[2].y))
     here.noise.runs = 50
 
     async def fly() -> None:
         await here.noise.start()
 
     asyncio.run(fly())
-    shown = here.tabs.current()
+    shown = here.study.current()
     assert shown.ensemble is not None
-    flown = charts.noise_chart(2)(shown)
+    flown = sensors.noise_chart(shown, 2)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
     assert "50 runs, seed 1" in noise_table(shown).note
     assert json.loads(here._json().getvalue())["white_noise_monte_carlo"]["runs"] == 50
     here.inputs.put("gyros.white_noise", 1e-5)
-    assert here.tabs.current().ensemble is None
-    assert "No ensemble is flown" in noise_table(here.tabs.current()).note
+    assert here.study.current().ensemble is None
+    assert "No ensemble is flown" in noise_table(here.study.current()).note
     assert "fly again" in here.noise.bar.message
 
 
 def test_sensor_errors_are_drawn_per_axis_and_class(survey: Survey) -> None:
     shown = Shown(survey, survey.study)
-    lines = {line.key: line for line in charts.sensor_chart(1, 1)(shown).lines}
+    lines = {line.key: line for line in sensors.sensor_chart(shown, 1, 1).lines}
     assert list(lines) == ["bias", "instability", "total"]
     np.testing.assert_allclose(lines["bias"].y + lines["instability"].y, lines["total"].y)
     # Before the pitch programme the y gyro senses little: bias 4 °/h and 1e-4 of the rates the others sense.
     assert lines["bias"].y[0] == pytest.approx(4.0, abs=0.05)
-    assert charts.sensor_chart(0, 0)(shown).y_label == "specific force error [mg]"
+    assert sensors.sensor_chart(shown, 0, 0).y_label == "specific force error [mg]"
 
 
 def test_horizontal_errors_are_also_shown_along_and_across_the_track(survey: Survey) -> None:
     study = survey.study
     k = study.case("all")
     along, across = (
-        charts.aided_chart(c)(Shown(survey, study, "all", along_track=True)).lines[0].y[-1] for c in (0, 1)
+        errors.aided_chart(Shown(survey, study, "all", along_track=True), c).lines[0].y[-1] for c in (0, 1)
     )
     assert (along, across) == pytest.approx(
         (study.pure.down_range_m[k, -1] / 1e3, study.pure.cross_range_m[k, -1] / 1e3)
     )
     assert np.hypot(along, across) == pytest.approx(np.hypot(*study.pure.position_m[k, -1, :2]) / 1e3)
-    named = charts.source_chart(1)(Shown(survey, study, along_track=True))
+    named = errors.source_chart(Shown(survey, study, along_track=True), 1)
     assert named.title == "Cross-range error by source, INS alone"
 
 

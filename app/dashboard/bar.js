@@ -1,0 +1,207 @@
+// The bar on top of the page. What a person does here is told to the server as a message; what the server knows comes
+// as the model's properties.
+const ICONS = {
+  undo: "M12.5 8c-2.65 0-5.05.99-6.9 2.6L2 7v9h9l-3.62-3.62A8 8 0 0 1 20.1 16l2.37-.78A10.5 10.5 0 0 0 12.5 8z",
+  redo: "M18.4 10.6A10.5 10.5 0 0 0 1.54 15.22l2.36.78a8 8 0 0 1 12.72-3.62L13 16h9V7z",
+}
+const icon = (name) => `<svg viewBox="0 0 24 24" width="20" height="20" aria-hidden="true"><path d="${ICONS[name]}"/></svg>`
+
+function find(selector, root = document) {
+  for (const found of root.querySelectorAll(selector)) if (found.getClientRects().length) return found
+  for (const element of root.querySelectorAll("*")) {
+    const found = element.shadowRoot && find(selector, element.shadowRoot)
+    if (found) return found
+  }
+  return null
+}
+
+export function render({ model }) {
+  const place = document.createElement("div")
+  place.className = "bar"
+  place.innerHTML = `
+    <button class="skip" type="button">Skip to the result</button>
+    <h1>NavBudget</h1>
+    <label class="design" title="Name of the design"><span class="hidden">Design</span>
+      <input type="text" maxlength="200" spellcheck="false" autocomplete="off"></label>
+    <div class="tabs" role="tablist" aria-label="Pages"></div>
+    <button class="more" type="button" aria-expanded="false" aria-label="Tools">⋯</button>
+    <div class="tools" role="toolbar" aria-label="Tools">
+      <button data-do="undo" type="button" aria-label="Undo" title="Undo">${icon("undo")}</button>
+      <button data-do="redo" type="button" aria-label="Redo" title="Redo">${icon("redo")}</button>
+      <button data-menu="open" type="button" aria-expanded="false">Open</button>
+      <button data-do="save" type="button" title="Save the design as a TOML file">Save</button>
+      <button data-menu="share" type="button" aria-expanded="false">Share</button>
+      <button data-menu="report" type="button" aria-expanded="false">Report</button>
+      <button class="tour" type="button" aria-label="Tour" title="Tour of the product">?</button>
+    </div>
+    <div class="menu" data-for="open" hidden>
+      <button class="file" type="button">Design file…</button>
+      <button data-do="examples" type="button">Examples</button>
+      <button data-do="reset" type="button">Reset</button>
+    </div>
+    <div class="menu" data-for="share" hidden>
+      <label>Link to this design and page<input type="text" readonly></label>
+      <button class="copy" type="button">Copy link</button><span aria-live="polite"></span>
+    </div>
+    <div class="menu" data-for="report" hidden>
+      <div class="studies"></div><p class="left"></p>
+      <button data-report="pdf" type="button">PDF report</button>
+      <button data-report="html" type="button">HTML report</button>
+      <p class="writing" aria-live="polite"></p>
+      <button class="stop" type="button" hidden>Cancel</button>
+    </div>
+    <input class="chooser" type="file" accept=".toml" tabindex="-1" aria-label="Design file" hidden>`
+  const at = (selector) => place.querySelector(selector)
+  const all = (selector) => [...place.querySelectorAll(selector)]
+  const tell = (message) => model.send_msg(message)
+  const [name, tabs, tools, more, chooser] = [".design input", ".tabs", ".tools", ".more", ".chooser"].map(at)
+
+  at(".skip").onclick = () => {
+    const result = find(".strip[role=status]") ?? find(".main-content")
+    result?.setAttribute("tabindex", "-1")
+    result?.focus()
+  }
+
+  // --- name of the design ---
+  const named = () => { if (document.activeElement !== name) name.value = model.named; name.title = model.named }
+  name.onchange = () => { model.named = name.value }
+  name.onkeydown = (event) => {
+    if (event.key === "Enter") name.blur()
+    if (event.key === "Escape") { name.value = model.named; name.blur() }
+  }
+
+  // --- tabs ---
+  tabs.innerHTML = model.titles.map((title) => `<button type="button" role="tab">${title}</button>`).join("")
+  const buttons = [...tabs.children]
+  const turned = () => buttons.forEach((tab, index) => {
+    tab.setAttribute("aria-selected", index === model.active)
+    tab.tabIndex = index === model.active ? 0 : -1
+    if (index === model.active) tab.scrollIntoView?.({ block: "nearest", inline: "nearest" })
+  })
+  buttons.forEach((tab, index) => { tab.onclick = () => { model.active = index } })
+  tabs.onkeydown = (event) => {
+    const here = buttons.indexOf(event.target)
+    const to = { ArrowRight: here + 1, ArrowLeft: here - 1, Home: 0, End: buttons.length - 1 }[event.key]
+    if (to === undefined) return
+    event.preventDefault()
+    buttons[(to + buttons.length) % buttons.length].focus()
+  }
+
+  // --- menus ---
+  const menus = all(".menu"), openers = all("[data-menu]")
+  const close = (focus) => {
+    for (const menu of menus) menu.hidden = true
+    for (const opener of openers) {
+      if (focus && opener.getAttribute("aria-expanded") === "true") opener.focus()
+      opener.setAttribute("aria-expanded", "false")
+    }
+  }
+  const shut = () => {
+    close()
+    tools.classList.remove("open")
+    more.setAttribute("aria-expanded", "false")
+  }
+  for (const opener of openers) {
+    opener.onclick = () => {
+      const menu = menus.find((each) => each.dataset.for === opener.dataset.menu), open = menu.hidden
+      close()
+      menu.hidden = !open
+      opener.setAttribute("aria-expanded", String(open))
+      if (open) {
+        const right = innerWidth - opener.getBoundingClientRect().right
+        menu.style.right = Math.max(8, Math.min(right, innerWidth - 320)) + "px"
+        if (opener.dataset.menu === "share") share()
+        menu.querySelector("input:not([type=checkbox]), button")?.focus()
+      }
+    }
+  }
+  more.onclick = () => {
+    const open = tools.classList.toggle("open")
+    more.setAttribute("aria-expanded", String(open))
+    if (!open) close()
+  }
+  place.addEventListener("keydown", (event) => { if (event.key === "Escape") { close(true); shut() } })
+  document.addEventListener("pointerdown", (event) => { if (!event.composedPath().includes(place)) shut() })
+
+  // --- what the buttons do ---
+  for (const button of all("[data-do]")) button.onclick = () => { shut(); tell({ do: button.dataset.do }) }
+  at(".tour").onclick = () => { shut(); window.dispatchEvent(new CustomEvent("navbudget-tour", { detail: at(".tour") })) }
+  at(".file").onclick = () => { shut(); chooser.click() }
+  chooser.onchange = async () => {
+    const [file] = chooser.files
+    if (!file) return
+    const fits = file.size <= model.most
+    tell({ do: "open", name: file.name, size: file.size, data: fits ? await file.arrayBuffer() : null })
+    chooser.value = ""
+  }
+  const share = () => {
+    const field = at("[data-for=share] input")
+    const tab = buttons[model.active].textContent.toLowerCase()
+    field.value = `${location.origin}${location.pathname}?${model.link}#${tab}`
+    at("[data-for=share] span").textContent = ""
+    requestAnimationFrame(() => field.select())
+  }
+  at(".copy").onclick = async () => {
+    const field = at("[data-for=share] input")
+    field.select()
+    try {
+      if (navigator.clipboard) await navigator.clipboard.writeText(field.value)
+      else document.execCommand("copy")
+      at("[data-for=share] span").textContent = "Copied."
+    } catch { at("[data-for=share] span").textContent = "Press Ctrl+C to copy." }
+  }
+
+  // --- reports ---
+  const studies = () => {
+    at(".studies").innerHTML = model.studies.map(({ kind, label, ticked }) =>
+      `<label><input type="checkbox" value="${kind}" ${ticked ? "checked" : ""}> ${label}</label>`).join("")
+    at(".left").textContent = model.left_out
+  }
+  at(".studies").onchange = ({ target }) => tell({ do: "tick", kind: target.value, ticked: target.checked })
+  for (const button of all("[data-report]")) button.onclick = () => tell({ do: "report", suffix: button.dataset.report })
+  at(".stop").onclick = () => tell({ do: "stop" })
+  const report = openers.find((opener) => opener.dataset.menu === "report")
+  let since = 0, clock = 0
+  const writing = () => {
+    clearInterval(clock)
+    const busy = Boolean(model.writing)
+    if (busy) {
+      since = performance.now()
+      const show = () => {
+        const seconds = Math.floor((performance.now() - since) / 1000)
+        report.textContent = `Writing… ${seconds} s`
+        if (seconds % 5 === 0) at(".writing").textContent = `Writing the ${model.writing}: ${seconds} s.`
+      }
+      show()
+      clock = setInterval(show, 1000)
+    } else {
+      report.textContent = "Report"
+      at(".writing").textContent = ""
+    }
+    at(".stop").hidden = !busy
+    for (const button of all("[data-report]")) button.disabled = busy
+  }
+  model.on("msg:custom", ({ data: message }) => {
+    const file = message ?? {}
+    if (!file.file) return
+    const link = document.createElement("a")
+    link.href = URL.createObjectURL(new Blob([file.data], { type: file.kind }))
+    link.download = file.file
+    link.click()
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000)
+  })
+
+  const can = () => {
+    at("[data-do=undo]").disabled = !model.can_undo
+    at("[data-do=redo]").disabled = !model.can_redo
+  }
+  const present = () => place.classList.toggle("presenting", model.presenting)
+  const follow = {
+    named, active: turned, can_undo: can, can_redo: can, studies, left_out: studies, writing, presenting: present,
+  }
+  for (const [property, change] of Object.entries(follow)) {
+    model.on(property, change)
+    change()
+  }
+  return place
+}

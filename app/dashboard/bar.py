@@ -1,0 +1,50 @@
+"""The bar on top of the page as the browser draws it: name, design, tabs, tools. What its buttons do is told to
+`app.dashboard.toolbar`.
+
+One component of our own: as widgets of the component library the same took a third of the time to the first view.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+import param
+from panel.custom import JSComponent
+
+from app.ui.theme import PRINT_NOTHING
+
+_KINDS = {"toml": "application/toml", "html": "text/html", "pdf": "application/pdf"}
+
+
+class Bar(JSComponent):
+    """The bar; ``told`` is called with what a person does on it, a dict with the name of the deed under "do"."""
+
+    named = param.String(doc="Name of the design, which a person can change here.")
+    titles = param.List(default=[], doc="Of the tabs.")
+    active = param.Integer(default=0, doc="Index of the tab in view.")
+    can_undo = param.Boolean(default=False)
+    can_redo = param.Boolean(default=False)
+    link = param.String(doc="The design in force and the study beside it, as a link's query.")
+    most = param.Integer(default=0, doc="Bytes of the largest design file that is taken.")
+    studies = param.List(default=[], doc="Dicts of kind, label, ticked: the finished studies a report may hold.")
+    left_out = param.String(doc="What a report written now would lack.")
+    writing = param.String(doc="What is being written; empty: nothing.")
+    presenting = param.Boolean(default=False, doc="Whether the screen is left to a decision.")
+
+    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
+
+    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+
+    def __init__(self, told: Callable[[dict[str, Any]], None], **params: Any) -> None:
+        super().__init__(**params)
+        self._told = told
+
+    def give(self, name: str, data: bytes) -> None:
+        """Have the browser save a file."""
+        self._send_msg({"file": name, "kind": _KINDS[name.rpartition(".")[2]], "data": data})
+
+    def _handle_msg(self, msg: Any) -> None:
+        if isinstance(msg, dict) and isinstance(msg.get("do"), str):
+            self._told(msg)

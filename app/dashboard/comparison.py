@@ -1,0 +1,88 @@
+"""What the design is compared with: the value before the last change, a saved design, a file, or nothing."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any, ClassVar
+
+import panel as pn
+import param
+from panel.custom import JSComponent
+
+from app.session import Compared, Session
+from app.ui.theme import PRINT_NOTHING
+from nav_model.budget import analyse
+from nav_model.design.file import MAX_BYTES, parse_design
+from nav_model.errors import InputError
+
+_MOST = 100  # designs offered, the last saved first
+
+
+class ComparisonChoice(JSComponent):
+    """The line that names the compared design, clears it, and offers others."""
+
+    compared = param.String(doc="Name of what is compared; empty: nothing.")
+    saved = param.List(default=[], doc="Pairs of key and name of the saved designs.")
+    problem = param.String(doc="Why the last choice was not taken.")
+    most = param.Integer(default=MAX_BYTES, doc="Bytes of the largest file.")
+
+    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
+
+    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(sizing_mode="stretch_width", margin=(8, 10, 0, 10))
+        self._session = session
+        session.param.watch(self._follow, "compared")
+
+    def _follow(self, event: Any) -> None:
+        name = event.new.name if event.new else ""
+        if self.compared != name:
+            self.compared = name
+
+    def _handle_msg(self, msg: Any) -> None:
+        deed = msg.get("do") if isinstance(msg, dict) else None
+        self.problem = ""
+        match deed:
+            case "clear":
+                self._session.compare(None)
+            case "changes":
+                self._session.compare_with_changes()
+            case "list":
+                pn.state.execute(self._list)
+            case "saved":
+                self._key = str(msg.get("key"))
+                pn.state.execute(self._take_saved)
+            case "file":
+                self._take_file(msg.get("data"), str(msg.get("name", "file")))
+
+    async def _list(self) -> None:
+        from app.library.place import library
+
+        try:
+            designs = await asyncio.to_thread(lambda: library().designs())
+        except InputError as error:
+            self.problem = str(error)
+            return
+        self.saved = [(f"{design.id}.{design.number}", design.name) for design in designs[:_MOST]]
+
+    async def _take_saved(self) -> None:
+        from app.library.place import library
+
+        key = self._key
+        try:
+            revision = await asyncio.to_thread(lambda: library().revision(key))
+            self._session.compare(Compared(revision.name, revision.budget()))
+        except InputError as error:
+            self.problem = f"Not compared. {error}"
+
+    def _take_file(self, data: Any, name: str) -> None:
+        if not isinstance(data, bytes) or len(data) > MAX_BYTES:
+            self.problem = f"Not compared. {name} is too large for a design file."
+            return
+        try:
+            design = parse_design(data, name)
+            self._session.compare(Compared(design.name or name, analyse(design)))
+        except InputError as error:
+            self.problem = f"Not compared. {error}"

@@ -1,0 +1,42 @@
+"""What a page knows of its browser when it is made: the tab its address names, dark or light, narrow or wide.
+
+A browser tells the server nothing of these, so a script in the page puts them into a cookie before it connects. Who
+takes no cookies gets the first tab, light and wide.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from app.dashboard.lifeline import THEME_COOKIE
+from app.subjects import SUBJECTS
+from app.upstream.connecting_cookies import connecting_cookies
+
+_COOKIE = "navbudget-opening"
+OPENING_SCRIPT = (
+    Path(__file__).with_suffix(".js").read_text("utf-8").replace("COOKIE", _COOKIE).replace("THEME", THEME_COOKIE)
+)
+"""For the head of the page as the browser loads it."""
+
+
+class Opening(NamedTuple):
+    """Index of the first page, whether all is dark, whether the window is too narrow for the design beside it."""
+
+    page: int
+    dark: bool
+    narrow: bool
+
+
+def opening() -> Opening:
+    """Of the session that is being made."""
+    cookies = connecting_cookies()
+    system, width, page = (*cookies.get(_COOKIE, "").split("."), "", "", "")[:3]
+    chosen = cookies.get(THEME_COOKIE, system)
+    return Opening(index_of(page) or 0, chosen == "dark", width == "narrow")
+
+
+def index_of(name: str) -> int | None:
+    """Index of the page whose address has this name; None: there is none."""
+    names = [subject.title.lower() for subject in SUBJECTS]
+    return names.index(name.lower()) if name.lower() in names else None

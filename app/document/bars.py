@@ -1,0 +1,88 @@
+"""Bars in pairs as HTML: a table that anybody can read, drawn by the browser without a canvas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from html import escape
+
+from app.charts.kinds import Bar, BarChart
+from app.document.numbers import number
+
+_STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8, 10, 15)
+
+
+def bars_html(chart: BarChart, total: str, was: BarChart | None = None) -> str:
+    """A bar chart as a table with a bar in each cell.
+
+    Rows without anything to show are left out. The limit stands on the row called ``total`` alone; what ``was``
+    before stands as an outline.
+    """
+    old = {bar.label: bar for bar in was.bars} if was else {}
+    first, second = (_Scale(chart, was, kind) for kind in ("first", "second"))
+    rows = "".join(
+        f'<tr{_class(bar, total)}><th scope="row">{escape(bar.label)}</th>'
+        f"{first.cell(bar, old.get(bar.label), bar.label == total)}"
+        f"{second.cell(bar, old.get(bar.label), bar.label == total)}</tr>"
+        for bar in chart.bars
+        if _shown(bar) or (bar.label in old and _shown(old[bar.label]))
+    )
+    heads = "".join(f'<th scope="col">{escape(label)}</th>' for label in (chart.first_label, chart.second_label))
+    return (
+        f'<table class="bars"><caption class="hidden">{escape(chart.title)}: {escape(chart.x_label)}</caption>'
+        f"<thead><tr><td></td>{heads}</tr></thead><tbody>{rows}</tbody>"
+        f'<tfoot aria-hidden="true"><tr><td></td><td>{first.axis()}</td><td>{second.axis()}</td></tr></tfoot></table>'
+    )
+
+
+def _shown(bar: Bar) -> bool:
+    return any(math.isfinite(length) and length > 0 for length in (bar.first, bar.second))
+
+
+def _class(bar: Bar, total: str) -> str:
+    return ' class="total"' if bar.label == total else ""
+
+
+class _Scale:
+    """One of the two kinds of bars, over one length of the axis."""
+
+    def __init__(self, chart: BarChart, was: BarChart | None, kind: str) -> None:
+        self._length: Callable[[Bar], float] = lambda bar: getattr(bar, kind)
+        self._metres: Callable[[Bar], float] = lambda bar: getattr(bar, f"{kind}_mm")
+        self._limit = getattr(chart, f"{kind}_limit")
+        lengths = [self._length(bar) for one in (chart, was) if one for bar in one.bars] + [self._limit]
+        self._most = _round_up(max((length for length in lengths if math.isfinite(length)), default=0.0))
+
+    def _share(self, length: float) -> str:
+        return f"{100 * min(length / self._most, 1):.2f}%"
+
+    def cell(self, bar: Bar, was: Bar | None, total: bool) -> str:
+        length = self._length(bar)
+        if not math.isfinite(length):
+            return "<td></td>"
+        tip = f"{number(length)}° = {number(self._metres(bar))} mm along the line of sight; {bar.source}"
+        over = ' class="over"' if total and length > self._limit else ""
+        outline = f'<b style="width:{self._share(self._length(was))}"></b>' if was else ""
+        limit = ""
+        if total and math.isfinite(self._limit):
+            limit = (
+                f'<u style="left:{self._share(self._limit)}"></u><em style="left:{self._share(self._limit)}">'
+                f"limit {number(self._limit)}°</em>"
+            )
+        reach = max(length, self._length(was)) if was else length
+        place = f"left:min({self._share(reach)}, 100% - 44px)"
+        return (
+            f'<td title="{escape(tip)}"><div{over}><i style="width:{self._share(length)}"></i>{outline}{limit}'
+            f'<span class="num" style="{place}">{number(length)}°</span></div></td>'
+        )
+
+    def axis(self) -> str:
+        return f"<div><span>0</span><span>{number(self._most / 2)}</span><span>{number(self._most)}°</span></div>"
+
+
+def _round_up(most: float) -> float:
+    """The end of an axis: it stands still while a slider moves the bars."""
+    if most <= 0:
+        return 1.0
+    decade = 10.0 ** math.floor(math.log10(most))
+    return next(step * decade for step in _STEPS if step * decade >= 1.3 * most)

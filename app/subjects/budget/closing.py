@@ -1,0 +1,100 @@
+"""What would close a design: values of one input, and units of the catalogue, each one press away."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from app.document.blocks import Block, Cell, Column, Table, Text
+from app.document.numbers import number, show_in, signed_percent
+from nav_model.budget import Budget
+from nav_model.catalogue import catalogue
+from nav_model.design import Design, Value
+from nav_model.design.parts import declaration_of
+from nav_model.explore.margins import label_of, limits, quantity
+from nav_model.explore.search import OWN_GNSS, search
+from nav_model.explore.solve import round_down, solve
+from nav_model.units import from_si, to_si
+
+_MOST_UNITS = 8
+
+
+class Way(NamedTuple):
+    """One way to close a design: what it changes [SI] and in which units, and how it reads."""
+
+    changes: Mapping[str, Value]
+    written: Mapping[str, str]
+    what: str
+    value: str
+    now: str
+    why: str
+
+
+def ways(design: Design) -> tuple[Way, ...]:
+    """Values of one input that meet every requirement with the others held, then units that do with the design's own
+    receiver, or with another where none does, the widest margin first. For a worker: some ten milliseconds."""
+    if not limits(design):
+        return ()
+    return (*_values(design), *_units(design))
+
+
+def _values(design: Design) -> tuple[Way, ...]:
+    found = []
+    for solution in solve(design, verify="together"):
+        value, key = solution.together.value, solution.key
+        if value is None or value >= solution.current:
+            continue
+        dimension = quantity(key).dimension
+        unit = design.unit(key) if dimension else ""
+        shown = round_down(from_si(value, unit, dimension) if dimension else value)
+        taken = to_si(shown, unit, dimension) if dimension else shown
+        said = [show_in(size, unit, dimension) if dimension else number(size) for size in (taken, solution.current)]
+        found.append(
+            Way(
+                {key: taken},
+                {key: unit} if unit else {},
+                str(declaration_of(key).label),
+                f"at most {said[0]}",
+                said[1],
+                f"limited by {label_of(solution.together.binding).lower()}",
+            )
+        )
+    return tuple(found)
+
+
+def _units(design: Design) -> tuple[Way, ...]:
+    rows = [row for row in search(design, catalogue("imu"), catalogue("gnss")) if row.closes]
+    rows = [row for row in rows if row.gnss == OWN_GNSS] or rows
+    return tuple(
+        Way(
+            row.changes,
+            row.written,
+            "IMU" if row.gnss == OWN_GNSS else "IMU and receiver",
+            row.imu if row.gnss == OWN_GNSS else f"{row.imu} with {row.gnss}",
+            str(design.imu.preset or "own values"),
+            f"margin {signed_percent(row.margin)}" + (f"; unverified: {row.doubts[0]}" if row.doubts else ""),
+        )
+        for row in rows[:_MOST_UNITS]
+    )
+
+
+def ways_block(budget: Budget, found: tuple[Way, ...]) -> Block:
+    """The ways as a table with a button in each row."""
+    if not budget.verdict.checks:
+        return Text("Give a limit under Requirements. The values that meet it then appear here.")
+    if not found:
+        said = "Every requirement is met, and no single input is near its limit." if budget.verdict.closes else (
+            "No single input and no unit of the catalogue closes the design. Change two inputs together: the map on "
+            "the Explore page shows which."
+        )  # fmt: skip
+        return Text(said)
+    return Table(
+        "ways",
+        "Each of these alone closes the design. Press one to take it; Undo takes it back.",
+        (Column("Change"), Column("To", numeric=False), Column("From"), Column("Why")),
+        tuple(
+            (Cell(f"{way.what}: {way.value}", value=str(i)), Cell(way.value), Cell(way.now), Cell(way.why))
+            for i, way in enumerate(found)
+        ),
+        choose="button",
+    )

@@ -1,0 +1,26 @@
+"""What the questions of the Explore page have in common: one view each, and an answer for the strip above it."""
+
+from __future__ import annotations
+
+import panel as pn
+import param
+
+from app.declared import declared, held
+from app.document.blocks import Answer
+from app.session import Session
+from nav_model.budget import Budget
+
+NO_LIMIT = Answer(
+    "No requirement is set", "open", ("Give a limit under Requirements to see which values and sensors meet it.",)
+)
+
+
+class Question(pn.viewable.Viewer):
+    """One of the page's views: the page hands it each budget while it is in view."""
+
+    session = held(Session)
+    answer: Answer = declared(param.ClassSelector(class_=Answer, default=NO_LIMIT, instantiate=False))
+
+    def show(self, budget: Budget) -> None:
+        """Follow the budget in force."""
+        raise NotImplementedError

@@ -1,0 +1,211 @@
+"""Sweeps on the Explore page: grids of designs, run in a process of their own, as a table, a map and files."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import panel as pn
+import panel_material_ui as pmui
+import param
+
+from app.charts.kinds import TradeMapChart
+from app.charts.screen.figures import to_bokeh
+from app.charts.screen.maps import MapFigure
+from app.declared import held
+from app.document.blocks import Answer
+from app.document.pane import html_of
+from app.session import Session
+from app.subjects.explore.charts import sweep_chart
+from app.subjects.explore.question import Question
+from app.subjects.explore.sweep_inputs import NONE, SweepRow, sweep_file
+from app.subjects.explore.tables import sweep_answer, sweep_table
+from app.ui.chart_pane import described, head_html
+from app.ui.downloads import download, run_download
+from app.ui.first_screen import first_screen
+from app.ui.html_pane import html_pane
+from app.ui.run_bar import RunBar
+from app.ui.sortable_table import SortableTable
+from app.work.alone import run_alone
+from app.work.pool import elsewhere
+from app.work.run import Run
+from nav_model.budget import Budget
+from nav_model.errors import InputError
+from nav_model.explore.sweep import Column, expected_seconds, to_csv, to_parquet, whole_sweep
+from nav_model.explore.sweep_plan import Plan, parse_plan
+
+MOST_DESIGNS = 200_000
+"""Of one sweep on the page: some 40 MB. The command takes more."""
+MOST_SECONDS = 600.0
+_MOST_INPUTS = 4
+_ELSEWHERE = "Use fewer points, or download the sweep file and run “navbudget sweep FILE -o OUT.csv”."
+_WHOLE = ".scroll.tall { max-height: none; }"
+
+
+@dataclass(frozen=True)
+class Swept:
+    """A finished sweep: what was asked for, and what every design has."""
+
+    plan: Plan
+    columns: Mapping[str, Column]
+
+
+class SweepPanel(Question):
+    """What to vary, how many designs that is and how long they take; then table and map."""
+
+    run = held(Run)
+    estimate = held(Run)
+    files = held(Run)
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session=session, run=session.new_run(), estimate=session.new_run(), files=session.new_run())
+        self._plan: Plan | None = None
+        self.rows = [self._row(key) for key in ("imu.angle_random_walk", "gnss.position_noise", NONE)]
+        self._rows = pn.Column(*self.rows)
+        self._count = html_pane("", margin=(4, 10))
+        self.bar = RunBar(self.run, self.start, "Run sweep")
+        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12), stylesheets=[_WHOLE])
+        self._table.param.watch(self._take, "chosen")
+        self._head = html_pane("<p class='quiet'>The map of the sweep appears here.</p>", margin=(6, 10, 0, 10))
+        self._place = pn.Column(sizing_mode="stretch_both")
+
+    def __panel__(self) -> pn.Column:
+        def taken(label: str, name: str, write: Any) -> pmui.FileDownload:
+            async def made() -> bytes:
+                swept = self.run.result
+                return b"" if swept is None else await elsewhere(write, swept.columns)
+
+            file = download(label, name, run_download(self.files, made, self._say))
+            file.disabled = self.run.param.result.rx.is_(None)
+            return file
+
+        scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
+        setup = pn.Column(
+            self._rows,
+            self._count,
+            self.bar,
+            pn.FlexBox(
+                taken("Table: CSV", "sweep.csv", to_csv),
+                taken("Table: Parquet", "sweep.parquet", to_parquet),
+                download("Sweep file (TOML)", "sweep.toml", self._file),
+            ),
+            **scrolls,
+        )
+        return first_screen(
+            left=[setup, pn.Column(self._table, **scrolls)],
+            right=[pn.Column(self._head, self._place, sizing_mode="stretch_both")],
+            height="100%",
+        )
+
+    def _row(self, key: str) -> SweepRow:
+        row = SweepRow(key, lambda: self.session.design)
+        row.param.watch(lambda _: self._read(), "changed")
+        return row
+
+    def show(self, budget: Budget) -> None:
+        """Follow the design: the sweep is of the design in force."""
+        self._read()
+
+    def _file(self) -> io.BytesIO:
+        return io.BytesIO(sweep_file(self.session.design, self.rows).encode())
+
+    def _read(self) -> None:
+        """Work out what the rows ask for, and how long that takes."""
+        if self.rows[-1].key != NONE and len(self.rows) < _MOST_INPUTS:
+            self.rows.append(self._row(NONE))
+            self._rows.append(self.rows[-1])
+        self._plan = None
+        self.estimate.cancel()
+        try:
+            plan = parse_plan(sweep_file(self.session.design, self.rows).encode())
+        except InputError as error:
+            self._say(str(error), alert=True)
+        else:
+            if plan.rows > MOST_DESIGNS:
+                most = f"{plan.rows:,} designs; at most {MOST_DESIGNS:,} on this page."
+                self._say(f"{most} {_ELSEWHERE}", alert=True)
+            else:
+                self._plan = plan
+                self._say(f"{plan.rows:,} designs; working out the time …")
+                pn.state.execute(lambda: self.estimate.start(lambda _: elsewhere(expected_seconds, plan)))
+        self.bar.start.disabled = self._plan is None
+        self._answer()
+
+    @param.depends("estimate.result", watch=True)
+    def _tell_time(self) -> None:
+        seconds, plan = self.estimate.result, self._plan
+        if seconds is None or plan is None:
+            return
+        if seconds > MOST_SECONDS:
+            self.bar.start.disabled = True
+            most = f"at most {_in_words(MOST_SECONDS)} on this page."
+            said = f"{plan.rows:,} designs take about {_in_words(seconds)}; {most} {_ELSEWHERE}"
+            self._say(said, alert=True)
+        else:
+            self._say(f"{plan.rows:,} designs, about {_in_words(seconds)}.")
+
+    def _say(self, text: str, *, alert: bool = False) -> None:
+        role = "alert" if alert else "status"
+        self._count.object = html_of(Answer("", "warn", (text,))) if alert else f'<p role="{role}">{text}</p>'
+
+    def start(self) -> object:
+        """Run the sweep of the rows; one under way is cancelled."""
+        plan = self._plan
+        if plan is None:
+            return None
+
+        async def sweep(run: Run) -> Swept:
+            return Swept(plan, await run_alone(whole_sweep, plan, progress=lambda share, what: run.tell(what, share)))
+
+        return self.run.start(sweep)
+
+    @param.depends("run.result", watch=True)
+    def _show(self) -> None:
+        swept: Swept | None = self.run.result
+        if swept is not None:
+            self._table.html = html_of(sweep_table(swept.plan, swept.columns))
+            keys = [axis.key for axis in swept.plan.axes if _is_range(axis.shown)][:2]
+            if keys:
+                self._draw(swept, keys)
+            self._answer()
+
+    def _draw(self, swept: Swept, keys: list[str]) -> None:
+        chart = sweep_chart(swept.plan.design, swept.plan, swept.columns, keys)
+        plot = MapFigure(chart).plot if isinstance(chart, TradeMapChart) else to_bokeh(chart, None).plot
+        self._place.objects = [pn.pane.Bokeh(plot, sizing_mode="stretch_both")]
+        self._head.object = head_html(chart.title, chart.knowledge, described(chart))
+
+    def _answer(self) -> None:
+        swept: Swept | None = self.run.result
+        if swept is None:
+            self.answer = Answer("Sweep", "open", ("Choose inputs and ranges, then run every combination.",))
+        else:
+            stale = self._plan is None or self._plan.identity != swept.plan.identity
+            self.answer = sweep_answer(swept.plan, swept.columns, stale)
+
+    def _take(self, event: param.parameterized.Event) -> None:
+        """Put the design of a row in force."""
+        self._table.chosen = ""
+        swept: Swept | None = self.run.result
+        if event.new and swept is not None:
+            changes: dict[str, Any] = {}
+            for axis, place in zip(
+                swept.plan.axes, swept.plan.indices(int(event.new), int(event.new) + 1), strict=True
+            ):
+                changes |= axis.changes[int(place[0])]
+            problem = self.session.change(changes)
+            if problem:
+                self._say(str(problem), alert=True)
+
+
+def _is_range(values: tuple[Any, ...]) -> bool:
+    return len(set(values)) > 1 and all(isinstance(value, float) and np.isfinite(value) for value in values)
+
+
+def _in_words(seconds: float) -> str:
+    if seconds < 1:
+        return "1 s"
+    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"

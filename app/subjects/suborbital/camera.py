@@ -1,0 +1,63 @@
+"""The sweep of star-camera noise: worked out in a worker while its view is open."""
+
+from __future__ import annotations
+
+import panel as pn
+import param
+
+from app.declared import held
+from app.document.pane import html_of
+from app.session import Session
+from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.charts.camera_noise import NOISES, camera_noise_answer, camera_noise_chart
+from app.ui.chart_pane import ChartPane
+from app.ui.first_screen import first_screen
+from app.ui.html_pane import html_pane
+from app.ui.run_bar import progress_html
+from app.work.pool import elsewhere
+from app.work.run import Progress, Run
+from nav_model.suborbital.camera_noise import CameraNoise, sweep_camera_noise
+from nav_model.suborbital.settings import Settings
+
+
+class CameraNoisePanel(pn.viewable.Viewer):
+    """What the camera's noise costs over three decades of it."""
+
+    run = held(Run)
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(run=session.new_run())
+        self._said = html_pane("", margin=0)
+        self._place = pn.Column(sizing_mode="stretch_both")
+        self._chart: ChartPane[CameraNoise] | None = None
+        self._settings: Settings | None = None
+
+    def __panel__(self) -> pn.Column:
+        return first_screen(self._said, left=[self._place], height="100%")
+
+    def show(self, shown: Shown, settings: Settings) -> None:
+        """Sweep for these settings, unless that was done."""
+        if settings is not self._settings:
+            self._settings = settings
+            self._said.object = progress_html(Progress("Sweeping the centroid noise: 13 values"))
+            self.run.start(lambda _: elsewhere(sweep_camera_noise, shown.study, settings, NOISES))
+
+    @param.depends("run.running", watch=True)
+    def _follow(self) -> None:
+        swept, settings = self.run.result, self._settings
+        if self.run.running or settings is None:
+            return
+        if self.run.message:
+            self._said.object = f"<p role='alert'>{self.run.message}</p>"
+        elif swept is not None:
+            now = settings["camera.centroid_noise"]
+            self._said.object = html_of(camera_noise_answer(swept, now))
+            if self._chart is None:
+                self._chart = ChartPane(lambda found: camera_noise_chart(found, self._now()), lambda: self.run.result)
+                self._place.append(self._chart.view)
+            else:
+                self._chart.show(swept)
+
+    def _now(self) -> float:
+        assert self._settings is not None
+        return float(self._settings["camera.centroid_noise"])

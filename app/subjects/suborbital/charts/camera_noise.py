@@ -1,0 +1,60 @@
+"""What the noise of the star camera costs, over a range of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.charts.kinds import Chart, Line, Points
+from app.document.blocks import Answer
+from app.document.numbers import number, show
+from nav_model.constants import ARCSECOND
+from nav_model.suborbital.camera_noise import CameraNoise
+
+NOISES = np.geomspace(0.3, 300.0, 13) * ARCSECOND
+
+
+def camera_noise_chart(swept: CameraNoise, now_rad: float) -> Chart:
+    """Position error at the end from noise, over the centroid noise of the camera; a mark at the one in force."""
+    x = swept.centroid_rad / ARCSECOND
+    imu = np.sqrt(np.maximum(swept.total_m**2 - swept.camera_m**2, 0.0))
+    return Chart(
+        key="camera-noise",
+        title="Final position error from noise, 1σ",
+        x_label="centroid noise per axis [arcsec]",
+        y_label="position error, three axes [m]",
+        lines=(
+            Line("alone", "INS alone", x, np.full(len(x), swept.alone_m), "INS alone", "covariance of [B-4]"),
+            Line("total", "INS with tracker", x, swept.total_m, "INS with tracker", "covariance of [B-4], [B-9]"),
+            Line("camera", "from the camera", x, swept.camera_m, "gyro bias", "covariance of [B-9]"),
+            Line("imu", "from the IMU", x, imu, "reference", "covariance of [B-4]"),
+        ),
+        points=(
+            Points("now", "this camera", np.array([now_rad / ARCSECOND]), np.array([_at(swept, now_rad)]),
+                   ("this camera",), "mark", source="interpolated"),
+        ),
+        knowledge="White noise of IMU and camera by the covariance of [B-4]. Attitude noise of an image [B-9] is "
+        "proportional to the centroid noise. A frame is lost where its roll about the boresight is too uncertain.",
+        x_log=True,
+        y_log=True,
+    )  # fmt: skip
+
+
+def camera_noise_answer(swept: CameraNoise, now_rad: float) -> Answer:
+    """From which centroid noise on the camera matters, and what the one in force costs."""
+    imu = np.sqrt(np.maximum(swept.total_m**2 - swept.camera_m**2, 0.0))
+    over = np.flatnonzero(swept.camera_m > imu)
+    worse = np.flatnonzero(swept.total_m > swept.alone_m)
+    arcsec = swept.centroid_rad / ARCSECOND
+    left = f"{show(_at(swept, now_rad), 'length')} with tracker and {show(swept.alone_m, 'length')} without"
+    said = [f"At {number(now_rad / ARCSECOND)} arcsec, noise leaves {left}."]
+    if len(worse):
+        said.append(f"Above {number(arcsec[worse[0]], 2)} arcsec the tracker adds more noise than it removes.")
+    if not len(over):
+        return Answer("Camera noise stays below IMU noise", "good", tuple(said))
+    word = f"Camera noise exceeds IMU noise above about {number(arcsec[over[0]], 2)} arcsec"
+    return Answer(word, "open", tuple(said))
+
+
+def _at(swept: CameraNoise, now_rad: float) -> float:
+    x, y = np.log(swept.centroid_rad), np.log(swept.total_m)
+    return float(np.exp(np.interp(np.log(now_rad), x, y)))

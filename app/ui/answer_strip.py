@@ -1,0 +1,54 @@
+"""The strip above a page: the answer, why, and what a person can do about it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import panel as pn
+
+from app.document.blocks import Answer
+from app.document.pane import html_of
+from app.ui.html_pane import html_pane
+
+_SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
+
+
+class AnswerStrip(pn.viewable.Viewer):
+    """An `Answer` in one line, with controls at its right end.
+
+    Parameters
+    ----------
+    answer : Answer
+        What it says first; its tone colours the strip, its word says the same without colour.
+    controls : viewables
+        What stands beside the answer, such as a switch or a button.
+
+    Examples
+    --------
+    >>> strip = AnswerStrip(Answer("✓ Closes", "good", ("Margin +6 %.",)))
+    >>> strip.show(Answer("✗ Does not close", "bad", ("Margin −144 %.",)), "1 input is invalid.")
+    """
+
+    def __init__(self, answer: Answer, *controls: Any) -> None:
+        super().__init__()
+        self._text = html_pane(_said(answer, ""), margin=0)
+        self._view = pn.Row(self._text, *controls, css_classes=[answer.tone], stylesheets=[_SHEET])
+
+    def __panel__(self) -> pn.Row:
+        return self._view
+
+    def show(self, answer: Answer, note: str = "") -> None:
+        """Show another answer; ``note`` is a warning that stands before its reasons."""
+        said = _said(answer, note)
+        if self._text.object != said:
+            self._text.object = said
+        if self._view.css_classes != [answer.tone]:
+            self._view.css_classes = [answer.tone]
+
+
+def _said(answer: Answer, note: str) -> str:
+    if note:
+        answer = replace(answer, sentences=(f"⚠ {note}", *answer.sentences))
+    return html_of(answer).replace('class="', 'class="bare ', 1)

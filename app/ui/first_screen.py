@@ -1,0 +1,47 @@
+"""A page's first screen: it fills the window, so that the answer and what decides it are seen at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import panel as pn
+
+from app.ui.theme import FRAME
+
+_SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
+_VIEWS = Path(__file__).with_name("screen_of_views.css").read_text("utf-8")
+
+_ABOUT = 800  # pixels
+
+
+def first_screen(
+    *top: Any, left: Sequence[Any], right: Sequence[Any] = (), height: str = "calc(100dvh - 48px)"
+) -> pn.Column:
+    """Rows across the top, and below them two halves, or one whole, that fill the rest of the window.
+
+    Each half has one part, or two on top of each other. On a narrow window everything stands in one column and as
+    high as it wants. A ``height`` of "100%" fills a place within the window, such as a view of `screen_of_views`.
+
+    Examples
+    --------
+    >>> first_screen(strip, tiles, left=[timelines], right=[phase, response])
+    """
+    rows = len(top)
+    parts = [pn.Column(part, styles={"grid-area": f"{row} / 1 / auto / span 2"}) for row, part in enumerate(top, 1)]
+    for column, half in enumerate((left, right), 1):
+        for place, part in enumerate(half):
+            span, wide = 2 if len(half) == 1 else 1, "auto" if right else "span 2"
+            where = {"grid-area": f"{rows + 1 + place} / {column} / span {span} / {wide}"}
+            parts.append(pn.Column(part, styles=where | FRAME, sizing_mode="stretch_both"))
+    within = height == "100%"
+    sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height)
+    sheet = sheet.replace("FLEX", "1 1 0" if within else "none")
+    # With a height the page around it stays as high as its content, and scrolls; the sheet says how high this is.
+    return pn.Column(*parts, height=None if within else _ABOUT, stylesheets=[sheet])
+
+
+def screen_of_views(strip: Any, views: Any, *below: Any) -> pn.Column:
+    """A page whose views take turns: the answer, the switch, the view chosen in the rest of the window, and tools."""
+    return pn.Column(strip, views, *below, height=_ABOUT, stylesheets=[_VIEWS])

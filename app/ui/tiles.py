@@ -1,0 +1,51 @@
+"""A row of tiles: the few figures that decide, each with its limit, its margin as a bar and in words."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+
+from app.document.blocks import KeyFigure, KeyFigures
+from app.document.numbers import whole_percent
+
+
+def tiles_html(figures: KeyFigures, before: KeyFigures | None = None) -> str:
+    """Tiles as HTML for an `html_pane`; what was ``before`` stands as an outline of the bar and a change in percent.
+
+    Figures are compared by their place: both must come from one function.
+    """
+    old = before.items if before else (None,) * len(figures.items)
+    tiles = "".join(_tile(figure, was) for figure, was in zip(figures.items, old, strict=True))
+    return f'<dl class="tiles" aria-label="{escape(figures.caption)}">{tiles}</dl>'
+
+
+def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
+    mark = limit = ""
+    tone = ""
+    if figure.met is not None:
+        tone = "good" if figure.met else "bad"
+        margin = "" if math.isnan(figure.used) else f" {whole_percent(1 - figure.used)}"
+        mark = f'<span class="mark" title="margin">{"✓" if figure.met else "✗"}{margin}</span>'
+        limit = f"limit {figure.limit}"
+    bar = f'<i style="width:{_share(figure.used)}%"></i>'
+    if was is not None and was.met is not None:
+        bar += f'<b style="width:{_share(was.used)}%"></b>'
+    below = f"<span>{escape(limit or figure.limit or 'no limit')}</span>{_change(figure, was)}"
+    return (
+        f'<div class="card tile {tone}" title="{escape(figure.detail)}"><dt>{escape(figure.label)}</dt>'
+        f'<dd><span class="big num">{escape(figure.value)}</span> {mark}</dd>'
+        f'<dd class="bar" aria-hidden="true">{bar}</dd><dd class="fine">{below}</dd></div>'
+    )
+
+
+def _share(used: float) -> str:
+    return "0" if math.isnan(used) else f"{100 * min(used, 1):.0f}"
+
+
+def _change(figure: KeyFigure, was: KeyFigure | None) -> str:
+    """By how much a figure changed, with the old value as a tip."""
+    if was is None or was.value == figure.value:
+        return ""
+    ratio = figure.amount / was.amount - 1 if was.amount else math.nan
+    said = whole_percent(ratio) if math.isfinite(ratio) else f"was {was.value}"
+    return f'<span class="delta num" title="was {escape(was.value)}">{escape(said)}</span>'

@@ -1,0 +1,61 @@
+"""Inputs of the processing: when the image is made, and from how much of the flight."""
+
+from __future__ import annotations
+
+from nav_model.design.declaration import Choice, Quantity
+from nav_model.design.part import Part
+
+REAL_TIME, POST_PROCESSED = "real time", "post-processed"
+
+
+class Processing(Part):
+    """When the trajectory under the image is worked out."""
+
+    section = "processing"
+    title = "Processing"
+
+    mode = Choice(
+        default=REAL_TIME,
+        options=[REAL_TIME, POST_PROCESSED],
+        short="proc",
+        label="Processing",
+        doc="Real time: a free INS from the last fix before the aperture. Post-processed: a smoother with the fixes "
+        "before, in and after the aperture. Requirements are held against the chosen one.",
+    )
+    leg_before = Quantity(
+        default=200.0,
+        dimension="time",
+        unit="s",
+        short="lb",
+        bounds=(0.0, 1e5),
+        softbounds=(1.0, 1000.0),
+        label="Leg before aperture",
+        doc="Straight and level flight with fixes before the aperture that the smoother can use.",
+        datasheet="Not on data sheets: the flight plan.",
+        typical="60 to 600 s",
+    )
+    leg_after = Quantity(
+        default=200.0,
+        dimension="time",
+        unit="s",
+        short="la",
+        bounds=(0.0, 1e5),
+        softbounds=(1.0, 1000.0),
+        label="Leg after aperture",
+        doc="The same after the aperture, before the next turn.",
+        datasheet="Not on data sheets: the flight plan.",
+        typical="60 to 600 s",
+    )
+    scene_height_error = Quantity(
+        default=0.0,
+        dimension="length",
+        unit="m",
+        short="she",
+        bounds=(0.0, 1e4),
+        softbounds=(0.1, 100.0),
+        label="Scene height error",
+        doc="1σ of the height that the image is projected on; moves it in ground range by the tangent of the grazing "
+        "angle.",
+        datasheet='Elevation model: "LE90" is 1.645 σ.',
+        typical="lidar 0.2, TanDEM-X 2, SRTM 5 m",
+    )

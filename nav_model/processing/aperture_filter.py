@@ -1,0 +1,130 @@
+"""The aperture as a filter on the spectrum of the line-of-sight error. [P-5]
+
+Over an aperture of T seconds an oscillation exp(i w t) has the Legendre coefficients (2m + 1) iᵐ j_m(x), with
+x = w T/2 and j_m the spherical Bessel function. Quadratic and cubic phase, the slope and what is left after autofocus
+are therefore integrals of the spectrum times functions of x alone: nodes, weights and filters are made once, and
+serve every design.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cache
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array
+
+_SERIES_BELOW = 4.0  # in x: the power series there, the recurrence above
+_HIGHEST = 24  # order of j_m beyond which nothing is left of it below the seam
+_LOWEST, _OSCILLATING, _FARTHEST = 1e-9, 16 * math.pi, 1e7
+
+
+class Table(NamedTuple):
+    """Nodes x, their weights for integrals over x from zero to infinity, and each filter at the nodes."""
+
+    nodes: Array
+    weights: Array
+    filters: Mapping[str, Array]
+
+
+def spherical_bessel(x: Array, highest: int = 3) -> Array:
+    """j_0 to j_`highest` of x > 0, shape (highest + 1, ...), good to rounding relative to each function's size.
+
+    Power series below x = 4; above, the recurrence upwards, which is stable while the order stays below x.
+    """
+    x = np.asarray(x, float)
+    found = np.empty((highest + 1, *x.shape))
+    small = np.minimum(x, _SERIES_BELOW)
+    large = np.maximum(x, _SERIES_BELOW)
+    before, now = np.sin(large) / large, np.sin(large) / large**2 - np.cos(large) / large
+    lead = np.ones_like(x)
+    for m in range(highest + 1):
+        term = series = lead
+        for k in range(1, 30):
+            term = term * (-(small**2) / 2) / (k * (2 * m + 2 * k + 1))
+            series = series + term
+        found[m] = np.where(x < _SERIES_BELOW, series, before)
+        lead = lead * small / (2 * m + 3)
+        before, now = now, (2 * m + 3) / large * now - before
+    return found
+
+
+def _left(x: Array, order: int) -> Array:
+    """What is left of the mean square after the polynomials up to `order`: one less the sum of (2m + 1) j_m².
+
+    Below the seam as the sum of the higher orders, which does not cancel: x⁴/45 after order 1, x⁶/1575 after 2.
+    """
+    j = spherical_bessel(np.minimum(x, _SERIES_BELOW), _HIGHEST)
+    weight = 2 * np.arange(_HIGHEST + 1) + 1
+    rest = np.tensordot(weight[order + 1 :], j[order + 1 :] ** 2, 1)
+    taken = np.tensordot(weight[: order + 1], spherical_bessel(x, order) ** 2, 1)
+    return np.asarray(np.where(x < _SERIES_BELOW, rest, 1 - taken))
+
+
+def filters(x: Array) -> dict[str, Array]:
+    """Each filter at x = w T/2.
+
+    ``quadratic`` and ``cubic`` are of the coefficients of x² and x³ (as in `nav_model.sar.phase`), ``left_1`` to
+    ``left_3`` of the mean square after autofocus to that order, ``slope`` of half the aperture times the slope
+    of the line, ``turned`` of the quadratic that the turning line of sight makes of an along-track error, for a turn
+    of one over half the aperture [S-2], ``mean`` of the mean over the aperture, ``whole`` of the error itself.
+    """
+    j0, j1, j2, j3 = spherical_bessel(x)
+    return {
+        "quadratic": 9 / 4 * 25 * j2**2,
+        "cubic": 25 / 4 * 49 * j3**2,
+        "left_1": _left(x, 1),
+        "left_2": _left(x, 2),
+        "left_3": _left(x, 3),
+        "slope": 9 * j1**2,
+        "turned": (3 * j1 - 9 / 2 * j3) ** 2,
+        "mean": j0**2,
+        "whole": np.ones_like(x),
+    }
+
+
+# Mean of each filter over its oscillation, times x²; beyond `_OSCILLATING`, a multiple of pi/2, where what
+# oscillates integrates to nothing in first order.
+_AVERAGE = MappingProxyType(
+    {
+        "quadratic": 9 / 8 * 25, "cubic": 25 / 8 * 49, "slope": 9 / 2, "turned": (3 + 9 / 2) ** 2 / 2, "mean": 1 / 2,
+    }
+)  # fmt: skip
+
+
+@cache
+def table() -> Table:
+    """Nodes for every design: Gauss and Legendre on panels, even in log x below 2 and beyond the oscillation.
+
+    Spectra have their poles 30° or more off the real axis, which panels of a factor four and ten nodes resolve
+    to 1e-6 wherever they lie between 1e-8 and 1e6.
+    """
+    rise = math.log(4)
+    low = np.exp(np.arange(math.log(_LOWEST), math.log(0.9), rise))
+    edges = np.concatenate([low, [1.0, 2.0, 3.5, 5.0], np.linspace(7.5, _OSCILLATING, 14)])
+    far = np.geomspace(_OSCILLATING, _FARTHEST, 10)
+    near_x, near_w = _panels(edges, np.where(edges[1:] <= 1.0, 1, 0), 10)
+    far_x, far_w = _panels(far, np.ones(len(far) - 1), 10)
+    near, beyond = filters(near_x), {name: mean / far_x**2 for name, mean in _AVERAGE.items()}
+    beyond |= {f"left_{order}": 1 - sum((2 * m + 1) / 2 for m in range(order + 1)) / far_x**2 for order in (1, 2, 3)}
+    beyond["whole"] = np.ones_like(far_x)
+    return Table(
+        np.concatenate([near_x, far_x]),
+        np.concatenate([near_w, far_w]),
+        MappingProxyType({name: np.concatenate([near[name], beyond[name]]) for name in near}),
+    )
+
+
+def _panels(edges: Array, logarithmic: Array, points: int) -> tuple[Array, Array]:
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    x, w = [], []
+    for low, high, log in zip(edges[:-1], edges[1:], logarithmic, strict=True):
+        a, b = (math.log(low), math.log(high)) if log else (low, high)
+        at, dx = (a + b) / 2 + (b - a) / 2 * nodes, (b - a) / 2 * weights
+        x.append(np.exp(at) if log else at)
+        w.append(dx * np.exp(at) if log else dx)
+    return np.concatenate(x), np.concatenate(w)

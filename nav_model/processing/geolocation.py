@@ -1,0 +1,147 @@
+"""Where the image lies: range and azimuth shift, their covariance on the ground, CE90 and LE90. [P-7]
+
+The antenna's position error along the line of sight shifts the image in range; its error along the track shifts it in
+azimuth, and so does R/V times the slope of the line-of-sight error over the aperture, which focusing takes for a
+Doppler shift. Everything broadcasts over arrays and takes complex steps.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nav_model.analytic.coast import carried
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+
+_ANGLES = 96  # of a quarter turn: the integrand is smooth for every ratio of the axes
+_STEPS = 12
+NINETY = 1.6448536269514722
+"""Sigmas that hold 90 % of a normal error on both sides."""
+
+
+class Line(NamedTuple):
+    """Error of one axis over the aperture: variance of its mean [m²], of its slope [m²/s²], and their covariance."""
+
+    mean: Array
+    slope: Array
+    both: Array
+
+
+class Shifts(NamedTuple):
+    """Variances of the image's shift in range and in azimuth, their covariance, and that of the height, m²."""
+
+    range: Array
+    azimuth: Array
+    both: Array
+    height: Array
+
+
+def free_line(
+    start: Horizontal | Vertical,
+    sigma_a: ArrayLike,
+    sigma_w: ArrayLike,
+    bias_a: ArrayLike,
+    bias_w: ArrayLike,
+    g: ArrayLike,
+    coast: ArrayLike,
+    aperture: ArrayLike,
+) -> Line:
+    """The line in the error of a free INS over an aperture that begins `coast` seconds after the last fix.
+
+    Parameters
+    ----------
+    start : Horizontal or Vertical
+        Covariance at the last fix.
+    sigma_a, sigma_w : array_like
+        Velocity random walk [m/s/√s], angle random walk [rad/√s], the latter zero for the vertical.
+    bias_a, bias_w : array_like
+        Residual biases, m/s² and rad/s, the latter zero for the vertical.
+    g, coast, aperture : array_like
+        m/s², s, s.
+    """
+    sigma_a, sigma_w, b, d, g, c, t = (as_numbers(x) for x in (sigma_a, sigma_w, bias_a, bias_w, g, coast, aperture))
+    if isinstance(start, Vertical):
+        none = 0 * start.v11
+        start = Horizontal(start.v11, start.v12, none, start.v22, none, none)
+    p = carried(start, sigma_a, sigma_w, g, c)
+    a, w = sigma_a**2, (g * sigma_w) ** 2
+    p13, p23, p33 = g * p.p13, g * p.p23, g**2 * p.p33
+    # mean = p + v T/2 + a T²/6, slope = v + a T/2, and what the noises add inside the aperture
+    mean = (
+        p.p11 + p.p22 * t**2 / 4 + p33 * t**4 / 36 + p.p12 * t + p13 * t**2 / 3 + p23 * t**3 / 6
+        + a * t**3 / 20 + w * t**5 / 252
+    )  # fmt: skip
+    slope = p.p22 + p23 * t + p33 * t**2 / 4 + 13 / 35 * a * t + 23 / 504 * w * t**3
+    both = (
+        p.p12 + p13 * t / 2 + p.p22 * t / 2 + p23 * t**2 * (1 / 4 + 1 / 6) + p33 * t**3 / 12
+        + 2 / 15 * a * t**2 + 3 / 224 * w * t**4
+    )  # fmt: skip
+    by_a = b * (c**2 / 2 + c * t / 2 + t**2 / 6), b * (c + t / 2)
+    jerk = g * d
+    by_w = jerk * (c**3 / 6 + c**2 * t / 4 + c * t**2 / 6 + t**3 / 24), jerk * (c**2 / 2 + c * t / 2 + 3 / 20 * t**2)
+    return Line(
+        mean + by_a[0] ** 2 + by_w[0] ** 2,
+        slope + by_a[1] ** 2 + by_w[1] ** 2,
+        both + by_a[0] * by_a[1] + by_w[0] * by_w[1],
+    )
+
+
+def shifts(
+    level: Line, upright: Line, grazing: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, squint: ArrayLike = 0.0
+) -> Shifts:
+    """Shift of the image from the lines in the errors of a horizontal axis and of the vertical. [P-7]
+
+    The two horizontal axes err alike and independently. Broadside; under squint the slope counts by one over its
+    cosine, across the line of sight.
+    """
+    psi, r, v, squint = (as_numbers(x) for x in (grazing, slant_range, speed, squint))
+    wide, high = np.cos(psi) ** 2, np.sin(psi) ** 2
+    sight = Line(*(wide * h + high * z for h, z in zip(level, upright, strict=True)))
+    lever = r / (v * np.cos(squint))
+    return Shifts(sight.mean, level.mean + lever**2 * sight.slope, lever * sight.both, upright.mean)
+
+
+def ground_covariance(moved: Shifts, grazing: ArrayLike, height_error: ArrayLike) -> tuple[Array, Array, Array]:
+    """Variances in azimuth and in ground range, and their covariance, m². [P-7]
+
+    Range becomes ground range by the cosine of the grazing angle; an error of the scene's height moves the image by
+    its tangent.
+    """
+    psi, height = as_numbers(grazing), as_numbers(height_error)
+    across = moved.range / np.cos(psi) ** 2 + (np.tan(psi) * height) ** 2
+    return moved.azimuth, across, moved.both / np.cos(psi)
+
+
+def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: float = 0.9) -> Array:
+    """Radius about the truth that holds this share of a normal error in the plane: CE90, or CEP at one half.
+
+    Parameters
+    ----------
+    one, other, both : array_like
+        Variances of the two axes and their covariance, m².
+    share : float
+
+    Notes
+    -----
+    With the standard deviations along the principal axes as scales, the radius R obeys
+    1 - share = mean over the angle of exp(-R²/(2 (a cos² + b sin²))): convex in R², so Newton's method from below,
+    where the larger axis alone stands, goes up to it without overshooting.
+
+    Examples
+    --------
+    >>> f"{float(circular_error(1.0, 1.0, 0.0)):.4f} {float(circular_error(1.0, 0.0, 0.0)):.4f}"
+    '2.1460 1.6449'
+    """
+    one, other, both = (as_numbers(x) for x in (one, other, both))
+    middle, spread = (one + other) / 2, np.sqrt((one - other) ** 2 / 4 + both**2)
+    large = middle + spread
+    small = np.where(spread == 0, middle, (one * other - both**2) / large)
+    angle = (np.arange(_ANGLES) + 0.5) * (np.pi / 2 / _ANGLES)
+    scale = np.cos(angle) ** 2 + (small / large)[..., None] * np.sin(angle) ** 2
+    square = -2 * np.log(1 - share) * np.ones_like(middle) / 4
+    for _ in range(_STEPS):
+        outside = np.exp(-square[..., None] / (2 * scale))
+        square = square + (np.mean(outside, axis=-1) - (1 - share)) / np.mean(outside / (2 * scale), axis=-1)
+    return np.asarray(np.sqrt(square * large))

@@ -1,0 +1,147 @@
+"""The smoothed error of a long leg as a spectrum, and what the aperture makes of it. [P-1] to [P-5]
+
+Two-sided densities over angular frequency w; a variance is (1/pi) times the integral of one from zero to
+infinity. Everything broadcasts over arrays and takes complex steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array
+from nav_model.processing.aperture_filter import table
+
+FOCUS = ("quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity")
+"""What `smoothed` finds of a channel; "tilt" too for one that has a gyro."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One axis: what drifts and what the receiver knows of it; arrays that broadcast together.
+
+    ``accelerometer`` is the velocity random walk [m/s/√s], ``gyro`` gravity times the angle random walk
+    [m/s²/√s], None for the vertical. ``fix`` and ``interval`` are one position fix, 1σ [m], and the time between two
+    [s]; ``velocity`` and ``velocity_interval`` the same for velocity [m/s], [s], None without it. ``slow`` and
+    ``slow_time`` are the slow error of the position fixes, 1σ [m], and its correlation time [s], None without it.
+    """
+
+    accelerometer: Array
+    gyro: Array | None
+    fix: Array
+    interval: Array
+    velocity: Array | None = None
+    velocity_interval: Array | None = None
+    slow: Array | None = None
+    slow_time: Array | None = None
+
+
+def rates(channel: Channel) -> tuple[Array, Array]:
+    """Angular frequencies [rad/s], real, at which the receiver comes to know the drift: the fastest, the slowest.
+
+    Where [P-1] meets [P-2]: w0 = (g sigma_w/s)^(1/3) with a gyro, (sigma_a/s)^(1/2) without. The slowest counts the
+    slow GNSS error as noise, and is no faster than tilt comes out of accelerometer noise; the fastest has velocity.
+    """
+    a, s = channel.accelerometer.real, (channel.fix * np.sqrt(channel.interval)).real
+    gyro = 0 * a if channel.gyro is None else channel.gyro.real
+    fastest = slowest = np.maximum(np.cbrt(gyro / s), np.sqrt(a / s))
+    if channel.velocity is not None and channel.velocity_interval is not None:
+        v = (channel.velocity * np.sqrt(channel.velocity_interval)).real
+        fastest = np.maximum(fastest, np.maximum(np.sqrt(gyro / v), a / v))
+    if channel.slow is not None and channel.slow_time is not None:
+        slow, time = channel.slow.real, channel.slow_time.real
+        for _ in range(4):
+            noise = np.sqrt(s**2 + 2 * slow**2 * time / (1 + (slowest * time) ** 2))
+            slowest = np.maximum(np.cbrt(gyro / noise), np.sqrt(a / noise))
+    return fastest, slowest if channel.gyro is None else np.minimum(slowest, gyro / a)
+
+
+def inverse_drift(channel: Channel, w: Array) -> Array:
+    """One over the density of the position that the IMU lets drift. [P-1]"""
+    power = w**2
+    if channel.gyro is None:
+        return power**2 / (channel.accelerometer**2)[..., None]
+    return power**3 / ((channel.accelerometer**2)[..., None] * power + (channel.gyro**2)[..., None])
+
+
+def inverse_receiver(channel: Channel, w: Array) -> Array:
+    """One over the density of what the receiver does not know of the position. [P-2]"""
+    power = w**2
+    noise = (channel.fix**2 * channel.interval)[..., None] + 0 * power
+    if channel.slow is not None and channel.slow_time is not None:
+        time = channel.slow_time[..., None]
+        noise = noise + 2 * channel.slow[..., None] ** 2 * time / (1 + power * time**2)
+    known = 1 / noise
+    if channel.velocity is not None and channel.velocity_interval is not None:
+        known = known + power / (channel.velocity**2 * channel.velocity_interval)[..., None]
+    return known
+
+
+def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) -> dict[str, Array]:
+    """Variances of the smoothed error of one channel, over an aperture deep inside a long leg. [P-3], [P-5]
+
+    Parameters
+    ----------
+    channel : Channel
+    aperture : array
+        Seconds.
+    names : collection of str
+        Those of `nav_model.processing.aperture_filter.filters` in m² (``slope`` in m²/s², ``turned`` in m² for a
+        turn of one), ``position`` [m²], ``velocity`` [m²/s²], and ``tilt`` times gravity [m²/s⁴].
+
+    Returns
+    -------
+    dict
+        Name -> array of the broadcast shape.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> navigation = Channel(*(np.array(x) for x in (1e-4, 1e-5, 0.03, 0.1)))
+    >>> f"{float(smoothed(navigation, np.array(3.0))['position']) ** 0.5 * 1e3:.3f} mm"
+    '2.170 mm'
+    """
+    made = table()
+    half = aperture / 2
+    w = made.nodes / half[..., None]
+    drift, known = inverse_drift(channel, w), inverse_receiver(channel, w)
+    found: dict[str, Array] = {}
+    focus = [name for name in names if name not in ("tilt", "mean_slope")]
+    if focus:
+        columns = np.stack([made.weights * made.filters[_FILTER.get(name, name)] for name in focus], axis=-1)
+        for column, name in enumerate(focus):
+            if name == "velocity":
+                columns[:, column] *= made.nodes**2
+        whole = _integrals(drift, known, columns)
+        for column, name in enumerate(focus):
+            scale = np.pi * half * (half**2 if name in ("slope", "velocity") else 1)
+            found[name] = whole[..., column] / scale
+    if "mean_slope" in names:  # even and odd functions of time are independent in an error that has no beginning
+        found["mean_slope"] = np.zeros(())
+    if "tilt" in names:
+        if channel.gyro is None:
+            raise ValueError("tilt: the vertical channel has none")
+        # 1/(w²/(g sigma_w)² + 1/(sigma_a² + w⁴ S_n)): the tilt's own drift, and all that hides it.
+        own = w**2 / (channel.gyro**2)[..., None]
+        rest = 1 / ((channel.accelerometer**2)[..., None] + w**4 / known)
+        found["tilt"] = _integrals(own, rest, made.weights[:, None])[..., 0] / (np.pi * half)
+    return found
+
+
+_FILTER = {"position": "whole", "velocity": "whole"}
+
+
+def _integrals(drift: Array, known: Array, columns: Array) -> Array:
+    """Of 1/(drift + known) over the last axis against each column; row by row, so that a map stays in the cache."""
+    shape = np.broadcast_shapes(drift.shape, known.shape)
+    if len(shape) < 3:
+        return np.asarray((1 / (drift + known)) @ columns)
+
+    def rows(values: Array) -> Iterable[Array]:
+        if values.ndim < len(shape):
+            return [values] * shape[0]
+        return np.broadcast_to(values, (shape[0], *values.shape[1:]))
+
+    return np.stack([(1 / (a + b)) @ columns for a, b in zip(rows(drift), rows(known), strict=True)])

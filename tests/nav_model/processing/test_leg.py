@@ -1,0 +1,182 @@
+"""The smoother in state space against a batch least squares, and the free INS against the closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import cho_factor, cho_solve
+
+from nav_model.analytic.coast import horizontal_growth
+from nav_model.analytic.steady_state import horizontal
+from nav_model.processing.leg import Leg, _carry
+from nav_model.processing.smoother import by_state_space, smoothed_error
+from nav_model.processing.spectrum import Channel, rates
+from nav_model.sar.phase import phase_budget, total
+
+NAMES = (
+    "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity", "tilt",
+)  # fmt: skip
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(40)
+
+
+def covariance(channel, one, two, kind_one, kind_two):
+    """Of two errors that grow from nothing: position (kind 0), velocity (1), acceleration by tilt (2)."""
+    x, weights = np.polynomial.legendre.leggauss(4)
+    least = np.minimum(one[:, None], two[None, :])
+    found = np.zeros(least.shape)
+
+    def response(kind, rest):
+        gyro = 0.0 if channel.gyro is None else float(channel.gyro) * rest ** (2 - kind) / math.factorial(2 - kind)
+        return (float(channel.accelerometer) * rest ** (1 - kind) if kind < 2 else 0 * rest), gyro
+
+    for node, weight in zip(x, weights, strict=True):
+        u = least * (node + 1) / 2
+        (a, w), (b, v) = response(kind_one, one[:, None] - u), response(kind_two, two[None, :] - u)
+        found += least * weight / 2 * (a * b + w * v)
+    return found
+
+
+def batch(channel, aperture, leg):
+    """Generalised least squares of the start and of all fixes at once, with the covariance of what grows between.
+
+    No filter and no state: the error is three unknowns of the leg's start (two without a gyro) and a random process
+    of known covariance; the fixes are that and their noise.
+    """
+
+    def fixes(step):
+        k = np.arange(math.ceil(-leg.before / step - 1e-9), math.floor((aperture + leg.after) / step + 1e-9) + 1)
+        return k * step + leg.before
+
+    groups = [(fixes(channel.interval), 0)]
+    if channel.velocity is not None:
+        groups.append((fixes(channel.velocity_interval), 1))
+    at = leg.before + (NODES + 1) / 2 * aperture
+    middle = np.array([leg.before + aperture / 2])
+    wanted = [(at, 0), (middle, 0), (middle, 1), (middle, 2)]
+
+    def basis(times, kind):
+        rest = times[:, None] - leg.before
+        powers = [rest**n / math.factorial(n) for n in range(3 if channel.gyro is not None else 2)]
+        return np.hstack([np.zeros_like(rest)] * kind + powers)[:, : len(powers)]
+
+    def block(rows, columns):
+        return np.block([[covariance(channel, s, t, i, j) for t, j in columns] for s, i in rows])
+
+    noise = np.concatenate(
+        [np.full(len(t), float(channel.fix if kind == 0 else channel.velocity) ** 2) for t, kind in groups]
+    )
+    known = block(groups, groups) + np.diag(noise)
+    if channel.slow is not None:
+        times = groups[0][0]
+        slow = float(channel.slow) ** 2 * np.exp(-abs(times[:, None] - times) / float(channel.slow_time))
+        known[: len(times), : len(times)] += slow
+    factor = cho_factor(known, lower=True)
+    across = block(groups, wanted)
+    start, there = (np.vstack([basis(t, kind) for t, kind in group]) for group in (groups, wanted))
+    reduced, seen = cho_solve(factor, across), cho_solve(factor, start)
+    rest = there - across.T @ seen
+    found = block(wanted, wanted) - across.T @ reduced + rest @ np.linalg.solve(start.T @ seen, rest.T)
+    c, inside = found[:40, :40], np.diag(found)[40:]
+    legendre = np.polynomial.legendre.legvander(NODES, 3) * WEIGHTS[:, None] / 2 * np.array([1, 3, 5, 7])
+    coefficients = legendre.T @ c @ legendre
+    left = [WEIGHTS @ np.diag(c) / 2]
+    for m in range(4):
+        left.append(left[-1] - coefficients[m, m] / (2 * m + 1))
+    turned = coefficients[1, 1] + 9 / 7 * coefficients[1, 3] + (9 / 14) ** 2 * coefficients[3, 3]
+    return {
+        "quadratic": 9 / 4 * coefficients[2, 2], "cubic": 25 / 4 * coefficients[3, 3],
+        "left_1": left[2], "left_2": left[3], "left_3": left[4], "slope": coefficients[1, 1] * 4 / aperture**2,
+        "turned": turned, "mean": coefficients[0, 0], "position": inside[0], "velocity": inside[1],
+        "tilt": inside[2],
+    }  # fmt: skip
+
+
+def random_design(rng, sparse):
+    """MEMS to navigation grade, 1 cm to 5 m, with and without velocity and slow error; legs of 1/w0 to 20/w0."""
+
+    def between(low, high):
+        return np.array(math.exp(rng.uniform(math.log(low), math.log(high))))
+
+    while True:
+        vertical = rng.random() < 0.25
+        values = {
+            "accelerometer": between(0.003, 0.2) / 60,
+            "gyro": None if vertical else 9.80665 * np.radians(between(0.002, 0.7)) / 60,
+            "fix": between(0.01, 5), "interval": between(0.05, 20 if sparse else 2),
+        }  # fmt: skip
+        if rng.random() < 0.4:
+            values |= {"velocity": between(0.01, 0.2), "velocity_interval": values["interval"]}
+        if rng.random() < 0.25:
+            values |= {"slow": values["fix"] * between(0.1, 3), "slow_time": between(20, 600)}
+        channel = Channel(**values)
+        rate = float(rates(channel)[1])
+        leg = Leg(between(1, 20) / rate, between(1, 20) / rate, np.array(0.0))
+        aperture = between(0.5, 20)
+        count = (leg.before + leg.after + aperture) / channel.interval
+        if 6 <= count <= 250 and leg.before > 2 * channel.interval and leg.after > channel.interval:
+            return channel, aperture, leg
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+def test_batch_least_squares(sparse, compared):
+    rng = np.random.default_rng(11 + sparse)
+    off, slow_off, methods = [], [], set()
+    for _ in range(200 if not sparse else 60):
+        channel, aperture, leg = random_design(rng, sparse)
+        names = [name for name in NAMES if channel.gyro is not None or name != "tilt"]
+        ours, theirs = smoothed_error(channel, aperture, leg, names), batch(channel, aperture, leg)
+        methods.add(bool(by_state_space(channel, leg)))
+        worst = max(abs(math.sqrt(float(ours[name]) / theirs[name]) - 1) for name in ("quadratic", "left_1"))
+        (slow_off if channel.slow is not None else off).append(worst)
+    assert methods == {False, True}
+    oracle = "generalised least squares of all fixes at once, SciPy's Cholesky, written out in the test"
+    kind, how = "solver written by others", "sparse" if sparse else "dense"
+    compared(f"Smoothed phase, legs of 1/w0 to 20/w0, {how} fixes", "P-3", kind, oracle, max(off), 0.01,
+             "largest ratio − 1")  # fmt: skip
+    compared(f"Smoothed phase with a slow GNSS error, {how} fixes", "P-3", kind, oracle, max(slow_off), 0.02,
+             "largest ratio − 1")  # fmt: skip
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("aperture", [0.7, 5.4, 40.0])
+def test_free_ins_by_the_same_filters(order, aperture, compared):
+    """The Legendre coefficients, carried as states through an aperture without fixes, against the closed forms."""
+    a, w, g = 1.3e-3, 1.4e-4, 9.80665
+    start = horizontal(a, w, 1.0, g)
+    covariance = np.zeros((8, 8))
+    unit = np.array([1.0, 1.0, g])
+    covariance[:3, :3] = start.matrix() * np.outer(unit, unit)
+    _carry(covariance, 0.0, aperture, aperture, a**2, (g * w) ** 2, 0.0, 1.0)
+    mean = float(WEIGHTS @ horizontal_growth(start, a, w, g, (NODES + 1) / 2 * aperture).position) / 2
+    left = mean - sum(covariance[4 + m, 4 + m] / (2 * m + 1) for m in range(order + 1))
+    closed = total(phase_budget(start.p33, a, w, 0.0, 0.0, g, aperture, 0.0, 0.0, order))
+    ours = np.array([covariance[6, 6] * 9 / 4, covariance[7, 7] * 25 / 4])
+    off = ours / np.array([closed.quadratic, closed.cubic]) - 1
+    compared("Free INS by the filters of the smoother", "S-5", "our own derivation", "[S-5], [S-6] in closed form",
+             off, 1e-9, "largest ratio − 1")  # fmt: skip
+    # What is left is a difference of numbers as large as the position variance.
+    assert left == pytest.approx(float(closed.detrended), rel=1e-9, abs=1e-13 * mean)
+
+
+def test_more_leg_and_better_sensors_never_harm():
+    channel = Channel(*(np.array(x) for x in (1.2e-3, 6e-4, 1.0, 1.0)))
+    legs = np.array([0.0, 5.0, 10.0, 20.0, 50.0, 79.0, 81.0, 200.0])
+    found = smoothed_error(channel, np.array(5.0), Leg(np.array(200.0), legs, np.array(0.0)), NAMES)
+    for name in NAMES:
+        assert np.all(np.diff(found[name]) <= 2e-3 * found[name][1:]), name
+    gaps = np.array([0.0, 1.0, 5.0, 20.0])
+    found = smoothed_error(channel, np.array(5.0), Leg(np.array(200.0), np.array(200.0), gaps), NAMES)
+    for name in NAMES:
+        assert np.all(np.diff(found[name]) >= -2e-3 * found[name][1:]), name
+
+
+def test_a_complex_step_is_answered_with_a_slope():
+    step = np.array(1.0 + 1e-20j)
+    leg = Leg(*(np.array(x) for x in (10.0, 10.0, 0.0)))
+    values = [np.array(x) for x in (1.2e-3, 6e-4, 1.0, 1.0)]
+    total_slope = 0.0
+    for n in range(3):  # the variance is of degree one in the sources' variances
+        scaled = [value * step if n == m else value for m, value in enumerate(values)]
+        found = smoothed_error(Channel(*scaled), np.array(5.0), leg, ["quadratic"])["quadratic"]
+        total_slope += float(found.imag / found.real) * 1e20
+    assert total_slope == pytest.approx(2, abs=1e-5)
