@@ -110,6 +110,10 @@ def _serve(options: argparse.Namespace) -> int:
 
 
 def _run(rules: Rules, library: str) -> int:
+    if rules.password_file is not None:
+        from app.serving.logins import Logins
+
+        Logins(rules.login_store).close()  # made once, before several processes open it
     if rules.page_processes > 1:
         from app.serving.supervisor import supervise
 

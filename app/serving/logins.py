@@ -27,6 +27,7 @@ _TABLES = (
     "CREATE TABLE IF NOT EXISTS login_tries (who TEXT NOT NULL, at DOUBLE PRECISION NOT NULL)",
     "CREATE INDEX IF NOT EXISTS login_tries_who ON login_tries (who, at)",
 )
+_LOCK = 0x6C6F67
 
 
 class Logins:
@@ -43,12 +44,18 @@ class Logins:
         try:
             self._engine = engine_at(address)
             with self._writing() as connection:
+                if connection.dialect.name == "postgresql":  # servers that start together do not make them together
+                    connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _LOCK})
                 for statement in _TABLES:
                     connection.execute(text(statement))
         except InputError as error:
             raise error.under("--login-store") from error
         except DBAPIError as error:
             raise InputError("--login-store", f"cannot be used: {error.orig}") from error
+
+    def close(self) -> None:
+        """Let go of the database."""
+        self._engine.dispose()
 
     @contextmanager
     def _writing(self) -> Iterator[Connection]:
