@@ -128,8 +128,8 @@ class PostProcessed:
 
     ``by_order`` is the residual phase after autofocus to order 1, 2 and 3, ``detrended`` that of the design's order.
     ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.
-    ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad. ``method`` is "spectrum" or "state space". ``shares`` gives, for each figure that a requirement can limit, the share of each
-    source in its variance.
+    ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad. ``method`` is "spectrum" or "state space".
+    ``shares`` gives, for each figure that a requirement can limit, the share of each source in its variance.
     """
 
     sigmas: Sigmas
