@@ -181,9 +181,8 @@ export function render({ model }) {
     at(".stop").hidden = !busy
     for (const button of all("[data-report]")) button.disabled = busy
   }
-  model.on("msg:custom", ({ data: message }) => {
-    const file = message ?? {}
-    if (!file.file) return
+  model.on("msg:custom", (file) => {
+    if (!file?.file) return
     const link = document.createElement("a")
     link.href = URL.createObjectURL(new Blob([file.data], { type: file.kind }))
     link.download = file.file

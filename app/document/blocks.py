@@ -6,7 +6,6 @@ that mark. A `Cell`'s mark is a word set off from its text; it is always printed
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from app.charts.kinds import Drawing
@@ -121,7 +120,7 @@ class KeyFigure:
     """One figure with its unit; ``detail`` says which, ``met`` whether it keeps its ``limit`` (None: it has none, and
     a tile says under it what ``limit`` says).
 
-    ``amount`` is the value as a number, to compare it by; ``used`` is the part of the limit it takes (NaN: none).
+    ``amount`` is the value as a number, to compare it by; ``used`` is the part of the limit it takes; None: none.
     """
 
     label: str
@@ -129,8 +128,8 @@ class KeyFigure:
     detail: str = ""
     limit: str = ""
     met: bool | None = None
-    amount: float = math.nan
-    used: float = math.nan
+    amount: float | None = None
+    used: float | None = None
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
         session = Session(design)
     except InputError as error:
         session, notice = Session(first_design()), f"The link was not used. {error}"
-    session.study_link = of_study
+    session.take_studies(of_study)
     if changed is not None:
         session.param.watch(changed, "budget")
     return Frame(session, notice).__panel__()

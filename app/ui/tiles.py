@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from html import escape
 
 from app.document.blocks import KeyFigure, KeyFigures
@@ -24,7 +23,7 @@ def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
     tone = ""
     if figure.met is not None:
         tone = "good" if figure.met else "bad"
-        margin = "" if math.isnan(figure.used) else f" {whole_percent(1 - figure.used)}"
+        margin = "" if figure.used is None else f" {whole_percent(1 - figure.used)}"
         mark = f'<span class="mark" title="margin">{"✓" if figure.met else "✗"}{margin}</span>'
         limit = f"limit {figure.limit}"
     bar = f'<i style="width:{_share(figure.used)}%"></i>'
@@ -38,14 +37,15 @@ def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
     )
 
 
-def _share(used: float) -> str:
-    return "0" if math.isnan(used) else f"{100 * min(used, 1):.0f}"
+def _share(used: float | None) -> str:
+    return "0" if used is None else f"{100 * min(used, 1):.0f}"
 
 
 def _change(figure: KeyFigure, was: KeyFigure | None) -> str:
     """By how much a figure changed, with the old value as a tip."""
     if was is None or was.value == figure.value:
         return ""
-    ratio = figure.amount / was.amount - 1 if was.amount else math.nan
-    said = whole_percent(ratio) if math.isfinite(ratio) else f"was {was.value}"
+    said = f"was {was.value}"
+    if figure.amount is not None and was.amount:
+        said = whole_percent(figure.amount / was.amount - 1)
     return f'<span class="delta num" title="was {escape(was.value)}">{escape(said)}</span>'

@@ -21,6 +21,8 @@ _MOST_FIELDS = 500  # there are not half as many names
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
 STUDY_PREFIX = "study."
 """What the names of a suborbital study's inputs start with, where they stand beside a design's."""
+SETTINGS = ("simulation", "sar")
+"""The studies whose settings stand beside a design's inputs, their names behind a point: ``sar.runs=200``."""
 _ORIGIN_PREFIX = "origin."
 _NONE = "none"
 _SHORT: dict[str, str] = {
@@ -50,10 +52,11 @@ def to_query(design: Design) -> str:
 
 
 def split_link(query: str) -> tuple[str, str]:
-    """A link's query in two: the design's part, and the suborbital study's. Nothing is judged here."""
+    """A link's query in two: the design's part, and that of the studies beside it. Nothing is judged here."""
     parts = query.removeprefix("?").split("&")
-    study = [part for part in parts if part.startswith(STUDY_PREFIX)]
-    return "&".join(part for part in parts if not part.startswith(STUDY_PREFIX)), "&".join(study)
+    prefixes = (STUDY_PREFIX, *(f"{kind}." for kind in SETTINGS))
+    study = [part for part in parts if part.startswith(prefixes)]
+    return "&".join(part for part in parts if not part.startswith(prefixes)), "&".join(study)
 
 
 def pairs_of(query: str) -> list[tuple[str, str]]:

@@ -13,7 +13,10 @@ from app.document.verdict import check_words
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.catalogue import catalogue
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.errors import InputError
+
+_SAID = {REAL_TIME: "in real time", POST_PROCESSED: "post-processed"}
 
 
 def add_to(commands: Any) -> None:
@@ -65,7 +68,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """A line per requirement, the verdict of the other processing, then the verdict: what `navbudget check` prints for one design.
+    """What `navbudget check` prints of a design: a line per requirement, the other verdict, the verdict in force.
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
@@ -86,8 +89,8 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     would = "would close" if other.closes else "would not close"
     beside = check_words(budget.design, other.tightest).margin
     lines += [
-        f"{path}: {other.processing} it {would}; tightest {other.tightest.name}, margin {beside}",
-        f"{path}: {said} at {verdict.confidence:g} sigma, {verdict.processing}; tightest {tightest.name}, "
+        f"{path}: {_SAID[other.processing]} it {would}; tightest {other.tightest.name}, margin {beside}",
+        f"{path}: {said} at {verdict.confidence:g} sigma {_SAID[verdict.processing]}; tightest {tightest.name}, "
         f"margin {margin}",
     ]
     return [line.replace("−", "-") for line in lines]

@@ -102,7 +102,7 @@ def test_check_prints_what_the_table_says_with_the_minus_of_scripts(mems: Budget
         met = "met    " if check.met else "NOT MET"
         assert line.startswith(f"a.toml: {met} {check.name} {value} (limit {limit}, margin {margin}, {check.basis} ")
         assert line.endswith(f"dominated by {row[6].text.replace(',', '')})")
-    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma, real time; tightest detrended_phase, margin -144 %"
+    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma in real time; tightest detrended_phase, margin -144 %"
     assert other == "a.toml: post-processed it would not close; tightest detrended_phase, margin -9.7 %"
 
 
