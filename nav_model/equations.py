@@ -256,14 +256,14 @@ _BEYOND: tuple[Equation, ...] = (
         "P-3",
         "Smoothed position error, as a density",
         r"S_e (w) = 1 / (1 \/ S_p + 1 \/ S_n), quad sigma^2 = 1 / pi integral_0^oo S_e dif w",
-        "A smoother with fixes on both sides, in a leg of 6/w₀ and more on each, w₀ = (g σ_ω/s)^(1/3), and with w₀ Δt up "
-        "to 0.7; otherwise the same is worked out in state space. Velocity has the density w² S_e.",
+        "A smoother with fixes on both sides, in a leg of 6/w₀ and more on each, w₀ = (g σ_ω/s)^(1/3), and with "
+        "w₀ Δt up to 0.7; otherwise the same is worked out in state space. Velocity has the density w² S_e.",
     ),
     Equation(
         "P-4",
         "Shares of the smoothed error",
         "S_e = sum_i (1 - H)^2 S_(p, i) + sum_j H^2 S_(n, j), quad H = S_p / (S_p + S_n)",
-        "Drift sources i and receiver sources j; the smoother is optimal, so a share is the sensitivity to its source.",
+        "Drift sources i, receiver sources j; the smoother is optimal, so a share is the sensitivity to its source.",
     ),
     Equation(
         "P-5",
@@ -281,15 +281,15 @@ _BEYOND: tuple[Equation, ...] = (
         "c_0 = (g sigma_omega) / s, quad c_1^2 = sigma_a^2 / s^2 + rho c_0^2 + 2 c_0 c_2, quad "
         "c_2^2 = sigma_a^2 / s_v^2 + 2 c_1, quad rho = s^2 / s_v^2, quad "
         "p_11 = (s^2 (c_2 + rho c_0)) / sqrt(1 + rho (c_2 + rho c_0)^2)",
-        "The stable factor of w⁶ + (σ_a² w² + g² σ_ω²)(1/s² + w²/s_v²) = 0, a cubic in w²; the other elements follow.",
+        "The stable factor of w⁶ + (σ_a² w² + g² σ_ω²)(1/s² + w²/s_v²) = 0, a cubic in w²; the rest follows.",
     ),
     Equation(
         "P-7",
         "Where the image lies",
         "delta r = -bold(u) dot.op delta bold(p), quad delta x = delta p_x + R / V thin bold(u) dot.op dot(delta "
         "bold(p)), quad delta y = (delta r) / (cos psi) + tan psi thin delta h",
-        "Range, azimuth and ground range; h is the height of the scene that the image is projected on. CE90 is the exact "
-        "quantile of the two errors on the ground together.",
+        "Range, azimuth and ground range; h is the height of the scene that the image is projected on. CE90 is the "
+        "exact quantile of the two errors on the ground together.",
     ),
     Equation(
         "T-14",

@@ -17,6 +17,7 @@ from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
 from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 
+_MOST_FIELDS = 500  # there are not half as many names
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
 STUDY_PREFIX = "study."
 """What the names of a suborbital study's inputs start with, where they stand beside a design's."""
@@ -69,7 +70,10 @@ def pairs_of(query: str) -> list[tuple[str, str]]:
     if len(query) > MAX_QUERY:
         raise InputError("link", f"longer than {MAX_QUERY} characters")
     try:
-        return parse_qsl(query.removeprefix("?"), keep_blank_values=True, strict_parsing=True, errors="strict")
+        return parse_qsl(
+            query.removeprefix("?"), keep_blank_values=True, strict_parsing=True, errors="strict",
+            max_num_fields=_MOST_FIELDS,
+        )  # fmt: skip
     except (ValueError, UnicodeDecodeError) as error:
         raise InputError("link", "not a query of the form key=value&key=value") from error
 

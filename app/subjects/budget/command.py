@@ -7,7 +7,8 @@ import json
 import sys
 from typing import Any
 
-from app.console.arguments import design_arguments, paths_of, read_design, refuse
+from app.console.arguments import design_arguments, paths_of, read_design
+from app.console.ending import refuse
 from app.document.verdict import check_words
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
@@ -67,7 +68,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """A line per requirement, the verdict of the other processing, then the verdict: what `navbudget check` prints for one design.
+    """What `navbudget check` prints of a design: a line per requirement, the other verdict, the verdict in force.
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
