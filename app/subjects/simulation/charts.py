@@ -76,7 +76,7 @@ def designed_attitude_chart(study: SimulationStudy) -> Chart:
     """Roll, pitch and yaw of the reference trajectory."""
     time, euler = study.result.time_s, study.result.truth.euler * _DEG
     return Chart(
-        key="sim-attitude",
+        key="sim-flown-attitude",
         title="Reference trajectory: roll, pitch, yaw",
         x_label=_TIME,
         y_label="angle [°]",

@@ -20,7 +20,7 @@ from app.report import report_bytes
 from app.report.content import report_of
 from app.report.studies import belonging, study_sections
 from app.session import Session
-from app.subjects.sar.run import SarResult, pictures
+from app.subjects.sar.run import SarResult
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
 from nav_model.budget import analyse
@@ -30,6 +30,7 @@ from nav_model.design.parts import declaration_of
 from nav_model.equations import SYMBOLS
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study
+from nav_model.sar.pictures import point_pictures
 from nav_model.sar.strategies import STRATEGIES
 from nav_model.sar.study_json import to_json as sar_json
 from nav_model.simulation.design_study import closed_form, specification, study_of, to_document
@@ -55,12 +56,12 @@ def findings(design) -> dict[str, Any]:
     spec = specification(design, runs=20, duration=140.0, outages=((100.0, 140.0),))
     simulation = study_of(design, simulate(spec, workers=1, closed_form=closed_form(design, spec)))
     study = design_study(design, 40, 3)
-    points, scene = pictures(study.budget, study.typical)
+    points = point_pictures(study.budget, study.typical)
     settings = from_design(DEFAULTS, design)
     survey = run_survey(settings)
     return {
         "simulation": simulation,
-        "sar": SarResult(design_case(study.budget), study, points, scene),
+        "sar": SarResult(design_case(study.budget), study, points),
         "suborbital": Finding(Shown(survey, survey.study, "all"), settings),
     }
 
@@ -377,7 +378,7 @@ def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
     ("arguments", "said"),
     [
         (["--with", "weather"], "--with: 'weather' is not a study; simulation, sar, suborbital"),
-        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed; from 20"),
+        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed; enter 20"),
         (["--with", "sar", "--seed", "-1"], "--seed: -1"),
         (["--with", "simulation", "--outage", "then"], "--outage: 'then'"),
     ],
