@@ -4,7 +4,7 @@ PORT ?= 5006
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 
-.PHONY: run lock test check test-slow validation bench load lint system clean
+.PHONY: run lock test check test-slow validation bench load soak sbom lint system clean
 .DEFAULT_GOAL := run
 
 # Installs what a lock file names, each file checked against its digest. uv does so in a fraction of pip's time; where
@@ -75,6 +75,14 @@ bench: .venv/.test system
 # Fifty people at once on this machine; means something only when nothing else runs.
 load: .venv/.test
 	$(BIN)/python benchmarks/load.py
+
+# Hundreds of pages opened, used and closed: what stays of them in the server's memory.
+soak: .venv/.test
+	$(BIN)/python benchmarks/soak.py
+
+# What is in the image, with its digests, as CycloneDX; made from the lock file alone.
+sbom: .venv/.runtime
+	$(BIN)/python deploy/sbom.py requirements/image.lock > sbom.json
 
 clean:
 	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

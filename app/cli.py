@@ -1,23 +1,23 @@
 """The command `navbudget`. Results go to standard output, messages to standard error.
 
-Exit codes: 0 done (for ``check``: every design closes), 1 a design does not close, 2 bad input. Nothing
-heavier than the model itself is imported before a command needs it.
+Exit codes: 0 done (for ``check``: every design closes), 1 a design does not close, 2 bad input, 3 a fault of the
+surroundings, 4 one of ours, 130 and 143 stopped (`app.console.ending`). Nothing heavier than the model itself is
+imported before a command needs it.
 """
 
 from __future__ import annotations
 
 import argparse
 import io
-import os
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from typing import NoReturn
 
-from app.console.arguments import BAD_INPUT, refuse
+from app.console.ending import BAD_INPUT, run_to_end
 from app.report import command as report
 from app.serving import command as serve
 from app.subjects import SUBJECTS
-from nav_model.errors import InputError
 
 
 class _Parser(argparse.ArgumentParser):
@@ -32,17 +32,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):  # units and names need it, whatever the locale says
         sys.stdout.reconfigure(encoding="utf-8")
-    try:
-        return int(options.run(options))
-    except InputError as error:
-        return refuse(error)
-    except BrokenPipeError:  # the reader has what it wanted (`| head`)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+    return run_to_end(lambda: int(options.run(options)))
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="navbudget", description="Navigation error budgets for airborne SAR.")
+    parser.add_argument("--version", action="version", version=f"navbudget {version('navbudget')}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for module in (serve, report, *(subject.load("command") for subject in SUBJECTS if subject.command)):
         module.add_to(commands)

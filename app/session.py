@@ -17,7 +17,7 @@ from app.declared import declared, held
 from app.work.run import Run
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
-from nav_model.design.link import to_query
+from nav_model.design.link import SETTINGS, STUDY_PREFIX, to_query
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.errors import InputError
 from nav_model.units import format_quantity
@@ -56,6 +56,9 @@ class Session(param.Parameterized):
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
     presenting = param.Boolean(default=False, doc="Whether a decision is shown to a room: tools stand back.")
     study_link = param.String(doc="The suborbital study as a link says it; empty until one is linked or changed.")
+    settings: dict[str, str] = declared(
+        param.Dict(default={}, doc="Kind of study -> its settings as a link says them; usual ones are left out.")
+    )
     findings: dict[str, Any] = declared(
         param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
     )
@@ -124,8 +127,18 @@ class Session(param.Parameterized):
 
     @property
     def link(self) -> str:
-        """The design in force and the study beside it, as a link's query."""
-        return "&".join(part for part in (to_query(self.design), self.study_link) if part)
+        """The design in force and the studies beside it, as a link's query."""
+        parts = (to_query(self.design), self.study_link, *self.settings.values())
+        return "&".join(part for part in parts if part)
+
+    def take_studies(self, link: str) -> None:
+        """Take what a link says of the studies beside the design (the second part of `split_link`)."""
+        parts = link.split("&")
+
+        def of(prefix: str) -> str:
+            return "&".join(part for part in parts if part.startswith(prefix))
+
+        self.param.update(study_link=of(STUDY_PREFIX), settings={kind: of(f"{kind}.") for kind in SETTINGS})
 
     def came_from(self, revision: Any) -> None:
         """The design in force is a saved revision: the base of what becomes of it."""

@@ -6,7 +6,7 @@
 
 It starts `navbudget serve` and speaks to it as a browser does: the page, its websocket with Bokeh's protocol, the
 whole document, "document ready"; then every session moves the slider of the angle random walk once a second, evenly
-spread over the second, sending what a key press in chromium sends. A step is answered when the new data of three
+spread over the second, sending what a key press in chromium sends. A step is answered when the new data of the
 charts have arrived. A step that could not be sent on time because the one before was still unanswered counts from
 the time it was due. What a browser does besides, fetching scripts and echoing sizes and theme colours when a page
 opens, is left out.
@@ -43,7 +43,7 @@ _PERIOD = 1.0  # seconds between two steps of a session
 _PATIENCE = 20.0  # seconds after which a step without an answer is an error
 _SLIDER = "Angle random walk"
 _STEP = 0.02  # of that slider
-_DATA = ("position lines 0", "velocity lines 0", "phase bars")  # names of the data a step must change
+_DATA = ("timelines", "response lines 0")  # names of the data a step must change
 _RUNS = "500"  # of each Monte Carlo
 
 
@@ -152,8 +152,7 @@ async def _fly(tab: Tab, over: asyncio.Event) -> None:
 
     The document is taken once only: to answer that costs the server as much as a page.
     """
-    bar = next(model for model in tab.objects if model["name"].startswith("Tabs"))
-    await tab.set(bar["id"], active=1)
+    await tab.turn("Simulate")
     await tab.set((await tab.until(label="Runs"))["id"], value=_RUNS)
     start = tab.find(label="Start", icon="play_arrow")["id"]
     while not over.is_set():

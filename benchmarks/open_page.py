@@ -12,7 +12,7 @@ from typing import Any
 from tornado.httpclient import AsyncHTTPClient, HTTPRequest
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
-_CHARTS = 6  # of the Budget page
+_CHARTS = 4  # of the Budget page
 _TOKEN = re.compile(r'"token":"([^"]+)"')
 
 
@@ -54,7 +54,7 @@ class Tab:
         return tab
 
     async def _stand(self) -> None:
-        """Take the document until the charts below the first screen, which follow it, are there."""
+        """Take the document until its charts are there."""
         while sum(model["name"] == "Figure" for model in self.objects) < _CHARTS:
             await asyncio.sleep(0.05)
             await self.pull()
@@ -87,6 +87,11 @@ class Tab:
         for name, value in values.items():
             change = {"kind": "ModelChanged", "model": {"id": model}, "attr": name, "new": value}
             await self.send("PATCH-DOC", {"events": [change]})
+
+    async def turn(self, title: str) -> None:
+        """Turn to the tab of this title."""
+        bar = next(model for model in self.objects if "titles" in model["attributes"])
+        await self.set(bar["id"], active=bar["attributes"]["titles"].index(title))
 
     async def event(self, name: str, **values: Any) -> None:
         """Send an event such as a click."""

@@ -16,12 +16,12 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 _IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
-_WHOLE = """() => [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "Figure").length >= 6
+_WHOLE = """() => [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "Figure").length >= 4
   && Bokeh.documents.every(d => d.is_idle)"""
 _WATCH = """() => {
   window.__keys = []; window.__changes = []
   document.addEventListener("keydown", () => window.__keys.push(performance.now()), true)
-  const wanted = ["position lines 0", "velocity lines 0", "phase bars"]
+  const wanted = ["timelines", "response lines 0"]
   for (const model of Bokeh.documents[0]._all_models.values())
     if (model.type === "ColumnDataSource" && wanted.includes(model.name))
       model.change.connect(() => window.__changes.push(performance.now()))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
 
@@ -20,9 +22,26 @@ def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Proces
     ValueError
         If ``workers`` is less than 1.
     """
-    return ProcessPoolExecutor(
-        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_begin, initargs=(begin,)
-    )
+    return ProcessPoolExecutor(workers, mp_context=_Spawn(), initializer=_begin, initargs=(begin,))
+
+
+class _DeafToCtrlC(SpawnProcess):
+    """A terminal's Ctrl-C reaches every process of the command: only the one that was started answers it, and ends
+    the others."""
+
+    def start(self) -> None:
+        if not hasattr(signal, "pthread_sigmask"):  # Windows
+            super().start()
+            return
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # a new process begins with what is set
+        try:
+            super().start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _Spawn(SpawnContext):
+    Process = _DeafToCtrlC
 
 
 def end_with_parent() -> None:

@@ -28,6 +28,7 @@ _rows = {}
 _differences = {}
 LONG = (
     "app/library/test_postgresql.py",
+    "app/console/test_ending.py",
     "app/report/test_files.py",
     "app/report/test_studies.py",
     "app/report/test_writing.py",
@@ -37,6 +38,7 @@ LONG = (
     "app/serving/test_hostile_messages.py",
     "app/serving/test_limits.py",
     "app/serving/test_oauth.py",
+    "app/serving/test_pages_go.py",
     "app/serving/test_supervisor.py",
     "app/subjects/review/test_report.py",
     "app/subjects/sar/test_page.py::test_sar_command_flies_the_simulator",

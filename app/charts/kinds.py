@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Line:
-    """A curve. ``source`` says where it comes from: equation and method, shown on hover and in print."""
+    """A curve. ``source`` says where it comes from: equation and method, shown on hover and in print; ``end``: its
+    name at its end, where curves are named there (None: the label; empty: none)."""
 
     key: str
     label: str
@@ -31,6 +32,7 @@ class Line:
     y: Array
     style: str
     source: str = ""
+    end: str | None = None
 
 
 @dataclass(frozen=True)

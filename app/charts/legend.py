@@ -7,6 +7,7 @@ from collections.abc import Callable
 from html import escape
 
 from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart
+from app.charts.region import middle_of
 from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
 
 
@@ -19,17 +20,22 @@ def legend_html(chart: AnyChart) -> str:
 def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
     entries = [
         (_svg(f'<path d="M15 0 L20 5.5 L15 11 L10 5.5 Z" fill="none" stroke-width="2" '
-              f'stroke="{STYLES["vertical"].colour}"/>'), "closed form, 1σ"),
-        (_dot(STYLES["horizontal"], "circle"), "runs, rms"),
+              f'stroke="{STYLES["vertical"].colour}"/>'), "formula, 1σ"),
+        (_box(STYLES["horizontal"], 0.9), "runs, rms"),
         (_box(STYLES["horizontal"], 0.35), "runs, 5 to 95 %"),
     ]  # fmt: skip
     if not math.isnan(chart.limit):
-        entries.append((_line(STYLES["limit"]), "limit, brought to 1σ"))
+        entries.append((_line(STYLES["limit"]), "limit (scaled to 1σ)"))
     return entries
 
 
 def _map_entries(chart: MapChart) -> list[tuple[str, str]]:
-    entries = [(_box(STYLES[style], 0.55), name) for style, name in zip(chart.styles, chart.names, strict=True)]
+    """Regions that are too small for their name, then what is drawn over them."""
+    entries = [
+        (_box(STYLES[style], 0.55), name)
+        for i, (style, name) in enumerate(zip(chart.styles, chart.names, strict=True))
+        if (chart.winner == i).any() and middle_of(chart, i) is None
+    ]
     entries.append((_line(STYLES[chart.contour.style]), chart.contour.label))
     return entries + [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
 
@@ -39,7 +45,7 @@ def _entries(chart: Chart) -> list[tuple[str, str]]:
     entries += [(_box(STYLES[band.style], 0.3), band.label) for band in chart.bands]
     entries += [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
     if any(not math.isnan(limit.level) for limit in chart.limits):
-        entries.append((_line(STYLES["limit"]), "limit, brought to 1σ"))
+        entries.append((_line(STYLES["limit"]), "limit (scaled to 1σ)"))
     return entries
 
 

@@ -78,6 +78,7 @@ STYLES: dict[str, Style] = {
     "filter": Style(SKY, "dashed", 2.2),
     "filter, second axis": Style("#c47f00", "dashed", 1.3),
     "closed form": Style(GREEN, "dotted", 2.5),
+    "closed form, second axis": Style(GREEN, "dotted", 1.5),
     "refined": Style(PURPLE, "dotdash", 2.0),
     "worst run": Style(BLUE, "dotted", 1.2),
     "worst run, second axis": Style(ORANGE, "dotdash", 1.2),

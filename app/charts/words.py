@@ -80,7 +80,7 @@ def _bars(chart: BarChart) -> str:
 def _dots(chart: DotChart) -> str:
     said = []
     for dot in chart.dots:
-        values = [("closed form", dot.closed), ("runs", dot.ensemble)]
+        values = [("formula", dot.closed), ("runs", dot.ensemble)]
         told = ", ".join(f"{name} {_n(value)}°" for name, value in values if math.isfinite(value))
         if told:
             said.append(f"{dot.label}: {told}")

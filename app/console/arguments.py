@@ -12,9 +12,6 @@ from typing import Any
 from app.console.files import put_file
 from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, parse_design, read_bytes
-from nav_model.errors import InputError
-
-BAD_INPUT = 2
 
 
 def design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
@@ -57,10 +54,3 @@ def put_json(data: Any, output: Path | None = None) -> int:
     put_file(output, text.encode("utf-8"))
     print(f"wrote {output}", file=sys.stderr)
     return 0
-
-
-def refuse(error: InputError) -> int:
-    # One line whatever the file held: line ends and control characters of a key or path are escaped.
-    line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in str(error))
-    print(f"navbudget: {line}", file=sys.stderr)
-    return BAD_INPUT

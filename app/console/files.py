@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from app.console.ending import is_of_surroundings
 from nav_model.errors import InputError
 
 
@@ -18,8 +20,10 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
     Raises
     ------
     InputError
-        Under ``-o``, when the folder is missing or refuses, `target` is a folder, or the disk is full. The
-        folder is tried first, before the work inside the block is done.
+        Under ``-o``, when the folder is missing or refuses, or `target` is a folder. The folder is tried first,
+        before the work inside the block is done.
+    OSError
+        For a fault of the surroundings, such as a full disk.
     """
     if not target.parent.is_dir():
         raise InputError("-o", f"{str(target.parent)!r} is not a folder; the file cannot be written there")
@@ -30,10 +34,14 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
         try:
             with draft.open("xb") as file:
                 yield file
+                file.flush()
+                os.fsync(file.fileno())
             draft.replace(target)
         finally:
             draft.unlink(missing_ok=True)
     except OSError as error:
+        if is_of_surroundings(error):
+            raise
         raise InputError("-o", f"{str(target)!r} cannot be written: {error.strerror or error}") from error
 
 

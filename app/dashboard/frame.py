@@ -100,7 +100,7 @@ class Frame(pn.viewable.Viewer):
                     view.show(self.session.budget)
             self._keep()
 
-    @param.depends("session.lineage", "session.study_link", watch=True)
+    @param.depends("session.lineage", "session.study_link", "session.settings", watch=True)
     def _keep(self) -> None:
         """Have the browser's tab keep what is in force, should the page be loaded again."""
         base = self.session.lineage.base
@@ -117,7 +117,7 @@ class Frame(pn.viewable.Viewer):
         if problem:
             self._say(f"The design you had here could not be taken up again. {problem}")
             return
-        self.session.study_link = of_study
+        self.session.take_studies(of_study)
         if base:
             pn.state.execute(functools.partial(self._come_from, base, self.session.lineage))
         self._say("The design you had on this page is back. Undo leads to the one the page opens with.", "info")

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from app.document.blocks import Answer, Cell
-from app.document.numbers import percent, show_in, signed_percent
+from app.document.numbers import percent, show_in, signed_percent, whole_percent
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES
 from nav_model.budget.result import Check
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 
 class CheckWords(NamedTuple):
@@ -83,11 +84,20 @@ def verdict_strip(budget: Budget) -> Answer:
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
     whole, words = verdict_of(budget), check_words(budget.design, tightest)
-    failed = sum(not check.met for check in budget.verdict.checks)
-    count = f"{failed} of {len(budget.verdict.checks)} requirements not met. " if failed > 1 else ""
     label = tightest.label[:1].upper() + tightest.label[1:]
     return Answer(
         whole.word,
         whole.tone,
-        (f"{count}{label} {words.value}, limit {words.limit}; {words.share} from {tightest.sensor}.",),
+        (f"{label} {words.value}, limit {words.limit}; {words.share} from {tightest.sensor}.",),
     )
+
+
+def verdicts_in_short(budget: Budget) -> dict[str, str]:
+    """Real time and post-processed, each with its mark and its least margin, as a switch names them -> the mode."""
+    both = {verdict.processing: verdict for verdict in (budget.verdict, budget.other_verdict)}
+
+    def said(mode: str) -> str:
+        tightest, name = both[mode].tightest, mode[:1].upper() + mode[1:]
+        return f"{name} {'✓' if both[mode].closes else '✗'} {whole_percent(tightest.margin)}" if tightest else name
+
+    return {said(mode): mode for mode in (REAL_TIME, POST_PROCESSED)}

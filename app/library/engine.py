@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
-from nav_model.errors import InputError
+from nav_model.errors import InputError, shown
 
 _WAIT = 15.0  # seconds a writer waits for another before it is told
 _POSTGRESQL = {
@@ -39,6 +41,8 @@ def engine_at(address: str | Path) -> Engine:
             path = Path(address).expanduser()
             path.parent.mkdir(parents=True, exist_ok=True)
             url = make_url("sqlite://").set(database=str(path))
+        if "\0" in str(url.database):
+            raise InputError("library", "cannot be used: its name holds a NUL character")
         elif url.drivername in ("postgres", "postgresql"):
             url = url.set(drivername="postgresql+psycopg")
         if url.get_backend_name() == "postgresql":
@@ -46,14 +50,43 @@ def engine_at(address: str | Path) -> Engine:
             return create_engine(url, pool_pre_ping=True, connect_args=arguments)
         if url.get_backend_name() != "sqlite" or not url.database or url.database == ":memory:":
             raise InputError("library", "is neither the path of a file nor a sqlite or postgresql address")
+        reading = _is_read_only(Path(url.database))
+        if reading:
+            url = url.set(database=f"file:{quote(url.database)}", query={"mode": "ro", "uri": "true", **reading})
         engine = create_engine(url, connect_args={"timeout": _WAIT})
+    except ValueError as error:  # a NUL in a folder's name
+        if isinstance(error, InputError):
+            raise
+        raise InputError("library", f"{shown(str(address))} cannot be used: {error}") from error
     except (ArgumentError, NoSuchModuleError, ImportError) as error:
         raise InputError("library", f"cannot be used: {error}") from error
     except OSError as error:
         raise InputError("library", f"{str(address)!r} cannot be used: {error.strerror or error}") from error
-    event.listen(engine, "connect", _set_up)
+    event.listen(engine, "connect", _set_up_to_read if reading else _set_up)
     event.listen(engine, "begin", _begin)
     return engine
+
+
+def is_read_only(engine: Engine) -> bool:
+    """Whether an engine only reads, because its file or folder refuses writing."""
+    return engine.url.query.get("mode") == "ro"
+
+
+def _is_read_only(path: Path) -> dict[str, str]:
+    """How to open a file that can only be read; nothing for one that can be written, or is not there yet.
+
+    A write-ahead log needs files beside the database to be read as well; where they cannot be made and none is
+    there, nobody writes, and the file may be taken as it is.
+    """
+    own = {"effective_ids": True} if os.access in os.supports_effective_ids else {}
+    if not path.exists() or (os.access(path, os.W_OK, **own) and os.access(path.parent, os.W_OK, **own)):
+        return {}
+    log = path.with_name(path.name + "-wal")
+    return {"mode": "ro"} if log.exists() and log.stat().st_size else {"mode": "ro", "immutable": "1"}
+
+
+def _set_up_to_read(connection: Any, _: Any) -> None:
+    connection.isolation_level = None
 
 
 def _set_up(connection: Any, _: Any) -> None:

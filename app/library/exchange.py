@@ -19,14 +19,16 @@ from sqlalchemy import text
 
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
-from nav_model.design.file import MAX_BYTES
 from nav_model.errors import InputError
 
 MAX_ARCHIVE = 20_000_000
 """The largest archive taken, in bytes as it comes."""
 _MAX_FILES = 2_000
+_MAX_FILE = 1_000_000
 _MAX_UNPACKED = 50_000_000
 _LIST = "library.json"
+_MAX_PARTS = 50 * _MAX_FILES  # objects, lists and what is in them
+_QUOTED = re.compile(r'"(?:[^"\\]++|\\.?)*+"?', re.DOTALL)
 _FORMAT = 1
 _TOLD = ("name", "author", "note", "saved")  # by whoever saved a revision
 _KEPT = ("file", *_TOLD)  # of the list, by an import; the rest is worked out anew
@@ -152,7 +154,7 @@ def _safe(path: str) -> str:
 
 
 def _read(file: IO[bytes], path: str, left: int) -> bytes:
-    bound = min(MAX_ARCHIVE if path == _LIST else MAX_BYTES, left)
+    bound = min(MAX_ARCHIVE if path == _LIST else _MAX_FILE, left)
     content = file.read(bound + 1)
     if len(content) > bound:
         raise InputError(path, f"unpacks to more than {bound} bytes")
@@ -164,7 +166,10 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
     if _LIST not in files:
         return []
     try:
-        content = json.loads(files.pop(_LIST).decode("utf-8"))
+        written = files.pop(_LIST).decode("utf-8")
+        if len(re.findall(r"[\[{,]", _QUOTED.sub("", written))) > _MAX_PARTS:
+            raise InputError(_LIST, f"has more than {_MAX_PARTS} parts; it is not the list of an exported library")
+        content = json.loads(written)
         if content["format"] != _FORMAT:
             raise InputError(_LIST, f"has format {content['format']!r}; this program reads {_FORMAT}")
         designs = []

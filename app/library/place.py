@@ -29,6 +29,25 @@ def use_library(address: str) -> None:
         _address, _library = address, None
 
 
+def look_at(address: str) -> str:
+    """What is to be said of a library before anybody uses it: that it can only be read; empty if nothing is.
+
+    The default address is looked at only if something is there: nothing is written before somebody needs it.
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened.
+    """
+    if not address and not default_address().exists():
+        return ""
+    found = Library(address or default_address())
+    try:
+        return "the library can only be read: its file or folder refuses writing" if found.read_only else ""
+    finally:
+        found.close()
+
+
 def library() -> Library:
     """The library in use, opened at the first call.
 

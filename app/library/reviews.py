@@ -2,8 +2,8 @@
 
 A review holds revisions (which never change) by key, content hash and the hash of their text, with the version of
 the program it was opened with. Comments and decisions are only ever added; the latest decision on a requirement
-counts. Signing seals the whole content with a SHA-256; after that nothing is taken any more, and a change made
-behind the library's back is found when the review is read.
+counts. Signing seals the whole content with a SHA-256 and signs that (`app.library.seal`); after that nothing is
+taken any more, and a change made behind the library's back is found when the review is read.
 """
 
 from __future__ import annotations
@@ -12,12 +12,13 @@ import hashlib
 import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
 from sqlalchemy import Connection, text
 
+from app.library.seal import CHANGED, doubt_about, signature_of
 from app.library.store import Conflict, Library, Revision, as_revision, find, new_id, now
 from app.library.texts import clean, moment
 from nav_model.budget.figures import FIGURES
@@ -68,7 +69,7 @@ class Decision:
 
 @dataclass(frozen=True)
 class Review:
-    """A review. ``version`` counts what was added; ``intact`` is whether the seal, if any, and hashes hold."""
+    """A review. ``version`` counts what was added; ``doubt`` is why hashes, seal or signature do not hold, if so."""
 
     id: str
     title: str
@@ -83,7 +84,13 @@ class Review:
     signed_by: str | None
     signed: str | None
     seal: str | None
-    intact: bool
+    signature: str | None
+    doubt: str
+
+    @property
+    def intact(self) -> bool:
+        """Whether it is what was frozen, and signed if it is."""
+        return not self.doubt
 
     def standing(self, place: int, requirement: str) -> Decision | None:
         """The decision in force on a requirement of an item."""
@@ -238,9 +245,10 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
             text("UPDATE reviews SET signed_by = :signer, signed = :signed WHERE id = :review"),
             {"signer": signer, "signed": now(), "review": review},
         )
+        seal = _seal(_load(connection, review))
         connection.execute(
-            text("UPDATE reviews SET seal = :seal WHERE id = :review"),
-            {"seal": _seal(_load(connection, review)), "review": review},
+            text("UPDATE reviews SET seal = :seal, signature = :signature WHERE id = :review"),
+            {"seal": seal, "signature": signature_of(seal), "review": review},
         )
         return _load(connection, review)
 
@@ -320,18 +328,30 @@ def _assembled(
         revisions=revisions,
         comments=tuple(Comment(**row) for row in comment_rows),
         decisions=tuple(Decision(**{**row, "accepted": bool(row["accepted"])}) for row in decision_rows),
-        intact=all(
-            item.text_hash == _sha256(revision.text) and item.content_hash == revision.content_hash
-            for item, revision in zip(items, revisions, strict=True)
-        ),
+        doubt="",
     )
-    broken = loaded.signed is not None and loaded.seal != _seal(loaded)
-    return Review(**{**vars(loaded), "intact": False}) if broken else loaded
+    return replace(loaded, doubt=_doubt(loaded))
+
+
+def _doubt(review: Review) -> str:
+    frozen = all(
+        item.text_hash == _sha256(revision.text) and item.content_hash == revision.content_hash
+        for item, revision in zip(review.items, review.revisions, strict=True)
+    )
+    if not frozen:
+        return CHANGED
+    if review.signed is None:
+        return ""
+    seal = _seal(review)
+    return CHANGED if review.seal != seal else doubt_about(seal, review.signature)
+
+
+_NOT_SEALED = ("seal", "signature", "doubt", "revisions")
 
 
 def _seal(review: Review) -> str:
     """SHA-256 over everything a signature stands under, except the seal itself."""
-    content = {name: value for name, value in asdict(review).items() if name not in ("seal", "intact", "revisions")}
+    content = {name: value for name, value in asdict(review).items() if name not in _NOT_SEALED}
     return _sha256(json.dumps(content, sort_keys=True, ensure_ascii=False))
 
 

@@ -81,10 +81,42 @@ STEPS: tuple[tuple[str, ...], ...] = (
             PRIMARY KEY (review, number),
             FOREIGN KEY (review, place) REFERENCES review_items(review, place))""",
     ),
+    ("ALTER TABLE reviews ADD COLUMN signature TEXT",),
 )
 """What each version adds to the one before; version n is the first n steps. Released steps never change."""
 
 _LOCK = 0x6E6176  # of PostgreSQL: one process migrates, the others wait
+
+
+def version_of(connection: Connection) -> int:
+    """The version of the tables that are there; 0 for an empty database. Writes nothing.
+
+    Raises
+    ------
+    InputError
+        If it is no library, or one that a newer version of the product wrote.
+    """
+    tables = inspect(connection).get_table_names()
+    if "schema_version" not in tables:
+        # A database server may hold others' tables beside ours; a file of others' tables is somebody else's.
+        if tables and connection.dialect.name == "sqlite":
+            raise InputError("library", f"is a database of another program: it has the table {tables[0][:60]!r}")
+        return 0
+    stated = connection.execute(text("SELECT * FROM schema_version")).all()
+    version = stated[0][0] if len(stated) == 1 and len(stated[0]) == 1 else None
+    if not isinstance(version, int) or version < 0:
+        said = "nothing" if not stated else f"{len(stated)} rows" if len(stated) > 1 else repr(stated[0])[:60]
+        raise InputError("library", f"states {said} as its schema version, which must be one whole number")
+    if version > len(STEPS):
+        raise InputError(
+            "library", f"has schema version {version}; this program knows up to {len(STEPS)}: use a newer one"
+        )
+    return version
+
+
+def is_current(version: int) -> bool:
+    """Whether there is nothing to bring up."""
+    return version == len(STEPS)
 
 
 def migrate(connection: Connection) -> None:
@@ -93,20 +125,16 @@ def migrate(connection: Connection) -> None:
     Raises
     ------
     InputError
-        If the library was written by a newer version of the product.
+        As `version_of`.
     """
     if connection.dialect.name == "postgresql":
         connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _LOCK})
+    version = version_of(connection)
     if not inspect(connection).has_table("schema_version"):
         connection.execute(text("CREATE TABLE schema_version (version INTEGER NOT NULL)"))
         connection.execute(text("INSERT INTO schema_version (version) VALUES (0)"))
-    version = connection.execute(text("SELECT version FROM schema_version")).scalar_one()
-    if version > len(STEPS):
-        raise InputError(
-            "library", f"has schema version {version}; this program knows up to {len(STEPS)}: use a newer one"
-        )
     for step in STEPS[version:]:
         for statement in step:
             connection.execute(text(statement))
-    if version < len(STEPS):
+    if not is_current(version):
         connection.execute(text("UPDATE schema_version SET version = :version"), {"version": len(STEPS)})

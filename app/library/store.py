@@ -19,8 +19,8 @@ from pathlib import Path
 from sqlalchemy import Connection, RowMapping, text
 
 from app.document.verdict import verdict_of
-from app.library.engine import engine_at, said
-from app.library.schema import migrate
+from app.library.engine import engine_at, is_read_only, said
+from app.library.schema import is_current, migrate, version_of
 from app.library.texts import clean, clean_tags
 from nav_model.budget import Budget, analyse
 from nav_model.budget.verdict import checked
@@ -97,6 +97,8 @@ def _checks(content: str, where: str) -> tuple[str, ...]:
 class Library:
     """A library at an address: a file's path, or a database URL that SQLAlchemy takes.
 
+    ``read_only`` says that its file or folder refuses writing. To open one of this version takes no lock.
+
     Raises
     ------
     InputError
@@ -105,8 +107,17 @@ class Library:
 
     def __init__(self, address: str | Path) -> None:
         self.engine = engine_at(address)
-        with said("cannot be opened: {}"), self._transaction(writes=True) as connection:
-            migrate(connection)
+        self.read_only = is_read_only(self.engine)
+        with said("cannot be opened: {}"):
+            with self._transaction(writes=False) as connection:
+                current = is_current(version_of(connection))
+            if not current and self.read_only:
+                raise InputError(
+                    "library", "cannot be opened: it must be brought to this version once, and can only be read here"
+                )
+            if not current:
+                with self._transaction(writes=True) as connection:
+                    migrate(connection)
 
     def close(self) -> None:
         """Let go of the file or the connections."""
@@ -126,6 +137,10 @@ class Library:
         InputError
             If the library did not confirm it: it is full, locked for too long, or its server has gone.
         """
+        if self.read_only:
+            raise InputError(
+                "library", "can only be read here: its file or folder refuses writing; nothing was saved"
+            )
         # A server that goes while it confirms may have written.
         with said("did not confirm this: {}; look before you do it again"), self._transaction(writes=True) as own:
             yield own

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import time
-from collections import OrderedDict, deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -16,15 +14,14 @@ from panel.auth import BasicAuthProvider, LogoutHandler, OAuthProvider
 from panel.config import config
 from tornado.web import HTTPError
 
+from app.serving.logins import Logins
 from app.serving.logs import event
 from app.serving.passwords import MAX_NAME, MAX_PASSWORD, Passwords
 from app.serving.rules import Rules
 from app.upstream.login_cookie import CookieForThisSite
 from app.upstream.token_encryption import encrypt_tokens
 
-_TRIES = 10
-_WINDOW = 60.0  # seconds
-_PEERS = 10_000
+_LOGIN = "login"  # the cookie that the store knows; "user", which Panel reads, only carries the name
 
 # One thread: hashing takes memory and time on purpose, and a flood of tries must not take more than one core.
 _hashing = ThreadPoolExecutor(max_workers=1, thread_name_prefix="password")
@@ -41,33 +38,11 @@ def plain_page(title: str, text: str, **more: Any) -> str:
     return _pages().get_template("plain.html").render(title=title, text=text, **fields)
 
 
-class Tries:
-    """Failed logins by peer at this process, so that nobody can guess without end."""
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
-        self._failed: OrderedDict[str, deque[float]] = OrderedDict()
-
-    def too_many(self, peer: str) -> bool:
-        """Whether a peer has failed too often in the last minute."""
-        failed = self._failed.get(peer, deque())
-        while failed and failed[0] < self._clock() - _WINDOW:
-            failed.popleft()
-        return len(failed) >= _TRIES
-
-    def failed(self, peer: str) -> None:
-        """Count a failure."""
-        self._failed.setdefault(peer, deque()).append(self._clock())
-        self._failed.move_to_end(peer)
-        while len(self._failed) > _PEERS:
-            self._failed.popitem(last=False)
-
-
 class PasswordLogin(CookieForThisSite):
     """The page to log in on; a name and a password against the file."""
 
     passwords: Passwords
-    tries: Tries
+    logins: Logins
 
     def get(self) -> None:
         """The form."""
@@ -79,20 +54,31 @@ class PasswordLogin(CookieForThisSite):
         password = self.get_body_argument("password", "", strip=False)[: MAX_PASSWORD + 1]
         wanted = self._next(self.get_query_argument("next", "/"))
         peer = self.request.remote_ip or ""
-        if self.tries.too_many(peer):
+        too_many, secret = await asyncio.get_running_loop().run_in_executor(_hashing, self._try, peer, name, password)
+        if too_many:
             self.set_status(429)
             self.set_header("Retry-After", "60")
             self._form(wanted, "Too many tries. Wait a minute, then try again.", name)
             return
-        fits = await asyncio.get_running_loop().run_in_executor(_hashing, self.passwords.fits, name, password)
-        event("login" if fits else "login refused", peer=peer)
-        if not fits:
-            self.tries.failed(peer)
+        event("login refused" if secret is None else "login", peer=peer)
+        if secret is None:
             self.set_status(401)
             self._form(wanted, "Name or password is wrong.", name)
             return
         self.set_current_user(name)
+        self.set_secure_cookie(_LOGIN, secret, expires_days=config.oauth_expiry, httponly=True)
         self.redirect(wanted)
+
+    def _try(self, peer: str, name: str, password: str) -> tuple[bool, str | None]:
+        """Whether it is too early for another try, and the secret of the login if the password fits."""
+        of_peer, of_account = f"from {peer}", f"for {name}"
+        if self.logins.too_many(of_peer) or self.logins.too_many(of_account):
+            return True, None
+        mark = self.passwords.mark(name)
+        if not self.passwords.fits(name, password) or mark is None:
+            self.logins.failed(of_peer, of_account)
+            return False, None
+        return False, self.logins.begin(name, mark, 24 * config.oauth_expiry)
 
     def _next(self, wanted: str) -> str:
         """Where to go afterwards, on this host only."""
@@ -110,8 +96,11 @@ class Goodbye(LogoutHandler):
     """Log out."""
 
     def get(self) -> None:
-        """Forget the visitor."""
-        for name in ("user", "id_token", "access_token", "refresh_token", "oauth_expiry"):
+        """Forget the visitor, and end the login for every copy of its cookie."""
+        secret = self.get_secure_cookie(_LOGIN, max_age_days=config.oauth_expiry)
+        if secret is not None:
+            PasswordLogin.logins.end(secret.decode("utf-8"))
+        for name in ("user", _LOGIN, "id_token", "access_token", "refresh_token", "oauth_expiry"):
             self.clear_cookie(name)
         self.write(plain_page("Logged out", "You are logged out.", again=".", link_text="Log in again"))
 
@@ -119,19 +108,24 @@ class Goodbye(LogoutHandler):
 class PasswordProvider(BasicAuthProvider):
     """Panel's basic login with our page, against hashes in a file that may change while the server runs."""
 
-    def __init__(self, passwords: Passwords) -> None:
+    def __init__(self, passwords: Passwords, logins: Logins) -> None:
         super().__init__()
         PasswordLogin.passwords = self._passwords = passwords
-        PasswordLogin.tries = Tries()
+        PasswordLogin.logins = self._logins = logins
 
     @property
     def get_user(self) -> Callable[[Any], str | None]:
-        """The name a request carries, if the file still knows it."""
+        """The name a request carries, if its login holds: not ended, and made with the password the file has now."""
         panels = super().get_user  # counts who is connected
 
         def get_user(handler: Any) -> str | None:
             signed = handler.get_secure_cookie("user", max_age_days=config.oauth_expiry)
-            if signed is None or not self._passwords.knows(signed.decode("utf-8")):
+            secret = handler.get_secure_cookie(_LOGIN, max_age_days=config.oauth_expiry)
+            if signed is None or secret is None:
+                return None
+            name = signed.decode("utf-8")
+            mark = self._passwords.mark(name)
+            if mark is None or not self._logins.holds(secret.decode("utf-8"), name, mark):
                 return None
             return str(panels(handler))
 
@@ -154,7 +148,7 @@ def provider_of(rules: Rules) -> dict[str, Any]:
     config.oauth_expiry = rules.login_hours / 24
     if rules.password_file is not None:
         return {
-            "auth_provider": PasswordProvider(Passwords(rules.password_file)),
+            "auth_provider": PasswordProvider(Passwords(rules.password_file), Logins(rules.login_store)),
             "cookie_secret": rules.cookie_secret,
             "xsrf_cookies": True,
         }

@@ -5,8 +5,8 @@ from __future__ import annotations
 import multiprocessing
 from dataclasses import dataclass
 
-_COLUMNS = ("pid", "ready", "sessions", "opened", "refused", "events", "heavy")
-_LASTING = ("opened", "refused", "events")  # what a process counted outlives it
+_COLUMNS = ("pid", "ready", "sessions", "opened", "refused", "events", "heavy", "restarts")
+_LASTING = ("opened", "refused", "events", "restarts")  # what a process counted outlives it
 
 
 class Board:

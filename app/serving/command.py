@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import getpass
 import math
 import sys
+import tempfile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nav_model.errors import InputError
+
+if TYPE_CHECKING:
+    from app.serving.rules import Rules
 
 _OAUTH = ("auth0", "azure", "azurev2", "bitbucket", "generic", "gitlab", "github", "google", "okta")
 
@@ -41,8 +46,18 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
     add("--oauth-redirect-uri", metavar="URL", help="where the provider sends the visitor back to")
     add("--oauth-allow", action="append", default=[], metavar="WHO",
         help="user, @domain of a mail address, or * for every account; may be repeated")  # fmt: skip
-    serve.add_argument("--library", default="", metavar="PATH-or-URL",
-        help="saved designs: a file, or postgresql://... (default: a file in the user's data folder)")  # fmt: skip
+    add("--login-store", default="", metavar="PATH-or-URL", help="who is logged in, and failed tries, for all "
+        "processes (default: a PostgreSQL library; else a file that ends with the server)")  # fmt: skip
+    serve.add_argument(
+        "--library",
+        default="",
+        metavar="PATH-or-URL",
+        help="saved designs: a file, or postgresql://... (default: a file in the user's data folder)",
+    )
+    serve.add_argument(
+        "--review-key", type=Path, metavar="FILE", help="Ed25519 key (PEM) that signs and verifies reviews; all "
+        "servers of one library share it (default: one in the user's data folder, made when first needed)"
+    )  # fmt: skip
     limits = serve.add_argument_group("limits")
     add = limits.add_argument
     add("--max-sessions", type=int, default=100, metavar="N", help="open pages at a time (default 100)")
@@ -60,6 +75,7 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
 
 
 def _serve(options: argparse.Namespace) -> int:
+    from app.library.place import look_at
     from app.serving.rules import Rules, cookie_secret, oauth_from
 
     rules = Rules(
@@ -76,6 +92,8 @@ def _serve(options: argparse.Namespace) -> int:
         max_sessions=options.max_sessions,
         session_lifetime=options.session_lifetime,
         login_hours=options.login_hours,
+        review_key=options.review_key,
+        login_store=options.login_store or (options.library if options.library.startswith("postgres") else ""),
         max_message=round(1e6 * options.max_message) if math.isfinite(options.max_message) else 0,
         processes=options.processes,
         workers=options.workers,
@@ -83,14 +101,29 @@ def _serve(options: argparse.Namespace) -> int:
         log=options.log,
     )
     rules.check()  # before the screen is loaded: a wrong command is refused at once
+    if warning := look_at(options.library):
+        print(f"navbudget: {warning}", file=sys.stderr, flush=True)
+    with tempfile.TemporaryDirectory(prefix="navbudget-") as folder:
+        if not rules.login_store:
+            rules = dataclasses.replace(rules, login_store=str(Path(folder) / "logins.db"))
+        return _run(rules, options.library)
+
+
+def _run(rules: Rules, library: str) -> int:
+    if rules.password_file is not None:
+        from app.serving.logins import Logins
+
+        Logins(rules.login_store).close()  # made once, before several processes open it
     if rules.page_processes > 1:
         from app.serving.supervisor import supervise
 
-        return supervise(rules, options.library)
+        return supervise(rules, library)
     from app.library.place import use_library
+    from app.library.seal import use_key
     from app.serving.server import serve
 
-    use_library(options.library)
+    use_library(library)
+    use_key(rules.review_key)
     serve(rules)
     return 0
 

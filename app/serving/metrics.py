@@ -43,6 +43,7 @@ class ServerMetrics(Collector):
         yield GaugeMetricFamily("navbudget_sessions_limit", "Sessions allowed at once.", value=self._most)
         yield GaugeMetricFamily("navbudget_uptime_seconds", "Seconds since the server began.", value=self._uptime())
         yield self._of_each()
+        yield from self._of_the_supervisor()
         yield from self._of_the_machine()
 
     def _of_each(self) -> Metric:
@@ -50,6 +51,16 @@ class ServerMetrics(Collector):
         for process in range(self._board.processes):
             family.add_metric([str(process)], self._board.get(process, "sessions"))
         return family
+
+    def _of_the_supervisor(self) -> Iterator[Metric]:
+        up = GaugeMetricFamily("navbudget_process_up", "1 while it serves pages.", labels=["process"])
+        restarts = CounterMetricFamily(
+            "navbudget_process_restarts", "Times it was started again.", labels=["process"]
+        )
+        for process in range(self._board.processes):
+            up.add_metric([str(process)], int(self._board.get(process, "pid") > 0))
+            restarts.add_metric([str(process)], self._board.get(process, "restarts"))
+        yield from (up, restarts)
 
     def _of_the_machine(self) -> Iterator[Metric]:
         """Memory, processor time and open files of each process that serves pages."""

@@ -159,6 +159,11 @@ class Passwords:
         """Whether the person is in the file now: who is taken out is out at the next request."""
         return name in self._current()
 
+    def mark(self, name: str) -> str | None:
+        """What tells this person's password from another one they had; None for a name nobody has."""
+        found = self._current().get(name)
+        return None if found is None else _text(found.salt + found.key)
+
     def fits(self, name: str, password: str) -> bool:
         """Whether name and password belong together; takes as long for a name nobody has."""
         if len(password) > MAX_PASSWORD:

@@ -48,6 +48,8 @@ class Rules:
     max_sessions: int = 100
     session_lifetime: float = 60.0
     login_hours: float = 12.0
+    login_store: str = ""
+    review_key: Path | None = None
     max_message: int = 20_000_000
     processes: int | None = None
     workers: int | None = None

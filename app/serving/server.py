@@ -24,6 +24,7 @@ from app.serving.address import announce, listen, origins
 from app.serving.board import Board, Row
 from app.serving.collector import Collector, settle
 from app.serving.handlers import Surroundings, around, being_sent, close_door
+from app.serving.hosts import Hosts, first_rules
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
@@ -31,9 +32,11 @@ from app.session import Session
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.upstream.answers_in_progress import let_nobody_new_in
+from app.upstream.ask_first import ask_first
 from app.upstream.defaults import remember_defaults
 from app.upstream.given_socket import listen_on
 from app.upstream.late_session import page_of, sheets_from_here
+from app.upstream.request_location import read_any_address
 from app.upstream.writes import closed_is_no_fault, repair
 from app.work import pool as workers
 from nav_model.design import Design
@@ -71,7 +74,7 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
         session = Session(design)
     except InputError as error:
         session, notice = Session(first_design()), f"The link was not used. {error}"
-    session.study_link = of_study
+    session.take_studies(of_study)
     if changed is not None:
         session.param.watch(changed, "budget")
     return Frame(session, notice).__panel__()
@@ -111,6 +114,7 @@ def serve_on(
     set_defaults()
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
     repair()
+    read_any_address()
     remember_defaults()
     workers.use(rules.workers, row.board.processes)
     began, collector = time.monotonic(), Collector()
@@ -140,6 +144,7 @@ def serve_on(
         **provider_of(rules),
         **around(rules, here, metrics),
     )
+    ask_first(server, first_rules(Hosts(rules.address, rules.allow_origin)))
     settle()
     row.put("pid", os.getpid())
     ready()

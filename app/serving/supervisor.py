@@ -27,13 +27,16 @@ from app.serving.rules import Rules
 from nav_model.processes import end_with_parent
 
 _LOOK = 0.05  # seconds between two looks at what starts
-_PAUSE = 1.0  # seconds before a process that ended is started again
+_PAUSE = 1.0  # seconds before a process that ended is started again; twice as long each time
+_LONGEST_PAUSE = 60.0
+_WELL = 60.0  # seconds after which a process that runs is taken to have started well
+_MOST_ENDS = 8  # of one process in a row, none of which started well, after which all is stopped
 
 
 def supervise(rules: Rules, library: str) -> int:
     """Serve from several processes until stopped by SIGTERM or SIGINT; prints the address once all are up.
 
-    Comes back with the exit status: 1 if one of them could not start.
+    Comes back with the exit status: 1 if one of them could not start, or ended again and again.
 
     Raises
     ------
@@ -58,6 +61,25 @@ def supervise(rules: Rules, library: str) -> int:
 
 
 @dataclass
+class Falls:
+    """How often one process has ended without having run well, and when it is started again."""
+
+    count: int = 0
+    due: float | None = None
+    began: float = 0.0
+
+    def started(self, now: float) -> None:
+        """It runs."""
+        self.began, self.due = now, None
+
+    def fell(self, now: float) -> bool:
+        """It has ended; whether to start it again, from `due` on."""
+        self.count = 1 if now - self.began >= _WELL else self.count + 1
+        self.due = now + min(_LONGEST_PAUSE, _PAUSE * 2 ** (self.count - 1))
+        return self.count < _MOST_ENDS
+
+
+@dataclass
 class _Family:
     """The processes, by their place on the board."""
 
@@ -73,6 +95,7 @@ class _Family:
     def __post_init__(self) -> None:
         self.board = Board(self.rules.page_processes)
         self.members: dict[int, BaseProcess] = {}
+        self.falls: dict[int, Falls] = {process: Falls() for process in range(self.rules.page_processes)}
 
     def start(self, process: int) -> None:
         """Start one, unless all are being stopped."""
@@ -86,6 +109,7 @@ class _Family:
         finally:
             self.starting = False
         self.members[process] = member
+        self.falls[process].started(time.monotonic())
         if self.stopping:  # told in between, by a signal
             self._stop()  # type: ignore[unreachable]
 
@@ -113,15 +137,35 @@ class _Family:
         return not self.stopping
 
     def keep(self) -> None:
-        """Start again whatever ends, until told to stop."""
+        """Start again whatever ends, later each time, until told to stop or one of them ends too often."""
         while not self.stopping:
-            wait([member.sentinel for member in self.members.values()])
+            now = time.monotonic()
             for process, member in list(self.members.items()):
-                if member.exitcode is not None and not self.stopping:
-                    event("page process ended", logging.ERROR, process=process, exit=member.exitcode)
+                if member.exitcode is None or self.stopping:
+                    continue
+                falls = self.falls[process]
+                if falls.due is None:
                     self.board.clear(process)
-                    time.sleep(_PAUSE)
+                    self.failed = not falls.fell(now)
+                    event(
+                        "page process ended",
+                        logging.ERROR,
+                        process=process,
+                        exit=member.exitcode,
+                        in_a_row=falls.count,
+                    )
+                    if self.failed:
+                        event("page processes given up", logging.ERROR, process=process, in_a_row=falls.count)
+                        return
+                elif now >= falls.due:
+                    Row(self.board, process).add("restarts")
                     self.start(process)
+            waits = [falls.due - now for falls in self.falls.values() if falls.due is not None]
+            alive = [member.sentinel for member in self.members.values() if member.exitcode is None]
+            if waits:
+                wait(alive, timeout=max(_LOOK, min(waits)))
+            else:
+                wait(alive)
 
     def end(self) -> int:
         """Wait until all have ended."""
@@ -138,7 +182,9 @@ def _serve_pages(listening: socket.socket, port: int, rules: Rules, library: str
     end_with_parent()
     set_up(rules.log)
     from app.library.place import use_library
+    from app.library.seal import use_key
     from app.serving.server import serve_on
 
     use_library(library)
+    use_key(rules.review_key)
     serve_on(SharedSocket(listening, row), port, rules, row, secret, lambda: row.put("ready", 1))

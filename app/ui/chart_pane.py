@@ -18,6 +18,7 @@ from app.charts.screen.figures import to_bokeh
 from app.charts.words import in_words
 from app.document.prose import prose
 from app.session import Session
+from app.ui.downloads import download
 from app.ui.grid import cell
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE
@@ -65,12 +66,7 @@ class ChartPane(Generic[_T]):
 
     def takes(self) -> list[pmui.FileDownload]:
         """The buttons that take the chart's data away, new ones at each call."""
-        chart = self._describe(self._current())
-        look = {"variant": "text", "margin": (0, 8)}
-        return [
-            pmui.FileDownload(callback=make, filename=f"{chart.key}.{suffix}", label=label, **look)
-            for make, suffix, label in zip((self._csv, self._svg), ("csv", "svg"), _labels(chart), strict=True)
-        ]
+        return takes(self._describe, self._current)
 
     def show(self, data: _T) -> None:
         """Feed the figure."""
@@ -88,13 +84,6 @@ class ChartPane(Generic[_T]):
         if self._fills:
             return head_html(chart.title, chart.knowledge, legend_html(chart), described(chart))
         return f"<h3>{escape(chart.title)}</h3>"
-
-    async def _svg(self) -> io.BytesIO:
-        """The chart as it prints, drawn in a worker: the plotting library would hold up every slider."""
-        return io.BytesIO((await elsewhere(to_svg, self._describe(self._current()))).encode("utf-8"))
-
-    def _csv(self) -> io.BytesIO:
-        return io.BytesIO(to_csv(self._describe(self._current())).encode("utf-8"))
 
 
 class ChartView(ChartPane[Budget]):
@@ -123,6 +112,21 @@ def chart_cells(
 
     in_turns([partial(add, index) for index in range(len(layout))])
     return cells
+
+
+def takes(describe: Callable[[_T], AnyChart], current: Callable[[], _T]) -> list[pmui.FileDownload]:
+    """Buttons that take a chart's data away (CSV), or the chart as it prints (SVG)."""
+    chart = describe(current())
+
+    def csv() -> io.BytesIO:
+        return io.BytesIO(to_csv(describe(current())).encode("utf-8"))
+
+    async def svg() -> io.BytesIO:
+        """Drawn in a worker: the plotting library would hold up every slider."""
+        return io.BytesIO((await elsewhere(to_svg, describe(current()))).encode("utf-8"))
+
+    csv_label, svg_label = _labels(chart)
+    return [download(csv_label, f"{chart.key}.csv", csv), download(svg_label, f"{chart.key}.svg", svg)]
 
 
 def head_html(title: str, knowledge: str, *more: str) -> str:

@@ -17,9 +17,15 @@ _ABOUT = 800  # pixels
 
 
 def first_screen(
-    *top: Any, left: Sequence[Any], right: Sequence[Any] = (), height: str = "calc(100dvh - 48px)"
+    *top: Any,
+    left: Sequence[Any],
+    right: Sequence[Any] = (),
+    bottom: Any = None,
+    height: str = "calc(100dvh - 48px)",
 ) -> pn.Column:
     """Rows across the top, and below them two halves, or one whole, that fill the rest of the window.
+
+    ``bottom`` is a row under them.
 
     Each half has one part, or two on top of each other. On a narrow window everything stands in one column and as
     high as it wants. A ``height`` of "100%" fills a place within the window, such as a view of `screen_of_views`.
@@ -35,9 +41,11 @@ def first_screen(
             span, wide = 2 if len(half) == 1 else 1, "auto" if right else "span 2"
             where = {"grid-area": f"{rows + 1 + place} / {column} / span {span} / {wide}"}
             parts.append(pn.Column(part, styles=where | FRAME, sizing_mode="stretch_both"))
+    if bottom is not None:
+        parts.append(pn.Column(bottom, styles={"grid-area": f"{rows + 3} / 1 / auto / span 2"} | FRAME))
     within = height == "100%"
     sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height)
-    sheet = sheet.replace("FLEX", "1 1 0" if within else "none")
+    sheet = sheet.replace("FLEX", "1 1 0" if within else "none").replace("OVERFLOW", "clip" if within else "visible")
     # With a height the page around it stays as high as its content, and scrolls; the sheet says how high this is.
     return pn.Column(*parts, height=None if within else _ABOUT, stylesheets=[sheet])
 

@@ -42,7 +42,7 @@ class RunBar(pn.viewable.Viewer):
         self.cancel.on_click(lambda _: run.cancel())
         self.state = html_pane("", margin=(2, 10))
         self._view = pn.FlexBox(
-            *fields, self.start, self.cancel, pn.Column(self.state, width=380, sizing_mode=None),
+            *fields, self.start, self.cancel, pn.Column(self.state, styles={"flex": "1 1 180px", "min-width": "0"}),
             align_items="center", margin=(0, 4),
         )  # fmt: skip
 
@@ -71,5 +71,5 @@ def progress_html(progress: Progress) -> str:
     value = "" if progress.share is None else f' value="{progress.share:.3f}"'
     return (
         f'<p role="status"><progress aria-label="Progress" max="1"{value}></progress> '
-        f'<span class="num">{escape(progress.words)}</span></p>'
+        f"<span>{escape(progress.words)}</span></p>"
     )

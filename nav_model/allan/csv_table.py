@@ -5,9 +5,7 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
 from typing import BinaryIO
 
 import numpy as np
@@ -15,7 +13,8 @@ import numpy as np
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.errors import InputError
 
-_CHUNK_LINES = 50_000
+_CHUNK = 1_000_000  # characters
+_MOST_COLUMNS = 100
 _HEADER_LINES = 200
 _LONGEST_LINE = 10_000
 
@@ -30,23 +29,25 @@ class CsvTable:
     rate_hz: float | None
 
 
-def read_csv_table(stream: BinaryIO, file_name: str, most_rows: int) -> CsvTable:
+def read_csv_table(stream: BinaryIO, file_name: str, most_rows: int, most_bytes: int) -> CsvTable:
     """Read comma, semicolon, tab or blank separated numbers, with or without header and #/% comment lines.
 
+    Between semicolons or tabs a comma is a decimal comma, as long as no point is one too.
+
     Nothing but decimal numbers is accepted below the header. Raises InputError with the line number for
-    text, empty fields, a changed number of columns, NaN or infinity, more than `most_rows` rows, or text that
-    is not UTF-8.
+    text, empty fields, a changed number of columns, NaN or infinity, more than `most_rows` rows, a table of more
+    than `most_bytes`, or text that is not UTF-8. Memory is at most twice `most_bytes` and 100 MB.
     """
     text = io.TextIOWrapper(stream, encoding="utf-8-sig", newline=None)
     try:
-        return _read(text, file_name, most_rows)
+        return _read(text, file_name, most_rows, most_bytes)
     except UnicodeDecodeError as error:
         raise InputError(file_name, f"not a text file (byte {error.start} is not UTF-8)") from error
     finally:
         text.detach()
 
 
-def _read(text: io.TextIOWrapper, file_name: str, most_rows: int) -> CsvTable:
+def _read(text: io.TextIOWrapper, file_name: str, most_rows: int, most_bytes: int) -> CsvTable:
     header: list[str] = []
     first = ""
     for _ in range(_HEADER_LINES):
@@ -61,29 +62,33 @@ def _read(text: io.TextIOWrapper, file_name: str, most_rows: int) -> CsvTable:
         header.append(line)
     if not first:
         raise InputError(file_name, f"the first {_HEADER_LINES} lines hold no numbers; not an inertial log")
-    delimiter = next((mark for mark in ",;\t" if mark in first), None)
+    delimiter = next((mark for mark in ";\t," if mark in first), None)
     columns = len(_fields(first, delimiter))
+    if columns > _MOST_COLUMNS:
+        raise InputError(file_name, f"{columns} columns; a log has at most {_MOST_COLUMNS}")
     names = _names(header, delimiter, columns)
     first_line = len(header) + 1
     blocks: list[FloatArray] = []
     line_number, rows = first_line, 0
-    pending = [first, *_lines(text, _CHUNK_LINES - 1, file_name)]
+    pending = [first, *_lines(text, file_name)]
     while pending:
         block = _parse(pending, delimiter, columns, file_name, line_number)
         rows += len(block)
         if rows > most_rows:
-            raise InputError(file_name, f"more than {most_rows} rows; cut the log or raise the limit")
+            raise InputError(file_name, f"more than {most_rows} rows; cut the log")
+        if rows * columns * block.itemsize > most_bytes:
+            raise InputError(file_name, f"more than {most_bytes / 1e6:.0f} MB of numbers; leave out columns")
         blocks.append(block)
         line_number += len(pending)
-        pending = list(_lines(text, _CHUNK_LINES, file_name))
+        pending = _lines(text, file_name)
     return CsvTable(names, np.concatenate(blocks), first_line, _rate(header))
 
 
-def _lines(text: io.TextIOWrapper, count: int, file_name: str) -> Iterator[str]:
-    for line in islice(text, count):
-        if len(line) > _LONGEST_LINE:
-            raise InputError(file_name, f"a line is longer than {_LONGEST_LINE} characters; not an inertial log")
-        yield line
+def _lines(text: io.TextIOWrapper, file_name: str) -> list[str]:
+    lines = text.readlines(_CHUNK)
+    if any(len(line) > _LONGEST_LINE for line in lines):
+        raise InputError(file_name, f"a line is longer than {_LONGEST_LINE} characters; not an inertial log")
+    return lines
 
 
 def _fields(line: str, delimiter: str | None) -> list[str]:
@@ -109,7 +114,8 @@ def _is_data(line: str) -> bool:
 
 def _names(header: list[str], delimiter: str | None, columns: int) -> tuple[str, ...] | None:
     for line in reversed(header):
-        fields = _fields(line.strip().lstrip("#%").strip(), delimiter)
+        bare = line.strip().lstrip("#%").strip()
+        fields = [bare] if columns == 1 else _fields(bare, delimiter)  # a name may have blanks: "gyro_x [deg/s]"
         if len(fields) == columns and not all(_is_number(field) for field in fields):
             return tuple(fields)
     return None
@@ -127,6 +133,12 @@ def _rate(header: list[str]) -> float | None:
 
 def _parse(lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int) -> FloatArray:
     kept = [line for line in lines if line.strip()]
+    if delimiter in (";", "\t") and any("," in line for line in kept):
+        place = next(i for i, line in enumerate(lines) if "," in line)
+        if any("." in line for line in kept):
+            raise InputError(file_name, f"line {first_line + place}: decimal commas, but decimal points elsewhere")
+        kept = [line.replace(",", ".") for line in kept]
+        lines = [line.replace(",", ".") for line in lines]
     if delimiter is not None and kept and kept[0].rstrip().endswith(delimiter):
         kept = [line.rstrip().removesuffix(delimiter) for line in kept]
     if not kept:

@@ -13,6 +13,9 @@ AXIS_LETTERS = ("x", "y", "z")
 class ImuLog:
     """Angular rate [rad/s] and specific force [m/s²], each (samples, 3) or None, sampled at `rate_hz`.
 
+    Of a sensor with a single axis the array is (samples, 1), and `gyro_axis` or `accelerometer_axis` (0 to 2) says
+    which it is.
+
     `temperature_c` is (samples,) or None; `reading` says how file, columns, units and rate were understood.
     """
 
@@ -23,6 +26,8 @@ class ImuLog:
     file_name: str = "in memory"
     sha256: str = ""
     reading: tuple[str, ...] = ()
+    gyro_axis: int = 0
+    accelerometer_axis: int = 0
 
     @property
     def samples(self) -> int:
@@ -38,7 +43,14 @@ class ImuLog:
     def axes(self) -> list[tuple[str, str, FloatArray]]:
         """(name, quantity, signal) of every axis: gyro_x .. accelerometer_z."""
         found: list[tuple[str, str, FloatArray]] = []
-        for quantity, signal in (("gyro", self.gyro), ("accelerometer", self.accelerometer)):
+        for quantity, signal, first in (
+            ("gyro", self.gyro, self.gyro_axis),
+            ("accelerometer", self.accelerometer, self.accelerometer_axis),
+        ):
             if signal is not None:
-                found += [(f"{quantity}_{AXIS_LETTERS[i]}", quantity, signal[:, i]) for i in range(signal.shape[1])]
+                names = AXIS_LETTERS if signal.shape[1] == 3 else AXIS_LETTERS[first:]
+                found += [
+                    (f"{quantity}_{letter}", quantity, values)
+                    for letter, values in zip(names, signal.T, strict=False)
+                ]
         return found

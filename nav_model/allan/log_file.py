@@ -17,8 +17,8 @@ from nav_model.allan.csv_table import read_csv_table
 from nav_model.allan.imu_log import AXIS_LETTERS, ImuLog
 from nav_model.allan.log_names import Meaning, Scale, meaning_of, scale_of
 from nav_model.allan.noise_terms import FloatArray
-from nav_model.allan.npz_arrays import read_npz_arrays
 from nav_model.errors import InputError
+from nav_model.npz_arrays import read_npz_arrays
 
 IGNORED = "-"
 RATE_TOLERANCE = 0.01
@@ -117,6 +117,7 @@ def read_log(
         file_name=name,
         sha256=digest,
         reading=tuple(notes),
+        **{f"{role}_axis": _single_axis(role, found) for role in _SENSORS},
     )
 
 
@@ -140,7 +141,7 @@ def _content(source: str | Path | bytes | BinaryIO, file_name: str | None, limit
 
 
 def _from_csv(content: bytes, name: str, options: LogOptions, limits: Limits) -> _Found:
-    table = read_csv_table(io.BytesIO(content), name, limits.rows)
+    table = read_csv_table(io.BytesIO(content), name, limits.rows, limits.unpacked_bytes)
     width = table.data.shape[1]
     names = options.columns if options.columns is not None else table.names
     if names is None:
@@ -237,13 +238,17 @@ def _signal(
         return None
     axes = [column.meaning.axis for column in columns]
     labels = ", ".join(column.label for column in columns)
-    if None in axes or len(set(axes)) < len(axes):
+    single = len(columns) == 1
+    if single and axes[0] is None:
+        notes.append(f"{role} {labels!r} names no axis; taken as x")
+    elif None in axes or len(set(axes)) < len(axes):
         raise InputError(name, f"several or unclear {role} columns ({labels}); say which by `columns` or `arrays`")
     columns.sort(key=lambda column: column.meaning.axis or 0)
-    if [column.meaning.axis for column in columns] != [0, 1, 2]:
-        raise InputError(name, f"{role} columns {labels}; x, y and z are needed, each once")
+    if not single and [column.meaning.axis for column in columns] != [0, 1, 2]:
+        # Two of three are more often a name that was not understood than a sensor of two axes.
+        raise InputError(name, f"{role} columns {labels}; x, y and z are needed, each once, or one of them alone")
     scale = _scale(role, columns[0], found, options, name)
-    signal = np.empty((len(columns[0].values), 3))
+    signal = np.empty((len(columns[0].values), len(columns)))
     for axis, column in enumerate(columns):
         if len(column.values) != len(signal):
             raise InputError(name, f"{column.label} has {len(column.values)} samples, {labels} differ in length")
@@ -260,6 +265,11 @@ def _signal(
     kind = "increments per sample" if scale.per_sample else "rates"
     notes.append(f"{role} from {source}, {kind} in {scale.symbol}")
     return signal
+
+
+def _single_axis(role: str, found: _Found) -> int:
+    """Which axis it is, of a sensor with one."""
+    return next((column.meaning.axis or 0 for column in found.columns if column.meaning.role == role), 0)
 
 
 def _scale(role: str, column: _Column, found: _Found, options: LogOptions, name: str) -> Scale:

@@ -18,6 +18,7 @@ import numpy as np
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.allan.result import UNITS, Provenance
+from nav_model.allan.warnings import saturated_share
 from nav_model.errors import InputError
 
 DEFAULT_BAND_FROM_HZ = 10.0
@@ -104,6 +105,12 @@ def analyse_motion(
     for index, (name, quantity, signal) in enumerate(axes):
         if progress is not None:
             progress(index / len(axes), name)
+        if cut := saturated_share(signal):
+            raise InputError(
+                log.file_name,
+                f"{name} is saturated: {cut:.2%} of its samples stand at the largest or smallest value, so its noise "
+                "is cut off; take the log at a wider range, or cut the stretch out",
+            )
         reference = bench.angle_random_walk if quantity == "gyro" else bench.velocity_random_walk
         found.append(_axis(name, quantity, signal, log.rate_hz, length, first, reference))
     factors = {quantity: _triad([a.factor for a in found if a.quantity == quantity]) for quantity in UNITS}

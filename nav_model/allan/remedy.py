@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Final, Literal
 
-Cause = Literal["constant", "repeating", "disturbed", "filtered", "vibrating", "hidden"]
+Cause = Literal["constant", "repeating", "disturbed", "filtered", "vibrating", "saturated", "hidden"]
 
 _SLOPE: Final = {"random_walk": 0, "bias_instability": 1, "rate_random_walk": 2, "ramp": 3}
 _RATE_FACTOR: Final = 2.0 ** (4.0 / 3.0)
@@ -22,6 +22,7 @@ _BY_CAUSE: Final[dict[str, str]] = {
     "repeating": "a log of a live sensor, as it was taken: not a stretch of one copied behind itself",
     "disturbed": "a log at rest on a solid base, nothing running or walking near it, for an hour or more",
     "filtered": "raw samples from before the sensor's digital filter, at its full internal rate",
+    "saturated": "a log at a wider range of the sensor, which its signal does not reach",
     "vibrating": "a log at rest on a base isolated from the vibration",
 }
 

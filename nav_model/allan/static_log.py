@@ -21,7 +21,7 @@ from nav_model.allan.noise_terms import STOCHASTIC_TERMS, TERMS, FloatArray, all
 from nav_model.allan.remedy import Cause, what_would_resolve
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance
 from nav_model.allan.spectrum import cosine_spectrum
-from nav_model.allan.warnings import axis_warnings, log_warnings
+from nav_model.allan.warnings import axis_warnings, log_warnings, saturated_share
 from nav_model.errors import InputError
 
 # Both shares were set on the logs at hand: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
@@ -83,6 +83,12 @@ def _analyse_axis(
     if np.all(signal == signal[0]):
         reason = f"not resolved: every sample is {signal[0]:g}; not connected, or resolution too coarse"
         return _without_noise(name, quantity, signal, interval_s, reason, "constant", "constant: no noise to analyse")
+    if cut := saturated_share(signal):
+        reason = (
+            f"not resolved: {cut:.2%} of the samples stand at a limit of the sensor's range, which cuts off its noise"
+        )
+        warning = f"saturated: {cut:.2%} of the samples stand at the largest or smallest value"
+        return _without_noise(name, quantity, signal, interval_s, reason, "saturated", warning)
     spectrum = cosine_spectrum(signal, interval_s)
     if spectrum.repeats:
         reason = (

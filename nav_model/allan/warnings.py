@@ -15,6 +15,31 @@ _GRAVITY_TOLERANCE = 0.03
 _FASTEST_MEAN_RATE = np.radians(5.0)
 _STUCK_SHARE = 0.5
 _TEMPERATURE_SHARE = 0.5
+_FEWEST_LEVELS = 4
+_FEWEST_CUT = 8  # samples at a limit
+_CUT_RATIO = 1.5  # of those over the ones at the next value
+
+
+def saturated_share(signal: FloatArray) -> float:
+    """Share of samples that stand at a limit of the sensor's range; 0 where none is seen.
+
+    Noise becomes rarer towards its largest value. Where the largest (or the smallest) stands far more often than the
+    value next to it, what lay beyond was cut off. Signals of three levels and fewer say nothing: they are coarse.
+    """
+    inner = signal
+    for _ in range(_FEWEST_LEVELS - 1):
+        inner = inner[inner < np.max(inner)]
+        if not len(inner):
+            return 0.0
+    at_limits = 0
+    for sign in (1.0, -1.0):
+        end = sign * float(np.max(sign * signal))
+        inside = signal[signal != end]
+        count = len(signal) - len(inside)
+        beside = int(np.count_nonzero(inside == sign * np.max(sign * inside)))
+        if count >= _FEWEST_CUT and count > _CUT_RATIO * beside:
+            at_limits += count
+    return at_limits / len(signal)
 
 
 def log_warnings(log: ImuLog) -> tuple[str, ...]:

@@ -103,7 +103,7 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
     sized = shares_by_step(inputs, lambda x: placing(x, free_shifts(x, _begun(x))))
     placement = _placement(inputs, free_shifts(inputs, _begun(inputs)), sized)
-    smoothed, smoothed_placement = _post_processed(inputs)
+    smoothed, smoothed_placement = _post_processed(inputs, design.radar.window)
     verdicts = (
         judge(design, steady_state, coast, sar, placement),
         judge(design, steady_state, coast, sar, smoothed_placement, smoothed),
@@ -130,7 +130,7 @@ def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares
     )
 
 
-def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
+def _post_processed(x: Inputs, window: str) -> tuple[PostProcessed, Placement]:
     sized = shares_by_step(x, lambda y: smoothed_figures(y, SMOOTHED))
     value = {name: value for name, (value, _) in sized.items()}
     shares = {name: part for name, (_, part) in sized.items()}
@@ -144,6 +144,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         by_order=by_order,
         along_track_quadratic=value["along_track_quadratic_phase"],
         azimuth_shift=value["slope_shift"],
+        impulse_response=_response(value["quadratic_phase"], window),
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
     )

@@ -11,6 +11,7 @@ import numpy as np
 from nav_model.analytic.steady_state import Array
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
+from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.impulse_response import ImpulseResponse
 
 
@@ -126,9 +127,9 @@ class PostProcessed:
     """What a smoother with the whole leg leaves: m, m/s, rad. [P-3], [P-5]
 
     ``by_order`` is the residual phase after autofocus to order 1, 2 and 3, ``detrended`` that of the design's order.
-    ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track. ``method`` is
-    "spectrum" or "state space". ``shares`` gives, for each figure that a requirement can limit, the share of each
-    source in its variance.
+    ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.
+    ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad. ``method`` is "spectrum" or "state space".
+    ``shares`` gives, for each figure that a requirement can limit, the share of each source in its variance.
     """
 
     sigmas: Sigmas
@@ -138,6 +139,7 @@ class PostProcessed:
     by_order: tuple[float, float, float]
     along_track_quadratic: float
     azimuth_shift: float
+    impulse_response: ImpulseResponse | None
     method: str
     shares: Mapping[str, Shares]
 
@@ -220,3 +222,8 @@ class Budget:
     post_processed_placement: Placement
     verdict: Verdict
     other_verdict: Verdict
+
+    @property
+    def smoothed(self) -> PostProcessed | None:
+        """The post-processed figures where they decide, None where those of real time do."""
+        return self.post_processed if self.verdict.processing == POST_PROCESSED else None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -12,6 +11,7 @@ from typing import Any, Literal
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS
 from nav_model.errors import InputError
+from nav_model.toml_text import read_toml
 from nav_model.units import QuantityError, parse_quantity
 
 Kind = Literal["imu", "radar", "gnss"]
@@ -68,6 +68,7 @@ class Entry:
     extra: Mapping[str, SourcedValue]
 
 
+_MOST_BYTES = 1_000_000  # the product's own have ten thousand
 _EXTRA: dict[str, dict[str, str]] = {
     "imu": {"gyro_bias": "angular rate", "accelerometer_bias": "acceleration"},
     "radar": {"speed": "speed", "altitude": "length"},
@@ -90,10 +91,7 @@ def read_catalogue(text: str, kind: Kind) -> Mapping[str, Entry]:
     InputError
         Naming the entry and the key that is wrong.
     """
-    try:
-        tables = tomllib.loads(text).get(kind, [])
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{kind} catalogue", f"not TOML: {error}") from error
+    tables = read_toml(text, f"{kind} catalogue", "a catalogue file", _MOST_BYTES).get(kind, [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
         raise InputError(f"{kind} catalogue", f"entries must be [[{kind}]] tables")
     entries = (_entry(kind, table) for table in tables)

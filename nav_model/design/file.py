@@ -20,10 +20,11 @@ from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
 from nav_model.design.presets import preset_fill, preset_of
 from nav_model.errors import InputError, shown
+from nav_model.toml_text import read_toml
 
 ORIGINS = "origins"
 """The table of a design file that says where values came from, each under its dotted key in quotes."""
-MAX_BYTES = 1_000_000  # a design is two kilobytes; anything far larger is another kind of file
+MAX_BYTES = 250_000  # a design is two kilobytes; a quarter of a second is the most that any text of this size takes
 _MAX_TEXT = 10_000
 
 
@@ -75,21 +76,13 @@ def parse_design(data: bytes | str, where: str = "design", changes: Iterable[str
 
 
 def _load(data: bytes | str, where: str) -> dict[str, Any]:
-    if len(data) > MAX_BYTES:
-        raise InputError(where, f"larger than {MAX_BYTES} bytes; not a design file")
-    if isinstance(data, bytes):
-        try:
-            data = data.decode("utf-8-sig")
-        except UnicodeDecodeError as error:
-            raise InputError(where, f"not a text file (byte {error.start} is not UTF-8)") from error
     try:
-        tables = tomllib.loads(data)
-    except tomllib.TOMLDecodeError as error:
-        raise _toml_error(str(error), data, where) from error
-    except RecursionError as error:
-        raise InputError(where, "not a design file: nested too deeply") from error
-    except ValueError as error:  # an integer beyond what Python reads
-        raise InputError(where, f"not a design file: {str(error).partition(';')[0]}") from error
+        tables = read_toml(data, where, "a design file", MAX_BYTES)
+    except InputError as error:
+        if isinstance(error.__cause__, tomllib.TOMLDecodeError):
+            text = data if isinstance(data, str) else data.decode("utf-8-sig")
+            raise _toml_error(str(error.__cause__), text, where) from error.__cause__
+        raise
     if not tables:
         raise InputError(where, f"states nothing; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}")
     return tables

@@ -17,9 +17,12 @@ from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
 from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 
+_MOST_FIELDS = 500  # there are not half as many names
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
 STUDY_PREFIX = "study."
 """What the names of a suborbital study's inputs start with, where they stand beside a design's."""
+SETTINGS = ("simulation", "sar")
+"""The studies whose settings stand beside a design's inputs, their names behind a point: ``sar.runs=200``."""
 _ORIGIN_PREFIX = "origin."
 _NONE = "none"
 _SHORT: dict[str, str] = {
@@ -49,10 +52,11 @@ def to_query(design: Design) -> str:
 
 
 def split_link(query: str) -> tuple[str, str]:
-    """A link's query in two: the design's part, and the suborbital study's. Nothing is judged here."""
+    """A link's query in two: the design's part, and that of the studies beside it. Nothing is judged here."""
     parts = query.removeprefix("?").split("&")
-    study = [part for part in parts if part.startswith(STUDY_PREFIX)]
-    return "&".join(part for part in parts if not part.startswith(STUDY_PREFIX)), "&".join(study)
+    prefixes = (STUDY_PREFIX, *(f"{kind}." for kind in SETTINGS))
+    study = [part for part in parts if part.startswith(prefixes)]
+    return "&".join(part for part in parts if not part.startswith(prefixes)), "&".join(study)
 
 
 def pairs_of(query: str) -> list[tuple[str, str]]:
@@ -66,7 +70,10 @@ def pairs_of(query: str) -> list[tuple[str, str]]:
     if len(query) > MAX_QUERY:
         raise InputError("link", f"longer than {MAX_QUERY} characters")
     try:
-        return parse_qsl(query.removeprefix("?"), keep_blank_values=True, strict_parsing=True, errors="strict")
+        return parse_qsl(
+            query.removeprefix("?"), keep_blank_values=True, strict_parsing=True, errors="strict",
+            max_num_fields=_MOST_FIELDS,
+        )  # fmt: skip
     except (ValueError, UnicodeDecodeError) as error:
         raise InputError("link", "not a query of the form key=value&key=value") from error
 

@@ -70,12 +70,12 @@ def read_trajectory_table(content: bytes, name: str, bounds: FileBounds) -> Traj
             if "".join(cells).strip() and not cells[0].startswith("#"):
                 rows.append(_numbers(cells, places, name, reader.line_num))
                 lines.append(reader.line_num)
+                if len(rows) > bounds.most_rows:  # before they take memory
+                    raise InputError(name, f"more than {bounds.most_rows} rows")
     except UnicodeDecodeError as error:
         raise InputError(name, f"not a text file (byte {error.start} is not UTF-8)") from error
     except csv.Error as error:
         raise InputError(name, f"line {reader.line_num}: not CSV: {error}") from error
-    if len(rows) > bounds.most_rows:
-        raise InputError(name, f"{len(rows)} rows; at most {bounds.most_rows} are taken")
     if len(rows) < bounds.fewest_rows:
         raise InputError(name, f"{len(rows)} rows; at least {bounds.fewest_rows} are needed")
     samples = np.array(rows)

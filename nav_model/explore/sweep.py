@@ -112,11 +112,14 @@ def _open_parts(plan: Plan, target: Path) -> Path:
 def _write(path: Path, content: bytes) -> None:
     """Whole or not at all, whatever kills this process."""
     beside = path.with_name(path.name + ".tmp")
-    with beside.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(beside, path)
+    try:
+        with beside.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -311,21 +314,24 @@ def _join(plan: Plan, parts: Path, target: Path) -> None:
     """All parts, in order, into the output; then the parts go."""
     beside = target.with_name(target.name + ".tmp")
     names = [_part(parts, n, target) for n in range(plan.parts)]
-    if target.suffix == ".parquet":
-        _, parquet = _arrow()
-        with parquet.ParquetWriter(beside, parquet.read_schema(names[0])) as writer:
-            for name in names:
-                writer.write_table(parquet.read_table(name))
-    else:
-        with beside.open("wb") as whole:
-            for n, name in enumerate(names):
-                with name.open("rb") as part:
-                    if n:
-                        part.readline()  # the header stands once
-                    shutil.copyfileobj(part, whole)
-            whole.flush()
+    try:
+        if target.suffix == ".parquet":
+            _, parquet = _arrow()
+            with parquet.ParquetWriter(beside, parquet.read_schema(names[0])) as writer:
+                for name in names:
+                    writer.write_table(parquet.read_table(name))
+        else:
+            with beside.open("wb") as whole:
+                for n, name in enumerate(names):
+                    with name.open("rb") as part:
+                        if n:
+                            part.readline()  # the header stands once
+                        shutil.copyfileobj(part, whole)
+        with beside.open("rb") as whole:
             os.fsync(whole.fileno())
-    os.replace(beside, target)
+        os.replace(beside, target)
+    finally:
+        beside.unlink(missing_ok=True)
     finished = parts.with_name(parts.name + ".done")
     os.replace(parts, finished)
     shutil.rmtree(finished)

@@ -20,7 +20,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,7 +37,9 @@ from nav_model.design.presets import preset_fill
 from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import SweepFlight, check_flight, read_flight
+from nav_model.toml_text import read_toml
 
+_MAX_BYTES = 1_000_000
 MOST_ROWS = 50_000_000
 MOST_POINTS = 100_000  # of one range
 _ROWS_PER_PART = 2000
@@ -114,15 +115,12 @@ def read_plan(path: str | Path) -> Plan:
         Naming the file or key, what was given and what is allowed.
     """
     where = Path(path)
-    return parse_plan(read_bytes(where), str(where), where.parent)
+    return parse_plan(read_bytes(where, _MAX_BYTES), str(where), where.parent)
 
 
 def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan:
     """As `read_plan`, from the file's bytes; a design it names is looked for in `folder`."""
-    try:
-        tables = tomllib.loads(data.decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(where, f"not a sweep file (TOML): {error}") from error
+    tables = read_toml(data, where, "a sweep file", _MAX_BYTES)
     unknown = set(tables) - set(_KEYS)
     if unknown:
         raise InputError(sorted(unknown)[0], f"unknown key; a sweep file has {', '.join(_KEYS)}")

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nav_model.sar.strategies import NAMES
 from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners
 
 
@@ -25,13 +26,14 @@ class Advice:
     break_even_gnss_sigma: float
 
 
-_NAMES = {
-    "2": "start the INS from the filter and leave it alone over the aperture",
-    "3": "let the INS coast through the aperture",
+_DONE = {
+    "2": "the filter starts the INS, and nothing corrects it over the aperture",
+    "3": "the INS runs through the outage and the aperture",
     "5": "subtract the quadratic fitted to INS minus GNSS over the aperture",
-    "5w": "subtract the fitted quadratic, shrunk by its weight",
+    "5w": "subtract the fitted quadratic, weighted by its noise",
 }
-_LEFT = {1: "the line", 2: "the autofocus's quadratic", 3: "the autofocus's cubic"}
+LEFT = {1: "after linear detrend", 2: "after quadratic autofocus", 3: "after cubic autofocus"}
+"""Order of the autofocus -> what its residual is called."""
 
 
 def advise(conditions: Conditions, wavelength: float, required_phase: float | None = None) -> Advice:
@@ -47,40 +49,40 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
     phase = 4 * np.pi / wavelength
     span, coast = float(np.asarray(conditions.aperture_time)), float(np.asarray(conditions.coast_time))
     sentence = (
-        f"Use strategy {chosen}: {_NAMES[chosen]}. It leaves {_length(sigma[chosen])} "
-        f"({np.degrees(phase * sigma[chosen]):.3g}° of phase) rms after {_LEFT[conditions.autofocus_order]}."
+        f"By the formulas, use {NAMES[chosen]}: {_DONE[chosen]}. The residual is {_length(sigma[chosen])} rms "
+        f"({np.degrees(phase * sigma[chosen]):.3g}° of phase) {LEFT[conditions.autofocus_order]}."
     )
     fitted = np.isfinite(sigma["5"])
-    because = f"Left alone, the INS leaves {_length(sigma['2'])}"
+    because = f"{NAMES['2']}: {_length(sigma['2'])}"
     because += (
-        f"; the quadratic correction leaves {_length(sigma['5'])}, shrunk {_length(sigma['5w'])}."
+        f"; {NAMES['5']}: {_length(sigma['5'])}; {NAMES['5w']}: {_length(sigma['5w'])}."
         if fitted
-        else "; with fewer than three fixes in the aperture there is no quadratic to fit."
+        else ". With fewer than three fixes in the aperture there is no quadratic to fit."
     )
     if fitted and sigma["5w"] > 1.01 * min(sigma["2"], sigma["5"]):
         because += (
-            " With white noise the shrunk fit loses to neither on any single axis; along the line of sight it does "
-            "here: the line fitted along the track has the fixes' velocity noise, which the turn bends [S-2]."
+            " The weighted fit is worse here because GNSS velocity noise along track leaks into the line of sight "
+            "[S-2]."
         )
     if coast > 0:
-        because += f" After {coast:.4g} s without fixes the INS leaves {_length(sigma['3'])}."
+        because += f" {NAMES['3']} ({coast:.4g} s without fixes): {_length(sigma['3'])}."
     break_even = float(break_even_aperture(conditions))
     limit = _break_even_noise(conditions, sigma) if fitted else 0.0
     change = ""
     if conditions.autofocus_order > 1:
-        change = "Autofocus takes the quadratic away under every strategy, so the choice hardly matters here. "
-    change += f"The quadratic correction pays above an aperture of about {break_even:.3g} s"
-    change += f"; this one is {span:.3g} s."
+        change = "Autofocus removes the quadratic under every strategy, so the choice hardly matters here. "
+    change += f"The quadratic fit is worthwhile for apertures longer than about {break_even:.3g} s"
+    change += f"; yours is {span:.3g} s."
     if limit > 0:
         change += (
-            f" At this aperture it pays with fixes better than about {_length(limit)}; "
-            f"these have {_length(float(np.asarray(conditions.gnss_sigma)))}."
+            f" At this aperture it is worthwhile with a position noise below about {_length(limit)}; "
+            f"yours is {_length(float(np.asarray(conditions.gnss_sigma)))}."
         )
     if required_phase is not None:
         ratio = phase * sigma[chosen] / required_phase
         verdict = "meets" if ratio <= 1 else "misses"
         change += (
-            f" The choice {verdict} the limit of {np.degrees(required_phase):.3g}° "
+            f" {NAMES[chosen]} {verdict} the limit of {np.degrees(required_phase):.3g}° "
             f"by a factor of {max(ratio, 1 / ratio):.3g}."
         )
     return Advice(chosen, sentence, because, change, sigma, break_even, limit)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.sar.design_study import SarStudy
-from nav_model.sar.strategies import STRATEGIES
+from nav_model.sar.strategies import NAMES, STRATEGIES
 
 LEAST_BESIDE = 200
 """Runs of the fast engine, at least, that stand beside flights of the simulator."""
@@ -45,16 +45,16 @@ def agreement(flown: SarStudy, fast: SarStudy) -> tuple[Agreement, ...]:
 
 
 def agreement_sentence(found: tuple[Agreement, ...]) -> str:
-    """Whether the engines agree, and where they part."""
+    """Whether the engines agree, and where they differ."""
     apart = [one for one in found if not one.agrees]
     if not apart:
         worst = max(found, key=lambda one: abs(one.ratio - 1) / one.error)
         return (
-            f"Both engines agree for every strategy within three standard errors; the farthest apart is {worst.key}, "
-            f"{100 * (worst.ratio - 1):+.1f} % (standard error {100 * worst.error:.1f} %)."
+            "Both engines agree within three standard errors for every strategy. The largest difference is "
+            f"{100 * (worst.ratio - 1):+.1f} % (standard error {100 * worst.error:.1f} %), for {NAMES[worst.key]}."
         ).replace("-", "−")
-    named = ", ".join(f"{one.key} {100 * (one.ratio - 1):+.0f} % ± {100 * one.error:.0f} %" for one in apart)
+    named = "; ".join(f"{NAMES[one.key]} {100 * (one.ratio - 1):+.0f} % ± {100 * one.error:.0f} %" for one in apart)
     return (
-        f"The engines part by more than three standard errors for {len(apart)} of {len(found)} strategies "
-        f"(flown over fast): {named}. What the flights have and the error model has not is listed below."
+        f"The engines differ by more than three standard errors for {len(apart)} of {len(found)} strategies "
+        f"(simulator over error model): {named}. The cautions list what only the simulator includes."
     ).replace("-", "−")

@@ -16,6 +16,7 @@ from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import ApertureFlight, flight_of
 from nav_model.sar.impulse_response import Window
 from nav_model.sar.line_of_sight import ApertureGeometry
+from nav_model.sar.strategies import NAMES
 from nav_model.sar.winners import Conditions
 
 Engine = Literal["fast", "simulator"]
@@ -66,9 +67,9 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
     for key, span in (("coast.before_aperture", coast), ("gnss.interval", sar.aperture_time)):
         if span / interval > _MOST_FIXES:
             held = f"{span:.4g} s hold {span / interval:.4g} fixes"
-            raise InputError(key, f"{held}; strategies are simulated with {_MOST_FIXES} at most")
+            raise InputError(key, f"{held}; strategies are simulated with at most {_MOST_FIXES}")
     if radar.grazing_angle >= math.radians(89.9):
-        raise InputError("radar.grazing_angle", "strategies are simulated below 89.9°; straight down has no image")
+        raise InputError("radar.grazing_angle", "enter less than 89.9°: straight down has no image")
     try:
         geometry = ApertureGeometry(radar.slant_range, design.flight.speed, radar.grazing_angle, radar.squint_angle)
     except ValueError as error:
@@ -157,33 +158,32 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     said = []
     if design.gnss.correlated:
         said.append(
-            "The slow GNSS error is switched on: the filter estimates it [T-8], the fits of 5 and 5w follow it. On "
-            "the map the fix noise is the white part; the slow error stays as it is."
+            "The slow GNSS error is on: the filter estimates it [T-8], and both quadratic fits follow it. The map "
+            "varies the white part of the position noise only."
         )
     if design.radar.squint_angle:
         said.append(
-            "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight bends velocity errors of "
-            "all axes; cells and widths are across the line of sight."
+            "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight turns velocity errors of "
+            "all axes into phase. Cells and widths are measured across the line of sight."
         )
     if design.coast.before_aperture > 0:
         said.append(
-            f"Only strategy 3 flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all "
-            "others have fixes throughout. If there are none, strategy 3 is the only one left."
+            f"Only {NAMES['3']} flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all "
+            f"others have fixes throughout. Without fixes {NAMES['3']} is the only option."
         )
     else:
-        said.append("Without a coast before the aperture strategies 2 and 3 are the same.")
+        said.append(f"No outage before the aperture is set, so {NAMES['3']} equals {NAMES['2']}.")
     said.append(
-        "6 and 7 are reconstructions: the literature names the schemes, not the gains. Theirs are searched on other "
-        "seeds for the least residual of this design."
+        f"{NAMES['6']} and {NAMES['7']} are reconstructions: the literature names the schemes, not the gains. Gains "
+        "are optimised for this design on separate seeds."
     )
     said.append(
-        "The RTS smoother uses fixes up to the aperture's end: it is the bound for causal and in-aperture methods. "
-        "In post-processing, a smoother that also uses fixes after the aperture does about twice as well."
+        f"{NAMES['8']} uses fixes up to the aperture's end, so it bounds what real-time and in-aperture methods can "
+        "do. A smoother that also uses later fixes has about half its error."
     )
     said.append(
-        "The closed form of 5 takes the quadratic fit as continuous: with few fixes in the aperture its inertial "
-        "part is low, by up to 6 % with a fix at both ends, by more where the aperture ends well after its last fix "
-        "[T-16]."
+        f"The formula of {NAMES['5']} assumes continuous fixes. With few fixes in the aperture its inertial part is "
+        "low: by up to 6 % with a fix at both ends, by more if the aperture ends well after its last fix [T-16]."
     )
     return tuple(said)
 
@@ -193,23 +193,22 @@ def flight_cautions(budget: Budget) -> tuple[str, ...]:
     design = budget.design
     interval, coast = design.gnss.interval, design.coast.before_aperture
     said = [
-        "The simulator flies straight and level over the turning Earth, with WGS 84's gravity, Schuler and Coriolis "
-        "terms, all axes together, instruments sampled at their rate and a filter of nine states that has settled "
-        "before the aperture."
+        "The simulator flies straight and level over a rotating Earth with WGS 84 gravity, Schuler and Coriolis "
+        "terms, coupled axes, sampled sensors, and a filter of nine states that settles before the aperture."
     ]
     if design.imu.accelerometer_bias or design.imu.gyro_bias:
         said.append(
-            "Its residual biases are there from take-off, unknown to the filter: tilt takes up most of an "
-            "accelerometer bias, which then leaves less in the image than the closed forms and the error model say."
+            "Its residual biases act from take-off and the filter does not estimate them. Tilt absorbs most of an "
+            "accelerometer bias, so the image suffers less than the formulas and the error model predict."
         )
     if design.gnss.correlated:
         said.append(
-            "Its fixes carry the slow error, but its filter of nine states does not estimate it; that of the error "
-            "model does. Expect the filter's strategies to be worse here."
+            "Its fixes carry the slow error, which its filter of nine states does not estimate; the error model's "
+            "filter does. Expect strategies that use the filter to be worse here."
         )
     flown = round(coast / interval) * interval
     if abs(flown - coast) > 1e-6:
-        said.append(f"The coast is flown as whole fix intervals: {flown:.4g} s for {coast:.4g} s.")
+        said.append(f"The outage is rounded to whole fix intervals: {flown:.4g} s instead of {coast:.4g} s.")
     return tuple(said)
 
 

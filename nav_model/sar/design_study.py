@@ -18,17 +18,19 @@ from numpy.typing import NDArray
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.sar.advice import Advice, advise
-from nav_model.sar.decomposition import Band, band
+from nav_model.sar.advice import LEFT, Advice, advise
+from nav_model.sar.decomposition import Band, autofocus, band
 from nav_model.sar.design_case import DesignCase, Engine, conditions, design_case, required_phase
 from nav_model.sar.flown_engine import fly_axes
-from nav_model.sar.strategies import STRATEGIES, STRATEGY_KEYS, Strategy, Tuning
+from nav_model.sar.line_of_sight import range_error
+from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy, StrategyErrors, Tuning
 from nav_model.sar.study import RunMeasures, choose_tuning, measure_runs, simulate_axes, typical_run
-from nav_model.sar.winners import MAP_STRATEGIES, strategy_variances
+from nav_model.sar.winners import MAP_STRATEGIES, WORTH, strategy_variances
 
 _FloatArray = NDArray[np.float64]
 _CHUNK: dict[Engine, int] = {"fast": 50, "simulator": 10}  # about a second of work
 MOST_RUNS = 20_000
+_SIMPLEST_FIRST = ("2", "4", "5", "5w", "8", "6", "7")  # reconstructions last
 # Quadratic phase beyond which 1024 aperture samples no longer carry the response: it fills the line.
 _NO_IMAGE_RAD = 800.0
 
@@ -91,31 +93,39 @@ class SarStudy:
         """In the order of every array."""
         return STRATEGIES
 
-    def best(self, *, causal: bool) -> Strategy:
-        """The causal strategy, or the one that waits for the aperture's end, with the least median residual.
+    def best(self, *, causal: bool = False) -> Strategy:
+        """The simplest strategy whose residual, rms over the runs, is within 5 % of the least; ``causal``: of those
+        that work in real time.
 
-        The ideal is not one of them.
+        Neither the ideal nor the INS after an outage, which nobody chooses where there are fixes, is one of them.
         """
-        residual = self.parts["residual_rms"].median
-        able = [i for i, strategy in enumerate(STRATEGIES) if strategy.causal is causal and strategy.key != "1"]
-        return STRATEGIES[min(able, key=lambda i: float(residual[i]))]
+        able = [key for key in _SIMPLEST_FIRST if not causal or STRATEGIES[STRATEGY_KEYS.index(key)].causal]
+        residual = {key: float(self.rms[STRATEGY_KEYS.index(key)]) for key in able}
+        least = min(residual.values())
+        chosen = next(key for key in able if residual[key] <= (1 + WORTH) * least)
+        return STRATEGIES[STRATEGY_KEYS.index(chosen)]
+
+    def residual(self, key: str) -> float:
+        """Residual of a strategy after autofocus, rms over the runs [m]."""
+        return float(self.rms[STRATEGY_KEYS.index(key)])
 
     @property
     def sentence(self) -> str:
-        """What the runs add to the advice of the closed forms."""
-        residual = dict(zip(STRATEGY_KEYS, self.parts["residual_rms"].median, strict=True))
-        causal, waiting = self.best(causal=True), self.best(causal=False)
+        """Which strategy the runs recommend, and how that fits the advice of the formulas."""
+        best, now, advised = self.best(), self.best(causal=True), self.closed.advice.strategy
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
+        least = self.residual(best.key) <= min(map(self.residual, _SIMPLEST_FIRST))
+        why = "the least" if least else "the simplest within 5 % of the least"
         said = (
-            f"In {self.runs} {what} the least median residual is {_millimetres(residual[causal.key])} for a causal "
-            f"strategy ({causal.key}, {causal.name}{', a reconstruction' if causal.reconstruction else ''}) and "
-            f"{_millimetres(residual[waiting.key])} with all fixes of the aperture ({waiting.key}, {waiting.name})."
+            f"Over {self.runs} {what}, {best.name} leaves {_millimetres(self.residual(best.key))} rms "
+            f"{LEFT[self.budget.sar.autofocus_order]}, {why}."
         )
-        advised = self.closed.advice.strategy
-        if residual[causal.key] < 0.95 * residual[advised] and causal.key != advised:
+        if now.key != best.key:
+            said += f" The best in real time is {now.name} with {_millimetres(self.residual(now.key))}."
+        if advised not in (best.key, now.key):
             said += (
-                f" Strategy {causal.key} has no closed form and so is not in the advice; it does better here than "
-                f"{advised} ({_millimetres(residual[advised])})."
+                f" The formulas, which cover four of the strategies, alone favour {NAMES[advised]} "
+                f"({_millimetres(self.residual(advised))})."
             )
         return said
 
@@ -142,14 +152,17 @@ def chunks(runs: int, engine: Engine = "fast") -> list[int]:
         For fewer than 20 runs, which give no 5-95 % band, or more than 20,000.
     """
     if not 20 <= runs <= MOST_RUNS:
-        raise InputError("runs", f"{runs} is not allowed; from 20 to {MOST_RUNS} are needed", runs)
+        raise InputError("runs", f"{runs} is not allowed; enter 20 to {MOST_RUNS}", runs)
     size = _CHUNK[engine]
     return [size] * (runs // size) + [runs % size] * (runs % size > 0)
 
 
 def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> Chunk:
     """One chunk; deterministic in (seed, index, runs)."""
-    measures = _measured(case, tuning, seed, index, runs)
+    measures = measure_runs(
+        _simulated(case, tuning, seed, index, runs), case.geometry, case.wavelength, case.models[1].fix_interval,
+        case.window, case.autofocus_order,
+    )  # fmt: skip
     square = np.sum(measures.residual**2, axis=1)
     return Chunk(replace(measures, residual=measures.residual[:, :0]), square, runs)
 
@@ -163,7 +176,9 @@ def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
 
 def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int) -> _FloatArray:
     """Residual (9, n) [m] of one run, simulated again from its chunk's seed."""
-    return _measured(case, tuning, seed, index, runs).residual[:, within]
+    along, across, down = _simulated(case, tuning, seed, index, runs)
+    one = (axis.error[:, within] for axis in (along, across, down))
+    return autofocus(range_error(case.geometry, along.time, *one), case.autofocus_order)
 
 
 def gather(
@@ -238,15 +253,12 @@ def design_study(
     return gather(budget, case, tuning, seed, parts, history)
 
 
-def _measured(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> RunMeasures:
+def _simulated(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> list[StrategyErrors]:
     if case.flight is None:
         own = np.random.SeedSequence([seed, 0, index])
-        axes = simulate_axes(case.models, case.aperture_time, case.coast_time, runs, own, case.rate, tuning)
-    else:
-        first = index * _CHUNK["simulator"]
-        axes = fly_axes(case.flight, case.models, case.aperture_time, case.rate, seed, first, runs, tuning)
-    interval = case.models[1].fix_interval
-    return measure_runs(axes, case.geometry, case.wavelength, interval, case.window, case.autofocus_order)
+        return simulate_axes(case.models, case.aperture_time, case.coast_time, runs, own, case.rate, tuning)
+    first = index * _CHUNK["simulator"]
+    return fly_axes(case.flight, case.models, case.aperture_time, case.rate, seed, first, runs, tuning)
 
 
 def _joined(values: Sequence[_FloatArray]) -> _FloatArray:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.constants import SPEED_OF_LIGHT
+from nav_model.npz_arrays import read_npz_arrays
 from nav_model.sar.impulse_response import Taper, Window, aperture_positions, as_taper
 from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
 
@@ -100,37 +101,37 @@ def read_phase_history(*paths: str | Path) -> PhaseHistory:
 def phase_history_of_bytes(name: str, data: bytes) -> PhaseHistory:
     """The same from the bytes of one npz file; `name` stands for it in messages.
 
-    ValueError as `read_phase_history`, and for an archive that would unpack to more than 256 MiB.
+    ValueError as `read_phase_history`.
     """
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            unpacked = sum(item.file_size for item in archive.infolist())
-    except zipfile.BadZipFile as error:
-        raise ValueError(f"{name}: not a readable npz file ({error})") from error
-    if unpacked > MOST_UNPACKED_BYTES:
-        raise ValueError(
-            f"{name}: unpacks to {unpacked / 2**20:.0f} MiB; at most {MOST_UNPACKED_BYTES >> 20} MiB are taken"
-        )
     return _read_one(io.BytesIO(data), name)
 
 
 def _read_one(source: Path | io.BytesIO, path: str | Path) -> PhaseHistory:
-    """Read an npz `source`, called `path` in messages."""
+    """Read an npz `source`, called `path` in messages; memory is at most three times `MOST_UNPACKED_BYTES`."""
     try:
-        archive = np.load(source, allow_pickle=False)
-    except (OSError, ValueError) as error:
+        stream = source.open("rb") if isinstance(source, Path) else source
+    except OSError as error:
         raise ValueError(f"{path}: not a readable npz file ({error})") from error
-    if not hasattr(archive, "files"):
-        raise ValueError(f"{path}: a single array; an npz archive with named fields is needed")
-    fields = {}
-    with archive:
-        for name in (name for name, _, _ in _FILE_FIELDS if name in archive.files):
-            try:
-                fields[name] = archive[name]
-            except ValueError as error:
-                raise ValueError(f"{path}: {name} is not an array of numbers ({error})") from error
+    with stream:
+        try:
+            with zipfile.ZipFile(stream) as archive:
+                unpacked = sum(item.file_size for item in archive.infolist())
+        except zipfile.BadZipFile as error:
+            raise ValueError(f"{path}: not a readable npz file ({error}); it needs named fields") from error
+        if unpacked > MOST_UNPACKED_BYTES:
+            raise ValueError(
+                f"{path}: unpacks to {unpacked / 2**20:.0f} MiB; at most {MOST_UNPACKED_BYTES >> 20} MiB are taken"
+            )
+        fields = read_npz_arrays(
+            stream, str(path), MOST_UNPACKED_BYTES, "fiuc", [name for name, _, _ in _FILE_FIELDS]
+        )
     if "fp" not in fields or fields["fp"].ndim != 2:
         raise ValueError(f"{path}: fp is missing or not a (frequencies, pulses) array")
+    if fields["fp"].size * np.dtype(complex).itemsize > MOST_UNPACKED_BYTES:
+        raise ValueError(
+            f"{path}: fp has {fields['fp'].size} samples; "
+            f"at most {MOST_UNPACKED_BYTES // np.dtype(complex).itemsize} are taken"
+        )
     sizes = dict(zip("KP", fields["fp"].shape, strict=True))
     for name, dimensions, needed in _FILE_FIELDS:
         if name not in fields:

@@ -31,21 +31,23 @@ class Strategy(NamedTuple):
     @property
     def timing(self) -> str:
         """When its output is there: at once, or when the last fix of the aperture has come."""
-        return "causal" if self.causal else "at the aperture's end"
+        return "real time" if self.causal else "after the aperture"
 
 
 STRATEGIES: tuple[Strategy, ...] = (
-    Strategy("1", "Ideal", False, False, "reference, no error"),
-    Strategy("2", "INS started by the filter", True, False, "[C]; closed form [T-15], [S-5]"),
-    Strategy("3", "INS after a coast", True, False, "[C]; closed form [T-15], [S-5] with T_c"),
-    Strategy("4", "Raw filter output", True, False, "[C]"),
-    Strategy("5", "INS minus a quadratic fitted to INS - GNSS", False, False, "[C]; closed form [T-16], [S-7]"),
-    Strategy("5w", "The same, quadratic shrunk", False, False, "[S-5], [S-7]; optimal linear weight"),
-    Strategy("6", "Tracking filter after the INS", True, True, "after Kim, Fellerhoff and Kohler 2001"),
-    Strategy("7", "Position-error damping loop", True, True, "after Song et al. 2015, 2017"),
+    Strategy("1", "Ideal", False, False, "reference without error"),
+    Strategy("2", "INS from filter", True, False, "formula [T-15], [S-5]"),
+    Strategy("3", "INS after outage", True, False, "formula [T-15], [S-5] with T_c"),
+    Strategy("4", "Filter output", True, False, "runs only"),
+    Strategy("5", "Quadratic fit", False, False, "INS minus a quadratic fitted to INS - GNSS, formula [T-16], [S-7]"),
+    Strategy("5w", "Quadratic fit, noise-weighted", False, False, "optimal linear weight [S-5], [S-7]"),
+    Strategy("6", "Tracking filter", True, True, "after Kim, Fellerhoff and Kohler 2001"),
+    Strategy("7", "Damping loop", True, True, "after Song et al. 2015, 2017"),
     Strategy("8", "RTS smoother", False, False, "Rauch, Tung and Striebel 1965"),
 )
 STRATEGY_KEYS: tuple[str, ...] = tuple(strategy.key for strategy in STRATEGIES)
+NAMES: dict[str, str] = {strategy.key: strategy.name for strategy in STRATEGIES}
+"""What each strategy is called, wherever a person reads of it."""
 
 
 @dataclass(frozen=True)

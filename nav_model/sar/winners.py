@@ -32,6 +32,8 @@ _FloatArray = NDArray[np.float64]
 
 MAP_STRATEGIES: tuple[str, ...] = ("2", "3", "5", "5w")
 """Those that have a closed form, simplest first."""
+WORTH = 0.05
+"""A simpler strategy is chosen if its residual is within this fraction of the least."""
 
 _AT_REST = Vertical(np.zeros(()), np.zeros(()), np.zeros(()))
 _SECTIONS = 64  # parts a step of the search for the break-even aperture cuts its bracket into
@@ -181,7 +183,7 @@ class WinnerMap(NamedTuple):
     best_sigma: _FloatArray
 
 
-def map_of_winners(conditions: Conditions, worth: float = 0.05) -> WinnerMap:
+def map_of_winners(conditions: Conditions, worth: float = WORTH) -> WinnerMap:
     """The strategy that wins among those with a closed form, by detrended sigma along the line of sight.
 
     On one axis 5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in

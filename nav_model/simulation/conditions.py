@@ -15,37 +15,39 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
     """A sentence each, the most general first."""
     flight, said = design.flight, []
     if spec.trajectory.kind == "file":
-        said.append("The flight is the file's: the design's speed, latitude, altitude and heading are not flown.")
+        said.append(
+            "The flight comes from the file; the design's speed, latitude, altitude and heading are not used."
+        )
     else:
         local = float(normal_gravity(math.sin(flight.latitude), flight.altitude))
         said.append(
-            f"Gravity in the simulator is WGS 84's normal gravity, {local:.5f} m/s² at the start of the flight; the "
-            f"closed forms use the design's {flight.gravity:.5f} m/s² ({100 * (flight.gravity / local - 1):+.2f} %)."
+            f"The simulator uses WGS 84 normal gravity, {local:.5f} m/s² at the start of the flight; the "
+            f"formulas use the design's {flight.gravity:.5f} m/s² ({100 * (flight.gravity / local - 1):+.2f} %)."
         )
     more = {key: value for key, value in added(spec).items() if not key.startswith("filter.")}
     if more:
         listed = ", ".join(f"{_named(key)} {STUDY_KEYS[key].show(value)}" for key, value in more.items())
-        said.append(f"Flown beyond the design, and not in the closed forms: {listed}.")
+        said.append(f"Simulated in addition to the design and not in the formulas: {listed}.")
     if design.imu.accelerometer_bias or design.imu.gyro_bias:
         filter_knows = (
-            f"the filter of {spec.filter.states} states estimates them: an outage starts with less of them than the "
-            "closed forms assume"
+            f"the filter of {spec.filter.states} states estimates them, so an outage starts with smaller biases than "
+            "the formulas assume"
             if spec.filter.states > 9
-            else "the filter of 9 states does not know them, so its covariance is optimistic; in level flight tilt "
-            "takes up most of an accelerometer bias"
+            else "the filter of 9 states does not estimate them, so its covariance is optimistic; in level flight "
+            "tilt absorbs most of an accelerometer bias"
         )
         said.append(f"Residual biases are constant turn-on biases, drawn for each run: {filter_knows}.")
     if design.gnss.correlated:
         said.append(
-            "The slow GNSS error is flown, but this filter does not model it: expect an optimistic verdict. The "
-            "closed forms [T-3], [T-9] hold white fix noise only; the refined curve [T-17] starts from a filter "
-            "that does model it."
+            "The slow GNSS error is simulated, but this filter does not model it: expect an optimistic verdict. The "
+            "formulas [T-3], [T-9] include white fix noise only; the curve with Schuler and Coriolis terms [T-17] "
+            "starts from a filter that models it."
         )
     said += _of_the_filter(spec)
     said.append(
-        "Errors start at the closed form's steady-state sigmas "
-        f"(yaw {STUDY_KEYS['filter.initial_yaw'].show(spec.initial.yaw)}), without its correlations, which settle "
-        "first. Fixes come at the IMU sample nearest to each multiple of the interval."
+        "Errors start at the formula's steady-state sigmas "
+        f"(yaw {STUDY_KEYS['filter.initial_yaw'].show(spec.initial.yaw)}), without correlations, which build "
+        "up first. Fixes come at the IMU sample nearest to each multiple of the interval."
     )
     return tuple(said)
 
@@ -68,7 +70,7 @@ def _of_the_filter(spec: SimulationSpec) -> list[str]:
     told = {key: value for key, value in added(spec).items() if key.endswith("noise_scale")}
     if told:
         listed = " and ".join(f"{_named(key)} {value:g}" for key, value in told.items())
-        said.append(f"The filter is mistuned on purpose: {listed}, on standard deviations.")
+        said.append(f"The filter is mistuned on purpose: {listed}, applied to standard deviations.")
     return said
 
 

@@ -36,13 +36,13 @@ from nav_model.simulation.trajectory import plan_trajectory
 FloatArray = NDArray[np.float64]
 
 CAUSES: Final = {
-    "biases": "the closed form adds the residual biases, this covariance does not",
-    "fixes": "just after a fix, below the cycle rms that the closed form is [T-8]",
-    "settling": "still settling from the errors at the start; the closed form is the steady state",
+    "biases": "the formula includes the residual biases, this covariance does not",
+    "fixes": "just after a fix, below the average between fixes that the formula gives [T-8]",
+    "settling": "still settling from the initial errors; the formula is the steady state",
     "earth": "Schuler, Coriolis and transport terms, gravity with height, local gravity [T-17]",
-    "flight": "not straight and level, as [T-1] assumes: turns, climbs, wander",
-    "filter": "another filter than the closed form's",
-    "errors": "errors that the filter does not expect",
+    "flight": "turns, climbs or wander, where [T-1] assumes straight and level",
+    "filter": "the filter differs from that of the formula",
+    "errors": "errors that the filter does not model",
 }
 """Steps of the chain in its order ("settling" stands for "earth" at the start of a flight)."""
 SMALL: Final = "several small differences, none above 3 %"
@@ -217,10 +217,10 @@ def instruments_beside(spec: SimulationSpec) -> list[str]:
     cases = (
         (
             tuning.states > 9 and moving,
-            f"{tuning.states} states, {tuning.states - 9} of them biases, which the closed form does not hold",
+            f"{tuning.states} states, {tuning.states - 9} of them biases, which the formula leaves out",
         ),
-        (tuning.process_noise_scale != 1.0, f"process noise told ×{tuning.process_noise_scale:g}"),
-        (tuning.gnss_noise_scale != 1.0, f"fix noise told ×{tuning.gnss_noise_scale:g}"),
+        (tuning.process_noise_scale != 1.0, f"process noise setting ×{tuning.process_noise_scale:g}"),
+        (tuning.gnss_noise_scale != 1.0, f"fix noise setting ×{tuning.gnss_noise_scale:g}"),
         (spec.gnss.velocity_noise is not None, "velocity fixes"),
     )
     return [words for holds, words in cases if holds]
@@ -231,7 +231,7 @@ def untold(spec: SimulationSpec) -> list[str]:
     triads, tuning = (spec.imu.gyro, spec.imu.accelerometer), spec.filter
     biased = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in triads)
     cases = (
-        (tuning.states == 9 and biased, "biases, for which 9 states have no place"),
+        (tuning.states == 9 and biased, "biases, which 9 states do not include"),
         (spec.gnss.markov_noise > 0.0 or spec.gnss.vertical_markov_noise > 0.0, "the slow GNSS error"),
         (any(m.scale_factor for m in triads), "scale factor errors"),
         (any(m.misalignment for m in triads), "misalignment"),

@@ -14,7 +14,6 @@ number back. A key that is not stated has its GP-1 value.
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlencode
@@ -35,6 +34,7 @@ from nav_model.suborbital.settings import (
     from_design,
     read_value,
 )
+from nav_model.toml_text import read_toml
 
 if TYPE_CHECKING:
     from nav_model.design import Design
@@ -57,8 +57,8 @@ class StudyFile:
 def is_study(data: bytes) -> bool:
     """Whether a file says it is a study (a design does not); it may still be a wrong one."""
     try:
-        return "study" in tomllib.loads(data.decode("utf-8-sig"))
-    except (UnicodeDecodeError, ValueError, RecursionError):
+        return "study" in read_toml(data, "study", "a study file", MAX_BYTES)
+    except InputError:
         return False
 
 
@@ -70,7 +70,7 @@ def parse_study(data: bytes, where: str = "study") -> StudyFile:
     InputError
         Naming the file or key, what was given and what is allowed.
     """
-    tables = _load(data, where)
+    tables = read_toml(data, where, "a study file", MAX_BYTES)
     if tables.get("study") != KIND:
         said = "is missing" if "study" not in tables else f"{shown(tables['study'])} is not allowed"
         raise InputError("study", f'{said}; a study of a suborbital flight says study = "{KIND}"')
@@ -101,20 +101,6 @@ def _settings(values: dict[str, Value], origin: str) -> Settings:
 
 def _sections() -> str:
     return ", ".join(f"[{section}]" for section in _SECTIONS)
-
-
-def _load(data: bytes, where: str) -> dict[str, Any]:
-    if len(data) > MAX_BYTES:
-        raise InputError(where, f"larger than {MAX_BYTES // 1_000_000} MB; not a study")
-    try:
-        tables = tomllib.loads(data.decode("utf-8-sig"))
-    except UnicodeDecodeError as error:
-        raise InputError(where, f"not a text file (byte {error.start} is not UTF-8)") from error
-    except RecursionError as error:
-        raise InputError(where, "not a study file: nested too deeply") from error
-    except ValueError as error:  # also an integer beyond what Python reads
-        raise InputError(where, f"not a study file (TOML): {str(error).partition(';')[0]}") from error
-    return tables
 
 
 def _trajectory(content: Any) -> tuple[str, bytes] | None:

@@ -12,6 +12,14 @@ from app.charts.print.svg import to_svg
 from app.document import pdf
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _data_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """The user's data folder, where the default library and the key of reviews are, stays as it is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def _drawn() -> dict[bytes, str]:
     """Charts by what they show."""

@@ -62,8 +62,20 @@ def test_first_screen_gives_the_answer(plain: Page) -> None:
         f"{100 * budget.steady_state.prior.position_horizontal:.3g} cm"
     )
     plain.get_by_label("Source and method: SAR phase error by source").click()
-    expect(plain.get_by_text("Closed forms [S-5]").first).to_be_visible()
+    expect(plain.get_by_text("Formulas [S-5]").first).to_be_visible()
     plain.get_by_label("Source and method: SAR phase error by source").click()
+
+
+def test_both_processings_are_told_and_the_chosen_one_decides(desk: Page) -> None:
+    """The worked example's smoothed figures as processing.md prints them: 70.63° and 21.94° against 90° and 20°."""
+    expect(desk.get_by_role("button", name="Real time ✗ −144 %")).to_have_attribute("aria-pressed", "true")
+    smoothed = desk.get_by_role("button", name="Post-processed ✗ −10 %")
+    smoothed.click()
+    expect(smoothed).to_have_attribute("aria-pressed", "true")
+    expect(card(desk, "Quadratic phase")).to_have_text("70.6°")
+    expect(card(desk, "Residual phase")).to_have_text("21.9°")
+    expect(desk.locator("table.bars tr.total")).to_contain_text("70.6°")
+    expect(desk.get_by_role("status").first).to_contain_text("21.9°, limit 20°")
 
 
 # Boxes of what must be seen at once, and how many of each there are.

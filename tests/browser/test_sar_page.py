@@ -1,4 +1,4 @@
-"""The SAR page as a person uses it: the run that comes by itself, a slider that makes it stale, an upload."""
+"""The SAR page as a person uses it: one screen, the first run, a slider that makes it stale, an upload."""
 
 from __future__ import annotations
 
@@ -12,19 +12,46 @@ from playwright.sync_api import Page, expect
 Visit = Callable[..., Page]
 Check = Callable[..., None]
 GOTCHA = Path(__file__).parents[3] / "shared/data/sar_gotcha_pass1_az001_HH.npz"
+_MATCH = "The runs match the design."
 
 
-def test_runs_go_stale_with_the_design_and_the_closed_forms_follow(visit: Visit) -> None:
-    page = visit()
-    page.get_by_role("tab", name="SAR").click()
-    expect(page.get_by_text("Use strategy 2:")).to_be_visible()
-    expect(page.get_by_text("The runs match the design.")).to_be_visible()
-    expect(page.get_by_role("img", name="8 RTS smoother").first).to_be_visible()
-    sentence = page.get_by_text("Use strategy 2:").inner_text()
+def _open(visit: Visit, **size: int) -> Page:
+    page = visit("/#sar", **size)
+    expect(page.get_by_text(_MATCH)).to_be_visible()
+    return page
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1920, 1080)])
+def test_what_decides_is_on_one_screen_without_a_warning(visit: Visit, page: Page, width: int, height: int) -> None:
+    warnings: list[str] = []
+    page.on("console", lambda said: warnings.append(said.text) if said.type in {"warning", "error"} else None)
+    _open(visit, width=width, height=height)
+    parts = {
+        "answer": page.get_by_role("status").filter(has_text="Use "),
+        "ranking": page.get_by_role("table", name="Strategies ranked by residual phase"),
+        "map": page.locator(".bk-Figure:visible").first,
+        "image": page.get_by_role("img", name="RTS smoother"),
+    }
+    for name, part in parts.items():
+        box = part.bounding_box()
+        assert box is not None, name
+        assert box["x"] >= 0, name
+        assert box["y"] >= 0, name
+        assert box["x"] + box["width"] <= width, name
+        assert box["y"] + box["height"] <= height, name
+        assert box["height"] > (200 if name in {"ranking", "map"} else 20), name
+    assert page.get_by_role("rowheader").count() == 8
+    assert not warnings, warnings
+
+
+def test_runs_go_stale_with_the_design_and_the_formulas_follow(visit: Visit) -> None:
+    page = _open(visit)
+    answer = page.get_by_role("status").filter(has_text="Use ")
+    said = answer.inner_text()
     page.get_by_role("slider", name="Angle random walk").focus()
     page.keyboard.press("PageDown")
-    expect(page.get_by_text("The runs are of an earlier design: run again.")).to_be_visible()
-    expect(page.get_by_text("Use strategy 2:")).not_to_have_text(sentence)
+    expect(answer).to_contain_text("The runs are of an earlier design: run again.")
+    expect(answer).not_to_have_text(said)
     page.get_by_role("combobox", name="Runs").click()
     page.get_by_text("1000", exact=True).click()
     page.get_by_role("button", name="Run the strategies").click()
@@ -34,28 +61,43 @@ def test_runs_go_stale_with_the_design_and_the_closed_forms_follow(visit: Visit)
 
 
 @pytest.mark.slow
-def test_a_real_phase_history_is_formed_twice(visit: Visit) -> None:
-    if not GOTCHA.exists():
-        pytest.skip(f"no real phase history at {GOTCHA}")
-    page = visit()
-    page.get_by_role("tab", name="SAR").click()
-    expect(page.get_by_text("The runs match the design.")).to_be_visible()
-    page.locator("input[type=file][accept='.npz']").set_input_files(GOTCHA)
-    expect(page.get_by_role("img", name="without navigation error")).to_be_visible()
-    expect(page.get_by_role("img", name="with that of 2 INS")).to_be_visible()
+def test_settings_and_result_outlive_a_reload(visit: Visit) -> None:
+    page = _open(visit)
+    seed = page.get_by_role("textbox", name="Seed", exact=True)
+    seed.fill("7")
+    seed.press("Enter")
+    page.get_by_role("button", name="Run the strategies").click()
+    expect(page.get_by_text(f"{_MATCH} 50 runs of the error model, seed 7.")).to_be_visible()
+    page.reload()
+    expect(seed).to_have_value("7")
+    expect(page.get_by_text(f"{_MATCH} 50 runs of the error model, seed 7.")).to_be_visible()
 
 
 @pytest.mark.slow
+def test_a_real_phase_history_is_formed_twice(visit: Visit) -> None:
+    if not GOTCHA.exists():
+        pytest.skip(f"no real phase history at {GOTCHA}")
+    page = _open(visit)
+    page.get_by_role("button", name="Your phase history").click()
+    page.locator("input[type=file][accept='.npz']").set_input_files(GOTCHA)
+    expect(page.get_by_role("img", name="without navigation error")).to_be_visible()
+    expect(page.get_by_role("img", name="with the error of INS from filter")).to_be_visible()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_part_is_accessible_and_pictures_are_taken_away(
-    visit: Visit, tmp_path: Path, accessible: Check
+    visit: Visit, page: Page, tmp_path: Path, accessible: Check, scheme: str
 ) -> None:
-    """Axe over the whole page with its results, in a phone's width; then the keyboard alone."""
-    page = visit()
-    page.get_by_role("tab", name="SAR").click()
-    expect(page.get_by_text("The runs match the design.")).to_be_visible()
+    """Axe over the whole page with its results, wide and in a phone's width; then the keyboard alone."""
+    page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+    _open(visit)
+    for title in ("Why, and what would change it", "Errors by strategy", "Eight point targets", "Exports"):
+        page.get_by_role("button", name=title, exact=True).click()
+    expect(page.get_by_role("button", name="Eight point targets: SVG")).to_be_visible()
+    accessible(page, "wide", every=True)
     page.set_viewport_size({"width": 390, "height": 844})
-    expect(page.get_by_role("img", name="8 RTS smoother").first).to_be_visible()
-    accessible(page, every=True)
+    accessible(page, "narrow", every=True)
     wider = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
     assert wider <= 0  # tables scroll in regions of their own
     with page.expect_download() as waiting:
@@ -71,9 +113,7 @@ def test_every_part_is_accessible_and_pictures_are_taken_away(
 
 @pytest.mark.slow
 def test_the_simulator_flies_and_is_cancelled(visit: Visit) -> None:
-    page = visit()
-    page.get_by_role("tab", name="SAR").click()
-    expect(page.get_by_text("The runs match the design.")).to_be_visible()
+    page = _open(visit)
     page.get_by_role("combobox", name="Engine").press("ArrowDown")  # the choice by keyboard alone
     expect(page.get_by_role("menuitem", name="Full simulator")).to_be_visible()
     page.keyboard.press("ArrowDown")
@@ -81,11 +121,10 @@ def test_the_simulator_flies_and_is_cancelled(visit: Visit) -> None:
     expect(page.get_by_role("combobox", name="Engine")).to_have_text("Full simulator")
     run, cancel = (page.get_by_role("button", name=name).first for name in ("Run the strategies", "Cancel"))
     run.press("Enter")
-    expect(page.get_by_text("of 100 runs, about")).to_be_visible()
+    expect(page.get_by_text("of 50 runs, about")).to_be_visible()
     cancel.press("Enter")
     expect(page.get_by_text("Cancelled: ")).to_be_visible()
-    expect(page.get_by_text("The runs match the design.")).to_have_count(0)
-    expect(page.get_by_text("100 runs of the error model, seed 0. Medians")).to_be_visible()  # the result before
     run.press("Enter")
-    expect(page.get_by_text("The two engines beside each other")).to_be_visible()
-    expect(page.get_by_text("The runs match the design. 100 flights of the simulator, seed 0.")).to_be_visible()
+    expect(page.get_by_text(f"{_MATCH} 50 flights of the simulator, seed 0.")).to_be_visible()
+    page.get_by_role("button", name="Parts of the error, impulse response in figures").click()
+    expect(page.get_by_text("Simulator and error model compared")).to_be_visible()

@@ -77,7 +77,9 @@ def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name
     enter(page, "Outages [s]", "40,60")
     page.get_by_role("button", name="Start", exact=True).click()
     expect(page.get_by_text("8 × 60 s")).to_be_visible()
-    expect(page.get_by_text("The flight is the file's")).to_be_visible()
+    page.get_by_role("button", name="Where formula and simulation differ, and why").click()
+    expect(page.get_by_text("The flight comes from the file")).to_be_visible()
+    page.get_by_role("button", name="Exports", exact=True).click()
 
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Statistics (NPZ)").click()

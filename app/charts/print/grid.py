@@ -42,10 +42,10 @@ def draw_dots(axes: Any, chart: DotChart) -> list[Any]:
         "markeredgewidth": 1.1,
     }  # fmt: skip
     axes.plot(closed, rows, **diamond)
-    handles.append(line_entry("closed form, 1σ", diamond))
+    handles.append(line_entry("formula, 1σ", diamond))
     if not math.isnan(chart.limit):
         axes.axvline(chart.limit, **pen(STYLES["limit"]))
-        handles.append(line_entry("limit, brought to 1σ", pen(STYLES["limit"])))
+        handles.append(line_entry("limit (scaled to 1σ)", pen(STYLES["limit"])))
     axes.set_yticks(rows, [dot.label for dot in chart.dots])
     axes.set_ylim(len(chart.dots) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)

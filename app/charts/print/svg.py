@@ -164,7 +164,7 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
     for limit in drawn:
         axes.plot([limit.start, limit.stop], [limit.level] * 2, **pen(STYLES["limit"]))
     if drawn:
-        handles.append(line_entry("limit, brought to 1σ", pen(STYLES["limit"])))
+        handles.append(line_entry("limit (scaled to 1σ)", pen(STYLES["limit"])))
     if chart.x_range is not None:
         axes.set_xlim(*chart.x_range)
     if chart.square:

@@ -15,8 +15,8 @@ from app.charts.kinds import Array, PictureChart
 _PALETTE = bytes.fromhex("".join(colour[1:] for colour in Viridis256))
 
 
-def picture_gallery(chart: PictureChart) -> str:
-    """The images of a chart beside each other, y upwards, and the scale they share."""
+def picture_gallery(chart: PictureChart, row: bool = False) -> str:
+    """The images of a chart beside each other, y upwards, and the scale they share; ``row``: all in one row."""
     axes, floor = chart.axes, chart.floor_db
     figures = "".join(
         f'<figure class="pic"><img src="{_source(image, floor)}" alt="{escape(f"{name}: {caption}; {axes}")}">'
@@ -28,7 +28,7 @@ def picture_gallery(chart: PictureChart) -> str:
         f'<div class="scale"><span class="num">−{-floor:.0f} dB</span><img src="{ramp}" alt="colour scale">'
         f'<span class="num">0 dB</span><span class="quiet">{escape(chart.reference)}; {escape(axes)}</span></div>'
     )
-    return f'{scale}<div class="pics">{figures}</div>'
+    return f'{scale}<div class="pics{" row" if row else ""}">{figures}</div>'
 
 
 def _source(power_db: Array, floor_db: float) -> str:

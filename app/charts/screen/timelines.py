@@ -38,8 +38,10 @@ class Timelines:
     Parameters
     ----------
     charts : sequence of Chart
-        All lines of all of them on one time array, at most one span; limits as they like. Their structure must not
-        depend on what is fed later.
+        All lines of all of them on one time array; limits and spans as they like. Their structure must not depend on
+        what is fed later.
+    beside : Timelines, optional
+        Another stack, whose time axis this one shares.
 
     Attributes
     ----------
@@ -53,17 +55,19 @@ class Timelines:
     >>> stack.compare(timelines(budget))  # faint beside it, until compare(None)
     """
 
-    def __init__(self, charts: Sequence[Chart]) -> None:
+    def __init__(self, charts: Sequence[Chart], beside: Timelines | None = None) -> None:
         first = charts[0]
         self._sent: dict[str, dict[str, Any]] = _columns(charts)
         self._sources = {name: ColumnDataSource(dict(data), name=name) for name, data in self._sent.items()}
         nothing = {name: np.array([np.nan]) for name in self._sent["timelines"]}
         self._was = ColumnDataSource(nothing, name="timelines compared")
-        self._x_range = Range1d(*_ends(charts))
+        self._x_range = beside.plots[0].x_range if beside else Range1d(*_ends(charts))
         crosshair = CrosshairTool(overlay=Rule(dimension="height", line_dash="dotted", line_color=GREY))
         tooltip = _tooltip(charts)
-        self._boxes: list[BoxAnnotation] = []
-        self.plots = tuple(self._plot(chart, crosshair, tooltip, chart is charts[-1]) for chart in charts)
+        self._boxes: list[list[BoxAnnotation]] = []
+        self.plots: tuple[figure, ...] = tuple(
+            self._plot(chart, crosshair, tooltip, chart is charts[-1]) for chart in charts
+        )
         self._feed_frame(charts)
         assert all(line.x is first.lines[0].x for chart in charts for line in chart.lines)
 
@@ -89,12 +93,15 @@ class Timelines:
         start, end = _ends(charts)
         if (self._x_range.start, self._x_range.end) != (start, end):
             self._x_range.update(start=start, end=end, reset_start=start, reset_end=end)
-        for plot, chart, box in zip(self.plots, charts, self._boxes, strict=True):
+        for plot, chart, boxes in zip(self.plots, charts, self._boxes, strict=True):
             low, high = chart.y_range or _nice_range(chart)
             if (plot.y_range.start, plot.y_range.end) != (low, high):
                 plot.y_range.update(start=low, end=high, reset_start=low, reset_end=high)
-            for span in chart.spans:
-                if (box.left, box.right) != (span.start, span.stop):
+            for box, span in zip(boxes, chart.spans, strict=True):
+                shown = math.isfinite(span.start)
+                if box.visible != shown:
+                    box.visible = shown
+                if shown and (box.left, box.right) != (span.start, span.stop):
                     box.update(left=span.start, right=span.stop)
 
     def _plot(self, chart: Chart, crosshair: CrosshairTool, tooltip: str, last: bool) -> figure:
@@ -122,9 +129,12 @@ class Timelines:
         plot.xaxis.visible = last
         if chart.y_log:
             mark_in_powers(plot.yaxis[0])
-        box = BoxAnnotation(left=0.0, right=0.0, fill_color=GREY, fill_alpha=0.2, line_alpha=0)
-        plot.add_layout(box)
-        self._boxes.append(box)
+        boxes = [
+            BoxAnnotation(left=0.0, right=0.0, fill_color=GREY, fill_alpha=0.2, line_alpha=0) for _ in chart.spans
+        ]
+        for box in boxes:
+            plot.add_layout(box)
+        self._boxes.append(boxes)
         lines = []
         for line in chart.lines:
             style = STYLES[line.style]
@@ -183,7 +193,7 @@ def _labels(chart: Chart, last: bool) -> dict[str, Any]:
     ends = []
     for line in chart.lines:
         seen = np.flatnonzero(np.isfinite(line.y))
-        if len(seen):
+        if len(seen) and line.end != "":
             ends.append((float(line.x[seen[-1]]), float(line.y[seen[-1]]), line))
     ends.sort(key=lambda end: -end[1])
     offsets = [-4.0] * len(ends)
@@ -191,7 +201,7 @@ def _labels(chart: Chart, last: bool) -> dict[str, Any]:
         if _place(chart, upper[1]) - _place(chart, lower[1]) < _NEAR * (high - low):
             offsets[i] = 17.0
     rows: list[tuple[Any, ...]] = [
-        (x, y, line.label, STYLES[line.style].colour, offset, -2.0, 0.0, "right")
+        (x, y, line.end or line.label, STYLES[line.style].colour, offset, -2.0, 0.0, "right")
         for (x, y, line), offset in zip(ends, offsets, strict=True)
     ]
     if last:

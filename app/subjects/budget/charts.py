@@ -188,11 +188,13 @@ def attitude_chart(budget: Budget) -> Chart:
 def timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
     """Position, velocity and attitude on one time axis, as the page shows them together.
 
-    Before the last fix each curve has the level that its requirement is held against, the tile's; after it position
-    is the refined curve [T-17], velocity and attitude the formulas [T-9], [T-10], [T-5].
+    Before the last fix each curve has the level that its requirement is held against, the tile's; after it, in real
+    time whatever the processing, position is the refined curve [T-17], velocity and attitude the formulas [T-9],
+    [T-10], [T-5].
     """
     coast, x = budget.coast, _grid(budget)
-    settled = getattr(budget.steady_state, budget.design.requirements.steady_state)
+    chosen = getattr(budget.steady_state, budget.design.requirements.steady_state)
+    settled = budget.smoothed.sigmas if budget.smoothed else chosen
     lead, end = float(x[0]), coast.duration
     span = (_aperture_span(budget),)
 
@@ -254,15 +256,39 @@ _LINE_EQUATIONS = {
 
 
 def phase_chart(budget: Budget) -> BarChart:
-    """The phase budget by source, its total in quadrature, and the along-track term."""
-    sar = budget.sar
+    """The phase budget of the design's processing by source, its total in quadrature, and the along-track term."""
+    sar, smoothed = budget.sar, budget.smoothed
+    left = DETRENDED[sar.autofocus_order]
 
     def bar(label: str, quadratic: float, detrended: float, source: str) -> Bar:
         first, second = map(float, 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength))
         return Bar(label, quadratic * _DEG, detrended * _DEG, first, second, source)
 
-    left = DETRENDED[sar.autofocus_order]
-    slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
+    if smoothed is None:
+        bars = [bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS[x.source]) for x in sar.lines]
+        marks, along = "[S-5], [T-15]", "πVT²δV/(λR) [S-2]"
+        slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
+        knowledge = (
+            "Formulas [S-5], [T-15], [S-6] with the line of sight of [S-1]; along-track [S-2]. "
+            f"Quadratic before autofocus; residual rms after {left}.{slow}"
+        )
+    else:
+        shares = smoothed.shares["quadratic_phase"], smoothed.shares["detrended_phase"]
+        bars = [
+            bar(
+                source,
+                smoothed.quadratic * math.sqrt(shares[0][source]),
+                smoothed.detrended * math.sqrt(shares[1][source]),
+                "[P-4], [P-5]",
+            )
+            for source in shares[0]
+        ]
+        marks = along = "[P-5]"
+        knowledge = (
+            f"Smoothed with the whole leg, by {smoothed.method} [P-3], shares [P-4], through the aperture [P-5]. "
+            f"Quadratic before autofocus; residual rms after {left}."
+        )
+    image = smoothed or sar
     return BarChart(
         key="phase",
         title="SAR phase error by source",
@@ -270,16 +296,13 @@ def phase_chart(budget: Budget) -> BarChart:
         first_label="quadratic",
         second_label=f"residual rms after {left}",
         bars=(
-            *(bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS[x.source]) for x in sar.lines),
-            bar(TOTAL, sar.quadratic, sar.detrended, "[S-5], [T-15]"),
-            bar(ALONG_TRACK, sar.along_track_quadratic, math.nan, "πVT²δV/(λR) [S-2]"),
+            *bars,
+            bar(TOTAL, image.quadratic, image.detrended, marks),
+            bar(ALONG_TRACK, image.along_track_quadratic, math.nan, along),
         ),
         first_limit=_limit(budget, "quadratic_phase", _DEG),
         second_limit=_limit(budget, "detrended_phase", _DEG),
-        knowledge=(
-            "Closed forms [S-5], [T-15], [S-6] with the line of sight of [S-1]; along-track [S-2]. "
-            f"Quadratic before autofocus; residual rms after {left}.{slow}"
-        ),
+        knowledge=knowledge,
     )
 
 
@@ -322,16 +345,16 @@ def regime_chart(budget: Budget) -> Chart:
 
 def response_chart(budget: Budget) -> Chart:
     """Azimuth impulse response: without error, with the 1σ quadratic, with quadratic and cubic."""
-    sar = budget.sar
+    sar, image = budget.sar, budget.smoothed or budget.sar
     x = aperture_positions(1024)
-    phases = np.stack((0 * x, sar.quadratic * x**2, sar.quadratic * x**2 + sar.cubic * x**3))
+    phases = np.stack((0 * x, image.quadratic * x**2, image.quadratic * x**2 + image.cubic * x**3))
     keys = ("ideal", "quadratic", "cubic")
     labels = ("no error", "1σ quadratic", "with cubic")
-    if sar.impulse_response is None:
+    if image.impulse_response is None:
         cells, power = np.array([0.0]), np.full((3, 1), np.nan)
     else:
         cells, power = response_curve(np.exp(1j * phases), sar.window, extent_cells=6.0)  # type: ignore[arg-type]
-    response = sar.impulse_response
+    response = image.impulse_response
     said = (
         "No image: more than 1000 rad of quadratic phase."
         if response is None

@@ -7,7 +7,8 @@ import json
 import sys
 from typing import Any
 
-from app.console.arguments import design_arguments, paths_of, read_design, refuse
+from app.console.arguments import design_arguments, paths_of, read_design
+from app.console.ending import refuse
 from app.document.verdict import check_words
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json

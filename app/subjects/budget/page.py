@@ -15,7 +15,7 @@ from app.declared import held
 from app.document.bars import bars_html
 from app.document.pane import html_of
 from app.document.prose import prose
-from app.document.verdict import verdict_strip
+from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts
@@ -27,7 +27,7 @@ from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
-from app.ui.theme import FRAME, PRINT_NOTHING
+from app.ui.theme import FRAME, PRINT_NOTHING, SWITCH
 from app.ui.tiles import tiles_html
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
@@ -58,7 +58,12 @@ class BudgetPage(pn.viewable.Viewer):
             label=_ask(budget), variant="text", end_icon="expand_more", margin=(6, 10), stylesheets=[PRINT_NOTHING]
         )
         self._close.on_click(self._toggle_ways)
-        self._strip = AnswerStrip(verdict_strip(budget), self._close)
+        self._mode = pmui.RadioButtonGroup(
+            label="Processing", options=verdicts_in_short(budget), value=budget.verdict.processing, margin=(8, 4),
+            sizing_mode=None, stylesheets=[SWITCH],
+        )  # fmt: skip
+        self._mode.param.watch(self._choose, "value")
+        self._strip = AnswerStrip(verdict_strip(budget), self._mode, self._close)
         self._ways: tuple[Way, ...] = ()
         self._ways_of: Budget | None = None
         self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
@@ -102,10 +107,17 @@ class BudgetPage(pn.viewable.Viewer):
         self._feed(budget)
         if self._close.label != _ask(budget):
             self._close.label = _ask(budget)
+        modes = verdicts_in_short(budget)
+        if self._mode.options != modes or self._mode.value != budget.verdict.processing:
+            self._mode.param.update(options=modes, value=budget.verdict.processing)
         if self._panel.visible:
             self._find_ways()
         for follow in self._follow:
             follow(budget)
+
+    def _choose(self, event: Any) -> None:
+        if event.new != self.session.budget.verdict.processing:
+            self.session.change({"processing.mode": event.new})
 
     @param.depends("session.invalid", watch=True)
     def _warn(self) -> None:

@@ -25,11 +25,11 @@ _MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix
 
 
 def key_figures(budget: Budget) -> KeyFigures:
-    """The figures that decide in real time, each with which one it is and its limit."""
-    coast, sar = budget.coast, budget.sar
-    in_real_time = budget.other_verdict if budget.verdict.processing == POST_PROCESSED else budget.verdict
-    checks = {check.name: check for check in in_real_time.checks}
-    response = sar.impulse_response
+    """The figures that decide, of the design's processing, each with which one it is and its limit."""
+    coast, sar, smoothed = budget.coast, budget.sar, budget.smoothed
+    checks = {check.name: check for check in budget.verdict.checks}
+    image = smoothed or sar
+    response = image.impulse_response
     autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
     fields = (
         ("Position, horizontal", "position_horizontal", "length", "horizontal_position", "[T-3]"),
@@ -48,13 +48,19 @@ def key_figures(budget: Budget) -> KeyFigures:
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
         chosen = budget.design.requirements.steady_state
         moment, average = getattr(budget.steady_state, chosen), budget.steady_state.closed
+        if smoothed is not None:
+            detail = f"1σ, smoothed [P-3]; in real time {show(getattr(moment, field), dimension)} [T-8]"
+            return figure(label, getattr(smoothed.sigmas, field), dimension, detail, name)
         which = f"{_MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
         if chosen != "closed":
             which += f"; average {show(getattr(average, field), dimension)} {mark}"
         return figure(label, getattr(moment, field), dimension, f"1σ, {which}", name)
 
-    def sight(phase: float) -> str:
-        return f"{show(float(phase_to_metres(phase, sar.wavelength)), 'length')} along the line of sight"
+    def phase(label: str, field: str, name: str, mark: str, note: str = "") -> KeyFigure:
+        amount = getattr(image, field)
+        sight = f"{show(float(phase_to_metres(amount, sar.wavelength)), 'length')} along the line of sight"
+        how = f"formula {mark}" if smoothed is None else "smoothed [P-5]"
+        return figure(label, amount, "angle", f"{sight}, {how}{note}", name)
 
     width = KeyFigure("Azimuth width", "not focused", f"ideal {show(sar.cell_length, 'length')}")
     if response is not None:
@@ -73,23 +79,12 @@ def key_figures(budget: Budget) -> KeyFigures:
                 f"Position after {show(coast.duration, 'time')}",
                 coast.end_refined_horizontal,
                 "length",
-                f"horizontal, refined [T-17]; vertical {show(coast.end_refined_vertical, 'length')}",
+                f"horizontal, without fixes, in real time [T-17]; "
+                f"vertical {show(coast.end_refined_vertical, 'length')}",
                 "coast_horizontal_position",
             ),
-            figure(
-                "Quadratic phase",
-                sar.quadratic,
-                "angle",
-                f"{sight(sar.quadratic)}, closed form [S-5]{autofocus}",
-                "quadratic_phase",
-            ),
-            figure(
-                "Residual phase",
-                sar.detrended,
-                "angle",
-                f"{sight(sar.detrended)}, closed form [T-15]",
-                "detrended_phase",
-            ),
+            phase("Quadratic phase", "quadratic", "quadratic_phase", "[S-5]", autofocus),
+            phase("Residual phase", "detrended", "detrended_phase", "[T-15]"),
             width,
         ),
     )

@@ -129,6 +129,8 @@ class LibraryView(pn.viewable.Viewer):
             rows.append(
                 html_pane(f"<p class='quiet'>{_SHOWN} of {len(listing.found)} designs; search to narrow.</p>")
             )
+        if listing.read_only:
+            rows.insert(0, html_pane("<p>This library can only be read: its file or folder refuses writing.</p>"))
         self._rows.objects = rows
         if self._tag.options != [_ANY, *listing.tags]:
             self._tag.options = [_ANY, *listing.tags]
@@ -312,13 +314,14 @@ class _Listing:
     tags: tuple[str, ...]
     histories: Mapping[str, tuple[Revision, ...]]
     narrowed: bool
+    read_only: bool
 
 
 def _listing(place: Library, search: str, tag: str, archived: bool, unfolded: frozenset[str]) -> _Listing:
     found = place.designs(search, tag, archived=archived)
     shown = [saved.id for saved in found[:_SHOWN] if saved.id in unfolded]
     histories = {design: place.revisions(design) for design in shown}
-    return _Listing(found, place.tags(), histories, bool(search or tag or archived))
+    return _Listing(found, place.tags(), histories, bool(search or tag or archived), place.read_only)
 
 
 _RULE = {"border-bottom": "1px solid color-mix(in srgb, currentColor 12%, transparent)"}

@@ -23,7 +23,7 @@ def state_of(review: Review) -> Answer:
     left = len(review.open_points())
     tone, said = "open", f"– Open, {left} to decide" if left else "– Open, all decided: can be signed"
     if not review.intact:
-        tone, said = "bad", "✗ Changed outside the program: do not rely on it"
+        tone, said = "bad", f"✗ {review.doubt[0].upper()}{review.doubt[1:]}: do not rely on it"
     elif review.signed:
         tone, said = "good", f"✓ Signed off by {review.signed_by}"
     counts = (

@@ -22,17 +22,25 @@ def audit_sections(review: Review) -> tuple[Section, ...]:
     )
 
 
+_PROMISE = (
+    "The review is as it was when a NavBudget with this key signed it. Not who sat in front of it, and nothing "
+    "against somebody who can read the file of the key, which is kept outside the database."
+)
+
+
 def audit_table(review: Review) -> Table:
     """What was frozen, by whom, with which program, and whether it is signed and intact."""
     signed = f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"
-    intact = Cell("holds", tone="good") if review.intact else Cell("BROKEN: changed outside the program", tone="bad")
+    intact = Cell("holds", tone="good") if review.intact else Cell(f"BROKEN: {review.doubt}", tone="bad")
     rows = [
         (Cell("Review"), Cell(review.id)),
         (Cell("Opened"), Cell(f"{review.author}, {moment(review.opened)}")),
         (Cell("Program"), _program(review.product)),
         (Cell("Signed off"), Cell(signed)),
         (Cell("Seal (SHA-256)"), Cell(review.seal or "none before the signature")),
+        (Cell("Signature (Ed25519)"), Cell(review.signature or "none")),
         (Cell("Integrity"), intact),
+        (Cell("What the signature promises"), Cell(_PROMISE)),
     ]
     for item, revision in zip(review.items, review.revisions, strict=True):
         origin = ", imported" if revision.origin else ""

@@ -1,4 +1,4 @@
-"""The charts of the SAR page, as plain data, from a study of the strategies (None: not run yet) or a map."""
+"""The charts of the SAR page, as plain data, from a study of the strategies or a map."""
 
 from __future__ import annotations
 
@@ -11,111 +11,87 @@ import numpy as np
 from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
 from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
-from app.document.wording import AFTER_AUTOFOCUS
 from nav_model.budget import Budget
+from nav_model.sar.advice import LEFT
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.geometry import metres_to_phase, phase_to_metres
 from nav_model.sar.impulse_response import aperture_of_phase, response_curve
 from nav_model.sar.pictures import Pictures
-from nav_model.sar.strategies import STRATEGIES, STRATEGY_KEYS
+from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS
 from nav_model.units import from_si
 
-INERTIAL = ("2", "3", "5", "5w")
-FILTERED = ("4", "6", "7", "8")
+_INERTIAL = ("2", "3", "5", "5w")
+_FILTERED = ("4", "6", "7", "8")
 _DEG = 180 / math.pi
-_NOTHING = np.array([0.0])
-_NOT_RUN = "Not run yet."
-SHORT = {
-    "1": "1 ideal",
-    "2": "2 INS from the filter",
-    "3": "3 INS after a coast",
-    "4": "4 raw filter",
-    "5": "5 INS − quadratic fit",
-    "5w": "5w quadratic shrunk",
-    "6": "6 tracking filter ⁽ʳ⁾",
-    "7": "7 damping loop ⁽ʳ⁾",
-    "8": "8 RTS smoother",
-}
-"""A strategy's name for legends and rows; ⁽ʳ⁾ marks a reconstruction."""
-_ON_MAP = {"2": "2 INS", "3": "3 coasted", "5": "5 fit", "5w": "5w shrunk"}
 
 
-def navigation_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, name: str) -> Chart:
+def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: str) -> Chart:
     """Line-of-sight error over the aperture of the typical run, what the autofocus removes removed."""
-    time = _NOTHING if study is None else study.time
     rows = [STRATEGY_KEYS.index(key) for key in keys]
-    lines = tuple(
-        Line(
-            key, SHORT[key], time, np.full(1, np.nan) if study is None else 1000 * study.typical[row],
-            f"strategy {key}", STRATEGIES[row].source,
-        )
-        for key, row in zip(keys, rows, strict=True)
-    )  # fmt: skip
     return Chart(
         key=name,
-        title=f"Navigation error, {title}",
+        title=f"Error history, {title}",
         x_label="time in the aperture [s]",
         y_label="line-of-sight error [mm]",
-        lines=lines,
-        legend_columns=2,
-        knowledge=_NOT_RUN if study is None else (
-            f"One run of {study.runs}: the one whose INS (2) has the median rms; {_removed(study)} after "
-            "projection on the turning line of sight. Rms over the runs: "
-            + "; ".join(f"{SHORT[STRATEGY_KEYS[row]]} {number(1000 * study.rms[row])} mm" for row in rows)
-            + "."
+        lines=tuple(
+            Line(key, NAMES[key], study.time, 1000 * study.typical[row], f"strategy {key}", STRATEGIES[row].source)
+            for key, row in zip(keys, rows, strict=True)
         ),
-    )  # fmt: skip
+        legend_columns=2,
+        knowledge=f"{_typical(study)} Errors are projected on the turning line of sight. Rms over the runs: "
+        + "; ".join(f"{NAMES[key]} {number(1000 * study.residual(key))} mm" for key in keys)
+        + ".",
+    )
 
 
-def responses_chart(study: SarStudy | None, keys: tuple[str, ...], title: str, name: str) -> Chart:
+def responses_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: str) -> Chart:
     """Azimuth impulse responses of the typical run, overlaid."""
-    shown = ("1", *keys)
+    shown, sar = ("1", *keys), study.budget.sar
     rows = [STRATEGY_KEYS.index(key) for key in shown]
-    metres, power = _NOTHING, np.full((len(rows), 1), np.nan)
-    if study is not None:
-        sar = study.budget.sar
-        apertures = aperture_of_phase(metres_to_phase(study.typical[rows], sar.wavelength))
-        cells, power = response_curve(apertures, sar.window, extent_cells=8.0)  # type: ignore[arg-type]
-        metres = cells * sar.cell_length
+    apertures = aperture_of_phase(metres_to_phase(study.typical[rows], sar.wavelength))
+    cells, power = response_curve(apertures, sar.window, extent_cells=8.0)  # type: ignore[arg-type]
+    metres = cells * sar.cell_length
     return Chart(
         key=name,
         title=f"Impulse response, {title}",
         x_label="azimuth [m]",
         y_label="power over the error-free peak [dB]",
         lines=tuple(
-            Line(key, SHORT[key], metres, np.maximum(values, -60.0), f"strategy {key}", "aperture integral")
+            Line(key, NAMES[key], metres, np.maximum(values, -60.0), f"strategy {key}", "aperture integral")
             for key, values in zip(shown, power, strict=True)
         ),
         y_range=(-45.0, 2.0),
         legend_columns=2,
-        knowledge=_NOT_RUN if study is None else (
-            f"Azimuth response of the same run, {study.budget.sar.window} window, {_removed(study)}; the table "
-            "has the medians and bands of all runs."
-        ),
-    )  # fmt: skip
+        knowledge=f"{_typical(study)} Azimuth, {sar.window} window; the table has medians and bands of all runs.",
+    )
+
+
+def _typical(study: SarStudy) -> str:
+    left = LEFT[study.budget.sar.autofocus_order]
+    return f"One of {study.runs} runs, in which {NAMES['2']} has the median rms, {left}."
 
 
 def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
-    """What each strategy leaves after autofocus: closed form beside the runs."""
+    """Residual phase of each strategy, the least first: formula beside the runs."""
     limit = math.nan if closed.required_phase is None else closed.required_phase * _DEG
-    left = f"after {AFTER_AUTOFOCUS[budget.sar.autofocus_order]} is removed"
     return _dot_chart(
-        "sar-residual", f"Residual phase by strategy, {left}", f"rms phase {left} [°]", budget,
+        "sar-residual", "Strategies ranked by residual phase",
+        f"residual phase {LEFT[budget.sar.autofocus_order]}, rms [°]", budget,
         closed.detrended, study, "rms", "residual_rms", limit,
-        "Closed forms [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8] (the "
-        "Budget page starts from the cycle rms [T-3]).",
+        "Formulas [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]; the Budget "
+        "page uses the average between fixes [T-3].",
     )  # fmt: skip
 
 
 def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
-    """Quadratic phase of each strategy before autofocus: closed form beside the runs."""
+    """Quadratic phase of each strategy before autofocus, the least first: formula beside the runs."""
     required = budget.design.requirements.quadratic_phase
     limit = math.nan if required is None else float(required) / budget.design.requirements.confidence * _DEG
     return _dot_chart(
-        "sar-quadratic", "Quadratic phase by strategy", "quadratic phase at the aperture's ends [°]", budget,
+        "sar-quadratic", "Strategies ranked by quadratic phase", "quadratic phase at the aperture's ends [°]", budget,
         closed.quadratic, study, "quadratic_rms", "quadratic", limit,
-        "Closed forms [S-5], [S-7] with the along-track part [S-2]; before autofocus.",
+        "Formulas [S-5], [S-7] with the along-track part [S-2]; before autofocus.",
     )  # fmt: skip
 
 
@@ -133,24 +109,27 @@ def _dot_chart(
             band = study.parts[part]
             ensemble, low, high = (scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high))
         closed_phase = math.nan if form is None else to_degrees * form
-        dots.append(Dot(SHORT[strategy.key], closed_phase, ensemble, low, high, strategy.source))
+        dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source))
+    dots.sort(key=_rank)
     said = "" if study is None else (
-        f" Runs: {study.runs}, seed {study.seed}; rms within {percent(_worst_error(study))} (standard error)."
+        f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {percent(_worst_error(study))}."
     )  # fmt: skip
     millimetres = 1000 * float(phase_to_metres(1 / _DEG, budget.sar.wavelength))
     return DotChart(key, title, x_label, tuple(dots), limit, millimetres, knowledge + said)
+
+
+def _rank(dot: Dot) -> float:
+    """What a row is ranked by: the runs, else the formula; rows without either last."""
+    value = dot.closed if math.isnan(dot.ensemble) else dot.ensemble
+    return math.inf if math.isnan(value) else value
 
 
 def _worst_error(study: SarStudy) -> float:
     return float(np.max(study.rms_error[1:] / study.rms[1:]))
 
 
-def _removed(study: SarStudy) -> str:
-    return f"{AFTER_AUTOFOCUS[study.budget.sar.autofocus_order]} removed"
-
-
-POINT_TITLE = "Point target, azimuth by range"
-SCENE_TITLE = "Eight point targets on the ground: pairs four and two cells apart, one at −14 dB beside a strong one"
+POINT_TITLE = "Point target under each strategy"
+SCENE_TITLE = "Eight point targets on the ground: pairs 4 and 2 cells apart, and one at −14 dB beside a strong one"
 
 
 def point_picture(pictures: Pictures) -> PictureChart:
@@ -175,9 +154,9 @@ def uploaded_picture(pictures: Pictures, name: str, key: str) -> PictureChart:
         x=pictures.x,
         y=pictures.y,
         power_db=pictures.power_db,
-        names=("without navigation error", f"with that of {SHORT[key]}"),
+        names=("without navigation error", f"with the error of {NAMES[key]}"),
         captions=("brightest 0 dB", f"brightest {signed_decibels(loss)}"),
-        reference=f"over the brightest pixel of {name}; Taylor window; the brightest pixel moved by "
+        reference=f"relative to the brightest pixel of {name}; Taylor window; the brightest pixel moves by "
         f"{number(math.hypot(moved_x - x, moved_y - y))} m",
     )
 
@@ -189,9 +168,9 @@ def _brightest(pictures: Pictures, index: int) -> tuple[float, float]:
 
 def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) -> PictureChart:
     cell = f"range cell {number(pictures.range_cell)} m" + (
-        ", coarser than the azimuth resolution: the band is kept below 0.3 of the carrier"
+        ", coarser than the azimuth resolution because the bandwidth is limited to 0.3 of the carrier"
         if pictures.bandwidth_cut
-        else ", taken equal to the azimuth resolution"
+        else ", set equal to the azimuth resolution"
     )
     return PictureChart(
         key=key,
@@ -201,28 +180,28 @@ def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) 
         x=pictures.x,
         y=pictures.y,
         power_db=pictures.power_db,
-        names=tuple(SHORT[strategy] for strategy in STRATEGY_KEYS),
+        names=tuple(NAMES.values()),
         captions=tuple(f"brightest {signed_decibels(float(power.max()))}" for power in pictures.power_db),
-        reference=f"over {over}; the typical run; {cell}",
-        knowledge=f"Every image at one scale, over {over}; the typical run of the ensemble; {cell}.",
+        reference=f"relative to {over}; typical run; {cell}",
+        knowledge=f"All images share one scale, relative to {over}. Typical run of the ensemble; {cell}.",
     )
 
 
 def gnss_winner_chart(budget: Budget) -> MapChart:
-    """Who wins over aperture time and fix noise."""
+    """The best strategy by aperture time and position noise."""
     return _winner_chart(
-        budget, gnss_map(budget), "sar-map-gnss", "Which strategy wins: aperture time against fix noise",
-        "fix noise, horizontal, 1σ [m]", 1.0, "catalogue's radars",
+        budget, gnss_map(budget), "sar-map-gnss", "Best strategy by aperture and position noise",
+        "position noise, horizontal, 1σ [m]", 1.0, "catalogue radars",
         "its aperture [S-3] with this design's GNSS",
     )  # fmt: skip
 
 
 def arw_winner_chart(budget: Budget) -> MapChart:
-    """Who wins over aperture time and angle random walk."""
+    """The best strategy by aperture time and angle random walk."""
     return _winner_chart(
-        budget, arw_map(budget), "sar-map-arw", "Which strategy wins: aperture time against angle random walk",
-        "angle random walk on the bench [°/√h]", float(from_si(1.0, "°/√h", "angle random walk")),
-        "catalogue's units", "angle random walk of the sheet at this design's aperture",
+        budget, arw_map(budget), "sar-map-arw", "Best strategy by aperture and angle random walk",
+        "angle random walk, bench value [°/√h]", float(from_si(1.0, "°/√h", "angle random walk")),
+        "catalogue IMUs", "data-sheet angle random walk at this design's aperture",
     )  # fmt: skip
 
 
@@ -244,39 +223,39 @@ def _winner_chart(
         title=title,
         x_label="aperture time [s]",
         y_label=y_label,
-        value_label="detrended phase of the strategy named [°]",
+        value_label="residual phase of the best strategy [°]",
         x=x,
         y=y,
         winner=drawn.winner,
         values=drawn.phase * _DEG,
-        names=tuple(_ON_MAP[k] for k in drawn.strategies),
+        names=tuple(NAMES[k] for k in drawn.strategies),
         styles=tuple(f"strategy {k}" for k in drawn.strategies),
         points=(Points("catalogue", catalogue, drawn.x, drawn.y * scale, drawn.names, "reference", "circle", source),
                 here),
         contour=Line("limit", "phase limit", line[:, 0], line[:, 1], "limit", "requirement"),
         knowledge=(
-            "Closed forms at every point [T-15], [T-16], [S-7], [S-1], [S-2], each with its own settled filter "
-            "[T-8]; the design's squint and slow GNSS error included. Named is the simplest of 2, 3, 5, 5w within "
-            "5 % of the least residual; 4, 6, 7 and 8 have no closed form. "
-            + ("Give a limit on the detrended phase to see where it is met." if limit is None else
-               f"The limit of {degrees(limit)}° at 1σ is met on the side of shorter apertures.")
+            "Formulas at every point [T-15], [T-16], [S-7], [S-1], [S-2], each with its own settled filter [T-8], "
+            "this design's squint and its slow GNSS error. The map names the simplest strategy within 5 % of the "
+            "least residual, of the four that have a formula. "
+            + ("Set a limit on the residual phase to see where it is met." if limit is None else
+               f"The limit of {degrees(limit)}° at 1σ is met towards shorter apertures.")
         ),
     )  # fmt: skip
 
 
-_GROUPS = ((INERTIAL, "INS and corrected INS", "ins"), (FILTERED, "filters and smoother", "filter"))
+_GROUPS = ((_INERTIAL, "INS and corrected INS", "ins"), (_FILTERED, "filters and smoother", "filter"))
 
 STRATEGY_CHARTS: tuple[Callable[[Budget, ClosedForms, SarStudy | None], DotChart], ...] = (
     residual_chart,
     quadratic_chart,
 )
-"""Every strategy beside the others: of the budget in force, its closed forms, and the runs."""
+"""The strategies ranked: of the budget in force, its formulas, and the runs."""
 
-RUN_CHARTS: tuple[Callable[[SarStudy | None], Chart], ...] = (
+RUN_CHARTS: tuple[Callable[[SarStudy], Chart], ...] = (
     *(partial(navigation_chart, keys=keys, title=title, name=f"sar-error-{name}") for keys, title, name in _GROUPS),
     *(partial(responses_chart, keys=keys, title=title, name=f"sar-response-{name}") for keys, title, name in _GROUPS),
 )
 """The typical run."""
 
 WINNER_CHARTS: tuple[Callable[[Budget], MapChart], ...] = (gnss_winner_chart, arw_winner_chart)
-"""Which strategy wins where."""
+"""Which strategy is best where."""

@@ -1,4 +1,4 @@
-"""The SAR page: which way of navigating through the aperture, its price in the image, and the pictures."""
+"""The SAR page: which strategy to navigate through the aperture with, its price in the image, and the pictures."""
 
 from __future__ import annotations
 
@@ -6,41 +6,68 @@ import asyncio
 import io
 import json
 from collections.abc import Callable
-from functools import partial
+from html import escape
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.kinds import AnyChart
+from app.charts.kinds import AnyChart, DotChart, PictureChart
+from app.charts.legend import legend_html
+from app.charts.screen.pictures import picture_gallery
+from app.charts.words import in_words
 from app.declared import declared, held
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
+from app.subjects.sar.charts import (
+    POINT_TITLE,
+    RUN_CHARTS,
+    STRATEGY_CHARTS,
+    WINNER_CHARTS,
+    arw_winner_chart,
+    gnss_winner_chart,
+    point_picture,
+    quadratic_chart,
+    residual_chart,
+    scene_picture,
+)
 from app.subjects.sar.picture_panel import PicturePanel
-from app.subjects.sar.run import SarResult, run_strategies
-from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words, runs_said
+from app.subjects.sar.run import SarResult, run_strategies, scene_of
+from app.subjects.sar.tables import answer, cautions, error_table, ranking, run_tables, runs_in_words
 from app.subjects.sar.upload import UploadedPicture
-from app.ui.chart_pane import ChartPane, ChartView, chart_cells
+from app.ui.answer_strip import AnswerStrip
+from app.ui.chart_pane import ChartPane, head_html, takes
 from app.ui.downloads import download
 from app.ui.fields import whole_number
-from app.ui.grid import grid
+from app.ui.first_screen import first_screen
+from app.ui.folded import Folded
+from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane, stale_mark
 from app.ui.run_bar import RunBar
+from app.ui.study_settings import StudySettings
+from app.work.kept import keep, kept
 from app.work.run import Run
 from nav_model.budget import Budget
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, SarStudy, closed_forms
+from nav_model.sar.strategies import NAMES
 from nav_model.sar.study_json import to_json
 
-_RUNS = (100, 200, 500, 1000)
+_RUNS = (50, 100, 200, 500, 1000)
 _ENGINES: dict[str, Engine] = {"Error model, per axis": "fast", "Full simulator": "simulator"}
-_LOOK: dict[str, Any] = {"margin": (8, 6)}
+_LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
+_HEAD = (6, 10, 0, 10)  # margin of the line above a chart
+_EARLIER = "The runs are of an earlier design: run again."
+_COMING = "<p class='quiet'>Appears when the strategies have been run.</p>"
 
 
 class SarPage(pn.viewable.Viewer):
-    """Everything below the tab. Closed forms and maps follow the sliders; the ensemble runs on demand."""
+    """Everything below the bar.
+
+    The first screen is made at once: formulas and the map follow the design, and a few runs are made for it. What is
+    folded below is made when it is opened.
+    """
 
     run = held(Run)
     engine: Engine = declared(param.Selector(default="fast", objects=_ENGINES, label="Engine"))
@@ -50,75 +77,72 @@ class SarPage(pn.viewable.Viewer):
     def __init__(self, session: Session) -> None:
         super().__init__(run=session.new_run())
         self._session = session
-        self._budget = session.budget
         self._closed: ClosedForms = closed_forms(session.budget)
-        self._answer, self._found, self._errors = html_pane(""), html_pane(""), html_pane("")
-        self._tables, self._cautions = html_pane(""), html_pane("")
-        self._of_runs = ""  # the tables of the runs, which no slider changes
+        self._asked = False  # whether a person has started a run; the page starts the first by itself
+        self._follow: list[Callable[[], object]] = []  # of what was unfolded
+        self._settings = StudySettings(session, "sar", self, ("engine", "runs", "seed"), self._recall)
+        self._strip = AnswerStrip(answer(session.budget, self._closed, None)[0])
         self._bar = RunBar(
             self.run,
-            self._begin,
+            self._pressed,
             "Run the strategies",
-            pmui.Select.from_param(self.param.engine, width=200, **_LOOK),
-            pmui.Select.from_param(self.param.runs, width=100, **_LOOK),
-            pmui.TextInput.from_param(self.param.seed, width=80, **_LOOK),
+            pmui.Select.from_param(self.param.engine, width=190, **_LOOK),
+            pmui.Select.from_param(self.param.runs, width=80, **_LOOK),
+            pmui.TextInput.from_param(self.param.seed, width=70, **_LOOK),
         )
-        self._points = PicturePanel("Point target", "sar-point")
-        self._scene = PicturePanel("Eight point targets", "sar-scene")
+        self._rank_head, self._ranks = html_pane("", margin=_HEAD), html_pane("", margin=(0, 10, 6, 10))
+        narrow = (
+            "@media (max-width: 1000px) { :host { min-height: 500px !important; } }"  # names take more lines there
+        )
+        self._ranks.param.update(
+            sizing_mode="stretch_both", min_height=300, stylesheets=[*self._ranks.stylesheets, narrow]
+        )
+        self._map = ChartPane(gnss_winner_chart, lambda: session.budget)
+        self._image_head, self._images = html_pane("", margin=_HEAD), html_pane(_blank(), margin=(2, 10, 6, 10))
+        self._points: PictureChart | None = None
         self._upload = UploadedPicture(session, lambda: self._result)
-        self._charts: list[ChartView] = []
-        self._run_charts: list[ChartPane[SarStudy | None]] = []
+        self._details = Folded(
+            (
+                ("Why, and what would change it", lambda: self._told(self._reasons)),
+                ("Errors by strategy", lambda: self._told(self._errors)),
+                ("Error histories and impulse responses", self._histories),
+                ("Parts of the error, impulse response in figures", lambda: self._told(self._tables)),
+                ("Quadratic phase before autofocus", lambda: self._told(self._quadratic)),
+                ("Best strategy by angle random walk", lambda: self._chart(arw_winner_chart)),
+                ("Eight point targets", self._scene),
+                ("Your phase history", lambda: self._upload),
+                ("Exports", self._exports),
+            )
+        )
         self._view = pn.Column(
-            self._answer,
-            self._bar,
-            self._found,
-            self._errors,
-            self._tables,
-            self._cautions,
-            pn.FlexBox(
-                download("All of the study (JSON)", "sar-study.json", self._json),
-                visible=self.run.param.result.rx.is_not(None), margin=(0, 4),
+            first_screen(
+                self._strip,
+                self._bar,
+                left=[pn.Column(self._rank_head, self._ranks, sizing_mode="stretch_both")],
+                right=[self._map.view],
+                bottom=pn.Column(self._image_head, self._images),
             ),
-            grid(*self._cells()),
-            self._points,
-            self._scene,
-            self._upload,
-        )  # fmt: skip
+            self._details,
+        )
         self._write()
+        self._recall()
         if pn.state.curdoc:
-            pn.state.onload(self._begin)
+            pn.state.onload(lambda: None if self._result else self._begin())
 
     def __panel__(self) -> pn.Column:
         return self._view
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
-        self._budget = budget
         self._closed = closed_forms(budget)
         self._write()
-        for chart in self._charts:
-            chart.show(budget)
+        self._map.show(budget)
+        if self._stale:
+            self._recall()
+        if self.run.running and not self._asked:  # the first run, of a design that is no longer there
+            self._begin()
 
-    # --- the parts ------------------------------------------------------------------------------------
-
-    def _cells(self) -> list[pn.Column]:
-        """Every chart: those that follow the sliders around those of the runs, which do not."""
-
-        def of_strategies(draw: Callable[..., AnyChart], budget: Budget) -> AnyChart:
-            return draw(budget, self._closed, self._study)
-
-        layout: list[tuple[Callable[[Budget], AnyChart], int, int]] = [
-            *((partial(of_strategies, draw), 360, 6) for draw in STRATEGY_CHARTS),
-            *((draw, 400, 6) for draw in WINNER_CHARTS),
-        ]
-        moving = chart_cells(layout, lambda what, high: ChartView(what, self._session, high), self._charts)
-        still = chart_cells(
-            [(draw, 320, 6) for draw in RUN_CHARTS],
-            lambda what, high: ChartPane(what, lambda: self._study, high),
-            self._run_charts,
-        )
-        first = len(STRATEGY_CHARTS)
-        return [*moving[:first], *still, *moving[first:]]
+    # --- what the page says -----------------------------------------------------------------------------
 
     @property
     def _result(self) -> SarResult | None:
@@ -129,46 +153,176 @@ class SarPage(pn.viewable.Viewer):
     def _study(self) -> SarStudy | None:
         return self._result.study if self._result else None
 
-    def _write(self) -> None:
-        """Words, tables and marks; a text that stays the same is not sent."""
-        result, study = self._result, self._study
-        mark = ""
-        if result is None:
-            self._bar.message = "Only the formulas so far: the strategies have not been run."
-        else:
-            matched = "The runs match the design."
-            if result.stale(self._budget):
-                matched = "The runs are of an earlier design: run again."
-                mark = stale_mark("The runs are of an earlier design.")
-            self._bar.message = f"{matched} {runs_in_words(result.study)}."
-            self._found.object = mark + html_of(runs_said(result.study))
-            self._tables.object = mark + self._of_runs
-        self._points.stale = self._scene.stale = mark
-        self._answer.object = html_of(*answer(self._budget, self._closed))
-        self._errors.object = html_of(error_table(self._budget, self._closed, study, "page"))
-        self._cautions.object = html_of(cautions(self._budget, study))
+    @property
+    def _stale(self) -> bool:
+        return self._result is not None and self._result.stale(self._session.budget)
 
-    # --- the run --------------------------------------------------------------------------------------
+    @property
+    def _valid(self) -> SarStudy | None:
+        """The study, while it is one of the design in force."""
+        return None if self._stale else self._study
+
+    @property
+    def _mark(self) -> str:
+        return stale_mark(_EARLIER) if self._stale else ""
+
+    def _write(self) -> None:
+        """Everything in view; a text that stays the same is not sent."""
+        budget, stale = self._session.budget, self._stale
+        study = None if stale else self._study
+        self._strip.show(answer(budget, self._closed, study)[0], _EARLIER if stale else "")
+        if self._study is None:
+            self._bar.message = "Formulas only so far."
+        else:
+            self._bar.message = _EARLIER if stale else f"The runs match the design. {runs_in_words(self._study)}."
+        chart = residual_chart(budget, self._closed, self._study)
+        best = NAMES[self._closed.advice.strategy] if study is None else study.best().name
+        said = f'<p class="hidden">What the chart shows: {escape(in_words(chart))}</p>'
+        coming = "The images appear after the runs: one point target, all images on one scale."
+        head = head_html(POINT_TITLE, self._points.knowledge if self._points else coming, self._mark)
+        for pane, text in (
+            (self._rank_head, head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), said)),
+            (self._ranks, ranking(chart, best)),
+            (self._image_head, head),
+        ):
+            if pane.object != text:
+                pane.object = text
+        for follow in self._follow:
+            follow()
+
+    def _told(self, tell: Callable[[], str]) -> Any:
+        """A pane that follows what is told."""
+        pane = html_pane(tell())
+        self._follow.append(lambda: setattr(pane, "object", tell()))
+        return pane
+
+    def _reasons(self) -> str:
+        budget, study = self._session.budget, self._valid
+        return html_of(*answer(budget, self._closed, study)[1], cautions(budget, self._study))
+
+    def _errors(self) -> str:
+        return self._mark + html_of(error_table(self._session.budget, self._closed, self._study, "page"))
+
+    def _tables(self) -> str:
+        result = self._result
+        return self._mark + html_of(*run_tables(result.study, result.beside, "page")) if result else _COMING
+
+    def _quadratic(self) -> str:
+        chart: DotChart = quadratic_chart(self._session.budget, self._closed, self._study)
+        return head_html(chart.title, chart.knowledge, self._mark, legend_html(chart)) + ranking(chart, "")
+
+    def _chart(self, describe: Callable[[Budget], AnyChart]) -> Any:
+        chart = ChartPane(describe, lambda: self._session.budget, 400)
+        self._follow.append(lambda: chart.show(self._session.budget))
+        return chart.view
+
+    def _later(self, make: Callable[[], Any], feed: Callable[[], object]) -> pn.Column:
+        """What needs a result: a sentence until there is one."""
+        place = pn.Column(html_pane(_COMING))
+        made: list[Any] = []
+
+        def follow() -> None:
+            if self._result and not made:
+                made.append(make())
+                place.objects = made
+            if made:
+                feed()
+
+        self._follow.append(follow)
+        follow()
+        return place
+
+    def _histories(self) -> pn.Column:
+        panes: list[ChartPane[Any]] = []
+
+        def make() -> Any:
+            panes.extend(ChartPane(draw, lambda: self._study, 320) for draw in RUN_CHARTS)
+            return grid(*(cell(6, pane.view) for pane in panes))
+
+        def feed() -> None:
+            for pane in panes:
+                pane.show(self._study)
+
+        return self._later(make, feed)
+
+    def _scene(self) -> pn.Column:
+        """Formed when first looked at, and again for each result."""
+        panel, run = PicturePanel("Eight point targets", "sar-scene"), self._session.new_run()
+        status = html_pane("<p role='status'>Forming the images …</p>")
+        formed: list[SarResult] = []
+
+        def show(event: Any) -> None:
+            status.object, panel.chart = "", scene_picture(event.new)
+
+        run.param.watch(show, "result")
+        run.param.watch(lambda event: setattr(status, "object", f"<p>{escape(event.new)}</p>"), "message")
+
+        def feed() -> None:
+            panel.stale, result = self._mark, self._result
+            if result is not None and result not in formed:
+                formed[:] = [result]
+                run.start(lambda _: scene_of(result.study))
+
+        return self._later(lambda: pn.Column(status, panel), feed)
+
+    def _exports(self) -> pn.Column:
+        def of_strategies(draw: Callable[..., AnyChart]) -> Callable[[Any], AnyChart]:
+            return lambda study: draw(self._session.budget, self._closed, study)
+
+        def study_of() -> SarStudy:
+            result: SarResult = self.run.result
+            return result.study
+
+        def make() -> pn.FlexBox:
+            points = PicturePanel("Point target", "sar-point")
+            self._follow.append(lambda: setattr(points, "chart", self._points))
+            drawn: list[list[Any]] = [
+                *(takes(of_strategies(draw), study_of) for draw in STRATEGY_CHARTS),
+                *(takes(draw, lambda: self._session.budget) for draw in WINNER_CHARTS),
+                *(takes(draw, study_of) for draw in RUN_CHARTS),
+            ]
+            study = download("All of the study (JSON)", "sar-study.json", self._json)
+            return pn.FlexBox(study, *(take for pair in drawn for take in pair), points.links)
+
+        return self._later(make, lambda: None)
+
+    # --- the run ----------------------------------------------------------------------------------------
+
+    def _pressed(self) -> None:
+        self._asked = True
+        self._begin()
 
     def _begin(self) -> None:
         async def work(run: Run) -> SarResult:
-            seed = whole_number("Seed", self.seed, 0, 2**31)
-            return await run_strategies(run, self._session.budget, self.runs, seed, self.engine)
+            seed, asked = whole_number("Seed", self.seed, 0, 2**31), self._settings.asked
+            result = await run_strategies(run, self._session.budget, self.runs, seed, self.engine)
+            keep(result, *asked)
+            return result
 
         self.run.start(work)
+
+    def _recall(self) -> None:
+        """Show what this server still has of this design with these settings."""
+        result = kept(*self._settings.asked)
+        if result is None or result is self._result:
+            return
+
+        async def found(_: Run) -> SarResult:
+            return result
+
+        if self.run.running:
+            self.run.start(found)
+        else:
+            self.run.result = result
 
     @param.depends("run.result", watch=True)
     def _take(self) -> None:
         result: SarResult = self.run.result
         self._session.keep("sar", result)
         with pn.io.hold():
-            self._of_runs = html_of(*run_tables(result.study, result.beside, "page"))
+            self._points = point_picture(result.points)
+            self._images.object = picture_gallery(self._points, row=True)
             self._write()
-            self._points.chart, self._scene.chart = point_picture(result.points), scene_picture(result.scene)
-            for chart in self._charts:
-                chart.show(self._budget)
-            for of_run in self._run_charts:
-                of_run.show(result.study)
         if self._upload.file is not None:
             self._upload.form()
 
@@ -177,3 +331,13 @@ class SarPage(pn.viewable.Viewer):
         result: SarResult = self.run.result
         document = await asyncio.to_thread(to_json, result.study, result.beside)
         return io.BytesIO(json.dumps(document, ensure_ascii=False, allow_nan=False, indent=1).encode("utf-8"))
+
+
+def _blank() -> str:
+    """Where the images will be."""
+    figures = "".join(
+        f'<figure class="pic"><div class="blank"></div><figcaption><b>{escape(name)}</b><br>…</figcaption></figure>'
+        for name in NAMES.values()
+    )
+    said = "Azimuth by range, all images on one scale; they appear after the runs."
+    return f'<div class="scale"><span class="quiet">{said}</span></div><div class="pics row">{figures}</div>'

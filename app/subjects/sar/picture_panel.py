@@ -30,13 +30,11 @@ class PicturePanel(pn.viewable.Viewer):
         self._pair = pair
         # Heading and pictures apart: the mark of a stale study must not send the pictures again.
         self._heading, self._pictures = html_pane("", margin=(8, 10, 0, 10)), html_pane("")
-        links = (
+        self.links = pn.FlexBox(*(
             download(f"{title}: {kind}", f"{key}.{kind.lower()}", make)
             for make, kind in ((self._npz, "NPZ"), (self._csv, "CSV"), (self._svg, "SVG"))
-        )
-        self._view = pn.Column(
-            self._heading, self._pictures, pn.FlexBox(*links, margin=(0, 4)), visible=self.param.chart.rx.is_not(None)
-        )
+        ))  # fmt: skip
+        self._view = pn.Column(self._heading, self._pictures, self.links, visible=self.param.chart.rx.is_not(None))
 
     def __panel__(self) -> pn.Column:
         return self._view

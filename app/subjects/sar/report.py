@@ -11,18 +11,19 @@ from app.document.chart_block import chart_block
 from app.document.numbers import degrees
 from app.document.wording import identified
 from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
-from app.subjects.sar.run import SarResult, pictures
-from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_said
+from app.subjects.sar.run import SarResult
+from app.subjects.sar.tables import answer, cautions, error_table, run_tables
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study
 from nav_model.sar.geometry import metres_to_phase
+from nav_model.sar.pictures import point_pictures, scene_pictures
 
 REFERENCES = (
     "Strategies: Rauch, Tung and Striebel, Maximum likelihood estimates of linear dynamic systems, AIAA Journal "
-    "3(8), 1965 (8). After Kim, Fellerhoff and Kohler, 2001 (6), and Song et al., 2015 and 2017 (7): "
-    "reconstructions, the literature names the schemes and not their gains.",
+    "3(8), 1965 (RTS smoother). Reconstructions, as the literature gives no gains: after Kim, Fellerhoff and Kohler, "
+    "2001 (tracking filter), and Song et al., 2015 and 2017 (damping loop).",
 )
 
 _RUNS = 200
@@ -38,7 +39,7 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
     """
     runs = _RUNS if options.runs is None else options.runs
     if options.seed < 0:
-        raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+        raise InputError("--seed", f"{options.seed} is not allowed; enter zero or a positive whole number")
     try:
         with count_runs("SAR: ") as progress:
             found = design_study(design, runs, options.seed, progress)
@@ -46,8 +47,7 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
         if error.key != "runs":
             raise
         raise error.under("--runs") from error
-    points, scene = pictures(found.budget, found.typical)
-    return SarResult(design_case(found.budget), found, points, scene)
+    return SarResult(design_case(found.budget), found, point_pictures(found.budget, found.typical))
 
 
 def belongs(result: SarResult, design: Design) -> bool:
@@ -64,8 +64,10 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
     """The answer with its tables, the histories and responses, the pictures, the maps."""
     study = result.study
     budget, closed = study.budget, study.closed
+    said, why = answer(budget, closed, study)
     parts, lobe, integrated, *engines = run_tables(study, result.beside, key)
-    images = (point_picture(result.points), scene_picture(result.scene), result.uploaded)
+    scene = scene_picture(scene_pictures(budget, study.typical))
+    images = (point_picture(result.points), scene, result.uploaded)
     phase = degrees(float(metres_to_phase(1e-3, budget.sar.wavelength)))
 
     def drawn(*charts: Drawing) -> tuple[Block, ...]:
@@ -74,10 +76,10 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
     return (
         Section(
             f"{key}-sar",
-            "SAR: which way of navigating through the aperture",
+            "SAR: which strategy to use",
             (
-                *answer(budget, closed),
-                runs_said(study),
+                said,
+                *why,
                 error_table(budget, closed, study, key),
                 *drawn(*(draw(budget, closed, study) for draw in STRATEGY_CHARTS)),
                 parts,
@@ -98,7 +100,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
         Section(f"{key}-sar-images", "SAR: images", drawn(*(chart for chart in images if chart is not None))),
         Section(
             f"{key}-sar-maps",
-            "SAR: which strategy wins where",
+            "SAR: which strategy is best where",
             (*drawn(*(draw(budget) for draw in WINNER_CHARTS)), cautions(budget, study)),
         ),
     )

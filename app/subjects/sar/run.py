@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from dataclasses import dataclass
 
-from app.charts.kinds import Array, PictureChart
+from app.charts.kinds import PictureChart
 from app.work.pool import elsewhere
 from app.work.run import Run
 from app.work.simulator import made_ready, prepare
@@ -20,13 +20,12 @@ from nav_model.sar.study import choose_tuning
 
 @dataclass(frozen=True)
 class SarResult:
-    """A study, the case it was run for, and its pictures; beside flights of the simulator the fast engine's study,
-    and a phase history of the user's with its navigation error, if there is one."""
+    """A study, the case it was run for, and images of a point; beside flights of the simulator the fast engine's
+    study, and a phase history of the user's with its navigation error, if there is one."""
 
     case: DesignCase
     study: SarStudy
     points: Pictures
-    scene: Pictures
     beside: SarStudy | None = None
     uploaded: PictureChart | None = None
 
@@ -56,9 +55,8 @@ async def run_strategies(run: Run, budget: Budget, runs: int, seed: int, engine:
     beside = None
     if engine == "simulator":
         _, beside = await _study(run, budget, max(runs, LEAST_BESIDE), seed, "fast", "error model: ")
-    run.tell("Forming the pictures")
-    points, scene = await elsewhere(pictures, budget, study.typical)
-    return SarResult(case, study, points, scene, beside)
+    run.tell("Forming the images")
+    return SarResult(case, study, await elsewhere(point_pictures, budget, study.typical), beside)
 
 
 async def _study(
@@ -77,6 +75,6 @@ async def _study(
     return case, gather(budget, case, tuning, seed, parts, history)
 
 
-def pictures(budget: Budget, residual: Array) -> tuple[Pictures, Pictures]:
-    """Of the points and of the scene, with this residual; in a worker process."""
-    return point_pictures(budget, residual), scene_pictures(budget, residual)
+async def scene_of(study: SarStudy) -> Pictures:
+    """Eight point targets under the strategies of a study: a second of work, so made when asked for."""
+    return await elsewhere(scene_pictures, study.budget, study.typical)

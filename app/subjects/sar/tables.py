@@ -11,50 +11,68 @@ from types import EllipsisType
 
 import numpy as np
 
+from app.charts.kinds import DotChart
 from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
 from app.document.numbers import NONE, hundredths, number
-from app.document.wording import AFTER_AUTOFOCUS
-from app.subjects.sar.charts import SHORT
+from app.document.ranks_html import ranks_html
 from nav_model.budget import Budget
+from nav_model.sar.advice import LEFT
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
 from nav_model.sar.design_case import flight_cautions, study_cautions
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.geometry import metres_to_phase
-from nav_model.sar.strategies import STRATEGIES, Strategy
+from nav_model.sar.strategies import NAMES, STRATEGIES, Strategy
 
 _NOT_RUN = "…"
 _ENGINES = {"fast": "runs of the error model", "simulator": "flights of the simulator"}
-_BANDS = "Medians of the runs, in brackets their 5 to 95 % band."
+_BANDS = "Median of the runs, 5 to 95 % in brackets."
 _SIDE_LOBES = (
-    "Fixed: outside the null-to-null lobe of the error-free response, so that a shoulder counts as a side lobe; "
-    "nulls: outside the minima found."
+    "Fixed: outside the null-to-null lobe of the error-free response, where a shoulder counts as a side lobe. Nulls: "
+    "outside the minima found."
 )
 
 
-def answer(budget: Budget, closed: ClosedForms) -> tuple[Block, ...]:
-    """Which strategy, whether it meets the limit, why, and what would change the answer."""
+def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple[Answer, tuple[Block, ...]]:
+    """Which strategy to use and whether it meets the limit; then why, and what would change the answer.
+
+    Of the runs where there are some, otherwise of the formulas.
+    """
     advice = closed.advice
-    word, tone = f"Strategy {advice.strategy}", "open"
+    if study is None:
+        name, sigma, note = NAMES[advice.strategy], advice.sigma[advice.strategy], "The runs also cover the others."
+    else:
+        best, now = study.best(), study.best(causal=True)
+        name, sigma, note = best.name, study.residual(best.key), ""
+        if now.key != best.key:
+            note = f"Best in real time: {now.name}, {_degrees(study.residual(now.key), budget)}°."
+    mark, tone, limit = "", "open", ""
     if closed.required_phase is not None:
-        phase = float(metres_to_phase(advice.sigma[advice.strategy], budget.sar.wavelength))
-        met = phase <= closed.required_phase
-        word, tone = (f"✓ {word} meets the limit", "good") if met else (f"✗ {word} misses the limit", "bad")
-    return (
-        Answer(word, tone, (advice.sentence,)),
+        met = float(metres_to_phase(sigma, budget.sar.wavelength)) <= closed.required_phase
+        mark, tone = ("✓ ", "good") if met else ("✗ ", "bad")
+        limit = f"; the limit is {number(math.degrees(closed.required_phase))}°"
+    said = f"It leaves {_degrees(sigma, budget)}° rms of phase {LEFT[budget.sar.autofocus_order]}{limit}."
+    runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
+    return Answer(f"{mark}Use {name}", tone, (said, note) if note else (said,)), (
+        *runs,
+        Text(advice.sentence),
         Text(f"Why: {advice.because}"),
         Text(f"What would change it: {advice.would_change}"),
     )
 
 
+def ranking(chart: DotChart, best: str) -> str:
+    """The strategies in their order as HTML; ``best`` names the one to use."""
+    return ranks_html(chart, {strategy.name: _kind(strategy) for strategy in STRATEGIES}, best)
+
+
+def _degrees(sigma: float, budget: Budget) -> str:
+    return number(math.degrees(float(metres_to_phase(sigma, budget.sar.wavelength))))
+
+
 def runs_in_words(study: SarStudy) -> str:
     """Which runs, and how many."""
     return f"{study.runs} {_ENGINES[study.engine]}, seed {study.seed}"
-
-
-def runs_said(study: SarStudy) -> Text:
-    """What the runs add to the answer."""
-    return Text(f"{study.sentence} Seed {study.seed}, {study.fixes} fixes in the aperture.")
 
 
 def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
@@ -74,26 +92,25 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
         else:
             cells += [_number(scale * float(study.rms[index])) for scale in _scales(study.budget)]
             cells += [_banded(study.parts["residual_rms"], index, scale) for scale in _scales(study.budget)]
-        rows.append((Cell(SHORT[strategy.key]), Cell(_kind(strategy)), *map(Cell, cells)))
+        rows.append((Cell(strategy.name), Cell(_kind(strategy)), *map(Cell, cells)))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
     return Table(
         f"{key}-sar-errors",
-        f"Line-of-sight error by strategy, rms over the aperture after {AFTER_AUTOFOCUS[budget.sar.autofocus_order]} "
-        "is removed",
+        f"Line-of-sight error by strategy, rms over the aperture {LEFT[budget.sar.autofocus_order]}",
         (
             Column("Strategy", width=1.75),
             Column("Kind", width=1.3),
             *(
                 Column(unit, numeric=True, width=width, group=group)
                 for group, widths in (
-                    ("Closed form", (0.8, 0.75)), ("Runs, rms", (0.8, 0.75)), ("Runs, median", (1.3, 1.3)),
+                    ("Formula", (0.8, 0.75)), ("Runs, rms", (0.8, 0.75)), ("Runs, median", (1.3, 1.3)),
                 )
                 for unit, width in zip(("[mm]", "[°]"), widths, strict=True)
             ),
         ),
         tuple(rows),
-        f"{runs}Closed forms [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]; "
-        "degrees are two-way phase [T-13].",
+        f"{runs}Formulas [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]. "
+        "Degrees are two-way phase [T-13].",
     )  # fmt: skip
 
 
@@ -104,24 +121,23 @@ def run_tables(study: SarStudy, beside: SarStudy | None, key: str) -> tuple[Tabl
 
 
 def _parts_table(study: SarStudy, key: str) -> Table:
-    """What each residual is made of, in degrees; the largest in millimetres; the jumps of the raw filter."""
+    """Parts of each residual in degrees; the largest residual in millimetres; the jumps of the filter."""
     millimetres, degrees = _scales(study.budget)
     parts = (
-        ("Largest after a line [mm]", "detrended_max", millimetres), ("Quadratic [°]", "quadratic", degrees),
+        ("Largest residual [mm]", "detrended_max", millimetres), ("Quadratic [°]", "quadratic", degrees),
         ("Cubic [°]", "cubic", degrees), ("Higher orders [°]", "higher_rms", degrees),
         ("High frequency [°]", "high_frequency_rms", degrees),
     )  # fmt: skip
     return _by_strategy(
         f"{key}-sar-parts",
-        "What the error of each strategy is made of",
+        "Parts of the error by strategy",
         tuple(title for title, *_ in parts),
         [
             tuple(_banded(study.parts[name], index, scale) for _, name, scale in parts)
             for index in range(len(STRATEGIES))
         ],
-        f"{_BANDS} Quadratic and cubic: coefficients at the aperture's ends, before autofocus [S-5], [S-6]; the "
-        f"others rms [T-14]. The raw filter (4) jumps at the fixes by {_banded(study.jump_rms, ..., millimetres)} mm "
-        "rms.",
+        f"{_BANDS} Quadratic and cubic: coefficients at the aperture's ends, before autofocus [S-5], [S-6]. Others: "
+        f"rms [T-14]. {NAMES['4']} jumps at the fixes by {_banded(study.jump_rms, ..., millimetres)} mm rms.",
     )
 
 
@@ -170,7 +186,7 @@ def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
     scales = _scales(study.budget)
     rows = tuple(
         (
-            Cell(SHORT[one.key]),
+            Cell(NAMES[one.key]),
             *(Cell(_number(scale * sigma)) for sigma in (one.flown, one.fast) for scale in scales),
             Cell(f"{number(one.ratio, 4)} ± {number(one.error, 2)}"),
             Cell("✓ agrees", tone="good") if one.agrees else Cell("✗ differs", tone="warn"),
@@ -179,7 +195,7 @@ def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
     )
     return Table(
         f"{key}-sar-engines",
-        "The two engines beside each other",
+        "Simulator and error model compared",
         (
             Column("Strategy", width=1.5),
             *(
@@ -201,7 +217,7 @@ def _by_strategy(key: str, caption: str, titles: tuple[str, ...], rows: list[tup
         key,
         caption,
         (Column("Strategy", width=1.5), *(Column(title, numeric=True, width=1) for title in titles)),
-        tuple((Cell(SHORT[strategy.key]), *map(Cell, cells)) for strategy, cells in named),
+        tuple((Cell(strategy.name), *map(Cell, cells)) for strategy, cells in named),
         note,
     )
 

@@ -15,7 +15,7 @@ from app.declared import declared, held
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.sar.charts import SHORT, uploaded_picture
+from app.subjects.sar.charts import uploaded_picture
 from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.run import SarResult
 from app.ui.fields import number
@@ -26,13 +26,14 @@ from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.errors import InputError
 from nav_model.sar.pictures import uploaded_pictures
-from nav_model.sar.strategies import STRATEGY_KEYS
+from nav_model.sar.strategies import NAMES, STRATEGY_KEYS
 
 MOST_BYTES = 32 * 2**20
 _HELP = Text(
-    "A phase history in the form of the public AFRL collections, as an npz file: fp (frequencies × pulses, complex), "
-    "freq [Hz], antenna x, y, z [m] about the scene centre and reference range r0 [m] for each pulse; at most 32 "
-    "MiB. The design's error is laid over its pulses from first to last; its phase is that of the file's wavelength."
+    "Takes a phase history in the format of the public AFRL collections, as an NPZ file of at most 32 MiB: fp "
+    "(frequencies × pulses, complex), freq [Hz], antenna x, y, z [m] relative to the scene centre, and reference "
+    "range r0 [m] of each pulse. The design's error is applied from the first to the last pulse, at the file's "
+    "wavelength."
 )
 _LOOK: dict[str, Any] = {"margin": (8, 6)}
 
@@ -44,9 +45,7 @@ class UploadedPicture(pn.viewable.Viewer):
     file: tuple[str, bytes] | None = declared(param.Parameter(default=None, doc="Name and content of the file."))
     strategy: str = declared(
         param.Selector(
-            default="2",
-            objects={SHORT[key]: key for key in STRATEGY_KEYS[1:]},
-            label="Navigation error of strategy",
+            default="2", objects={NAMES[key]: key for key in STRATEGY_KEYS[1:]}, label="Navigation error of"
         )
     )
     half_width = param.String(default="50", label="Half width [m]")
@@ -83,9 +82,9 @@ class UploadedPicture(pn.viewable.Viewer):
     async def _form(self, run: Run) -> PictureChart:
         result = self._result()
         if self.file is None:
-            raise InputError("Phase history", "none given yet")
+            raise InputError("Phase history", "open a file first")
         if result is None:
-            raise InputError("Phase history", "run the strategies first: it needs the design's navigation error")
+            raise InputError("Phase history", "run the strategies first: the image needs their navigation error")
         half = number("Half width [m]", self.half_width, 1.0, 5000.0)
         name, data = self.file
         run.tell(f"Forming {name}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
@@ -19,12 +18,13 @@ MOST_OUTAGES = 4
 
 _DEG = 180 / math.pi
 _TIME = "time [s]"
+_NO_TIME, _NOTHING = np.array([0.0, 300.0]), np.full(2, np.nan)
 _SIMULATED, _FILTER = "simulated errors, after the fix", "filter covariance, after the fix"
 _UNITS = {"m": ("m", 1.0), "m_s": ("m/s", 1.0), "rad": ("°", _DEG)}
 
 
-def _outages(study: SimulationStudy) -> tuple[Span, ...]:
-    given = [*study.result.spec.outages][:MOST_OUTAGES]
+def _outages(study: SimulationStudy | None) -> tuple[Span, ...]:
+    given = [] if study is None else [*study.result.spec.outages][:MOST_OUTAGES]
     parked = [(math.nan, math.nan)] * (MOST_OUTAGES - len(given))
     return tuple(Span(f"outage {i}", "no fixes", start, stop) for i, (start, stop) in enumerate(given + parked))
 
@@ -51,12 +51,17 @@ def _closed(study: SimulationStudy, column: int, scale: float = 1.0) -> Array:
     return scale * sigma[:, column]
 
 
+def _pooled(values: Callable[..., Array], study: SimulationStudy, columns: tuple[int, ...], scale: float) -> Array:
+    """Root mean square over axes."""
+    return np.sqrt(np.mean([values(study, column, scale) ** 2 for column in columns], axis=0))
+
+
 def path_chart(study: SimulationStudy) -> Chart:
-    """The designed path: what the aircraft truly flies, seen from above and from the side."""
+    """The path of the reference trajectory, seen from above and from the side."""
     along = study.path[:, 0] / 1000
     return Chart(
         key="sim-path",
-        title="Designed path",
+        title="Reference trajectory: path",
         x_label="along the initial track [km]",
         y_label="from the start [m]",
         lines=(
@@ -68,11 +73,11 @@ def path_chart(study: SimulationStudy) -> Chart:
 
 
 def designed_attitude_chart(study: SimulationStudy) -> Chart:
-    """The designed roll, pitch and yaw."""
+    """Roll, pitch and yaw of the reference trajectory."""
     time, euler = study.result.time_s, study.result.truth.euler * _DEG
     return Chart(
-        key="sim-attitude",
-        title="Designed roll, pitch and yaw",
+        key="sim-flown-attitude",
+        title="Reference trajectory: roll, pitch, yaw",
         x_label=_TIME,
         y_label="angle [°]",
         lines=(
@@ -85,77 +90,93 @@ def designed_attitude_chart(study: SimulationStudy) -> Chart:
     )
 
 
-def axis_chart(study: SimulationStudy, what: str, axes: str) -> Chart:
-    """Error of "position" or "velocity", "horizontal" or "vertical"."""
-    column = ("position", "velocity").index(what) * 3
-    if axes == "horizontal":
-        lines = _pair(study, column, column + 1, "north", "east")
-        closed = "Closed form [T-3], in the outage [T-9]"
-    else:
-        column += 2
-        lines, closed = _single(study, column, "down"), "Closed form [T-4], in the outage [T-10]"
-    if what == "position":
-        lines, closed = (*lines, _refined(study, column)), f"{closed}; refined [T-17]"
-    return _errors(study, f"{what}-{axes}", f"{axes.capitalize()} {what}", lines, f"{closed}.")
+def position_chart(study: SimulationStudy | None) -> Chart:
+    """Position error, horizontal over both axes; None: the frame alone."""
+    closed = "Formula [T-3], [T-4], in the outage [T-9], [T-10]."
+    return _errors(study, "position", "position, 1σ [m]", (0, 1), 2, ("horizontal", "vertical"), closed)
 
 
-def tilt_chart(study: SimulationStudy) -> Chart:
-    """Roll and pitch error, with the absolute error of the worst run."""
-    time, worst = study.result.time_s, study.result.worst
-    lines = [
-        Line(f"worst {name}", f"{name}, worst run, absolute", time, _DEG * np.abs(worst.error[POSTERIOR, :, column]),
-             style, f"run {worst.run}")
-        for name, column, style in (("roll", 6, "worst run"), ("pitch", 7, "worst run, second axis"))
-    ]  # fmt: skip
-    closed = f"Closed form [T-3], in the outage [T-9]. Worst: run {worst.run}, largest horizontal position error."
-    return _errors(study, "tilt", "Roll and pitch", (*_pair(study, 6, 7, "roll", "pitch"), *lines), closed)
+def velocity_chart(study: SimulationStudy | None) -> Chart:
+    """Velocity error, horizontal over both axes; None: the frame alone."""
+    closed = "Formula [T-3], [T-4], in the outage [T-9], [T-10]."
+    return _errors(study, "velocity", "velocity, 1σ [m/s]", (3, 4), 5, ("horizontal", "vertical"), closed)
 
 
-def yaw_chart(study: SimulationStudy) -> Chart:
-    """Yaw error."""
-    closed = "Closed form [T-5]: unobservable on a straight path, so it only grows."
-    return _errors(study, "yaw", "Yaw", _single(study, 8, "yaw"), closed)
+def attitude_chart(study: SimulationStudy | None) -> Chart:
+    """Roll and pitch error together, and yaw error; None: the frame alone."""
+    closed = "Formula [T-3], in the outage [T-9]; yaw [T-5], which is unobservable on a straight path and only grows."
+    return _errors(study, "attitude", "attitude, 1σ [°]", (6, 7), 8, ("roll, pitch", "yaw"), closed)
 
 
-def _errors(study: SimulationStudy, key: str, what: str, lines: tuple[Line, ...], closed: str) -> Chart:
-    """A chart of one kind of error over the flight; position and velocity grow by decades, angles do not."""
-    quantity = what.split()[-1]
-    y_label = {"position": "position, 1σ [m]", "velocity": "velocity, 1σ [m/s]"}.get(quantity)
+def _errors(
+    study: SimulationStudy | None, key: str, y_label: str, level: tuple[int, ...], other: int,
+    names: tuple[str, str], closed: str,
+) -> Chart:  # fmt: skip
+    scale = _UNITS[STATES[other][2]][1]
+    (first, second), form = names, "formula, average between fixes"
+
+    def line(name: str, label: str, values: Callable[..., Array], columns: tuple[int, ...], style: str, source: str,
+             end: str = "") -> Line:  # fmt: skip
+        y = _NOTHING if study is None else _pooled(values, study, columns, scale)
+        return Line(name, label, _time(study), y, style, source, end)
+
     return Chart(
         key=f"sim-{key}",
-        title=f"{what} error",
+        title=f"{key.capitalize()} error",
         x_label=_TIME,
-        y_label=y_label or "angle, 1σ [°]",
-        lines=lines,
+        y_label=y_label,
+        lines=(
+            line("rms 1", f"{first}, simulated", _rms, level, "simulated", _SIMULATED, first),
+            line("filter 1", f"{first}, filter", _sigma, level, "filter", _FILTER),
+            line("closed 1", f"{first}, formula", _closed, level[:1], "closed form", form),
+            line("rms 2", f"{second}, simulated", _rms, (other,), "simulated, second axis", _SIMULATED, second),
+            line("closed 2", f"{second}, formula", _closed, (other,), "closed form, second axis", form),
+        ),
         spans=_outages(study),
-        y_log=y_label is not None,
-        knowledge=f"{_runs(study)}. {closed}",
+        y_log=key != "attitude",
+        knowledge="" if study is None else f"{_runs(study)}. {closed}",
     )
 
 
-def _refined(study: SimulationStudy, column: int) -> Line:
-    sigma = study.refined_sigma[:, column]
-    return Line("refined", "refined", study.result.time_s, sigma, "refined", "linear covariance [T-17]")
+def _time(study: SimulationStudy | None) -> Array:
+    return _NO_TIME if study is None else study.result.time_s
 
 
-def _pair(study: SimulationStudy, first: int, second: int, name: str, other: str) -> tuple[Line, ...]:
-    time, scale = study.result.time_s, _UNITS[STATES[first][2]][1]
+def consistency_chart(study: SimulationStudy | None) -> Chart:
+    """Simulated rms over the filter's sigma, by kind of error; None: the frame alone."""
+    low, high = (math.nan, math.nan) if study is None else study.result.rms_band
+    kinds = (
+        ("position", (0, 1, 2), "x"), ("velocity", (3, 4, 5), "y"),
+        ("roll, pitch", (6, 7), "initial tilt"), ("yaw", (8,), "z"),
+    )  # fmt: skip
+
+    def over_sigma(study: SimulationStudy, column: int, _: float) -> Array:
+        return _rms(study, column) / _sigma(study, column)
+
+    ratios = [_NOTHING if study is None else _pooled(over_sigma, study, columns, 1.0) for _, columns, _ in kinds]
+    time = _time(study)
+    most = max((float(np.nanmax(ratio)) for ratio in ratios if np.isfinite(ratio).any()), default=1.0)
+    return Chart(
+        key="sim-consistency",
+        title="Consistency: simulated error over filter sigma",
+        x_label=_TIME,
+        y_label="simulated / filter [-]",
+        lines=(
+            *(Line(name, name, time, y, style, "rms over filter sigma", "")
+              for (name, _, style), y in zip(kinds, ratios, strict=True)),
+            *_edges(time, low, high, "95 % band of one axis"),
+        ),
+        spans=_outages(study),
+        y_range=(0.0, 2.0 if most <= 2 else 1.2 * most),
+        knowledge="" if study is None else f"{_runs(study)}. One: the filter's sigma describes the errors exactly.",
+    )  # fmt: skip
+
+
+def _edges(time: Array, low: float, high: float, label: str) -> tuple[Line, Line]:
+    level = np.ones_like(time)
     return (
-        Line("rms 1", f"{name}, simulated", time, _rms(study, first, scale), "simulated", _SIMULATED),
-        Line("rms 2", f"{other}, simulated", time, _rms(study, second, scale), "simulated, second axis", _SIMULATED),
-        Line("filter 1", f"{name}, filter", time, _sigma(study, first, scale), "filter", _FILTER),
-        Line("filter 2", f"{other}, filter", time, _sigma(study, second, scale), "filter, second axis", _FILTER),
-        Line("closed", "closed form", time, _closed(study, first, scale), "closed form", "cycle rms [T-3], [T-9]"),
-    )
-
-
-def _single(study: SimulationStudy, column: int, name: str) -> tuple[Line, ...]:
-    time, scale = study.result.time_s, _UNITS[STATES[column][2]][1]
-    mark = "[T-5]" if name == "yaw" else "cycle rms [T-4], [T-10]"
-    return (
-        Line("rms", f"{name}, simulated", time, _rms(study, column, scale), "simulated", _SIMULATED),
-        Line("filter", f"{name}, filter", time, _sigma(study, column, scale), "filter", _FILTER),
-        Line("closed", "closed form", time, _closed(study, column, scale), "closed form", mark),
+        Line("high", f"{label}, top", time, high * level, "reference", "chi-square", label),
+        Line("low", f"{label}, bottom", time, low * level, "reference", "chi-square", ""),
     )
 
 
@@ -175,10 +196,11 @@ def outage_chart(study: SimulationStudy) -> Chart:
         ("rms 1", "north, simulated", _rms(study, 0), "simulated", _SIMULATED),
         ("rms 2", "east, simulated", _rms(study, 1), "simulated, second axis", _SIMULATED),
         ("filter", "north, filter", _sigma(study, 0), "filter", _FILTER),
-        ("closed", "closed form", _closed(study, 0), "closed form", "polynomial [T-9]"),
-        ("refined", "refined", study.refined_sigma[:, 0], "refined", "linear covariance [T-17]"),
-        ("tilt 1", "north, tilt at the last fix alone", result.tilt_share_m[:, 0], "worst run", "g θ t²/2 [T-12]"),
-        ("tilt 2", "east, tilt at the last fix alone", result.tilt_share_m[:, 1], "worst run, second axis",
+        ("closed", "formula", _closed(study, 0), "closed form", "polynomial [T-9]"),
+        ("refined", "with Schuler and Coriolis terms", study.refined_sigma[:, 0], "refined",
+         "linear covariance [T-17]"),
+        ("tilt 1", "north, from the tilt at the last fix", result.tilt_share_m[:, 0], "worst run", "g θ t²/2 [T-12]"),
+        ("tilt 2", "east, from the tilt at the last fix", result.tilt_share_m[:, 1], "worst run, second axis",
          "g θ t²/2 [T-12]"),
     )  # fmt: skip
     lines = tuple(Line(key, label, time, part(values), style, source) for key, label, values, style, source in curves)
@@ -186,12 +208,12 @@ def outage_chart(study: SimulationStudy) -> Chart:
     if rows.any():
         share = result.tilt_share_m[rows, 0][-1] / result.rms[POSTERIOR, rows, 0][-1]
         knowledge = (
-            f"{_runs(study)}. The tilt at the last fix alone, simulated rms times g t²/2 [T-12], is {percent(share)} "
+            f"{_runs(study)}. The tilt at the last fix alone (simulated rms × g t²/2 [T-12]) makes {percent(share)} "
             f"of the simulated northern error at {number(time[-1], 4)} s."
         )
     return Chart(
         key="sim-outage",
-        title="Outage growth, horizontal position",
+        title="Horizontal position in the outage",
         x_label="time since the last fix [s]",
         y_label="position, 1σ [m]",
         lines=lines,
@@ -209,7 +231,7 @@ def ensemble_chart(study: SimulationStudy, axis: str = "north") -> Chart:
     worst, source = np.abs(result.worst.error[POSTERIOR, :, column]), "percentile of the runs"
     return Chart(
         key="sim-ensemble",
-        title="Ensemble: absolute position error of the runs",
+        title="Spread of the runs: absolute position error",
         x_label=_TIME,
         y_label="position, absolute [m]",
         lines=(
@@ -222,52 +244,46 @@ def ensemble_chart(study: SimulationStudy, axis: str = "north") -> Chart:
         spans=_outages(study),
         y_log=True,
         knowledge=(
-            f"Position {axis}, {result.spec.runs} runs. Percentiles from a histogram of 4.7 % bins. Worst: run "
-            f"{result.worst.run}, largest horizontal position error at any time. A consistent filter keeps 95 % of "
+            f"Position {axis}, {result.spec.runs} runs. Percentiles from a histogram of 4.7 % bins. Worst run: "
+            f"{result.worst.run}, by its largest horizontal position error. A consistent filter keeps 95 % of "
             "the errors below 2σ."
         ),
     )
 
 
-def nees_chart(study: SimulationStudy) -> Chart:
-    """Mean NEES at each time, with its band."""
-    result = study.result
-    time = result.time_s
-    low, high = result.nees_curve_band
-    level = np.ones_like(time)
+def nees_chart(study: SimulationStudy | None) -> Chart:
+    """Mean NEES at each time, with its band; None: the frame alone."""
+    result, time = None if study is None else study.result, _time(study)
+    low, high = result.nees_curve_band if result else (math.nan, math.nan)
     return Chart(
         key="sim-nees",
-        title="Consistency: normalised estimation error squared",
+        title="NEES: normalised estimation error squared",
         x_label=_TIME,
         y_label="mean NEES [-]",
         lines=(
-            Line("nees", "mean over the runs", time, result.nees_curve, "simulated", "errors by filter covariance"),
-            Line("expected", "expected", time, result.nees.states * level, "reference", "number of states"),
-        ),
-        bands=(
-            Band("band", "95 % band at one time", time, low * level, high * level, "third axis", "chi-square"),
+            Line("nees", "mean over the runs", time, result.nees_curve if result else _NOTHING, "simulated",
+                 "errors by filter covariance", ""),
+            *_edges(time, low, high, "95 % band at one time"),
         ),
         spans=_outages(study),
-        knowledge=(
-            f"Band: chi-square of {result.nees.states} states over {result.spec.runs} runs, at one time; a "
-            "consistent filter leaves it 5 % of the time. The verdict uses the mean over all times, with a "
+        knowledge="" if result is None else (
+            f"Band: chi-square of {result.nees.states} states over {result.spec.runs} runs, at one time. A "
+            "consistent filter leaves this band 5 % of the time. The verdict uses the mean over all times, with a "
             "band that accounts for their correlation."
         ),
     )  # fmt: skip
 
 
+TIMELINES = (position_chart, velocity_chart, attitude_chart)
+CONSISTENCY = (consistency_chart, nees_chart)
+"""The charts of the first screen, all on one time axis."""
+
 CHARTS: tuple[Callable[[SimulationStudy], Chart], ...] = (
-    *(
-        partial(axis_chart, what=what, axes=axes)
-        for what in ("position", "velocity")
-        for axes in ("horizontal", "vertical")
-    ),
-    tilt_chart,
-    yaw_chart,
+    *TIMELINES,
+    *CONSISTENCY,
     outage_chart,
     ensemble_chart,
-    nees_chart,
     path_chart,
     designed_attitude_chart,
 )
-"""Every chart of a study, in the order of page and report."""
+"""Every chart of a study, in the order of the report."""

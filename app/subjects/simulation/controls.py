@@ -5,6 +5,7 @@ Text that is refused shows its message at the box and leaves the last good value
 
 from __future__ import annotations
 
+from contextlib import suppress
 from html import escape
 from typing import Any
 
@@ -19,8 +20,6 @@ from app.ui.html_pane import html_pane
 from nav_model.errors import InputError
 from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, SimulationInputs, read_study_inputs
 
-_TITLE = "Advanced: sensor errors, receiver, filter tuning"
-
 
 class StudyControls(pn.viewable.Viewer):
     """The boxes; `texts` is what is in force, and a line says it while they are folded away."""
@@ -31,35 +30,40 @@ class StudyControls(pn.viewable.Viewer):
 
     def __init__(self) -> None:
         super().__init__()
+        self.boxes: dict[str, pmui.TextInput] = {}
+        self.given = html_pane("", margin=(0, 10))
+
+    def __panel__(self) -> pn.Column:
+        """The boxes, made when they are first looked at."""
         self.boxes = {key: self._box(key) for key in STUDY_KEYS}
-        self.given = html_pane("", margin=(2, 14))
         sections: list[Any] = []
         for part in STUDY_PARTS:
             own = [box for key, box in self.boxes.items() if key.startswith(f"{part.section}.")]
-            sections.append(html_pane(f"<h3>{escape(part.title)}</h3>", margin=(6, 8, 0, 8)))
-            sections.append(pn.FlexBox(*own))
-        accordion = pmui.Accordion(
-            (_TITLE, pn.Column(*sections)),
-            active=[],
-            title_variant="subtitle1",
-            disable_gutters=True,
-            sizing_mode="stretch_width",
-            margin=(2, 10),
-        )
-        self._view = pn.Column(accordion, self.given)
-
-    def __panel__(self) -> pn.Column:
-        return self._view
+            sections += [html_pane(f"<h3>{escape(part.title)}</h3>", margin=(6, 8, 0, 8)), pn.FlexBox(*own)]
+        return pn.Column(*sections)
 
     @property
     def inputs(self) -> SimulationInputs:
         """What is in force."""
         return read_study_inputs(self.texts)
 
+    def take(self, texts: dict[str, str]) -> None:
+        """Put texts in force, such as those of a link; what is not allowed stays out."""
+        taken = {}
+        for key, text in texts.items():
+            with suppress(InputError):
+                read_study_inputs({key: text})
+                taken[key] = text
+        if taken != self.texts:
+            self.texts = taken
+            for key, box in self.boxes.items():
+                box.value = taken.get(key, "")
+
     def _box(self, key: str) -> pmui.TextInput:
         declared = STUDY_KEYS[key]
         box = pmui.TextInput(
             label=str(declared.label),
+            value=self.texts.get(key, ""),
             placeholder="none" if declared.default is None else declared.show(declared.default),
             helper_text=str(declared.doc),
             margin=(8, 8, 2, 8),
@@ -76,7 +80,8 @@ class StudyControls(pn.viewable.Viewer):
             kept = self.texts.get(key, "") or box.placeholder
             error = f"{refused.reason}; still {kept}"
         else:
-            self.texts = {**self.texts, key: text.strip()}
+            others = {name: kept for name, kept in self.texts.items() if name != key}
+            self.texts = {**others, key: text.strip()} if text.strip() else others
         box.error_state = bool(error)
         box.helper_text = error or str(STUDY_KEYS[key].doc)
 

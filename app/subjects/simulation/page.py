@@ -6,30 +6,42 @@ import asyncio
 import importlib
 import io
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from html import escape
 from typing import TYPE_CHECKING, Any
+from urllib.parse import parse_qsl, urlencode
 
 import panel as pn
 import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import Chart
+from app.charts.legend import legend_html
+from app.charts.screen.timelines import Timelines
+from app.charts.words import in_words
 from app.declared import declared, held
-from app.document.blocks import Bullets, Text
+from app.document.blocks import Answer, Block
 from app.document.numbers import number as shown
 from app.document.pane import html_of
-from app.document.wording import title_of
 from app.session import Session
 from app.subjects.simulation.controls import StudyControls
 from app.subjects.simulation.files import as_csv, as_json, as_npz
 from app.subjects.simulation.run import Flown, fly, same_subject
-from app.ui.chart_pane import ChartPane, chart_cells
+from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table
+from app.ui.answer_strip import AnswerStrip
+from app.ui.chart_pane import ChartPane, head_html, takes
 from app.ui.downloads import download
 from app.ui.fields import number, whole_number
-from app.ui.grid import grid
-from app.ui.html_pane import block_pane, html_pane, stale_mark
+from app.ui.first_screen import first_screen
+from app.ui.folded import Folded
+from app.ui.grid import cell, grid
+from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
+from app.ui.study_settings import StudySettings
+from app.ui.theme import PRINT_NOTHING
 from app.upstream.file_input import LimitedFileInput
+from app.work.kept import keep, kept
 from app.work.pool import elsewhere
 from app.work.run import Run
 from app.work.simulator import prepare
@@ -54,30 +66,25 @@ _MOST_SAMPLES = 1e9  # of the instrument, over all runs: ten minutes and more of
 _LONGEST_RUN = 2e6  # samples of one run: what a worker holds in memory
 _POINTS = 600  # results kept along a run
 _UPLOAD = 20_000_000  # bytes
-_LOOK: dict[str, Any] = {"margin": (8, 6)}
-_HEIGHTS = (340, 340, 300, 300, 300, 300, 340, 340, 300, 280, 280)  # pixels, of the charts in their order
-_START = (
-    Text(
-        "Runs a Monte Carlo of this design, a strapdown INS with a Kalman filter, and compares the errors with the "
-        "filter covariance and the formulas. Press Start. Progress appears beside the button, then you will see:"
+_LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
+_HEAD = (6, 10, 0, 10)  # margin of the line above a chart
+_KEY = '<span class="quiet fine">solid: simulated · dashed: filter · dotted: formula · grey: outage</span>'
+_START = Answer(
+    "Not run yet",
+    "open",
+    (
+        "Press Start to compare simulated errors with the filter and the formulas.",
+        "Enter outages as start,stop in seconds; separate several with semicolons.",
     ),
-    Bullets((
-        "the rms of the runs beside the filter's sigma and the formula, steady and through the outage;",
-        "whether the filter is consistent (the mean NEES lies inside its 95 % band), optimistic or pessimistic;",
-        "where a formula departs from the runs, and why.",
-    )),
-    Text(
-        "Enter outages as start,stop in seconds; separate several with semicolons. Fifteen states estimate the "
-        "biases as well. The same seed gives the same errors again."
-    ),
-)  # fmt: skip
+)
+_COMING = "Appears with the first result."
 
 
 class SimulatePage(pn.viewable.Viewer):
     """Everything below the tab."""
 
     run = held(Run)
-    trajectory: str = declared(param.Selector(default="wandering", objects=_FLIGHTS))
+    trajectory: str = declared(param.Selector(default="wandering", objects=_FLIGHTS, label="Trajectory"))
     runs = param.String(default="50", label="Runs")
     length = param.String(default="300", label="Length [s]")
     outages = param.String(default="200,300", label="Outages [s]")
@@ -85,32 +92,54 @@ class SimulatePage(pn.viewable.Viewer):
     states: int = declared(
         param.Selector(default=9, objects={f"{count} states": count for count in FILTER_STATES}, label="Filter")
     )
+    added = param.String(doc="What the study adds to the design, as a query.")
     axis: str = declared(param.Selector(default="north", objects=_AXES, label="Axis of the ensemble"))
 
     def __init__(self, session: Session) -> None:
+        from app.subjects.simulation.charts import CONSISTENCY, TIMELINES
+
         super().__init__(run=session.new_run())
         self._session = session
         self._file: TrajectorySpec | None = None
-        self._charts: list[ChartPane[SimulationStudy]] = []
+        self._asked: tuple[str, ...] = ("simulation",)  # what the result follows from
         self._more = StudyControls()
+        self._follow: list[Callable[[], object]] = []  # of what was unfolded
+        self._more.param.watch(lambda event: setattr(self, "added", urlencode(event.new)), "texts")
+        names = ("trajectory", "runs", "length", "outages", "seed", "states", "added")
+        self._settings = StudySettings(session, "simulation", self, names, self._recall)
+        self._strip = AnswerStrip(_START)
         self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
-        self._start = block_pane(*_START, margin=(4, 12))
-        self._note, self._answer = html_pane("", margin=(2, 10)), html_pane("")
-        self._place = pn.Column()
+        self._charts = (TIMELINES, CONSISTENCY)
+        named = CONSISTENCY[0](None)  # its curves are too near to one another for names at their ends
+        legend = legend_html(replace(named, lines=tuple(line for line in named.lines if line.style != "reference")))
+        self._keys = {TIMELINES: _KEY, CONSISTENCY: legend}
+        self._stacks = [Timelines([draw(None) for draw in TIMELINES])]
+        self._stacks.append(Timelines([draw(None) for draw in CONSISTENCY], self._stacks[0]))
+        self._heads = [html_pane("", margin=_HEAD) for _ in self._charts]
+        halves = [
+            pn.Column(
+                head, *(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in stack.plots),
+                sizing_mode="stretch_both", min_height=430,
+            )
+            for head, stack in zip(self._heads, self._stacks, strict=True)
+        ]  # fmt: skip
         self._view = pn.Column(
-            self._bar,
-            self._more,
-            self._start,
-            self._note,
-            self._answer,
-            pn.FlexBox(
-                download("Statistics (NPZ)", "simulation.npz", lambda: io.BytesIO(as_npz(self._study))),
-                download("Sigmas (CSV)", "simulation.csv", lambda: io.BytesIO(as_csv(self._study).encode())),
-                download("Everything (JSON)", "simulation.json", lambda: io.BytesIO(as_json(self._study).encode())),
-                visible=self.run.param.result.rx.is_not(None), margin=(0, 4),
+            first_screen(
+                self._strip, pn.Column(self._bar, self._more.given), left=[halves[0]], right=[halves[1]],
             ),
-            self._place,
+            Folded(
+                (
+                    ("Advanced: sensor errors, receiver, filter tuning", lambda: self._more),
+                    ("Where formula and simulation differ, and why", lambda: self._told(departures, conditions_told)),
+                    ("Sigmas: simulated, filter, formula", lambda: self._told(sigma_table)),
+                    ("What was flown", self._flown),
+                    ("Outage growth and spread of the runs", self._spread),
+                    ("Exports", self._exports),
+                )
+            ),
         )  # fmt: skip
+        self._write()
+        self._recall()
         if pn.state.curdoc:
             prepare()
 
@@ -119,8 +148,9 @@ class SimulatePage(pn.viewable.Viewer):
 
     def show(self, _: Budget) -> None:
         """Follow the budget in force: a result of other instruments or another flight is marked stale."""
-        if self.run.result is not None:
-            self._note.object = self._said(self.run.result)
+        if self._result is None or not same_subject(self._result.study.design, self._session.design):
+            self._recall()
+        self._write()
 
     # --- the parts ------------------------------------------------------------------------------------
 
@@ -129,80 +159,161 @@ class SimulatePage(pn.viewable.Viewer):
         self._upload = LimitedFileInput(
             lambda why: self._say(f"Not used. {why}"),
             label="Trajectory file", accept=".csv", icon="upload_file", max_file_size=_UPLOAD, variant="outlined",
-            visible=choices.trajectory.rx() == "file", **_LOOK,
+            visible=choices.trajectory.rx() == "file", margin=(2, 4),
         )  # fmt: skip
         self._upload.param.watch(self._uploaded, "value")
         return (
-            pmui.Select.from_param(choices.trajectory, width=250, **_LOOK),
+            pmui.Select.from_param(choices.trajectory, width=180, **_LOOK),
             self._upload,
             names(choices.runs, width=70, **_LOOK),
             names(choices.length, width=90, **_LOOK),
-            names(choices.outages, placeholder="start,stop; start,stop", width=150, **_LOOK),
-            names(choices.seed, width=70, **_LOOK),
-            pmui.Select.from_param(choices.states, width=120, **_LOOK),
-        )
+            names(
+                choices.outages, placeholder="start,stop; start,stop", width=140,
+            ),
+            names(choices.seed, width=65, **_LOOK),
+            pmui.Select.from_param(choices.states, width=110, **_LOOK),
+        )  # fmt: skip
 
-    def _draw(self) -> None:
-        """Make the figures: once, with the first result."""
-        from app.subjects.simulation.charts import CHARTS, ensemble_chart, nees_chart
-
-        def ensemble(study: SimulationStudy) -> Chart:
-            return ensemble_chart(study, self.axis)
-
-        layout = [
-            (ensemble if draw is ensemble_chart else draw, height, 12 if draw is nees_chart else 6)
-            for draw, height in zip(CHARTS, _HEIGHTS, strict=True)
-        ]
-        cells = chart_cells(layout, lambda what, high: ChartPane(what, lambda: self._study, high), self._charts)
-        cells[CHARTS.index(ensemble_chart)].append(pmui.RadioButtonGroup.from_param(self.param.axis, **_LOOK))
-        self._place.append(grid(*cells))
+    @property
+    def _result(self) -> Flown | None:
+        result: Flown | None = self.run.result
+        return result
 
     @property
     def _study(self) -> SimulationStudy:
-        flown: Flown = self.run.result
-        return flown.study
+        assert self._result is not None  # asked for by what appears with the first result
+        return self._result.study
+
+    def _write(self) -> None:
+        """Strip, charts and what was unfolded; a text that stays the same is not sent."""
+        study = self._result.study if self._result else None
+        self._strip.show(*self._answer())
+        for draws, stack, head, title in zip(
+            self._charts, self._stacks, self._heads, ("Errors and sigmas", "Consistency and NEES"), strict=True
+        ):
+            lines = [draw(study) for draw in draws]
+            if study is not None:
+                stack.feed(lines)
+            said = "".join(f'<p class="hidden">What the chart shows: {escape(in_words(line))}</p>' for line in lines)
+            knowledge = " ".join(line.knowledge for line in lines) if study else _COMING
+            key = f'<span class="quiet fine">{_COMING}</span>' if study is None else self._keys[draws]
+            text = head_html(title, knowledge, said, key)
+            if head.object != text:
+                head.object = text
+        for follow in self._follow:
+            follow()
+
+    def _answer(self) -> tuple[Answer, str]:
+        """What the strip says: the verdict, of which runs, and whether it is one of this design."""
+        from app.subjects.simulation.tables import verdict
+
+        if self._result is None:
+            return _START, ""
+        flown, said = self._result, verdict(self._result.study)
+        notes = []
+        if flown.partial:
+            done = f"{flown.study.result.spec.runs} of {flown.wanted} runs"
+            said = Answer(f"Partial: {done}", "open", (f"So far {said.word[2:].lower()}.", *said.sentences))
+        elif self.run.message.startswith("Cancelled"):
+            notes.append("The last run was cancelled. This is the result before it.")
+        if not same_subject(flown.study.design, self._session.design):
+            notes.append("Stale: the instruments or the flight have changed since.")
+        return said, " ".join(notes)
+
+    def _told(self, *tell: Callable[[SimulationStudy, str], Block]) -> Any:
+        """A pane that follows the result."""
+        pane = html_pane("")
+
+        def follow() -> None:
+            said = html_of(*(one(self._study, "page") for one in tell)) if self._result else f"<p>{_COMING}</p>"
+            if pane.object != said:
+                pane.object = said
+
+        self._follow.append(follow)
+        follow()
+        return pane
+
+    def _later(self, draws: Sequence[Callable[[SimulationStudy], Chart]], *beside: Any) -> pn.Column:
+        """Charts of the result: a sentence until there is one."""
+        place, panes = pn.Column(html_pane(f"<p>{_COMING}</p>")), list[ChartPane[SimulationStudy]]()
+
+        def follow() -> None:
+            if self._result is None:
+                return
+            if not panes:
+                panes.extend(ChartPane(draw, lambda: self._study, 300) for draw in draws)
+                place.objects = [*beside, grid(*(cell(6, pane.view) for pane in panes))]
+            for pane in panes:
+                pane.show(self._study)
+
+        self._follow.append(follow)
+        follow()
+        return place
+
+    def _flown(self) -> pn.Column:
+        from app.subjects.simulation.charts import designed_attitude_chart, path_chart
+
+        return pn.Column(self._told(run_table), self._later((path_chart, designed_attitude_chart)))
+
+    def _spread(self) -> pn.Column:
+        from app.subjects.simulation.charts import ensemble_chart, outage_chart
+
+        axis = pmui.RadioButtonGroup.from_param(self.param.axis, margin=(4, 10))
+        return self._later((outage_chart, lambda study: ensemble_chart(study, self.axis)), axis)
 
     @param.depends("axis", watch=True)
-    def _feed(self) -> None:
+    def _look(self) -> None:
         with pn.io.hold():
-            for chart in self._charts:
-                chart.show(self._study)
+            self._write()
+
+    def _exports(self) -> pn.Column:
+        place = pn.Column(html_pane(f"<p>{_COMING}</p>"))
+
+        def follow() -> None:
+            if self._result is not None and not isinstance(place[0], pn.FlexBox):
+                from app.subjects.simulation.charts import CHARTS
+
+                place.objects = [
+                    pn.FlexBox(
+                        download("Everything (JSON)", "simulation.json",
+                                 lambda: io.BytesIO(as_json(self._study).encode())),
+                        download("Statistics (NPZ)", "simulation.npz", lambda: io.BytesIO(as_npz(self._study))),
+                        download("Sigmas (CSV)", "simulation.csv", lambda: io.BytesIO(as_csv(self._study).encode())),
+                        *(take for draw in CHARTS for take in takes(draw, lambda: self._study)),
+                        stylesheets=[PRINT_NOTHING],
+                    )
+                ]  # fmt: skip
+
+        self._follow.append(follow)
+        follow()
+        return place
 
     # --- the run --------------------------------------------------------------------------------------
 
     def _begin(self) -> None:
         async def work(run: Run) -> Flown:
+            self._asked = self._settings.asked
             return await fly(run, self._session.design, self._specification())
 
         self.run.start(work)
 
-    @param.depends("run.result", watch=True)
+    def _recall(self) -> None:
+        """Take what was added to the design, and show what this server still has of it with these settings."""
+        self._more.take(dict(parse_qsl(self.added)))
+        if self.trajectory != "file" and not self.run.running and (found := kept(*self._settings.asked)):
+            self._asked = self._settings.asked
+            self.run.result = found
+
+    @param.depends("run.result", "run.running", watch=True)
     def _found(self) -> None:
-        from app.subjects.simulation.tables import findings, verdict
-
-        flown: Flown = self.run.result
-        if not flown.partial:
-            self._session.keep("simulation", flown.study)
+        if flown := self._result:
+            done, wall_s = flown.study.result.spec, shown(flown.study.result.wall_s)
+            self._bar.message = f"{done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}."
+            if not flown.partial:
+                self._session.keep("simulation", flown.study)
+            keep(flown, *self._asked)
         with pn.io.hold():
-            self._start.visible = False
-            self._note.object = self._said(flown)
-            said = verdict(flown.study)
-            said = replace(said, tone="open") if flown.partial else said
-            self._answer.object = html_of(said, *findings(flown.study, "page"))
-            if not self._place.objects:
-                self._draw()
-            self._feed()
-
-    def _said(self, flown: Flown) -> str:
-        """Of what the result is: of all runs or some, of this design or an earlier one."""
-        done = flown.study.result.spec
-        partial = f"Partial: {done.runs} of {flown.wanted} runs. " if flown.partial else ""
-        wall_s = shown(flown.study.result.wall_s)
-        design = flown.study.design
-        said = f"{partial}{title_of(design)}: {done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}."
-        if same_subject(design, self._session.design):
-            return html_of(Text(said))
-        return html_of(Text(said)) + stale_mark("The instruments or the flight have changed since.")
+            self._write()
 
     def _specification(self) -> SimulationSpec:
         """What the fields ask for.
@@ -217,7 +328,7 @@ class SimulatePage(pn.viewable.Viewer):
         flight: str | TrajectorySpec = self.trajectory
         if flight == "file":
             if self._file is None:
-                raise InputError("Trajectory file", "none given yet")
+                raise InputError("Trajectory file", "open a CSV file first")
             flight = self._file
         spec = specification(
             self._session.design,
@@ -233,8 +344,8 @@ class SimulatePage(pn.viewable.Viewer):
         if spec.steps > _LONGEST_RUN or spec.steps * spec.runs > _MOST_SAMPLES:
             raise InputError(
                 "Length",
-                f"{runs} runs of {length:g} s at {spec.imu.rate:g} Hz are more than a server flies for one person. "
-                "Ask for fewer or shorter ones, or use `navbudget simulate`",
+                f"{runs} runs of {length:g} s at {spec.imu.rate:g} Hz exceed what the server flies for one person. "
+                "Enter fewer or shorter runs, or use the command `navbudget simulate`",
             )
         return spec
 

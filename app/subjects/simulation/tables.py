@@ -14,10 +14,10 @@ from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
 _FLIGHTS = {
-    "wandering": "nearly straight: some metres of wander, a degree or two of roll, pitch and yaw",
+    "wandering": "nearly straight: metres of wander, one or two degrees of roll, pitch and yaw",
     "straight": "exactly straight and level",
     "turns": "turns, then a long straight leg",
-    "climb": "a climb half way",
+    "climb": "a climb at half time",
     "file": "from a file",
 }
 _PHASES = {"settling": "settling", "aided": "with fixes", "coast": "outage"}
@@ -33,7 +33,7 @@ def verdict(study: SimulationStudy) -> Answer:
     if not nees.inside:
         high = nees.mean > nees.high
         word, tone = ("✗ Optimistic", "bad") if high else ("✗ Pessimistic", "warn")
-        meaning = f"The errors of the runs are {'larger' if high else 'smaller'} than the filter believes."
+        meaning = f"The errors of the runs are {'larger' if high else 'smaller'} than the filter's sigmas."
     runs = f"{result.spec.runs} run{'' if result.spec.runs == 1 else 's'}"
     sentences = [
         f"{meaning} Mean NEES {number(nees.mean)} with {nees.states} states, 95 % band {number(nees.low)} to "
@@ -51,20 +51,26 @@ def verdict(study: SimulationStudy) -> Answer:
 def findings(study: SimulationStudy, key: str) -> tuple[Block, ...]:
     """What was flown, the sigmas, where they differ from the formulas, and how the simulated world differs."""
     return (
-        _run_table(study, key),
-        _sigma_table(study, key),
-        _departures(study, key),
-        Bullets(study.conditions, "How the simulated world differs from that of the formulas"),
+        run_table(study, key),
+        sigma_table(study, key),
+        departures(study, key),
+        conditions_told(study, key),
     )
 
 
-def _run_table(study: SimulationStudy, key: str) -> Table:
+def conditions_told(study: SimulationStudy, _: str) -> Bullets:
+    """How the simulation differs from what the formulas assume."""
+    return Bullets(study.conditions, "How the simulation differs from the formulas' assumptions")
+
+
+def run_table(study: SimulationStudy, key: str) -> Table:
+    """What was flown."""
     spec = study.result.spec
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = number(spec.runs * spec.duration / 3600)
     rows = (
         ("Flight", _FLIGHTS[spec.trajectory.kind]),
-        ("Runs, seed", f"{spec.runs}, {spec.seed}; every run repeats from seed and number, however many workers"),
+        ("Runs, seed", f"{spec.runs}, {spec.seed}; the same seed gives the same errors again"),
         ("Length of a run", f"{spec.duration:g} s at {spec.imu.rate:g} Hz, {hours} h simulated in all"),
         ("Fixes", f"every {spec.gnss.interval:g} s; outages: {outages}"),
         ("Filter", f"closed-loop error-state Kalman filter of {spec.filter.states} states"),
@@ -79,7 +85,7 @@ def _run_table(study: SimulationStudy, key: str) -> Table:
     )
 
 
-def _sigma_table(study: SimulationStudy, key: str) -> Table:
+def sigma_table(study: SimulationStudy, key: str) -> Table:
     """Simulated, filter, closed form and refined sigma of every state, at the last fix and at the outage's end."""
     result = study.result
     closed = result.closed_form_sigma
@@ -100,21 +106,28 @@ def _sigma_table(study: SimulationStudy, key: str) -> Table:
     low, high = result.rms_band
     return Table(
         f"{key}-simulation-sigmas",
-        "Standard deviations just after the fix, 1σ: simulated, the filter's own, closed form",
+        "Sigmas just after the fix, 1σ: simulated, filter, formula",
         (
             Column("State", width=1.3),
             *(
                 Column(title, numeric=True, width=1)
-                for title in ("Simulated rms", "Filter", "Closed form", "Refined [T-17]", "Simulated / closed")
+                for title in (
+                    "Simulated rms",
+                    "Filter",
+                    "Formula",
+                    "With Schuler, Coriolis [T-17]",
+                    "Simulated / formula",
+                )
             ),
         ),
         tuple(rows),
-        f"Closed form: cycle rms [T-3], [T-4], in an outage [T-9], [T-10], yaw [T-5]. The rms of {result.spec.runs} "
-        f"runs lies between {number(low)} and {number(high)} of the true sigma with 95 % probability.",
+        f"Formula: average between fixes [T-3], [T-4], in an outage [T-9], [T-10], yaw [T-5]. The rms "
+        f"of {result.spec.runs} runs lies between {number(low)} and {number(high)} of the true sigma "
+        "with 95 % probability.",
     )
 
 
-def _departures(study: SimulationStudy, key: str) -> Block:
+def departures(study: SimulationStudy, key: str) -> Block:
     """Where filter or simulated errors and the formulas differ by more than a tenth, and why."""
     if not study.departures:
         return Text("Filter, simulated errors and formulas agree within 10 % in every state at every time.")
@@ -129,17 +142,17 @@ def _departures(study: SimulationStudy, key: str) -> Block:
         for found in _alike(study)
     )
     columns = (
-        Column("Error", width=1), Column("When", width=0.8), Column("Simulated / closed", numeric=True, width=0.75),
-        Column("Filter / closed", numeric=True, width=0.75), Column("Why, and by what factor", width=2.2),
+        Column("Error", width=1), Column("When", width=0.8), Column("Simulated / formula", numeric=True, width=0.75),
+        Column("Filter / formula", numeric=True, width=0.75), Column("Why, and by what factor", width=2.2),
     )  # fmt: skip
     return Table(
         f"{key}-simulation-departures",
         "Where formula and simulation differ, and why",
         columns,
         rows,
-        "Largest differences just after the fix, if above 10 %; those of the simulated errors count where they are "
-        "significant at 0.1 %. Causes are found by flying this design with one thing changed at a time; their "
-        "factors multiply to the whole, omitting factors below 3 % or a quarter of the largest.",
+        "Differences above 10 % just after the fix; of the simulated errors, only those significant at 0.1 %. Each "
+        "cause is found by changing one thing at a time. The factors multiply to the whole, omitting factors below "
+        "3 % or a quarter of the largest.",
     )
 
 

@@ -19,6 +19,7 @@ from app.subjects.suborbital.controls import InputControl
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from app.upstream.file_input import LimitedFileInput
+from app.work.pool import elsewhere
 from nav_model.design import Design
 from nav_model.design.link import MAX_QUERY
 from nav_model.errors import InputError
@@ -183,17 +184,17 @@ class InputPanel(pn.viewable.Viewer):
         for control in self.controls:
             control.follow()
 
-    def _opened(self, event: Any) -> None:
+    async def _opened(self, event: Any) -> None:
         if not event.new:
             return
         content, name = event.new, str(self.file.filename or "file")
         self.file.clear()  # so that the same file can be opened again
-        self.open(content, name)
+        await self.open(content, name)
 
-    def open(self, content: bytes, name: str) -> None:
-        """Put a study file in force, whole or not at all."""
+    async def open(self, content: bytes, name: str) -> None:
+        """Put a study file in force, whole or not at all; a trajectory in it may have megabytes."""
         try:
-            study = parse_study(content, name)
+            study = await elsewhere(parse_study, content, name)
         except InputError as error:
             self.say(f"Not opened. {error}")
             return

@@ -15,10 +15,10 @@ from nav_model.budget import analyse
 
 # What stands in one chart together: the budget's and the comparison's charts say it themselves below.
 TOGETHER = {
-    "simulation": ("simulated", "simulated, second axis", "filter", "filter, second axis", "closed form", "refined",
-                   "worst run", "limit"),
-    "tilt and its worst run": ("simulated", "simulated, second axis", "filter", "filter, second axis", "closed form",
-                               "worst run", "worst run, second axis"),
+    "simulation": ("simulated", "simulated, second axis", "filter", "closed form", "closed form, second axis"),
+    "outage": ("simulated", "simulated, second axis", "filter", "closed form", "refined", "worst run",
+               "worst run, second axis"),
+    "consistency": ("x", "y", "initial tilt", "z", "reference"),
     "ensemble": ("simulated", "filter, second axis", "worst run, second axis", "closed form"),
     "flight": ("simulated", "simulated, second axis", "third axis"),
     "strategies, INS": ("strategy 1", "strategy 2", "strategy 3", "strategy 5", "strategy 5w"),

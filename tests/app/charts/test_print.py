@@ -83,7 +83,7 @@ def test_a_limit_that_is_not_given_is_neither_drawn_nor_named():
     assert not any("limit" in text for text in texts(svg))
     given = to_svg(plain_chart(limits=(*limits, Limit("b", "limit on b", 10.0, 100.0, 5.0))))
     assert len(paths(given, STYLES["limit"].colour)) == 2
-    assert "limit, brought to 1σ" in texts(given)
+    assert "limit (scaled to 1σ)" in texts(given)
 
 
 def test_bands_spans_and_points_are_drawn():

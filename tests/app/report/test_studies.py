@@ -20,7 +20,7 @@ from app.report import report_bytes
 from app.report.content import report_of
 from app.report.studies import belonging, study_sections
 from app.session import Session
-from app.subjects.sar.run import SarResult, pictures
+from app.subjects.sar.run import SarResult
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
 from nav_model.budget import analyse
@@ -30,6 +30,7 @@ from nav_model.design.parts import declaration_of
 from nav_model.equations import SYMBOLS
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study
+from nav_model.sar.pictures import point_pictures
 from nav_model.sar.strategies import STRATEGIES
 from nav_model.sar.study_json import to_json as sar_json
 from nav_model.simulation.design_study import closed_form, specification, study_of, to_document
@@ -55,12 +56,12 @@ def findings(design) -> dict[str, Any]:
     spec = specification(design, runs=20, duration=140.0, outages=((100.0, 140.0),))
     simulation = study_of(design, simulate(spec, workers=1, closed_form=closed_form(design, spec)))
     study = design_study(design, 40, 3)
-    points, scene = pictures(study.budget, study.typical)
+    points = point_pictures(study.budget, study.typical)
     settings = from_design(DEFAULTS, design)
     survey = run_survey(settings)
     return {
         "simulation": simulation,
-        "sar": SarResult(design_case(study.budget), study, points, scene),
+        "sar": SarResult(design_case(study.budget), study, points),
         "suborbital": Finding(Shown(survey, survey.study, "all"), settings),
     }
 
@@ -180,9 +181,12 @@ def test_the_responses_are_those_of_the_studys_json_both_ways(told, findings):
 
 def test_the_sar_answer_says_which_why_and_what_would_change_it(told, findings):
     advice = sar_json(findings["sar"].study)["advice"]
-    assert verdict(told, "sar").sentences[0] == advice["sentence"]
+    study = findings["sar"].study
+    assert verdict(told, "sar").word == f"✗ Use {study.best().name}"
     assert verdict(told, "sar").tone == "bad"  # the example misses its limit of 20°
     texts = [b.text for s in told if s.key == "d-sar" for b in s.blocks if isinstance(b, Text)]
+    assert any(advice["sentence"] in text for text in texts)
+    assert any(study.sentence in text for text in texts)
     assert any(advice["because"] in text for text in texts)
     assert any(advice["would_change"] in text for text in texts)
 
@@ -216,7 +220,7 @@ def test_every_chart_of_the_three_studies_is_there_once(told):
     assert len(keys) == len(set(keys))
     kinds = [type(block.chart).__name__ for s in told for block in s.blocks if isinstance(block, ChartBlock)]
     assert {kind: kinds.count(kind) for kind in set(kinds)} == {
-        "Chart": 11 + 4 + 16 + 6, "DotChart": 2, "MapChart": 2, "PictureChart": 2,
+        "Chart": 9 + 4 + 16 + 6, "DotChart": 2, "MapChart": 2, "PictureChart": 2,
     }  # fmt: skip
 
 
@@ -336,19 +340,25 @@ def test_a_session_keeps_the_last_finding_of_each_kind_and_the_choice_follows(fi
 
     session = Session(design)
     choice = ReportChoice(session)
-    assert not choice.__panel__().visible
+    assert (choice.offered(), choice.lacking()) == ([], "")
     for kind, finding in findings.items():
         session.keep(kind, finding)
-    assert choice.__panel__().visible
-    assert choice._boxes.value == ["simulation", "sar", "suborbital"]
-    choice._boxes.value = ["sar"]
-    assert list(choice.chosen()) == ["sar"]
+
+    def ticked() -> list[str]:
+        return [offer["kind"] for offer in choice.offered() if offer["ticked"]]
+
+    assert ticked() == ["simulation", "sar", "suborbital"]
+    choice.tick("simulation", False)
+    choice.tick("suborbital", False)
+    assert ticked() == list(choice.chosen()) == ["sar"]
     session.change({"imu.angle_random_walk": 2.0 * design.imu.angle_random_walk})
-    assert choice._boxes.options == {}
-    assert "SAR" in choice._left.object
+    assert choice.offered() == []
+    assert "SAR" in choice.lacking()
     session.undo()
-    assert choice._boxes.value == ["sar"]
-    assert choice._left.object == ""
+    assert ticked() == ["sar"]
+    assert choice.lacking() == ""
+    session.running = True
+    assert "still running" in choice.lacking()
 
 
 def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
@@ -368,7 +378,7 @@ def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
     ("arguments", "said"),
     [
         (["--with", "weather"], "--with: 'weather' is not a study; simulation, sar, suborbital"),
-        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed; from 20"),
+        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed; enter 20"),
         (["--with", "sar", "--seed", "-1"], "--seed: -1"),
         (["--with", "simulation", "--outage", "then"], "--outage: 'then'"),
     ],

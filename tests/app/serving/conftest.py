@@ -66,7 +66,9 @@ class Served:
         assert found
         return found[1]
 
-    async def connect(self, token: str, origin: str | None = None, search: str = "") -> WebSocketClientConnection:
+    async def connect(
+        self, token: str, origin: str | None = None, search: str = "", **headers: str
+    ) -> WebSocketClientConnection:
         """As a page does, whose address goes on like this behind its path."""
         return await websocket_connect(
             HTTPRequest(
@@ -74,6 +76,7 @@ class Served:
                 headers={
                     "Origin": origin or f"http://127.0.0.1:{self.port}",
                     "Cookie": "; ".join(f"{k}={v}" for k, v in self.cookies.items()),
+                    **headers,
                 },
             ),
             subprotocols=["bokeh", token],
@@ -87,11 +90,11 @@ class Served:
             while await connection.read_message() is not None:
                 pass
 
-    def hello(self, token: str, origin: str | None = None, search: str = "") -> str | None:
+    def hello(self, token: str, origin: str | None = None, search: str = "", **headers: str) -> str | None:
         """The first thing the server says to a connection; None if it hangs up instead."""
 
         async def first() -> str | None:
-            connection = await self.connect(token, origin, search)
+            connection = await self.connect(token, origin, search, **headers)
             said = await asyncio.wait_for(connection.read_message(), PATIENCE)
             if said is not None:
                 await self.hang_up(connection)
@@ -99,10 +102,10 @@ class Served:
 
         return asyncio.run(first())
 
-    def refused(self, token: str, origin: str | None = None) -> int:
+    def refused(self, token: str, origin: str | None = None, **headers: str) -> int:
         """The status with which a connection is refused."""
         with pytest.raises(HTTPClientError) as caught:
-            self.hello(token, origin)
+            self.hello(token, origin, **headers)
         return int(caught.value.code)
 
     def metrics(self, **headers: str) -> dict[str, float]:

@@ -11,6 +11,7 @@ import shutil
 import socket
 import ssl
 import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,6 +32,17 @@ _NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
 _TOKEN = re.compile(r'"token":"([^"]+)"')
 
 
+def test_the_bill_of_materials_has_every_package_of_the_lock_file() -> None:
+    lock = ROOT / "requirements" / "image.lock"
+    told = subprocess.run(
+        [sys.executable, ROOT / "deploy" / "sbom.py", lock], capture_output=True, text=True, check=True
+    )
+    bill = json.loads(told.stdout)
+    stated = [line.partition("==")[0] for line in lock.read_text().splitlines() if re.match(r"[a-z0-9].*==", line)]
+    assert [own["name"] for own in bill["components"]] == [name.partition("[")[0] for name in stated]
+    assert sum(len(own["hashes"]) for own in bill["components"]) == lock.read_text().count("--hash=sha256:")
+
+
 def _refusal(capsys: pytest.CaptureFixture[str], command: list[str]) -> str:
     """What the program says to a command whose files are not there: the options themselves it must take."""
     assert main(command) == 2
@@ -40,6 +52,7 @@ def _refusal(capsys: pytest.CaptureFixture[str], command: list[str]) -> str:
 def test_the_compose_file_gives_options_the_program_takes(capsys: pytest.CaptureFixture[str]) -> None:
     compose = yaml.safe_load((ROOT / "deploy" / "compose.yaml").read_text())
     services = compose["services"]
+    assert all(service["mem_limit"] for service in services.values())
     command = services["navbudget"]["command"]
     options = dict(part.split("=", 1) for part in command if "=" in part)
     for option in ("--password-file", "--cookie-secret-file"):

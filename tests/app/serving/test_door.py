@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 import urllib.parse
+from pathlib import Path
 from typing import Any
 
 import pytest
 from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id
 from tornado.web import create_signed_value
 
-from app.serving.access import Tries
+from app.serving.hosts import Hosts
+from app.serving.logins import Logins
+from app.serving.passwords import password_line
 
 PASSWORD = "correct horse battery"
 
@@ -59,6 +63,27 @@ def test_login_does_not_send_anybody_elsewhere(visitor: Any, wanted: str) -> Non
     assert visitor.ask(f"/login?next={urllib.parse.quote(wanted, safe='')}")[0] == 400
 
 
+@pytest.mark.parametrize(
+    "wanted", ["/a\nb", "/\r\nSet-Cookie: a=b", "/\0", "/é", "/ a", "/\u2028", "/\x85", "\n/", "/a\n"]
+)
+def test_an_odd_way_on_is_refused_or_followed_and_never_a_fault(visitor: Any, wanted: str) -> None:
+    path = f"/login?next={urllib.parse.quote(wanted, safe='')}"
+    status, _, headers = visitor.log_in("ada", PASSWORD, path) if visitor.ask(path)[0] == 200 else visitor.ask(path)
+    assert status in (302, 400)
+    assert not any(sign in headers.get("Location", "") for sign in "\r\n")
+    found = re.search(r'name="_xsrf" value="([^"]+)"', visitor.ask("/login")[1])
+    assert found
+    body = {"_xsrf": found[1], "username": "ada", "password": PASSWORD}
+    assert visitor.ask(path, body)[0] in (302, 400)
+
+
+@pytest.mark.parametrize(
+    "path", ["/static/%00", "/static/js/%00.js", "/static/extensions/panel/%00", "/static/a%0Ab", "/%00", "/login%00"]
+)
+def test_a_path_with_control_characters_is_no_fault(visitor: Any, path: str) -> None:
+    assert visitor.ask(path)[0] == 400
+
+
 def test_forged_cookie(visitor: Any) -> None:
     for secret in ("", "secret", "x" * 64):
         visitor.cookies["user"] = create_signed_value(secret, "user", "ada").decode() if secret else "ada"
@@ -82,6 +107,46 @@ def test_wrong_origin_on_the_websocket(visitor: Any, origin: str) -> None:
     assert visitor.refused(visitor.token(), origin) == 403
 
 
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:{port}", "127.0.0.1.evil.example:{port}", "a@127.0.0.1", "192.0.2.1",
+             "127.0.0.1:{port}, evil.example", "[::1", ""]
+)  # fmt: skip
+def test_a_foreign_host_gets_nothing(visitor: Any, host: str) -> None:
+    """A foreign site's name that leads to this machine: its pages must not become that site's."""
+    foreign = host.format(port=visitor.port)
+    for path in ("/", "/login", "/liveness", "/metrics", "/static/js/bokeh.min.js", "/nothing"):
+        status, text, headers = visitor.ask(path, Host=foreign)
+        assert status in (400, 421)
+        assert "_xsrf" not in text
+        assert "Set-Cookie" not in headers
+    visitor.log_in("ada", PASSWORD)
+    assert visitor.refused(visitor.token(), f"http://{foreign}", Host=foreign) in (400, 421)
+
+
+@pytest.mark.parametrize("host", ["localhost:8000", "[::1]:8000", "127.0.0.1"])
+def test_a_forwarded_port_of_this_machine_is_no_foreign_host(visitor: Any, host: str) -> None:
+    visitor.log_in("ada", PASSWORD)
+    assert visitor.ask("/", Host=host)[0] == 200
+    assert "ACK" in str(visitor.hello(visitor.token(), f"http://{host}", Host=host))
+
+
+@pytest.mark.parametrize(
+    ("address", "allowed", "admitted", "foreign"),
+    [
+        ("127.0.0.1", (), ["localhost", "127.0.0.1:1"], ["10.0.0.1", "server.example"]),
+        ("0.0.0.0", ("a.example",), ["A.example", "a.example:443", "10.0.0.1:5006", "[::1]:5006", "[fe80::1]"],
+         ["a.example:81", "b.a.example", "localhost.example"]),
+        ("::", ("a.example:81",), ["a.example:81", "10.0.0.1"], ["a.example", "a.example:82"]),
+        ("server.example", (), ["server.example:5006", "localhost:5006"], ["10.0.0.1", "example"]),
+    ],
+)  # fmt: skip
+def test_names_a_server_answers_under(
+    address: str, allowed: tuple[str, ...], admitted: list[str], foreign: list[str]
+) -> None:
+    hosts = Hosts(address, allowed)
+    assert [host for host in (*admitted, *foreign) if hosts.admit(host)] == admitted
+
+
 def test_logout(visitor: Any) -> None:
     visitor.log_in("ada", PASSWORD)
     assert visitor.ask("/")[0] == 200
@@ -92,13 +157,63 @@ def test_logout(visitor: Any) -> None:
     assert visitor.ask("/")[0] == 302
 
 
-def test_guessing_is_slowed() -> None:
+def test_guessing_is_slowed(tmp_path: Path) -> None:
     now = [0.0]
-    tries = Tries(lambda: now[0])
+    tries = Logins(str(tmp_path / "logins.db"), lambda: now[0])
     for _ in range(10):
         assert not tries.too_many("a")
-        tries.failed("a")
+        tries.failed("a", "b")
     assert tries.too_many("a")
-    assert not tries.too_many("b")
+    assert tries.too_many("b")
+    assert not tries.too_many("c")
+    assert Logins(str(tmp_path / "logins.db"), lambda: now[0]).too_many("a")  # another process knows
     now[0] = 61.0
     assert not tries.too_many("a")
+
+
+def test_tries_are_counted_over_all_processes_and_for_an_account_from_everywhere(serving: Any, people: Path) -> None:
+    options = ("--password-file", str(people), "--behind-proxy", "--processes", "2")
+    with serving(*options) as served:
+
+        def attempt(password: str, peer: str, name: str = "ada") -> int:
+            found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
+            assert found
+            body = {"_xsrf": found[1], "username": name, "password": password}
+            return int(served.ask("/login", body, **{"X-Forwarded-For": peer})[0])
+
+        assert [attempt("guess", f"192.0.2.{peer}") for peer in range(10)] == [401] * 10
+        assert attempt(PASSWORD, "192.0.2.99") == 429  # ada's account, from an address that never failed
+        assert attempt(PASSWORD + "2", "192.0.2.99", "bob") == 302
+        assert [attempt("guess", "192.0.2.77", f"name {count}") for count in range(10)] == [401] * 10
+        assert attempt(PASSWORD + "2", "192.0.2.77", "bob") == 429
+
+
+def test_a_copied_cookie_ends_with_the_login_and_with_the_password(serving: Any, tmp_path: Path) -> None:
+    people = tmp_path / "people"
+    people.write_text(f"{password_line('ada', PASSWORD)}\n{password_line('bob', PASSWORD)}\n")
+    with serving("--password-file", str(people), "--processes", "2") as served:
+        served.log_in("ada", PASSWORD)
+        copied = dict(served.cookies)
+        assert served.ask("/")[0] == 200
+        served.ask("/logout")
+        served.cookies = dict(copied)
+        assert [served.ask("/")[0] for _ in range(6)] == [302] * 6
+        served.cookies = {}
+        for name in ("ada", "bob"):
+            served.log_in(name, PASSWORD)
+            assert served.ask("/")[0] == 200
+            served.cookies, copied = {}, dict(served.cookies)
+            token = type(served)(served.process, served.port, dict(copied)).token()
+            people.write_text(f"{password_line('ada', PASSWORD)}\n{password_line('bob', PASSWORD)}\n")  # anew
+            served.cookies = copied
+            assert [served.ask("/")[0] for _ in range(4)] == [302] * 4
+            assert served.refused(token) == 403
+            served.cookies = {}
+
+
+def test_another_persons_login_does_not_fit_a_name(visitor: Any) -> None:
+    visitor.log_in("bob", PASSWORD + "2")
+    bobs = visitor.cookies["login"]
+    visitor.log_in("ada", PASSWORD)
+    visitor.cookies["login"] = bobs
+    assert visitor.ask("/")[0] == 302

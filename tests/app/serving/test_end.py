@@ -70,7 +70,7 @@ def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path:
 
         async def stay() -> None:
             tab = await Tab.open(address)
-            bars = (await tab.until(name="phase bars"))["id"]
+            bars = (await tab.until(name="timelines"))["id"]
             kept = http.client.HTTPConnection(address.rpartition("/")[2], timeout=PATIENCE)
             kept.request("GET", "/liveness")
             assert kept.getresponse().read()

@@ -16,7 +16,7 @@ from app.library.store import Library
 
 PASSWORD = "correct horse battery"
 _SLIDER = {"label": "Angle random walk", "show_value": False}
-_DATA = ("position lines 0", "velocity lines 0", "phase bars")
+_DATA = ("timelines", "response lines 0")
 
 
 async def _step(tab: Tab) -> None:
@@ -95,8 +95,7 @@ def test_nobody_saves_under_another_name(serving: Any, people: Path, tmp_path: P
 
         async def forge(name: str) -> None:
             tab = await Tab.open(f"http://127.0.0.1:{served.port}", cookies)
-            bar = next(model for model in tab.objects if model["name"].startswith("Tabs"))
-            await tab.set(bar["id"], active=6)
+            await tab.turn("Review")
             field = await tab.until(label="Your name")
             assert field["attributes"]["value"] == "ada"
             assert field["attributes"]["disabled"]

@@ -46,6 +46,10 @@ if __name__ == "__main__":
 """
 
 
+def _ends_at_once(*_: Any) -> None:
+    os._exit(7)
+
+
 def _rooms(served: Any) -> tuple[float, ...]:
     """Sessions of each process."""
     metrics = served.metrics()
@@ -108,7 +112,7 @@ def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_place(p
         await soon(lambda: any(tab.errors for tab in tabs), "word of the killed process's page")
         (left,) = [tab for tab in tabs if not tab.errors]
         slider = left.find(label="Angle random walk", show_value=False)
-        answered = left.expect({(await left.until(name="phase bars"))["id"]})
+        answered = left.expect({(await left.until(name="timelines"))["id"]})
         await left.set(slider["id"], value=slider["attributes"]["value"] - 0.02)
         await asyncio.wait_for(answered, PATIENCE)
         await soon(lambda: len(_page_processes(pair.process.pid) - {min(family)}) == 2, "another in its place")
@@ -215,6 +219,32 @@ def test_the_fuller_process_lets_the_other_go_first_but_nobody_waits_long(
             fuller.accept()
         now[0] = 0.016
         fuller.accept()[0].close()
+
+
+def test_a_process_that_ends_is_started_later_each_time_and_in_the_end_not_at_all() -> None:
+    falls, now, pauses = supervisor.Falls(), 0.0, []
+    falls.started(now)
+    while falls.fell(now := now + 5.0):
+        assert falls.due is not None
+        pauses.append(falls.due - now)
+        falls.started(now := falls.due)
+    assert pauses == [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0]
+    falls = supervisor.Falls()
+    for _ in range(100):  # each has run for an hour
+        falls.started(now)
+        now += 3600.0
+        assert falls.fell(now)
+        assert falls.due == now + 1.0
+
+
+def test_processes_that_end_at_once_again_and_again_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(supervisor, "_PAUSE", 0.001)
+    monkeypatch.setattr(supervisor, "_serve_pages", _ends_at_once)
+    family = supervisor._Family(socket.create_server(("127.0.0.1", 0)), 0, Rules(processes=1), "")
+    family.start(0)
+    family.keep()
+    assert family.end() == 1
+    assert family.board.total("restarts") == supervisor._MOST_ENDS - 1
 
 
 def test_what_a_process_counted_outlives_it() -> None:

@@ -42,6 +42,7 @@ async def look() -> dict[str, Any]:
     here = f"127.0.0.1:{server.port}"
     page = (await AsyncHTTPClient().fetch(f"http://{here}/", request_timeout=300)).body.decode()
     found["made"] = len(made)
+    found["foreign"] = (await AsyncHTTPClient().fetch(f"http://{here}/", headers={"Host": "evil.example"})).code
     offered = []
     for path in ("autoload.js?bokeh-autoload-element=a", "metadata"):
         try:

@@ -160,6 +160,10 @@ def test_size_limits():
         read_log(content, limits=Limits(file_bytes=1000))
     with pytest.raises(InputError, match="more than 10 rows"):
         read_log(content, limits=Limits(rows=10))
+    with pytest.raises(InputError, match="more than 0 MB of numbers"):
+        read_log(content, limits=Limits(unpacked_bytes=1000))
+    with pytest.raises(InputError, match="101 columns; a log has at most 100"):
+        read_log(b",".join([b"1"] * 101))
 
 
 def test_missing_axis_and_doubled_axis():
@@ -282,3 +286,28 @@ def test_path_and_stream_give_the_same_log(tmp_path: Path):
     assert len(from_path.sha256) == 64
     with pytest.raises(InputError, match="no such file"):
         read_log(tmp_path / "missing.csv")
+
+
+def test_semicolons_with_decimal_commas_and_tabs_with_them_read_as_the_same_log_with_points():
+    lines = ["gyro_x [deg/s];gyro_y [deg/s];gyro_z [deg/s]", "0;0;1", "-1,5;2,25e-3;3", "4,0;5;6,125"] + [
+        "7,5;8,5;9"
+    ] * 20
+    wanted = read_log("\n".join(lines).replace(",", ".").encode(), LogOptions(rate_hz=10.0)).gyro
+    for delimiter in ";\t":
+        text = "\n".join(lines).replace(";", delimiter)
+        np.testing.assert_array_equal(read_log(text.encode(), LogOptions(rate_hz=10.0)).gyro, wanted)
+    with pytest.raises(InputError, match="line 2: decimal commas, but decimal points elsewhere"):
+        read_log(b"gyro_x [deg/s];gyro_y [deg/s];gyro_z [deg/s]\n1,5;2,5;3,5\n1.5;2;3", LogOptions(rate_hz=10.0))
+
+
+def test_a_single_axis_is_a_log():
+    values = np.linspace(-1.0, 1.0, 50)
+    for label, name in (
+        ("gyro_y [rad/s]", "gyro_y"),
+        ("gyro [rad/s]", "gyro_x"),
+        ("acc_z [m/s2]", "accelerometer_z"),
+    ):
+        text = "\n".join([label, *(f"{value!r}" for value in values.tolist())])
+        ((found, _, signal),) = read_log(text.encode(), LogOptions(rate_hz=10.0)).axes()
+        assert found == name
+        np.testing.assert_array_equal(signal, values)

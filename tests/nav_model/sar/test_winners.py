@@ -137,14 +137,14 @@ def test_autofocus_leaves_nothing_to_choose_between():
 def test_advice_says_which_why_and_what_would_change():
     short = advise(Conditions(5.0, 0.02, 1.0, 0.07 / 60, np.radians(0.15) / 60, settled(1e-8)), 0.031)
     assert short.strategy == "2"
-    assert "Use strategy 2" in short.sentence
+    assert "use INS from filter" in short.sentence
     assert short.break_even_aperture > 5.0
     case = Conditions(20.0, 0.02, 1.0, SA, SW, settled(2e-7), coast_time=100.0)
     good = advise(case, 0.031, required_phase=0.1)
     assert good.strategy == "5"
     assert good.break_even_aperture < 20.0
     assert "misses the limit" in good.would_change
-    assert "After 100 s without fixes" in good.because
+    assert "INS after outage (100 s without fixes)" in good.because
     assert good.break_even_gnss_sigma > 0.02
     # At the noise named, the two are equal.
     equal = strategy_variances(replace(case, gnss_sigma=good.break_even_gnss_sigma)).detrended

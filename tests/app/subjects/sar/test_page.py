@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import io
 import json
+import re
+from collections import OrderedDict
 from typing import Any
 
 import numpy as np
@@ -19,13 +21,17 @@ from app.charts.screen.pictures import picture_gallery
 from app.cli import main
 from app.serving.server import first_design
 from app.session import Session
-from app.subjects.sar.charts import gnss_winner_chart
+from app.subjects.sar.charts import gnss_winner_chart, scene_picture
 from app.subjects.sar.page import SarPage
+from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.report import sections
-from app.subjects.sar.run import SarResult, run_strategies
+from app.subjects.sar.run import SarResult, run_strategies, scene_of
+from app.work import kept
 from app.work.run import Run
 from nav_model.budget import analyse
 from nav_model.design.file import format_design
+from nav_model.design.link import split_link
+from nav_model.sar.strategies import NAMES
 
 # A button of panel-material-ui passes its own look on in the old words too.
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
@@ -41,6 +47,7 @@ async def here(function: Any, *arguments: Any) -> Any:
 def session(monkeypatch: pytest.MonkeyPatch) -> Session:
     monkeypatch.setattr(sar_run, "elsewhere", here)
     monkeypatch.setattr(sar_upload, "elsewhere", here)
+    monkeypatch.setattr(kept, "_kept", OrderedDict())
     return Session(first_design())
 
 
@@ -59,36 +66,68 @@ def run(sar: SarPage) -> None:
     asyncio.run(until_done())
 
 
-def test_closed_forms_are_there_before_any_run(sar: SarPage) -> None:
-    assert "Use strategy 2" in sar._answer.object
-    assert "misses the limit" in sar._answer.object
-    assert "have not been run" in sar._bar.state.object
-    assert sar._found.object == ""
-    assert "6 tracking filter ⁽ʳ⁾" in sar._errors.object
-    assert "reconstruction" in sar._errors.object
-    assert sar._tables.object == ""
+def said(sar: SarPage) -> str:
+    """What the answer strip says."""
+    return sar._strip._text.object
+
+
+def part(sar: SarPage, title: str) -> Any:
+    """What unfolds under a title."""
+    folded = sar._details
+    folded.open(title)
+    return folded._places[[name for name, _ in folded._parts].index(title)][0]
+
+
+def names(sar: SarPage) -> list[str]:
+    """The strategies in their order."""
+    return re.findall(r'<th scope="row">([^<]+)<small>', sar._ranks.object)
+
+
+def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPage) -> None:
+    assert "✗ Use INS from filter" in said(sar)
+    assert "the limit is 20°" in said(sar)
+    assert "Formulas only so far." in sar._bar.state.object
+    assert names(sar)[:4] == ["INS from filter", "INS after outage", "Quadratic fit, noise-weighted", "Quadratic fit"]
+    assert sar._ranks.object.count("after the runs") == 4
+    assert "reconstruction" in sar._ranks.object
+    assert sar._images.object.count('class="blank"') == 9
+    assert not sar._follow
+    assert (
+        "Appears when the strategies have been run"
+        in part(sar, "Parts of the error, impulse response in figures").object
+    )
+    assert len(part(sar, "Error histories and impulse responses")) == 1  # no figure without data
 
 
 def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session: Session) -> None:
     run(sar)
     assert not session.running
-    assert "The runs match the design. 100 runs of the error model, seed 0." in sar._bar.state.object
-    assert "In 100 runs" in sar._found.object
-    panels = (sar._points, sar._scene)
-    assert [panel._pictures.object.count("<figure") for panel in panels] == [9, 9]
-    assert sar._tables.object.count("<table") == 3
-    marked = (sar._found, sar._tables, *(panel._heading for panel in panels))
+    assert "The runs match the design. 50 runs of the error model, seed 0." in sar._bar.state.object
+    study = sar._result.study
+    assert f"Use {study.best().name}" in said(sar)
+    ranked = sorted((key for key in NAMES if key != "1"), key=study.residual)
+    assert names(sar) == [NAMES[key] for key in ranked]
+    best = re.search(r'<tr class="best"><th scope="row">([^<]+)', sar._ranks.object)
+    assert best is not None
+    assert best[1] == study.best().name
+    assert sar._images.object.count("<img") == 9 + 1  # and the scale
+    tables = part(sar, "Parts of the error, impulse response in figures")
+    assert tables.object.count("<table") == 3
+    reasons = part(sar, "Why, and what would change it")
+    marked = (sar._rank_head, sar._image_head, tables)
     assert not any("stale" in pane.object for pane in marked)
-    before = sar._answer.object
+    before = said(sar)
     session.change({"requirements.quadratic_phase": 0.1})
-    assert "stale" not in sar._tables.object  # the ensemble knows no requirement
+    assert "stale" not in tables.object  # the ensemble knows no requirement
     session.change({"gnss.position_noise": 0.001})
     assert all("stale" in pane.object for pane in marked)
     assert "The runs are of an earlier design: run again." in sar._bar.state.object
-    assert sar._answer.object != before
-    assert "these have 1 mm" in sar._answer.object
+    assert "The runs are of an earlier design" in said(sar)
+    assert "Use Quadratic fit" in said(sar)  # of the formulas again, as the runs no longer count
+    assert "yours is 1 mm" in reasons.object
     session.undo()
-    assert "stale" not in sar._tables.object
+    assert "stale" not in tables.object
+    assert said(sar) == before
 
 
 def test_a_run_is_told_step_by_step_and_cancelled_at_once(session: Session) -> None:
@@ -113,6 +152,23 @@ def test_a_run_is_told_step_by_step_and_cancelled_at_once(session: Session) -> N
     assert said == ["0 of 1000 runs", "50 of 1000 runs"]
     assert runner.message == "Cancelled: 50 of 1000 runs."
     assert runner.result is None
+
+
+def test_settings_travel_in_the_link_and_the_server_still_has_the_result(sar: SarPage, session: Session) -> None:
+    sar.param.update(runs=100, seed="7")
+    assert session.link.endswith("sar.runs=100&sar.seed=7")
+    run(sar)
+    again = Session(first_design())
+    again.take_studies(split_link(session.link)[1])
+    page = SarPage(again)
+    assert (page.runs, page.seed, page.engine) == (100, "7", "fast")
+    assert page._result is sar._result
+    assert "The runs match the design. 100 runs" in page._bar.state.object
+    other = SarPage(Session(first_design()))  # with the usual settings
+    assert other._result is None
+    wrong = Session(first_design())
+    wrong.take_studies("sar.runs=7&sar.engine=banana&sar.nothing=1")
+    assert (SarPage(wrong).runs, SarPage(wrong).engine) == (50, "fast")
 
 
 def test_what_cannot_be_run_is_said(sar: SarPage, session: Session) -> None:
@@ -245,9 +301,10 @@ def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPa
     session.change({"radar.aperture_time": 3.0})
     sar.engine = "simulator"
     run(sar)
-    assert "100 flights of the simulator" in sar._bar.state.object
-    assert "The two engines beside each other" in sar._tables.object
-    assert "WGS 84" in sar._cautions.object
+    assert "50 flights of the simulator" in sar._bar.state.object
+    tables = part(sar, "Parts of the error, impulse response in figures")
+    assert "Simulator and error model compared" in tables.object
+    assert "WGS 84" in part(sar, "Why, and what would change it").object
     result = sar._result
     assert result is not None
     assert (result.study.engine, result.beside.engine) == ("simulator", "fast")
@@ -256,22 +313,22 @@ def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPa
     assert np.all(np.abs(ratio - 1) < 0.5)
     assert not np.allclose(ratio, 1, atol=1e-3)
     session.change({"imu.rate": 200.0})  # flown at the instrument's rate; the error model knows none
-    assert "stale" in sar._tables.object
+    assert "stale" in tables.object
 
 
 def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.MonkeyPatch) -> None:
     import app.subjects.sar.picture_panel as panels
 
     monkeypatch.setattr(panels, "elsewhere", here)
-    point, scene = sar._points, sar._scene
-    assert not point._view.visible
     run(sar)
-    assert point._view.visible
     shown = sar._result.points
+    point, scene = PicturePanel("p", "p"), PicturePanel("s", "s")
+    point.chart = sar._points
+    scene.chart = scene_picture(asyncio.run(scene_of(sar._result.study)))
     with np.load(point._npz()) as packed:
         assert packed["power_db"].shape == (9, 61, 121)
         np.testing.assert_array_equal(packed["power_db"], shown.power_db)
-        assert packed["names"][0] == "1 ideal"
+        assert packed["names"][0] == "Ideal"
     table = np.loadtxt(asyncio.run(point._csv()), delimiter=",", skiprows=1)
     assert table.shape == (61 * 121, 2 + 9)
     row = 17 * 121 + 40
@@ -279,7 +336,7 @@ def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.Mon
     assert table[row, 4] == pytest.approx(shown.power_db[2, 17, 40], rel=1e-4)
     drawn = asyncio.run(scene._svg()).getvalue().decode("utf-8")
     assert drawn.count("<image") >= 9
-    assert "8 RTS smoother" in drawn
+    assert "RTS smoother" in drawn
     assert "azimuth [m]" in drawn
     document = json.load(asyncio.run(sar._json()))
     assert document["engine"] == "fast"

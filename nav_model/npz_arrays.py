@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import zipfile
+import zlib
+from collections.abc import Container
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -12,25 +14,43 @@ from numpy.typing import NDArray
 from nav_model.errors import InputError
 
 _MOST_MEMBERS = 200
+_DAMAGED = (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError, RuntimeError, zlib.error)
 _HEADER_ALLOWANCE = 4096
 
 
-def read_npz_arrays(stream: BinaryIO, file_name: str, most_bytes: int) -> dict[str, NDArray[Any]]:
-    """Numeric arrays of an NPZ archive by name.
+def read_npz_arrays(
+    stream: BinaryIO, file_name: str, most_bytes: int, kinds: str = "fiub", names: Container[str] | None = None
+) -> dict[str, NDArray[Any]]:
+    """Numeric arrays of an NPZ archive by name: those in `names`, None for all.
 
-    Refused (InputError): a broken archive, members that are not .npy arrays, object (pickle) or text
-    dtypes, arrays whose header or directory entry declares more than `most_bytes` in total, and entries whose
-    two sizes disagree.
+    `kinds` are NumPy's letters of what they may hold.
+
+    Memory and time are those of `most_bytes`, once.
+
+    Raises
+    ------
+    InputError
+        For a broken archive, members that are not .npy arrays, object (pickle) or text dtypes, arrays whose header or
+        directory entry declares more than `most_bytes` in total, and entries whose two sizes disagree.
     """
     try:
         with zipfile.ZipFile(stream) as archive:
-            return _read_members(archive, file_name, most_bytes)
-    except (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError) as error:
+            return _read_members(archive, file_name, most_bytes, kinds, names)
+    except (
+        zipfile.BadZipFile,
+        zipfile.LargeZipFile,
+        NotImplementedError,
+        EOFError,
+        RuntimeError,
+        zlib.error,
+    ) as error:
         raise InputError(file_name, f"damaged NPZ archive ({error})") from error
 
 
-def _read_members(archive: zipfile.ZipFile, file_name: str, most_bytes: int) -> dict[str, NDArray[Any]]:
-    members = archive.infolist()
+def _read_members(
+    archive: zipfile.ZipFile, file_name: str, most_bytes: int, kinds: str, names: Container[str] | None
+) -> dict[str, NDArray[Any]]:
+    members = [m for m in archive.infolist() if names is None or m.filename.removesuffix(".npy") in names]
     if len(members) > _MOST_MEMBERS:
         raise InputError(file_name, f"{len(members)} arrays; at most {_MOST_MEMBERS}")
     declared = sum(member.file_size for member in members)
@@ -45,7 +65,7 @@ def _read_members(archive: zipfile.ZipFile, file_name: str, most_bytes: int) -> 
         if not member.filename.endswith(".npy") or member.flag_bits & 1:
             raise InputError(file_name, f"{where}: not a plain .npy array")
         with archive.open(member) as handle:
-            size = _declared_size(handle, file_name, where)
+            size = _declared_size(handle, file_name, where, kinds)
         if size > member.file_size:
             raise InputError(
                 file_name, f"{where}: its header declares {size} bytes, the archive holds {member.file_size}"
@@ -58,7 +78,7 @@ def _read_members(archive: zipfile.ZipFile, file_name: str, most_bytes: int) -> 
     return arrays
 
 
-def _declared_size(handle: Any, file_name: str, where: str) -> int:
+def _declared_size(handle: Any, file_name: str, where: str, kinds: str) -> int:
     """Bytes of data the .npy header promises; refuses anything but numbers."""
     try:
         version = np.lib.format.read_magic(handle)
@@ -68,6 +88,6 @@ def _declared_size(handle: Any, file_name: str, where: str) -> int:
         shape, _, dtype = read_header(handle, max_header_size=_HEADER_ALLOWANCE)
     except ValueError as error:
         raise InputError(file_name, f"{where}: not a readable .npy array ({error})") from error
-    if dtype.kind not in "fiub":
+    if dtype.kind not in kinds:
         raise InputError(file_name, f"{where}: holds {dtype}, not numbers; objects and text are never unpacked")
     return math.prod(shape) * dtype.itemsize

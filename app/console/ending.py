@@ -1,0 +1,154 @@
+"""How a command ends when it cannot go on: stopped by a signal, or by a fault of what is around it."""
+
+from __future__ import annotations
+
+import errno
+import io
+import multiprocessing
+import os
+import signal
+import stat
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from nav_model.errors import InputError, shown
+
+DONE, OPEN, BAD_INPUT, SURROUNDINGS, OWN_FAULT = 0, 1, 2, 3, 4
+"""Exit codes: done or closes, does not close, bad input, a fault of the surroundings, a fault of NavBudget's own."""
+
+_SURROUNDINGS = {errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EFBIG}
+_WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal told the command to stop; ``number`` is the signal's."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+def is_of_surroundings(fault: OSError) -> bool:
+    """Whether nothing that a person typed is to blame: the disk is full, the machine out of files or memory."""
+    return fault.errno in _SURROUNDINGS
+
+
+def run_to_end(command: Callable[[], int]) -> int:
+    """Run a command and write out what it said; the exit code, with a line on standard error for anything odd.
+
+    SIGINT and SIGTERM end the worker processes, with what waits for them, and unwind the command, so that nothing
+    half written stays: 128 and the signal's number, as shells count. A reader that takes what it wants and leaves
+    (`| head`) is no fault; a pipe that nobody reads is one, told by the code alone.
+    """
+    _open_streams()
+    taken = _count_what_is_read()
+    try:
+        with _stoppable():
+            code = command()
+            sys.stdout.flush()
+            return code
+    except Stopped as stop:
+        return _told(_WORDS.get(signal.Signals(stop.number), "stopped"), 128 + stop.number)
+    except InputError as error:
+        return refuse(error)
+    except BrokenPipeError:
+        return DONE if taken and taken.bytes else SURROUNDINGS
+    except OSError as fault:
+        where = f"{shown(fault.filename)}: " if fault.filename else ""
+        return _told(f"{where}{fault.strerror or fault}", SURROUNDINGS)
+    except MemoryError:
+        return _told("the memory of this machine does not suffice", SURROUNDINGS)
+    except BrokenExecutor:
+        return _told("a worker process was ended from outside, perhaps for want of memory", SURROUNDINGS)
+    except Exception:  # noqa: BLE001  # the last resort, told in full
+        traceback.print_exc()
+        return _told("this is a fault of NavBudget's own; the lines above say where", OWN_FAULT)
+    finally:
+        _let_go()
+
+
+def refuse(error: InputError) -> int:
+    """Tell bad input in one line; the exit code."""
+    return _told(str(error), BAD_INPUT)
+
+
+def _told(text: str, code: int) -> int:
+    # One line whatever it quotes: line ends and control characters of a key or path are escaped.
+    line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+    if line:
+        with suppress(OSError, ValueError):
+            print(f"navbudget: {line}", file=sys.stderr, flush=True)
+    return code
+
+
+def _open_streams() -> None:
+    """What was closed leads nowhere: a file opened later must not take its number."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115  # as long as Python runs
+
+
+class _Pipe(io.FileIO):
+    """A pipe that counts the bytes its reader's side has taken."""
+
+    bytes = 0
+
+    def write(self, data: Any) -> int:
+        count = super().write(data)
+        self.bytes += count
+        return count
+
+
+def _count_what_is_read() -> _Pipe | None:
+    """Put a `_Pipe` under standard output, if it is a pipe."""
+    try:
+        if not stat.S_ISFIFO(os.fstat(sys.stdout.fileno()).st_mode):
+            return None
+    except (OSError, ValueError):
+        return None
+    pipe = _Pipe(sys.stdout.fileno(), "w", closefd=False)
+    sys.stdout = io.TextIOWrapper(io.BufferedWriter(pipe), encoding="utf-8")
+    return pipe
+
+
+def _let_go() -> None:
+    """What cannot be written out any more is not tried again when Python ends, which would say so."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError):
+            with suppress(OSError, ValueError):
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.getsignal(number) for number in _WORDS}
+
+    def stop(number: int, _: Any) -> None:
+        for told in _WORDS:  # the way out is short, and must not be cut
+            signal.signal(told, signal.SIG_IGN)
+        for child in multiprocessing.active_children():
+            child.kill()
+        raise Stopped(number)
+
+    for number in _WORDS:
+        signal.signal(number, stop)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

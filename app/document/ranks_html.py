@@ -1,0 +1,88 @@
+"""Rows of dots and bands as HTML: a ranking that anybody can read, drawn by the browser without a canvas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from html import escape
+
+from app.charts.kinds import Dot, DotChart
+from app.document.numbers import number
+
+_COMING = "after the runs"
+
+
+def ranks_html(chart: DotChart, notes: Mapping[str, str], best: str) -> str:
+    """A dot chart as a table with a bar in each row, on a logarithmic axis.
+
+    ``notes``: label -> what stands small beside it; ``best``: the label that is marked.
+    """
+    scale = _Scale(chart)
+    rows = "".join(
+        f'<tr{_best(dot.label == best)}><th scope="row">{escape(dot.label)}<small>{escape(notes[dot.label])}</small>'
+        f'</th><td title="{escape(_tip(dot, chart))}"><div>{scale.marks(dot)}</div></td>{_figures(dot, chart)}</tr>'
+        for dot in chart.dots
+    )
+    heads = "".join(f'<th scope="col">{head}</th>' for head in ("Strategy", escape(chart.x_label), "[°]", "[mm]"))
+    return (
+        f'<table class="ranks"><caption class="hidden">{escape(chart.title)}</caption><thead><tr>{heads}</tr></thead>'
+        f'<tbody>{rows}</tbody><tfoot aria-hidden="true"><tr><td></td><td><div>{scale.axis()}</div></td>'
+        "<td></td><td></td></tr></tfoot></table>"
+    )
+
+
+def _best(best: bool) -> str:
+    return ' class="best"' if best else ""
+
+
+def _shown(dot: Dot) -> float:
+    return dot.closed if math.isnan(dot.ensemble) else dot.ensemble
+
+
+def _figures(dot: Dot, chart: DotChart) -> str:
+    shown = _shown(dot)
+    if math.isnan(shown):
+        return f'<td class="quiet" colspan="2">{_COMING}</td>'
+    return f'<td class="num">{number(shown)}</td><td class="num">{number(chart.millimetres * shown)}</td>'
+
+
+def _tip(dot: Dot, chart: DotChart) -> str:
+    said = [] if math.isnan(dot.closed) else [f"formula {number(dot.closed)}°"]
+    if not math.isnan(dot.ensemble):
+        said.append(f"runs {number(dot.ensemble)}° rms, 5 to 95 %: {number(dot.low)}° to {number(dot.high)}°")
+    return "; ".join((*said, dot.source))
+
+
+class _Scale:
+    """Whole decades around everything that is shown."""
+
+    def __init__(self, chart: DotChart) -> None:
+        values = [v for dot in chart.dots for v in (dot.closed, dot.ensemble, dot.low, dot.high)] + [chart.limit]
+        exponents = [math.log10(value) for value in values if math.isfinite(value) and value > 0] or [0.0, 1.0]
+        self._low = math.floor(min(exponents))
+        self._high = max(math.ceil(max(exponents)), self._low + 1)
+        self._limit = chart.limit
+
+    def _share(self, value: float) -> float:
+        return 100 * (math.log10(value) - self._low) / (self._high - self._low) if value > 0 else 0.0
+
+    def marks(self, dot: Dot) -> str:
+        """Bar to the rms of the runs, their band, the formula's diamond, and the limit."""
+        said = ""
+        if math.isfinite(dot.ensemble):
+            low, high = self._share(dot.low), self._share(dot.high)
+            said += f'<i style="width:{self._share(dot.ensemble):.2f}%"></i>'
+            said += f'<s style="left:{low:.2f}%;width:{high - low:.2f}%"></s>'
+        if math.isfinite(dot.closed):
+            said += f'<b style="left:{self._share(dot.closed):.2f}%"></b>'
+        if math.isfinite(self._limit):
+            said += f'<u style="left:{self._share(self._limit):.2f}%"></u>'
+        return said
+
+    def axis(self) -> str:
+        """A mark at each decade."""
+        decades = range(self._low, self._high + 1)
+        return "".join(
+            f'<span style="left:{100 * (d - self._low) / (self._high - self._low):.1f}%">10<sup>{d}</sup></span>'
+            for d in decades
+        )

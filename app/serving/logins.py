@@ -1,0 +1,108 @@
+"""Logins that all processes of a server know of: who is logged in, and who has tried too often.
+
+A cookie alone would be good until it ends, whoever has a copy. So each login has a row here: logging out removes it,
+and it holds only as long as the password it was made with. Tries are counted for the address they come from and for
+the account they are for, over all processes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from sqlalchemy import Connection, text
+from sqlalchemy.exc import DBAPIError
+
+from app.library.engine import engine_at
+from nav_model.errors import InputError
+
+_TRIES = 10
+_WINDOW = 60.0  # seconds
+_TABLES = (
+    """CREATE TABLE IF NOT EXISTS logins (
+        id TEXT PRIMARY KEY, name TEXT NOT NULL, password TEXT NOT NULL, until DOUBLE PRECISION NOT NULL)""",
+    "CREATE TABLE IF NOT EXISTS login_tries (who TEXT NOT NULL, at DOUBLE PRECISION NOT NULL)",
+    "CREATE INDEX IF NOT EXISTS login_tries_who ON login_tries (who, at)",
+)
+_LOCK = 0x6C6F67
+
+
+class Logins:
+    """The store at a file's path or a database URL; `clock` gives seconds that all processes agree on.
+
+    Raises
+    ------
+    InputError
+        If the database cannot be used.
+    """
+
+    def __init__(self, address: str, clock: Callable[[], float] = time.time) -> None:
+        self._clock = clock
+        try:
+            self._engine = engine_at(address)
+            with self._writing() as connection:
+                if connection.dialect.name == "postgresql":  # servers that start together do not make them together
+                    connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _LOCK})
+                for statement in _TABLES:
+                    connection.execute(text(statement))
+        except InputError as error:
+            raise error.under("--login-store") from error
+        except DBAPIError as error:
+            raise InputError("--login-store", f"cannot be used: {error.orig}") from error
+
+    def close(self) -> None:
+        """Let go of the database."""
+        self._engine.dispose()
+
+    @contextmanager
+    def _writing(self) -> Iterator[Connection]:
+        with self._engine.connect().execution_options(writes=True) as connection, connection.begin():
+            yield connection
+
+    def begin(self, name: str, password: str, hours: float) -> str:
+        """Log somebody in who has this password (its hash as in the file); the secret for their cookie."""
+        secret, now = secrets.token_urlsafe(32), self._clock()
+        with self._writing() as connection:
+            connection.execute(text("DELETE FROM logins WHERE until < :now"), {"now": now})
+            connection.execute(
+                text("INSERT INTO logins VALUES (:id, :name, :password, :until)"),
+                {"id": _hashed(secret), "name": name, "password": _hashed(password), "until": now + 3600 * hours},
+            )
+        return secret
+
+    def holds(self, secret: str, name: str, password: str) -> bool:
+        """Whether this login has been made, not ended, and not outlived the password."""
+        query = text("SELECT 1 FROM logins WHERE id = :id AND name = :name AND password = :password AND until > :now")
+        wanted = {"id": _hashed(secret), "name": name, "password": _hashed(password), "now": self._clock()}
+        with self._engine.connect() as connection:
+            return connection.execute(query, wanted).first() is not None
+
+    def end(self, secret: str) -> None:
+        """Log out."""
+        with self._writing() as connection:
+            connection.execute(text("DELETE FROM logins WHERE id = :id"), {"id": _hashed(secret)})
+
+    def too_many(self, who: str) -> bool:
+        """Whether an address or account has failed too often in the last minute."""
+        query = text("SELECT COUNT(*) FROM login_tries WHERE who = :who AND at >= :since")
+        with self._engine.connect() as connection:
+            count = connection.execute(query, {"who": _hashed(who), "since": self._clock() - _WINDOW}).scalar_one()
+        return int(count) >= _TRIES
+
+    def failed(self, *who: str) -> None:
+        """Count a failure."""
+        now = self._clock()
+        with self._writing() as connection:
+            connection.execute(text("DELETE FROM login_tries WHERE at < :since"), {"since": now - _WINDOW})
+            for one in who:
+                connection.execute(
+                    text("INSERT INTO login_tries VALUES (:who, :at)"), {"who": _hashed(one), "at": now}
+                )
+
+
+def _hashed(secret: str) -> str:
+    """What the store holds: it opens nothing, and names nobody's address."""
+    return hashlib.sha256(secret.encode("utf-8", "surrogatepass")).hexdigest()

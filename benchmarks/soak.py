@@ -1,0 +1,119 @@
+"""Pages opened, used and closed for a long time: what stays of them in a server's memory.
+
+    python benchmarks/soak.py                 # 300 pages
+    python benchmarks/soak.py --pages 40
+
+Each page is opened as a browser does, goes through every tab, moves a slider and is closed. The first third is to
+warm up: caches fill, and memory reaches what the largest moment needs. The goal is for the growth over the rest.
+
+Exit status: 0 if the goal holds, 1 if it is missed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from open_page import Tab
+
+from app.subjects import SUBJECTS
+
+GOAL_MB = 0.2
+_SERVER = Path(__file__).parents[1] / "tests" / "support" / "counted_server.py"
+
+
+@dataclass(frozen=True)
+class Left:
+    """Pages that live, and resident memory [MB]."""
+
+    frames: int
+    resident: float
+
+
+@contextmanager
+def counted_server(folder: Path) -> Iterator[tuple[str, Callable[[], Left]]]:
+    """The address of a server, and what is left in its memory once closed pages have been freed."""
+    told = folder / "told"
+    command = [sys.executable, str(_SERVER), "serve", "--port", "0", "--session-lifetime", "1",
+               "--library", str(folder / "library.db"), str(told)]  # fmt: skip
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        address = process.stdout.readline().split()[-1]
+
+        def look() -> Left:
+            told.unlink(missing_ok=True)
+            process.send_signal(signal.SIGUSR1)
+            while not told.exists():
+                time.sleep(0.05)
+            return Left(**json.loads(told.read_text()))
+
+        def left() -> Left:
+            deadline = time.monotonic() + 120
+            while (found := look()).frames and time.monotonic() < deadline:
+                time.sleep(0.5)
+            return found
+
+        try:
+            yield address, left
+        finally:
+            process.terminate()
+            process.wait(timeout=60)
+
+
+class _Opened(Tab):
+    """A page that counts as open before its charts are there: which are, depends on what is in view."""
+
+    async def _stand(self) -> None:
+        pass
+
+
+async def visit(address: str) -> None:
+    """One page: every tab, a slider, and good-bye."""
+    tab = await _Opened.open(address)
+    await tab.until(name="Angle random walk", show_value=False)
+    bar = next(model for model in tab.objects if model["name"].startswith("Bar") and model["name"][3:].isdigit())
+    for index in range(1, len(SUBJECTS)):
+        await tab.set(bar["id"], active=index)
+    await tab.set(bar["id"], active=0)
+    slider = tab.find(name="Angle random walk", show_value=False)
+    for step in range(5):
+        await tab.set(slider["id"], value=slider["attributes"]["value"] - 0.02 * step)
+    await tab.pull()  # answered in its turn, so all before it is done
+    await tab.close()
+
+
+async def _visits(address: str, pages: int) -> None:
+    for _ in range(pages):
+        await visit(address)
+
+
+def main() -> int:
+    """Measure, print, judge."""
+    options = argparse.ArgumentParser(description="Memory of navbudget serve over many pages")
+    options.add_argument("--pages", type=int, default=300)
+    pages = options.parse_args().pages
+    with tempfile.TemporaryDirectory() as name, counted_server(Path(name)) as (address, left):
+        found = []
+        for _ in range(3):
+            asyncio.run(_visits(address, pages // 3))
+            found.append(left())
+            print(f"{pages // 3} pages more: {found[-1].frames} alive, {found[-1].resident:.1f} MB", flush=True)
+    growth = (found[2].resident - found[0].resident) / (2 * (pages // 3))
+    print(f"{growth:+.3f} MB a page after the first third; goal {GOAL_MB:g}")
+    missed = growth > GOAL_MB or any(look.frames for look in found)
+    print("MISSED" if missed else "the goal holds")
+    return int(missed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

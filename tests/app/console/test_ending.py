@@ -1,0 +1,139 @@
+"""Commands as processes: stopped by a signal, on a full disk, into a closed pipe."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from waiting import PATIENCE, until
+
+from app.console import ending
+from nav_model.processes import worker_pool
+
+ROOT = Path(ending.__file__).parents[2]
+TACTICAL, MEMS = (str(ROOT / "examples" / f"{name}_x_band.toml") for name in ("tactical", "mems"))
+_SWEEP = f"""
+design = "{TACTICAL}"
+rows_per_part = 1
+[vary]
+gnss.position_noise = {{ from = "1 cm", to = "2 m", points = 400 }}
+[simulate]
+runs = 200
+seed = 1
+"""
+
+
+def _run(*command: str, **options: Any) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "app.cli", *command],
+        cwd=ROOT, text=True, stderr=subprocess.PIPE, start_new_session=True, **options,
+    )  # fmt: skip
+
+
+def _busy(process: subprocess.Popen[str], workers: int, seconds: float) -> bool:
+    """Whether the command, or each of its workers, has worked for so long."""
+    command = psutil.Process(process.pid)
+    at_work = [c for c in command.children() if "spawn_main" in " ".join(c.cmdline())] if workers else [command]
+    return len(at_work) >= max(1, workers) and all(sum(own.cpu_times()[:2]) > seconds for own in at_work)
+
+
+@pytest.mark.parametrize(
+    ("workers", "command"),
+    [
+        (2, ["sweep", "{folder}/sweep.toml", "-o", "{folder}/out.csv", "--workers", "2"]),
+        (0, ["sweep", "{folder}/sweep.toml", "-o", "{folder}/out.csv", "--workers", "1"]),
+        (2, ["simulate", MEMS, "--runs", "20000", "--seed", "1", "--workers", "2", "-o", "{folder}/out.json"]),
+        (0, ["sar", MEMS, "--runs", "20000", "--seed", "1", "-o", "{folder}/out.json"]),
+        (0, ["report", MEMS, "--with", "simulation", "--runs", "50000", "--workers", "1", "-o", "{folder}/out.pdf"]),
+    ],
+)
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_stopped_command_ends_its_workers_says_one_line_and_leaves_nothing_half_written(
+    tmp_path: Path, workers: int, command: list[str], number: signal.Signals
+) -> None:
+    (tmp_path / "sweep.toml").write_text(_SWEEP)
+    with _run(*(part.format(folder=tmp_path) for part in command)) as process:
+        try:
+            until(lambda: process.poll() is not None or _busy(process, workers, 6.0), "work under way")
+            assert process.poll() is None, process.stderr and process.stderr.read()
+            family = psutil.Process(process.pid).children(recursive=True)
+            if number == signal.SIGINT:
+                os.killpg(process.pid, number)  # as a terminal's Ctrl-C
+            else:
+                process.send_signal(number)
+            assert process.wait(PATIENCE) == 128 + number
+            assert process.stderr is not None
+            said = [
+                line for line in process.stderr.read().splitlines() if line.startswith(("navbudget", "Traceback"))
+            ]
+            assert said == [f"navbudget: {'interrupted' if number == signal.SIGINT else 'terminated'}"]
+        finally:
+            process.kill()
+    psutil.wait_procs(family, PATIENCE)
+    assert not [own for own in family if own.is_running() and own.status() != psutil.STATUS_ZOMBIE]
+    left = {path.name for path in tmp_path.rglob("*")} - {"sweep.toml"}
+    assert not {name for name in left if name.startswith("out.") and name != "out.csv.parts"}
+    assert not {name for name in left if name.endswith((".part", ".tmp"))}
+
+
+@pytest.mark.parametrize("command", [["check", TACTICAL], ["evaluate", TACTICAL], ["presets", "imu"]])
+def test_a_full_disk_is_a_fault_of_the_surroundings(command: list[str]) -> None:
+    with open("/dev/full", "w") as full, _run(*command, stdout=full) as process:
+        assert process.wait(PATIENCE) == 3
+        assert process.stderr is not None
+        assert process.stderr.read() == "navbudget: No space left on device\n"
+
+
+@pytest.mark.parametrize("command", [["check", TACTICAL], ["evaluate", TACTICAL], ["presets", "imu", "--json"]])
+def test_a_closed_pipe_is_silent(command: list[str]) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    with _run(*command, stdout=writing) as process:
+        os.close(writing)
+        assert process.wait(PATIENCE) == 3
+        assert process.stderr is not None
+        assert process.stderr.read() == ""
+
+
+@pytest.mark.parametrize("command", [f"check {MEMS} {TACTICAL}", f"evaluate {MEMS}", "presets imu", "presets radar"])
+def test_a_reader_that_leaves_early_is_no_fault_and_hears_nothing(command: str) -> None:
+    shell = f"{sys.executable} -m app.cli {command} | head -1; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", shell], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == ("check" in command)  # what it said in time is the verdict: one of them does not close
+    assert done.stderr == ""
+
+
+def test_closed_streams_change_no_verdict() -> None:
+    for closed in ("0<&-", "1>&-", "2>&-", "0<&- 1>&- 2>&-"):
+        for design, code in ((TACTICAL, 0), (MEMS, 1)):
+            done = subprocess.run(f"{sys.executable} -m app.cli check {design} {closed}", shell=True, cwd=ROOT)
+            assert done.returncode == code
+
+
+def test_a_fault_of_our_own_is_no_verdict(capsys: pytest.CaptureFixture[str]) -> None:
+    assert ending.run_to_end(lambda: 1 // 0) == 4
+    said = capsys.readouterr().err
+    assert "ZeroDivisionError" in said
+    assert "a fault of NavBudget's own" in said
+
+
+def test_what_is_around_us_has_a_code_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
+    def killed() -> int:
+        with worker_pool(1) as pool:
+            return int(pool.submit(os._exit, 1).result() or 0)
+
+    def memory() -> int:
+        raise MemoryError
+
+    for command, said in ((killed, "a worker process was ended"), (memory, "memory of this machine")):
+        assert ending.run_to_end(command) == 3
+        told = capsys.readouterr().err
+        assert told.startswith("navbudget: ")
+        assert said in told
+        assert told.count("\n") == 1

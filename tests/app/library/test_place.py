@@ -1,0 +1,139 @@
+"""Libraries in odd places: on read-only media, locked, of others, under impossible names."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from app.cli import main
+from app.library.place import look_at
+from app.library.store import Library
+from nav_model.budget import Budget
+from nav_model.errors import InputError
+
+_NOBODY = 65534
+
+
+@contextmanager
+def _as_somebody_without_rights() -> Iterator[None]:
+    """Root may write anything: step back from it."""
+    before = os.geteuid()
+    if before == 0:
+        os.seteuid(_NOBODY)
+    try:
+        yield
+    finally:
+        os.seteuid(before)
+
+
+@pytest.fixture
+def shelf(tmp_path: Path, mems: Budget) -> Iterator[Path]:
+    """A library that can only be read, in a folder that can only be read."""
+    for folder in (tmp_path, *tmp_path.parents):
+        if folder.stat().st_uid == os.getuid() and str(folder) not in ("/", "/tmp"):
+            folder.chmod(0o755)
+    place = tmp_path / "read only?"
+    place.mkdir()
+    library = Library(place / "library.db")
+    library.save(mems, "Ann")
+    library.close()
+    (place / "library.db").chmod(0o444)
+    place.chmod(0o555)
+    yield place / "library.db"
+    place.chmod(0o755)
+
+
+def test_a_library_on_read_only_media_is_read_and_says_so(shelf: Path, mems: Budget) -> None:
+    with _as_somebody_without_rights():
+        library = Library(shelf)
+        assert library.read_only
+        (saved,) = library.designs()
+        assert library.revisions(saved.id)[0].author == "Ann"
+        with pytest.raises(InputError, match=r"can only be read here: .*; nothing was saved"):
+            library.save(mems, "Bob")
+        library.close()
+        assert "can only be read" in look_at(str(shelf))
+    assert sorted(path.name for path in shelf.parent.iterdir()) == ["library.db"]
+
+
+def test_an_old_library_on_read_only_media_is_refused(shelf: Path) -> None:
+    raw = sqlite3.connect(shelf)
+    raw.execute("UPDATE schema_version SET version = 1")
+    raw.commit()
+    raw.close()
+    with _as_somebody_without_rights(), pytest.raises(InputError, match="brought to this version once"):
+        Library(shelf)
+
+
+def test_a_locked_library_is_opened_and_read_at_once(tmp_path: Path, mems: Budget) -> None:
+    first = Library(tmp_path / "library.db")
+    first.save(mems, "Ann")
+    raw = sqlite3.connect(tmp_path / "library.db", isolation_level=None)
+    raw.execute("BEGIN IMMEDIATE")  # held to the end: whoever waits for it, waits in vain
+    second = Library(tmp_path / "library.db")
+    assert len(second.designs()) == 1
+    assert not second.read_only
+    raw.execute("ROLLBACK")
+    raw.close()
+    for library in (first, second):
+        library.close()
+
+
+@pytest.mark.parametrize(
+    ("statements", "said"),
+    [
+        (["CREATE TABLE schema_version (version)"], "states nothing as its schema version"),
+        (["CREATE TABLE schema_version (version)", "INSERT INTO schema_version VALUES ('three')"], "'three'"),
+        (["CREATE TABLE schema_version (version)", "INSERT INTO schema_version VALUES (NULL)"], "None"),
+        (["CREATE TABLE schema_version (version)", "INSERT INTO schema_version VALUES (-1)"], "-1"),
+        (["CREATE TABLE schema_version (version)", "INSERT INTO schema_version VALUES (2.5)"], "2.5"),
+        (["CREATE TABLE schema_version (version)", "INSERT INTO schema_version VALUES (x'00ff')"], "states"),
+        (["CREATE TABLE schema_version (version)", "INSERT INTO schema_version VALUES (1), (2)"], "2 rows"),
+        (["CREATE TABLE schema_version (a, b)", "INSERT INTO schema_version VALUES (1, 2)"], "states"),
+        (
+            ["CREATE TABLE schema_version (version)", "INSERT INTO schema_version VALUES (9223372036854775807)"],
+            "newer",
+        ),
+        (["CREATE TABLE bookmarks (url)"], "of another program: it has the table 'bookmarks'"),
+    ],
+)
+def test_what_is_no_library_is_refused_and_left_as_it_is(tmp_path: Path, statements: list[str], said: str) -> None:
+    path = tmp_path / "odd.db"
+    raw = sqlite3.connect(path)
+    for statement in statements:
+        raw.execute(statement)
+    raw.commit()
+    before = list(raw.iterdump())
+    with pytest.raises(InputError) as caught:
+        Library(path)
+    assert caught.value.key == "library"
+    assert said in caught.value.reason
+    assert list(raw.iterdump()) == before
+    raw.close()
+
+
+@pytest.mark.parametrize("name", ["a\0b", "\0", "folder\0/library.db", "sqlite:///a\0b", "sqlite:////tmp\0/b.db"])
+def test_a_nul_in_the_path_is_told(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match=r"library: .*(NUL|null byte)"):
+        Library(name if "://" in name else str(tmp_path / name))
+
+
+def test_an_unusable_library_is_told_before_the_server_starts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "photo.db").write_bytes(b"\xff\xd8\xff" * 1000)
+    assert main(["serve", "--port", "0", "--library", str(tmp_path / "photo.db")]) == 2
+    assert "not a database" in capsys.readouterr().err
+    done = subprocess.run(
+        [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--library", str(tmp_path / "photo.db" / "x.db")],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1

@@ -1,0 +1,125 @@
+"""The signature under a review, against somebody who can write the database but has not got the key."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
+from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
+from sqlalchemy import text
+
+from app.library import reviews, seal
+from app.library.reviews import Review, decide, load_review, open_review, sign
+from app.library.store import Library
+from app.subjects.review.overview import state_of
+from app.subjects.review.report import audit_table
+from nav_model.budget import Budget
+from nav_model.errors import InputError
+
+
+def _pem(key: Ed25519PrivateKey) -> bytes:
+    return key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+
+
+@pytest.fixture
+def key(tmp_path: Path) -> Iterator[Path]:
+    path = tmp_path / "review.key"
+    path.write_bytes(_pem(Ed25519PrivateKey.generate()))
+    seal.use_key(path)
+    yield path
+    seal.use_key(None)
+
+
+@pytest.fixture
+def signed(library: Library, tactical: Budget, key: Path) -> Review:
+    review = open_review(library, "Gate 2", "Ann", [library.save(tactical, "Ann").key])
+    for place, name in review.points():
+        review = decide(library, review.id, place, name, True, "Bob")
+    return sign(library, review.id, "Chief", review.version)
+
+
+def test_the_signature_is_ed25519_of_the_seal(signed: Review) -> None:
+    """As the cryptography library verifies it, with nothing of ours."""
+    assert signed.intact
+    assert signed.seal is not None
+    assert signed.signature is not None
+    kind, public, signature = signed.signature.split(":")
+    assert kind == "ed25519"
+    Ed25519PublicKey.from_public_bytes(base64.b64decode(public)).verify(
+        base64.b64decode(signature), signed.seal.encode()
+    )
+
+
+def _resealed(library: Library, review: str, signature: Callable[[str], str | None]) -> Review:
+    """What somebody makes of it who can write the database and knows this program."""
+    with library.engine.begin() as connection:
+        connection.execute(text("UPDATE reviews SET signed_by = 'Mallory' WHERE id = :id"), {"id": review})
+    with library.read() as connection:
+        anew = reviews._seal(reviews._load(connection, review))
+    with library.engine.begin() as connection:
+        values = {"seal": anew, "signature": signature(anew), "id": review}
+        connection.execute(text("UPDATE reviews SET seal = :seal, signature = :signature WHERE id = :id"), values)
+    return load_review(library, review)
+
+
+def _of_mallory(sealed: str) -> str:
+    key = Ed25519PrivateKey.generate()
+    texts = (
+        base64.b64encode(data).decode() for data in (key.public_key().public_bytes_raw(), key.sign(sealed.encode()))
+    )
+    return ":".join(("ed25519", *texts))
+
+
+@pytest.mark.parametrize(
+    ("forge", "said"),
+    [
+        (lambda old: lambda _: old, "changed outside the program"),
+        (lambda _: lambda _: None, "sealed without a signature"),
+        (lambda _: _of_mallory, "a key that this installation does not have"),
+        (lambda old: lambda _: old[:-8] + "AAAAAAA=", "changed outside the program"),
+        (lambda _: lambda _: "ed25519:x:y", "a key that this installation does not have"),
+        (lambda _: lambda _: "nonsense", "a key that this installation does not have"),
+    ],
+)
+def test_a_review_sealed_anew_is_found_out_on_opening_and_in_the_report(
+    library: Library, signed: Review, forge: Any, said: str
+) -> None:
+    forged = _resealed(library, signed.id, forge(signed.signature))
+    assert not forged.intact
+    assert said in forged.doubt
+    assert any(said in cell.text for row in audit_table(forged).rows for cell in row)
+    assert state_of(forged).tone == "bad"
+
+
+def test_without_the_key_nothing_is_said_to_hold(library: Library, signed: Review, key: Path) -> None:
+    key.write_bytes(_pem(Ed25519PrivateKey.generate()))
+    assert "does not have" in load_review(library, signed.id).doubt
+    key.unlink()
+    assert "does not have" in load_review(library, signed.id).doubt
+
+
+def test_a_key_that_cannot_be_used_is_told_and_nothing_is_signed(
+    library: Library, tactical: Budget, key: Path
+) -> None:
+    review = open_review(library, "Gate 3", "Ann", [library.save(tactical, "Ann").key])
+    for place, name in review.points():
+        review = decide(library, review.id, place, name, True, "Bob")
+    for content in (b"", b"not a key"):
+        key.write_bytes(content)
+        with pytest.raises(InputError, match=r"--review-key: .* holds no Ed25519 key"):
+            sign(library, review.id, "Chief", review.version)
+    assert load_review(library, review.id).signed is None
+
+
+def test_a_persons_own_key_is_made_once_for_their_eyes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    first = seal.signature_of("a" * 64)
+    assert seal.signature_of("a" * 64) == first  # Ed25519 draws nothing
+    assert seal.doubt_about("a" * 64, first) == ""
+    path = tmp_path / "navbudget" / "review.key"
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert [found.name for found in path.parent.iterdir()] == ["review.key"]

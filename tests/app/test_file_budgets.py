@@ -1,0 +1,78 @@
+"""Whatever a person brings is read, or refused, within the memory that is stated for its kind."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+# In a process of its own, so that what it took is what reading took: MB, and what was said.
+_READ = """
+import io, json, resource, sys, zipfile
+import numpy as np
+from app.library.exchange import _listed, _unpack
+from nav_model.allan.log_file import Limits, LogOptions, read_log
+from nav_model.errors import InputError
+from nav_model.sar.image import phase_history_of_bytes
+resource.setrlimit(resource.RLIMIT_CPU, (120, 120))
+
+def packed(**members):
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        for name, content in members.items():
+            archive.writestr(name.replace("__", "."), content)
+    return data.getvalue()
+
+def npy(count, dtype, held=b""):
+    data = io.BytesIO()
+    np.lib.format.write_array_header_1_0(data, {"descr": dtype, "fortran_order": False, "shape": (count,)})
+    return data.getvalue() + held
+
+def log(content):
+    read_log(content, LogOptions(rate_hz=100, gyro_unit="rad/s"), limits=Limits(30_000_000, 60_000_000, 5_000_000))
+
+def history(content):
+    phase_history_of_bytes("file", content)
+
+def library(content):
+    _listed(_unpack(content))
+
+def taken():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+content = eval(sys.argv[2])
+before = taken()
+try:
+    {"log": log, "history": history, "library": library}[sys.argv[1]](content)
+    said = "read"
+except ValueError as error:
+    said = str(error)
+print(taken() - before, said)
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "content", "most", "said"),
+    [
+        ("log", "b'1,' * 14_000_000", 100, "longer than 10000 characters"),
+        ("log", "(b'1,' * 99 + b'1\\n') * 145_000", 250, "more than 60 MB of numbers"),
+        ("log", "b'1 2 3' + b' ' * 9_900 + b'\\n' + (b'1 2 3' + b' ' * 9_900 + b'\\n') * 2_900", 250, "no header"),
+        ("log", "b'\\n' * 29_000_000", 100, "hold no numbers"),
+        ("log", "b'1\\n' * 14_900_000", 250, "more than 5000000 rows"),
+        ("log", "packed(gyro__npy=npy(10**12, '<f8'))", 20, "declares 8000000000000 bytes"),
+        ("log", "packed(gyro__npy=npy(10**8, '|u1', b'0' * 10**8))", 20, "unpacks to 100 MB"),
+        ("history", "packed(fp__npy=npy(10**12, '<c16'))", 20, "declares 16000000000000 bytes"),
+        ("history", "packed(fp__npy=npy(3 * 10**8, '|u1', b'0' * 3 * 10**8))", 20, "unpacks to 286 MiB"),
+        ("library", "packed(a__toml=b'#' * 10**9)[:20_000_000]", 20, "unpacks to more than 1000000 bytes"),
+        ("library", "packed(**{f'a{i}__toml': b'' for i in range(2001)})", 20, "2001 files; at most 2000"),
+        ("library", "packed(library__json=b'[' * 19_000_000)", 100, "has more than 100000 parts"),
+        ("library", "packed(library__json=b'{\"format\":1,\"designs\":[' + b'[],' * 6_000_000)", 100,
+         "has more than 100000 parts"),
+    ],
+)  # fmt: skip
+def test_a_file_takes_no_more_than_its_kind_may(kind: str, content: str, most: float, said: str) -> None:
+    done = subprocess.run([sys.executable, "-c", _READ, kind, content], capture_output=True, text=True, check=True)
+    memory, text = done.stdout.split(" ", 1)
+    assert said in text
+    assert float(memory) < most
