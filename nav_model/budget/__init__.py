@@ -133,6 +133,8 @@ def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares
 def _post_processed(x: Inputs, window: str) -> tuple[PostProcessed, Placement]:
     sized = shares_by_step(x, lambda y: smoothed_figures(y, SMOOTHED))
     value = {name: value for name, (value, _) in sized.items()}
+    if not all(map(math.isfinite, value.values())):
+        raise FloatingPointError("the smoothed figures are beyond double precision")
     shares = {name: part for name, (_, part) in sized.items()}
     shares["detrended_phase"] = shares[f"detrended_phase_{x.autofocus_order}"]
     by_order = value["detrended_phase_1"], value["detrended_phase_2"], value["detrended_phase_3"]

@@ -25,7 +25,8 @@ COLUMNS = (
 
 _MERGED = 0.12  # fixes are taken as one up to this part of the time in which the error changes,
 _COARSER = 0.06  # or of their distance from the aperture,
-_LEAST_GROUPS = 60  # yet into no fewer than these over the whole leg
+_LEAST_GROUPS = 60  # yet into no fewer than these over the whole leg, and no more than those:
+_MOST_GROUPS = 1000  # the bound on time and memory, met where the error changes a hundred times in an aperture
 _FAR = 12.0  # of those times: what is farther from the aperture tells nothing
 _UNKNOWN = 1e4  # prior sigmas over those of the leg's own fixes: nothing is known before
 _KNOWN = 1e30  # information of a state that is not there
@@ -277,7 +278,8 @@ def _learn(cov: Any, info: Any) -> None:
 def _reach(p: Any) -> Any:
     """How far fixes are looked at before the aperture and after it, and the time over which they are taken as one."""
     before, after = min(p[9], p[11] + _FAR * p[13]), min(p[10], _FAR * p[13])
-    return before, after, min(_MERGED * p[12], (before + p[8] + after) / _LEAST_GROUPS)
+    span = before + p[8] + after
+    return before, after, max(min(_MERGED * p[12], span / _LEAST_GROUPS), span / _MOST_GROUPS)
 
 
 @part
@@ -334,7 +336,7 @@ def _one(p: Any, out: Any) -> None:
     """One channel over one aperture; `p` in the order of `smoothed_in_leg`, `out` in that of `COLUMNS`."""
     accelerometer, gyro, slow, aperture = p[0], p[1], p[6], p[8]
     before, after, merged = _reach(p)
-    span = before + aperture + after + p[3]
+    span = before + aperture + after
     room = 16 * int(2 * span / merged + 16)
     times, kinds, sizes = np.zeros(room), np.zeros(room, np.int64), np.zeros(room)
     order = np.zeros(room, np.int64)

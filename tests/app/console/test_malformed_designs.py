@@ -79,7 +79,6 @@ WRONG_VALUE = {  # (section.key, TOML value)
     "rate for random walk": ("imu.angle_random_walk", '"0.5 °/h"'),
     "bias for random walk": ("imu.velocity_random_walk", '"80 µg"'),
     "accelerometer unit at the gyro": ("imu.angle_random_walk", '"0.05 m/s/√h"'),
-    "decimal comma": ("gnss.position_noise", '"1,5 m"'),
     "two numbers": ("gnss.position_noise", '"1 2 m"'),
     "null in a unit": ("imu.rate", '"1 \\u0000Hz"'),
     "line end in a unit": ("imu.rate", '"1 H\\nz"'),
