@@ -103,7 +103,8 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
     sized = shares_by_step(inputs, lambda x: placing(x, free_shifts(x, _begun(x))))
     placement = _placement(inputs, free_shifts(inputs, _begun(inputs)), sized)
-    smoothed, smoothed_placement = _post_processed(inputs, design.radar.window)
+    with np.errstate(invalid="raise", divide="raise"):  # what no number comes of is refused, not shown
+        smoothed, smoothed_placement = _post_processed(inputs, design.radar.window)
     verdicts = (
         judge(design, steady_state, coast, sar, placement),
         judge(design, steady_state, coast, sar, smoothed_placement, smoothed),

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
-from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
+from nav_model.budget.figures import FIGURES, PERCENTAGES, VARIABLES, figures, inputs_of
 from nav_model.design import Design, Value
 from nav_model.errors import InputError
 from nav_model.explore.margins import limits, worst
@@ -32,7 +32,7 @@ from nav_model.explore.sweep_plan import Plan
 from nav_model.processes import worker_pool
 
 SUFFIXES = (".csv", ".parquet")
-_UNITS = {"position": "m", "velocity": "m_s", "tilt": "rad", "phase": "rad"}
+_UNITS = {"position": "m", "velocity": "m_s", "tilt": "rad", "phase": "rad", "shift": "m", "ce90": "m", "le90": "m"}
 
 Column = list[Value] | np.ndarray[Any, Any]
 ProgressCallback = Callable[[int, int], None]
@@ -265,11 +265,12 @@ def _varied(design: Design, changes: tuple[tuple[tuple[str, Value], ...], ...]) 
 
 def _sigma(figure: str) -> str:
     """Name of a figure's column."""
-    return f"{figure}_sigma_{next(unit for word, unit in _UNITS.items() if word in figure)}"
+    unit = next(unit for word, unit in _UNITS.items() if word in figure)
+    return f"{figure}_{unit}" if figure in PERCENTAGES else f"{figure}_sigma_{unit}"
 
 
 def sweep_sigma(columns: Mapping[str, Column], figure: str) -> Array:
-    """One sigma of a figure [SI] for every row."""
+    """One sigma of a figure [SI] for every row; of a percentage such as CE90, that itself."""
     return np.asarray(columns[_sigma(figure)], float)
 
 
