@@ -36,8 +36,7 @@ from nav_model.processing.geolocation import (
     ground_covariance,
     shifts,
 )
-from nav_model.processing.leg import Leg
-from nav_model.processing.spectrum import Channel
+from nav_model.processing.spectrum import Channel, Leg
 from nav_model.sar import geometry, phase
 
 SETTLED = ("horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt")

@@ -9,13 +9,13 @@ aperture's start, where one is; where they are far denser than the error changes
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
 from nav_model.compiled import kernel, part
-from nav_model.processing.spectrum import Channel, rates, smoothed
+from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 
 COLUMNS = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity", "tilt",
@@ -36,14 +36,6 @@ _DIFFERENCE = 1e-4  # relative step that stands for a complex one
 _LEAST_DECAY = 1e-6  # of the slow error over a step: below it has forgotten
 
 _NODES, _WEIGHTS = ((np.polynomial.legendre.leggauss(7)[0] + 1) / 2, np.polynomial.legendre.leggauss(7)[1] / 2)
-
-
-class Leg(NamedTuple):
-    """Seconds with fixes before the aperture and after it, and without fixes right before it (part of ``before``)."""
-
-    before: Array
-    after: Array
-    gap: Array
 
 
 @part

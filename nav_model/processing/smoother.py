@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import Array
-from nav_model.processing.leg import Leg, smoothed_in_leg
-from nav_model.processing.spectrum import Channel, rates, smoothed
+from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 
 SPECTRUM, STATE_SPACE = "spectrum", "state space"
 
@@ -49,6 +48,8 @@ def smoothed_error(channel: Channel, aperture: Array, leg: Leg, names: Collectio
     found = {} if np.all(short) else smoothed(channel, aperture, names)
     if not np.any(short):
         return found
+    from nav_model.processing.leg import smoothed_in_leg  # brings the compiler, which most designs do without
+
     fields = {name: value for name, value in vars(channel).items() if value is not None}
     values = np.broadcast_arrays(*fields.values(), aperture, *leg, short)
     where = values[-1]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,14 @@ from nav_model.processing.aperture_filter import table
 
 FOCUS = ("quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity")
 """What `smoothed` finds of a channel; "tilt" too for one that has a gyro."""
+
+
+class Leg(NamedTuple):
+    """Seconds with fixes before the aperture and after it, and without fixes right before it (part of ``before``)."""
+
+    before: Array
+    after: Array
+    gap: Array
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ def test_analyse_loads_neither_screens_nor_scipy():
     code = (
         "import sys\n"
         "from nav_model.budget import analyse\nfrom nav_model.budget.json import to_json\n"
-        "from nav_model.design import Design\nto_json(analyse(Design()))\n"
+        "from nav_model.design import Design\nto_json(analyse(Design({'gnss.interval': 0.1})))\n"
         f"print(sorted({SCREENS | {'scipy', 'numba', 'IPython'}!r} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOM.parent, capture_output=True, text=True, check=True)

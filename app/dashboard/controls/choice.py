@@ -14,6 +14,7 @@ from app.ui.html_pane import html_pane
 from nav_model.design import Design
 from nav_model.design.declaration import Choice
 from nav_model.design.parts import declaration_of
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 _CHOICES: dict[str, dict[Any, str]] = {
     "radar.window": {"uniform": "uniform", "hamming": "Hamming", "taylor": "Taylor −35 dB, n̄ 5"},
@@ -23,6 +24,7 @@ _CHOICES: dict[str, dict[Any, str]] = {
         "closed": "cycle rms (closed form)",
         "posterior": "just after a fix (posterior)",
     },
+    "processing.mode": {REAL_TIME: "real time", POST_PROCESSED: "post-processed"},
 }
 
 

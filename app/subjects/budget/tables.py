@@ -146,7 +146,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
     }
     answers = ((Cell("Verdict"), closes[REAL_TIME], closes[POST_PROCESSED]),) if closes else ()
     return Table(
-        f"{key}-processing",
+        f"{key}-both-processings",
         "Real time and post-processed, 1σ",
         (Column("Figure", width=1.5), Column("Real time", numeric=True), Column("Post-processed", numeric=True)),
         (

@@ -33,6 +33,7 @@ _FIELDS = {
     "acceptance": "The worked design",
     "analytic": "Navigation formulas",
     "sar": "Radar",
+    "processing": "Processing",
     "simulation": "Simulator",
     "earth": "Gravity",
     "suborbital": "Suborbital flight and star tracker",

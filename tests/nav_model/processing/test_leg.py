@@ -8,9 +8,9 @@ from scipy.linalg import cho_factor, cho_solve
 
 from nav_model.analytic.coast import horizontal_growth
 from nav_model.analytic.steady_state import horizontal
-from nav_model.processing.leg import Leg, _carry, _straight
+from nav_model.processing.leg import _carry, _straight
 from nav_model.processing.smoother import by_state_space, smoothed_error
-from nav_model.processing.spectrum import Channel, rates
+from nav_model.processing.spectrum import Channel, Leg, rates
 from nav_model.sar.phase import phase_budget, total
 
 NAMES = (

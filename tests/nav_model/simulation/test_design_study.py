@@ -206,7 +206,7 @@ def test_conditions_say_what_differs() -> None:
     assert "9.80665" in plain
     assert "bias" not in plain
     assert "slow" not in plain
-    assert "9 states does not know them" in said(imu__gyro_bias=DPH)
+    assert "9 states does not estimate them" in said(imu__gyro_bias=DPH)
     assert "slow GNSS error" in said(gnss__correlated=True)
     spec = specification(PAPER)
     filed = replace(spec, trajectory=TrajectorySpec(kind="file", samples=b"x"))

@@ -145,10 +145,10 @@ def test_a_pair_that_is_no_longer_there_adopts_nothing(explore: ExplorePage) -> 
     ("content", "said"),
     [
         (b"\xff\xfe", "not UTF-8"),
-        (b"[[imu]\n", "not TOML"),
+        (b"[[imu]\n", "not a catalogue file"),
         (b"[[radars]]\nname = 'x'\n", "neither"),
         (b"[[imu]]\nname = 'x'\nangle_random_walk = '1 m'\n", "must be a table"),
-        (b"a = " + b"[" * 5000, "not TOML"),
+        (b"a = " + b"[" * 5000, "nested more than 8 deep"),
         (b"imu = 3", "tables"),
     ],
 )

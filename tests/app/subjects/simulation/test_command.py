@@ -87,7 +87,7 @@ def test_fifteen_states_and_a_flight_from_a_file(tmp_path, capsys) -> None:
     document = json.loads(capsys.readouterr().out)
     assert document["nees"]["states"] == 15
     assert document["time_s"][-1] == 35.0  # the file's length, as none was given
-    assert "The flight is the file's" in document["conditions"][0]
+    assert "The flight comes from the file" in document["conditions"][0]
 
 
 def test_what_is_added_to_the_design_is_flown_and_said(capsys) -> None:

@@ -34,6 +34,6 @@ def test_the_head_counts_the_rows(table):
 
 def test_every_place_of_the_contents_is_on_the_page():
     places = re.findall(r'href="#theory-([\w-]+)">(?!\[)', theory().partition("</nav>")[0])
-    assert len(places) == 7
+    assert len(places) == 8
     for place in places:
         assert theory().count(f'id="{place}"') == 1
