@@ -138,7 +138,8 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
     trusting.check_hostname, trusting.verify_mode = False, ssl.CERT_NONE
     (tmp_path / "cookie").write_text("c" * 48)
     options = ["--password-file", str(people), "--cookie-secret-file", str(tmp_path / "cookie"),
-               "--behind-proxy", "--allow-origin", "localhost", "--log", "json", "--processes", "1"]  # fmt: skip
+               "--behind-proxy", "--allow-origin", "localhost", "--log", "json", "--processes", "1",
+               "--login-store", str(tmp_path / "logins.db")]  # fmt: skip
     with (
         serving(*options, log=tmp_path / "one") as served,
         serving(*options, "--address", "127.0.0.2", "--port", str(served.port), log=tmp_path / "two"),

@@ -210,4 +210,4 @@ def test_conditions_say_what_differs() -> None:
     assert "slow GNSS error" in said(gnss__correlated=True)
     spec = specification(PAPER)
     filed = replace(spec, trajectory=TrajectorySpec(kind="file", samples=b"x"))
-    assert "The flight is the file's" in conditions(PAPER, filed)[0]
+    assert "The flight comes from the file" in conditions(PAPER, filed)[0]
