@@ -13,6 +13,7 @@ from app.dashboard.controls import SECTION_TITLES, Control, section_controls
 from app.dashboard.controls.quantity import QuantityControl
 from app.declared import held
 from app.session import Session
+from app.ui.html_pane import html_pane
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.parts import INPUTS
@@ -37,7 +38,7 @@ class Sidebar(pn.viewable.Viewer):
             active=list(_FIRST_OPEN),
             toggle=False,
             disable_gutters=True,
-            title_variant="subtitle1",
+            title_variant="body1",
             sizing_mode="stretch_width",
             margin=0,
         )
@@ -45,6 +46,7 @@ class Sidebar(pn.viewable.Viewer):
         pn.state.onload(lambda: self._fill(_FIRST_OPEN[1]))
         accordion.param.watch(self._opened, "active")
         self.parts = [
+            html_pane('<h2 class="hidden">Design</h2>', margin=0),
             self._comparison,
             pmui.Switch.from_param(self.param.explained, margin=(2, 10)),
             accordion,

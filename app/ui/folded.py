@@ -32,7 +32,7 @@ class Folded(pn.viewable.Viewer):
             active=[],
             toggle=False,
             disable_gutters=True,
-            title_variant="subtitle2",
+            title_variant="body2",
             sizing_mode="stretch_width",
             margin=(8, 10),
         )
