@@ -180,8 +180,12 @@ def test_a_directory_and_a_file_nobody_may_read(capsys, tmp_path, monkeypatch):
     path = tmp_path / "secret.toml"
     path.write_text('name = "a"\n')
 
-    def refuse(self, *_, **__):
-        raise PermissionError(13, "Permission denied", str(self))
+    opened = Path.open
+
+    def refuse(self, *options, **named):
+        if self == path:
+            raise PermissionError(13, "Permission denied", str(self))
+        return opened(self, *options, **named)
 
     monkeypatch.setattr(Path, "open", refuse)  # root may read everything, so modes prove nothing here
     _refused(capsys, ["evaluate", str(path)], f"{path}: cannot be read: Permission denied")

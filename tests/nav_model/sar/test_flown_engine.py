@@ -126,7 +126,7 @@ def test_engines_agree_and_the_document_says_so(compared):
     assert any("WGS 84" in sentence for sentence in data["cautions"])
     assert "agreement" not in to_json(fast)
     apart = (found[0]._replace(ratio=1.5, error=0.05), *found[1:])
-    assert "part by more than three standard errors" in agreement_sentence(apart)
+    assert "differ by more than three standard errors" in agreement_sentence(apart)
     assert "2 +50 % ± 5 %" in agreement_sentence(apart)
 
 

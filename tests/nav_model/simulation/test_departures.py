@@ -90,10 +90,10 @@ def test_a_plain_study_parts_only_where_the_earth_makes_it() -> None:
 @pytest.mark.parametrize(
     ("options", "added", "cause", "words"),
     [
-        ({"trajectory": "turns"}, {}, "flight", "not straight and level"),
-        ({}, {"filter.gnss_noise_scale": "2"}, "filter", "fix noise told ×2"),
+        ({"trajectory": "turns"}, {}, "flight", "turns, climbs or wander"),
+        ({}, {"filter.gnss_noise_scale": "2"}, "filter", "fix noise setting ×2"),
         ({"states": 15}, {"gyro.bias_instability": "60 °/h"}, "filter", "6 of them biases"),
-        ({}, {"gyro.bias_instability": "60 °/h"}, "errors", "biases, for which 9 states have no place"),
+        ({}, {"gyro.bias_instability": "60 °/h"}, "errors", "biases, which 9 states do not include"),
         ({}, {"filter.process_noise_scale": "0.5"}, "errors", "mismatched tuning"),
     ],
 )

@@ -61,11 +61,11 @@ def test_improvement_is_of_sizes(study):
 def test_words_follow_the_numbers(study):
     text = explain(study)
     assert "38.6 km" in text
-    assert "removes the forcing" in text
+    assert "removes what comes through attitude" in text
     assert "does not stabilise the height" in text
     late = explain(run_study(replace(study.inputs, aiding=Aiding(from_height_m=250e3))))
-    assert "comes too late" in late
-    assert "does not change the forcing" in late
+    assert "too late to help" in late
+    assert "does not change what comes through attitude" in late
     assert "never gives a frame" in explain(run_study(replace(study.inputs, aiding=Aiding(from_height_m=2e6))))
     worse = explain(run_study(replace(study.inputs, aiding=Aiding(misalignment_rad=(0.0, 0.02, 0.0)))))
     assert "makes it worse" in worse
