@@ -3,6 +3,7 @@ force."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any, cast
 
@@ -16,7 +17,7 @@ from nav_model.design.several import Axes
 from nav_model.errors import InputError
 
 
-class InputBox(pn.viewable.Viewer):
+class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
     """Box and perhaps slider of one input.
 
     What the widgets say is compared with the value in force: a widget that only follows it changes nothing.
@@ -47,29 +48,29 @@ class InputBox(pn.viewable.Viewer):
 
     # --- what a kind of input says ---------------------------------------------------------------------------
 
+    @abstractmethod
     def value(self) -> object:
         """The value in force."""
-        raise NotImplementedError
 
+    @abstractmethod
     def text(self) -> str:
         """The value in force as the box shows it."""
-        raise NotImplementedError
 
+    @abstractmethod
     def size(self) -> float | None:
         """The value in force as the slider shows it, SI; None: the slider stays where it is."""
-        raise NotImplementedError
 
+    @abstractmethod
     def help(self) -> str:
         """What the box says under it unless something is refused."""
-        raise NotImplementedError
 
+    @abstractmethod
     def take(self, text: str) -> InputError | None:
         """Put a text in force, or say or raise why not."""
-        raise NotImplementedError
 
+    @abstractmethod
     def take_size(self) -> InputError | None:
         """Put in force what the slider says, or say why not."""
-        raise NotImplementedError
 
     # --- how all follow and take -----------------------------------------------------------------------------
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 import panel as pn
 import param
 
@@ -15,12 +17,12 @@ NO_LIMIT = Answer(
 )
 
 
-class Question(pn.viewable.Viewer):
+class Question(pn.viewable.Viewer, param.ParameterizedABC):
     """One of the page's views: the page hands it each budget while it is in view."""
 
     session = held(Session)
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=NO_LIMIT, instantiate=False))
 
+    @abstractmethod
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
-        raise NotImplementedError

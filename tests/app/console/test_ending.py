@@ -105,7 +105,8 @@ def test_a_closed_pipe_is_silent(command: list[str]) -> None:
 def test_a_reader_that_leaves_early_is_no_fault_and_hears_nothing(command: str) -> None:
     shell = f"{sys.executable} -m app.cli {command} | head -1; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", shell], cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == command.startswith("check")  # what it said in time is the verdict: one of them does not close
+    # What `check` said in time is the verdict: one of the two designs does not close.
+    assert done.returncode == command.startswith("check")
     assert done.stderr == ""
 
 
