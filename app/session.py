@@ -207,9 +207,10 @@ class Session(param.Parameterized):
         self.param.update(
             compared=self._before(budget) if self._follows_changes else self.compared,
             budget=budget,
-            lineage=lineage,
             can_undo=bool(self._past),
             can_redo=bool(self._future),
+            # What is set counts as changed, be it the same.
+            **({} if lineage is self.lineage else {"lineage": lineage}),
         )
 
 

@@ -24,7 +24,7 @@ from app.ui.html_pane import html_pane
 from app.ui.paper import fit_to_paper
 from app.ui.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.ui.tour import Tour
-from app.ui.turns import in_turns
+from app.ui.turns import in_turns, once_quiet
 from app.upstream.browser import Repairs
 from app.upstream.busy_line import follow_own_work
 from app.upstream.full_height import FULL_HEIGHT
@@ -57,6 +57,7 @@ class Frame(pn.viewable.Viewer):
 
     def __init__(self, session: Session, notice: str = "") -> None:
         super().__init__(session=session)
+        self._keep_soon = once_quiet(self._keep)
         self._opening = opening()
         self._pages: dict[int, Page] = {}
         self._loaded = False
@@ -98,14 +99,16 @@ class Frame(pn.viewable.Viewer):
             for view in (self._sidebar, page, self._toolbar):
                 if view is not None:
                     view.show(self.session.budget)
-            self._keep()
 
-    @param.depends("session.lineage", "session.study_link", "session.settings", watch=True)
+    @param.depends("session.budget", "session.lineage", "session.study_link", "session.settings", watch=True)
+    def _changed(self) -> None:
+        self._keep_soon()
+
     def _keep(self) -> None:
         """Have the browser's tab keep what is in force, should the page be loaded again."""
-        base = self.session.lineage.base
-        self._lifeline.param.update(link=self.session.link, base=base.key if base else "")
-        self._toolbar.bar.link = self.session.link
+        base, link = self.session.lineage.base, self.session.link
+        self._lifeline.param.update(link=link, base=base.key if base else "")
+        self._toolbar.bar.link = link
 
     def _come_back(self, link: str, base: str) -> None:
         """Take up again what the browser's tab kept of this page before it was loaded again."""

@@ -31,13 +31,13 @@ from app.serving.rules import Rules
 from app.session import Session
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
+from app.upstream import one_write, writes
 from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.ask_first import ask_first
 from app.upstream.defaults import remember_defaults
 from app.upstream.given_socket import listen_on
 from app.upstream.late_session import page_of, sheets_from_here
 from app.upstream.request_location import read_any_address
-from app.upstream.writes import closed_is_no_fault, repair
 from app.work import pool as workers
 from nav_model.design import Design
 from nav_model.design.file import parse_design
@@ -113,7 +113,8 @@ def serve_on(
     pn.extension(exception_handler=caught)
     set_defaults()
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
-    repair()
+    writes.repair()
+    one_write.repair()
     read_any_address()
     remember_defaults()
     workers.use(rules.workers, row.board.processes)
@@ -208,7 +209,7 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
         else:
             stopping.append(loop.create_task(wind_down()))
 
-    loop.set_exception_handler(closed_is_no_fault)
+    loop.set_exception_handler(writes.closed_is_no_fault)
     server.start()
     aside = [loop.create_task(collector.run()), loop.create_task(_tell(server, row))]
     for signal_number in (signal.SIGTERM, signal.SIGINT):

@@ -161,11 +161,9 @@ class _Family:
                     Row(self.board, process).add("restarts")
                     self.start(process)
             waits = [falls.due - now for falls in self.falls.values() if falls.due is not None]
-            alive = [member.sentinel for member in self.members.values() if member.exitcode is None]
-            if waits:
-                wait(alive, timeout=max(_LOOK, min(waits)))
-            else:
-                wait(alive)
+            # One that has ended since it was looked at above is among them, and ends the waiting at once.
+            watched = [member.sentinel for process, member in self.members.items() if self.falls[process].due is None]
+            wait(watched, timeout=max(_LOOK, min(waits)) if waits else None)
 
     def end(self) -> int:
         """Wait until all have ended."""

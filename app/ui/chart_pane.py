@@ -22,7 +22,7 @@ from app.ui.downloads import download
 from app.ui.grid import cell
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE
-from app.ui.turns import in_turns
+from app.ui.turns import in_turns, once_quiet
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 
@@ -50,6 +50,7 @@ class ChartPane(Generic[_T]):
         # In a native column: in a Material layout a figure breaks when replaced (panel-material-ui#548).
         figure = pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode=sizing), sizing_mode=sizing)
         if self._fills:
+            self._tell_soon = once_quiet(lambda: self._tell(describe(current())))
             self._takes: list[pmui.FileDownload] = []
             self.view = pn.Column(self._title, figure, sizing_mode=sizing, stylesheets=[PRINT_WHOLE])
             return
@@ -72,13 +73,18 @@ class ChartPane(Generic[_T]):
         """Feed the figure."""
         chart = self._describe(data)
         self.figure.feed(chart)
+        if self._fills:
+            self._tell_soon()
+        else:
+            self._tell(chart)
+            self._know.object = _know(chart)
+
+    def _tell(self, chart: AnyChart) -> None:
         heading = self._heading(chart)
         if self._title.object != heading:
             self._title.object = heading
             for take, label in zip(self._takes, _labels(chart), strict=False):
                 take.label = label
-        if not self._fills:
-            self._know.object = _know(chart)
 
     def _heading(self, chart: AnyChart) -> str:
         if self._fills:

@@ -1,8 +1,10 @@
-"""Large parts of a page made piece by piece: between two turns everybody else's sliders move."""
+"""Work of a page that waits: large parts made piece by piece, between which everybody else's sliders move, and what
+need not follow every step of a slider."""
 
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -13,6 +15,7 @@ from app.upstream.frozen_models import frozen_models
 
 _LONGEST = 0.1  # seconds of a turn in which another piece is begun; what a turn costs besides is about as much
 _BETWEEN = 0.01  # seconds: the dozen frames of a slider step come in, and it is answered
+_QUIET = 0.2  # seconds: a key held down repeats ten times faster
 
 
 def in_turns(pieces: Iterable[Callable[[], None]], after: float = 0.0) -> None:
@@ -37,3 +40,32 @@ def in_turns(pieces: Iterable[Callable[[], None]], after: float = 0.0) -> None:
             await asyncio.sleep(_BETWEEN)
 
     pn.state.execute(run)
+
+
+def once_quiet(work: Callable[[], None]) -> Callable[[], None]:
+    """A call that has the work done when it was not called again for a moment: for what nobody reads, and nothing
+    computes with, while a slider moves.
+
+    In a script or a test, where there is no server: at once.
+    """
+    document, due, waits = pn.state.curdoc, 0.0, False
+    if document is None or document.session_context is None:
+        return work
+
+    def look() -> None:
+        nonlocal waits
+        if (left := due - time.monotonic()) > 0:
+            document.add_timeout_callback(look, math.ceil(1000 * left))
+            return
+        waits = False
+        with pn.io.hold():
+            work()
+
+    def call() -> None:
+        nonlocal due, waits
+        due = time.monotonic() + _QUIET
+        if not waits:
+            waits = True
+            document.add_timeout_callback(look, math.ceil(1000 * _QUIET))
+
+    return call

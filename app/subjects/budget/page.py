@@ -9,10 +9,11 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.charts.kinds import BarChart
 from app.charts.screen.timelines import Timelines
-from app.charts.words import in_words
 from app.declared import held
 from app.document.bars import bars_html
+from app.document.blocks import KeyFigures
 from app.document.pane import html_of
 from app.document.prose import prose
 from app.document.verdict import verdict_strip, verdicts_in_short
@@ -22,13 +23,15 @@ from app.subjects.budget import charts
 from app.subjects.budget.closing import Way, ways, ways_block
 from app.subjects.budget.tables import key_figures, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import ChartPane, ChartView, head_html, source_note
+from app.ui.chart_pane import ChartPane, ChartView, described, head_html, source_note
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME, PRINT_NOTHING, SWITCH
 from app.ui.tiles import tiles_html
+from app.ui.turns import once_quiet
+from app.upstream.text_pane import TextPane
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 
@@ -93,7 +96,10 @@ class BudgetPage(pn.viewable.Viewer):
             self._details,
         )
         self._compared: Any = None
+        self._was: tuple[KeyFigures | None, BarChart | None] = None, None
+        self._tell_soon = once_quiet(self._tell)
         self._feed(budget)
+        self._tell()
         pn.state.onload(self._add_details)
 
     def __panel__(self) -> pn.Column:
@@ -105,6 +111,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._stack.feed(charts.timelines(budget))
         self._response.show(budget)
         self._feed(budget)
+        self._tell_soon()
         if self._close.label != _ask(budget):
             self._close.label = _ask(budget)
         modes = verdicts_in_short(budget)
@@ -130,25 +137,26 @@ class BudgetPage(pn.viewable.Viewer):
         if compared is self._compared:
             return
         self._compared = compared
+        was = compared.budget if compared else None
+        self._was = (key_figures(was), charts.phase_chart(was)) if was else (None, None)
         with pn.io.hold():
-            self._stack.compare(charts.timelines(compared.budget) if compared else None)
+            self._stack.compare(charts.timelines(was) if was else None)
             self._feed(self.session.budget)
 
     def _feed(self, budget: Budget) -> None:
-        """Tiles, bars and the lines above the charts, whose text goes only when it is another."""
-        was = self.session.compared.budget if self.session.compared else None
+        """Tiles and bars, whose text goes only when it is another."""
+        figures, bars = self._was
+        _put(self._tiles, tiles_html(key_figures(budget), figures))
+        _put(self._phase, bars_html(charts.phase_chart(budget), charts.TOTAL, bars))
+
+    def _tell(self) -> None:
+        """The lines above the charts: source, method and, for who cannot see them, what they show."""
+        budget = self.session.budget
         phase = charts.phase_chart(budget)
-        lines = charts.timelines(budget)
-        said = "".join(f'<p class="hidden">What the chart shows: {in_words(line)}</p>' for line in lines)
+        said = "".join(described(line) for line in charts.timelines(budget))
         knowledge = charts.position_chart(budget).knowledge
-        for pane, text in (
-            (self._tiles, tiles_html(key_figures(budget), key_figures(was) if was else None)),
-            (self._phase, bars_html(phase, charts.TOTAL, charts.phase_chart(was) if was else None)),
-            (self._phase_head, head_html(phase.title, phase.knowledge)),
-            (self._stack_head, head_html("Position, velocity, attitude", knowledge, said, _KEY)),
-        ):
-            if pane.object != text:
-                pane.object = text
+        _put(self._phase_head, head_html(phase.title, phase.knowledge))
+        _put(self._stack_head, head_html("Position, velocity, attitude", knowledge, said, _KEY))
 
     # --- what would close it ---------------------------------------------------------------------------------
 
@@ -227,6 +235,11 @@ class BudgetPage(pn.viewable.Viewer):
             for take in ChartPane(describe, lambda: self.session.budget).takes()
         ]
         return pn.FlexBox(*takes, stylesheets=[PRINT_NOTHING])
+
+
+def _put(pane: TextPane, text: str) -> None:
+    if pane.object != text:
+        pane.object = text
 
 
 def _ask(budget: Budget) -> str:

@@ -43,24 +43,34 @@ def _busy(process: subprocess.Popen[str], workers: int, seconds: float) -> bool:
     return len(at_work) >= max(1, workers) and all(sum(own.cpu_times()[:2]) > seconds for own in at_work)
 
 
+_LONG = {
+    "sweep, two workers": (2, ["sweep", "{folder}/sweep.toml", "-o", "{folder}/out.csv", "--workers", "2"]),
+    "sweep": (0, ["sweep", "{folder}/sweep.toml", "-o", "{folder}/out.csv", "--workers", "1"]),
+    "simulate, two workers": (2, ["simulate", MEMS, "--runs", "20000", "--workers", "2", "-o", "{folder}/out.json"]),
+    "sar": (0, ["sar", MEMS, "--runs", "20000", "-o", "{folder}/out.json"]),
+    "report": (0, ["report", MEMS, "--with", "simulation", "--runs", "50000", "--workers", "1",
+                   "-o", "{folder}/out.pdf"]),
+}  # fmt: skip
+"""What is run -> how many workers it has, and the command."""
+_QUICK = {("sweep, two workers", signal.SIGINT), ("simulate, two workers", signal.SIGTERM), ("report", signal.SIGINT)}
+
+
 @pytest.mark.parametrize(
-    ("workers", "command"),
+    ("name", "number"),
     [
-        (2, ["sweep", "{folder}/sweep.toml", "-o", "{folder}/out.csv", "--workers", "2"]),
-        (0, ["sweep", "{folder}/sweep.toml", "-o", "{folder}/out.csv", "--workers", "1"]),
-        (2, ["simulate", MEMS, "--runs", "20000", "--seed", "1", "--workers", "2", "-o", "{folder}/out.json"]),
-        (0, ["sar", MEMS, "--runs", "20000", "--seed", "1", "-o", "{folder}/out.json"]),
-        (0, ["report", MEMS, "--with", "simulation", "--runs", "50000", "--workers", "1", "-o", "{folder}/out.pdf"]),
+        pytest.param(name, number, marks=() if (name, number) in _QUICK else pytest.mark.slow)
+        for name in _LONG
+        for number in (signal.SIGINT, signal.SIGTERM)
     ],
 )
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_stopped_command_ends_its_workers_says_one_line_and_leaves_nothing_half_written(
-    tmp_path: Path, workers: int, command: list[str], number: signal.Signals
+    tmp_path: Path, name: str, number: signal.Signals
 ) -> None:
+    workers, command = _LONG[name]
     (tmp_path / "sweep.toml").write_text(_SWEEP)
     with _run(*(part.format(folder=tmp_path) for part in command)) as process:
         try:
-            until(lambda: process.poll() is not None or _busy(process, workers, 6.0), "work under way")
+            until(lambda: process.poll() is not None or _busy(process, workers, 4.0), "work under way")
             assert process.poll() is None, process.stderr and process.stderr.read()
             family = psutil.Process(process.pid).children(recursive=True)
             if number == signal.SIGINT:

@@ -247,6 +247,31 @@ def test_processes_that_end_at_once_again_and_again_are_given_up(monkeypatch: py
     assert family.board.total("restarts") == supervisor._MOST_ENDS - 1
 
 
+def test_one_that_ends_just_after_it_was_looked_at_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(supervisor, "_PAUSE", 0.001)
+    monkeypatch.setattr(supervisor, "_MOST_ENDS", 2)
+    monkeypatch.setattr(supervisor, "_serve_pages", _ends_at_once)
+    family = supervisor._Family(socket.create_server(("127.0.0.1", 0)), 0, Rules(processes=1), "")
+    family.start(0)
+    member, looks = family.members[0], iter([None])
+    member.join()
+    # The first look still finds it alive, every later one finds it ended.
+    late = type(
+        "Late", (), {"exitcode": property(lambda _: next(looks, member.exitcode)), "sentinel": member.sentinel}
+    )
+    family.members[0] = late()
+    wait = supervisor.wait
+
+    def bounded(watched: list[Any], timeout: float | None = None) -> list[Any]:
+        assert watched or timeout is not None, "waits for ever"
+        return wait(watched, PATIENCE if timeout is None else timeout)
+
+    monkeypatch.setattr(supervisor, "wait", bounded)
+    family.keep()
+    assert family.end() == 1
+    assert family.board.total("restarts") == 1
+
+
 def test_what_a_process_counted_outlives_it() -> None:
     board = Board(2)
     row = Row(board, 1)
