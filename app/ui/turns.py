@@ -43,10 +43,10 @@ def in_turns(pieces: Iterable[Callable[[], None]], after: float = 0.0) -> None:
 
 
 def once_quiet(work: Callable[[], None]) -> Callable[[], None]:
-    """A call that has the work done when it was not called again for a moment: for what nobody reads, and nothing
-    computes with, while a slider moves.
+    """A call that has the work done at once, and, while it is called again and again, not until that has ended: for
+    what nobody reads, and nothing computes with, while a slider moves.
 
-    In a script or a test, where there is no server: at once.
+    In a script or a test, where there is no server: at every call.
     """
     document, due, waits = pn.state.curdoc, 0.0, False
     if document is None or document.session_context is None:
@@ -63,8 +63,10 @@ def once_quiet(work: Callable[[], None]) -> Callable[[], None]:
 
     def call() -> None:
         nonlocal due, waits
-        due = time.monotonic() + _QUIET
-        if not waits:
+        moving, due = time.monotonic() < due, time.monotonic() + _QUIET
+        if not moving:
+            work()
+        elif not waits:
             waits = True
             document.add_timeout_callback(look, math.ceil(1000 * _QUIET))
 

@@ -112,7 +112,7 @@ def test_another_site_gets_neither_the_connection_nor_a_frame(page: Page, elsewh
 
 def test_oversized_and_wrong_files_are_refused_where_they_are_given(visit: Callable[..., Page]) -> None:
     page = visit()
-    files = page.locator("input[type=file][accept='.toml']")
+    files = page.get_by_label("Design file", exact=True)
     files.set_input_files({"name": "../../etc/passwd.toml", "mimeType": "text/plain", "buffer": b"imu = 3"})
     notice = page.get_by_role("alert").first
     expect(notice).to_contain_text("Not opened.")

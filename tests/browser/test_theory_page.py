@@ -32,7 +32,8 @@ def test_every_equation_is_set_offline(visit: Visit, fits: Callable[[Page, int],
 
 def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
     page = visit()
-    page.locator(".know").get_by_role("link", name="[T-17]").first.click()
+    page.get_by_label("Source and method: Position, velocity, attitude").click()
+    page.locator("details.how").get_by_role("link", name="[T-17]").first.click()
     equation = page.locator("#T-17")
     expect(equation).to_be_focused()
     assert equation.evaluate(_IN_VIEW)
