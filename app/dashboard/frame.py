@@ -72,7 +72,9 @@ class Frame(pn.viewable.Viewer):
         self._lifeline = Lifeline(
             self._come_back, link=session.link, who=str(pn.state.user or ""), margin=0, width=0, height=0
         )
-        self._sidebar, self._toolbar = Sidebar(session), Toolbar(session, self._say, self._examples)
+        empty = not (pn.state.location and pn.state.location.search)
+        self._sidebar = Sidebar(session, self._lead_to, empty)
+        self._toolbar = Toolbar(session, self._say, self._examples)
         self._toolbar.bar.active = first
         self._open_page(first)
         self._close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 10), stylesheets=[_NARROW])
@@ -176,6 +178,14 @@ class Frame(pn.viewable.Viewer):
         if is_review_link(location.search):
             return "review"
         return str(location.hash) or ("suborbital" if self.session.study_link else "")
+
+    def _lead_to(self, address: str) -> None:
+        """Turn to the page of an address, as if it had been called up."""
+        location = pn.state.location
+        if location and location.hash != f"#{address}":
+            location.hash = f"#{address}"  # which leads there
+        else:
+            self._go_to(address)
 
     def _go_to(self, address: str) -> None:
         """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
