@@ -10,6 +10,9 @@ from panel.custom import JSComponent
 
 from app.upstream.connecting_cookies import connecting_cookies
 
+DISPLAY_COOKIE = "navbudget-show"
+"""How figures are told."""
+
 
 class Remembered(JSComponent):
     """Keeps a text in the browser under a name; an empty text is forgotten.

@@ -109,3 +109,23 @@ def test_an_imu_and_a_log_lead_to_their_answers(visit: Visit) -> None:
     expect(page.get_by_text("What does my log say?")).to_be_in_viewport()
     page = visit("/?arw=0.01deg/sqrt(h)")  # not an empty start
     expect(page.get_by_role("button", name="My radar")).to_be_hidden()
+
+
+def test_figures_are_told_as_chosen_in_this_browser_and_by_the_link(visit: Visit) -> None:
+    page = visit()
+    strip = page.get_by_role("status").first
+    answer = strip.inner_text()
+    tiles = page.get_by_label("Key figures, one sigma")
+    page.get_by_role("button", name="View", exact=True).click()
+    page.get_by_label("Figures as").select_option("2s")
+    expect(tiles).to_contain_text("80.8 cm")  # twice 40.4 cm
+    page.get_by_label("Units").select_option("si")
+    expect(tiles).to_contain_text("0.808 m")
+    assert strip.inner_text() == answer
+    page.get_by_role("button", name="Share").click()
+    link = page.get_by_label("Link to this design and page").input_value()
+    assert link.endswith("&show=2s.si#budget")
+    assert len(link) < 250
+    page.get_by_role("button", name="Copy link").click()
+    page = visit("/#budget")  # the same browser, another visit
+    expect(page.get_by_label("Key figures, one sigma")).to_contain_text("0.808 m")

@@ -105,7 +105,7 @@ class ReviewRoom(pn.viewable.Viewer):
             align_items="center", visible=False, margin=(2, 4),
         )  # fmt: skip
         self._details = pn.Column(self._folded, visible=False)
-        switch = pmui.Switch.from_param(presenting, label="Presenter view", margin=(12, 8))
+        switch = pmui.Switch.from_param(presenting, label="Presenter view", description="", margin=(12, 8))
         self._view = pn.Column(
             pn.FlexBox(
                 self._of_review[0],
