@@ -12,10 +12,12 @@ import param
 from app.dashboard.comparison import ComparisonChoice
 from app.dashboard.controls import SECTION_TITLES, Control, control_of, section_controls
 from app.dashboard.controls.quantity import QuantityControl
+from app.dashboard.geometry import geometry_sketch
 from app.dashboard.start import STARTS, StartChoice
 from app.declared import held
 from app.session import Session
 from app.ui.html_pane import html_pane
+from app.upstream.text_pane import TextPane
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.parts import INPUTS
@@ -45,6 +47,7 @@ class Sidebar(pn.viewable.Viewer):
         self._asked = pn.Column()
         self._asking: list[Control] = []  # the inputs that the first question takes
         self._controls: list[Control] = []
+        self._sketches: list[TextPane] = []
         self._shown: Design = session.design
         self._sections = [pn.Column() for _ in INPUTS]
         self._comparison = ComparisonChoice(session)
@@ -80,7 +83,17 @@ class Sidebar(pn.viewable.Viewer):
         """Make a section's controls when it is first opened: a page of closed sections loads faster."""
         if self._sections[index].objects:
             return
-        self._sections[index].objects = self._follow(section_controls(self.session, list(INPUTS)[index]))
+        section = list(INPUTS)[index]
+        controls = self._follow(section_controls(self.session, section))
+        self._sections[index].objects = [*self._sketch({section}), *controls]
+
+    def _sketch(self, sections: set[str]) -> list[Any]:
+        """The geometry, above inputs of the radar."""
+        if "radar" not in sections:
+            return []
+        pane = html_pane(geometry_sketch(self.session.budget), margin=(6, 10, 0, 10))
+        self._sketches.append(pane)
+        return [pane]
 
     def _follow(self, controls: Iterable[Control]) -> list[Control]:
         """Have controls follow the design from now on."""
@@ -98,7 +111,7 @@ class Sidebar(pn.viewable.Viewer):
         if event.old != event.new:
             self._controls = [control for control in self._controls if control not in self._asking]
             self._asking = self._follow(control_of(self.session, key) for key in start.keys)
-            self._asked.objects = list(self._asking)
+            self._asked.objects = [*self._sketch({key.partition(".")[0] for key in start.keys}), *self._asking]
             self._count_invalid()
         self._accordion.active = []
         self._lead_to(start.address)
@@ -129,3 +142,6 @@ class Sidebar(pn.viewable.Viewer):
         for control in self._controls:
             if control.differs(before, self._shown):
                 control.show(self._shown)
+        for sketch in self._sketches:
+            if sketch.object != (drawn := geometry_sketch(budget)):
+                sketch.object = drawn

@@ -1,6 +1,6 @@
 """The one rule of display choices: how wide a figure is told, and in which units. Verdicts do not follow it.
 
-A figure is a standard deviation of one axis. A horizontal position has two equal axes: a percentage is a radius there,
+A figure is a standard deviation of one axis. A horizontal position has two equal axes: a percentage is a radius,
 by the Rayleigh distribution, and CEP is the radius that holds half. Other figures have no CEP: they stay at 1σ.
 """
 
