@@ -23,6 +23,10 @@ from nav_model.catalogue import Kind
 from nav_model.design.presets import preset_of
 
 _WHOLE = ".scroll.tall { max-height: none; }"  # the view scrolls, not the table in it
+_SCROLLED = """
+:host { overflow: auto; }
+@media (max-width: 1000px), print { :host { overflow: visible; height: auto !important; flex: none !important; } }
+"""
 _KINDS: tuple[Kind, ...] = ("imu", "radar")
 
 
@@ -77,7 +81,7 @@ class SensorsPage(pn.viewable.Viewer):
 
 def _scrolled(*content: Any) -> pn.Column:
     """A view that scrolls in its place: the answer above it stays."""
-    return pn.Column(*content, sizing_mode="stretch_both", styles={"overflow": "auto"})
+    return pn.Column(*content, sizing_mode="stretch_both", stylesheets=[_SCROLLED])
 
 
 def _sheet(content: pn.viewable.Viewable) -> pmui.Paper:
