@@ -76,7 +76,7 @@ def theory() -> str:
         )
         parts.append(_folded(f"part-{letter}", title, f"{len(equations)} equations", body))
     rows = "".join(
-        f"<tr><th scope='row'>{set_[s.math, False]}</th><td>{prose(s.meaning)}</td><td>{escape(s.unit)}</td></tr>"
+        f"<tr><td>{set_[s.math, False]}</td><td>{prose(s.meaning)}</td><td>{escape(s.unit)}</td></tr>"
         for s in ALL_SYMBOLS
     )
     table = (
