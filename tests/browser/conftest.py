@@ -153,7 +153,8 @@ def settled() -> Callable[[Page], None]:
 
 @pytest.fixture(scope="session")
 def accessible(settled: Callable[[Page], None]) -> Callable[..., None]:
-    """Nothing that axe finds serious is left (``every``: nothing it finds at all; ``advice``: nor against good practice); `where` says of what page.
+    """Nothing that axe finds serious is left (``every``: nothing it finds at all; ``advice``: good
+    practice counts too); `where` says of what page.
 
     While colours fade over, nothing has its contrast: a finding counts that is there when the page has come to rest.
     """
