@@ -17,13 +17,14 @@ from app.declared import declared, held
 from app.work.run import Run
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
-from nav_model.design.link import SETTINGS, STUDY_PREFIX, to_query
+from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.errors import InputError
 from nav_model.units import format_quantity
 
 WATCHED = tuple(f"{section}.{name}" for section, inputs in INPUTS.items() for name in inputs)
 """Every input that a person can set, by its dotted key."""
+_SHOWN = "show="
 _MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
 _HISTORY = 200
 
@@ -55,6 +56,7 @@ class Session(param.Parameterized):
     budget = held(Budget, constant=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
     presenting = param.Boolean(default=False, doc="Whether a decision is shown to a room: tools stand back.")
+    shown = param.String(doc="How figures are told, as a link says it (`app.document.display`); empty: as usual.")
     study_link = param.String(doc="The suborbital study as a link says it; empty until one is linked or changed.")
     settings: dict[str, str] = declared(
         param.Dict(default={}, doc="Kind of study -> its settings as a link says them; usual ones are left out.")
@@ -128,8 +130,14 @@ class Session(param.Parameterized):
     @property
     def link(self) -> str:
         """The design in force and the studies beside it, as a link's query."""
-        parts = (to_query(self.design), self.study_link, *self.settings.values())
+        shown = f"{_SHOWN}{self.shown}" if self.shown else ""
+        parts = (to_query(self.design), self.study_link, *self.settings.values(), shown)
         return "&".join(part for part in parts if part)
+
+    @property
+    def short_link(self) -> str:
+        """The same without the design's description, to give to others."""
+        return "&".join(part for part in self.link.split("&") if not part.startswith("description="))
 
     def take_studies(self, link: str) -> None:
         """Take what a link says of the studies beside the design (the second part of `split_link`)."""
@@ -212,6 +220,14 @@ class Session(param.Parameterized):
             # What is set counts as changed, be it the same.
             **({} if lineage is self.lineage else {"lineage": lineage}),
         )
+
+
+def link_parts(query: str) -> tuple[str, str, str]:
+    """A link's query in three: the design's part, that of the studies beside it, and how figures are told."""
+    of_design, of_study = split_link(query)
+    parts = of_design.split("&")
+    shown = next((part.removeprefix(_SHOWN) for part in parts if part.startswith(_SHOWN)), "")
+    return "&".join(part for part in parts if not part.startswith(_SHOWN)), of_study, shown
 
 
 def _change_in_words(old: Design, new: Design) -> str:

@@ -31,6 +31,7 @@ export function render({ model }) {
       <button data-menu="open" type="button" aria-expanded="false">Open</button>
       <button data-do="save" type="button" title="Save the design as a TOML file">Save</button>
       <button data-menu="share" type="button" aria-expanded="false">Share</button>
+      <button data-menu="view" type="button" aria-expanded="false">View</button>
       <button data-menu="report" type="button" aria-expanded="false">Report</button>
       <button class="tour" type="button" aria-label="Tour" title="Tour of the product">?</button>
     </div>
@@ -42,6 +43,13 @@ export function render({ model }) {
     <div class="menu" data-for="share" hidden>
       <label>Link to this design and page<input type="text" readonly></label>
       <button class="copy" type="button">Copy link</button><span aria-live="polite"></span>
+    </div>
+    <div class="menu" data-for="view" hidden>
+      <label>Figures as <select class="spread"><option value="1s">1σ</option><option value="2s">2σ</option>
+        <option value="95">95 %</option><option value="cep">CEP (horizontal position)</option></select></label>
+      <label>Units <select class="units"><option value="">as data sheets</option><option value="si">SI</option>
+        </select></label>
+      <p>The verdict does not change.</p>
     </div>
     <div class="menu" data-for="report" hidden>
       <div class="studies"></div><p class="left"></p>
@@ -111,7 +119,7 @@ export function render({ model }) {
         const right = innerWidth - opener.getBoundingClientRect().right
         menu.style.right = Math.max(8, Math.min(right, innerWidth - 320)) + "px"
         if (opener.dataset.menu === "share") share()
-        menu.querySelector("input:not([type=checkbox]), button")?.focus()
+        menu.querySelector("input:not([type=checkbox]), select, button")?.focus()
       }
     }
   }
@@ -149,6 +157,13 @@ export function render({ model }) {
       else document.execCommand("copy")
       at("[data-for=share] span").textContent = "Copied."
     } catch { at("[data-for=share] span").textContent = "Press Ctrl+C to copy." }
+  }
+
+  // --- how figures are told ---
+  const [spread, units] = [".spread", ".units"].map(at)
+  const shown = () => { [spread.value, units.value] = [...(model.shown || "1s").split("."), ""] }
+  spread.onchange = units.onchange = () => {
+    tell({ do: "show", word: units.value ? `${spread.value}.${units.value}` : spread.value })
   }
 
   // --- reports ---
@@ -196,7 +211,7 @@ export function render({ model }) {
   }
   const present = () => place.classList.toggle("presenting", model.presenting)
   const follow = {
-    named, active: turned, can_undo: can, can_redo: can, studies, left_out: studies, writing, presenting: present,
+    named, active: turned, can_undo: can, can_redo: can, studies, left_out: studies, writing, shown, presenting: present,
   }
   for (const [property, change] of Object.entries(follow)) {
     model.on(property, change)

@@ -31,6 +31,7 @@ class Bar(JSComponent):
     studies = param.List(default=[], doc="Dicts of kind, label, ticked: the finished studies a report may hold.")
     left_out = param.String(doc="What a report written now would lack.")
     writing = param.String(doc="What is being written; empty: nothing.")
+    shown = param.String(doc='How figures are told, such as "95.si"; empty: as usual.')
     presenting = param.Boolean(default=False, doc="Whether the screen is left to a decision.")
 
     _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]

@@ -17,11 +17,13 @@ from app.dashboard.opening import index_of, opening
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.declared import held
-from app.session import Lineage, Session
+from app.document.display import display_of
+from app.session import Lineage, Session, link_parts
 from app.subjects import SUBJECTS
 from app.ui.faults import tell_here
 from app.ui.html_pane import html_pane
 from app.ui.paper import fit_to_paper
+from app.ui.remembered import DISPLAY_COOKIE, Remembered
 from app.ui.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.ui.tour import Tour
 from app.ui.turns import in_turns, once_quiet
@@ -30,7 +32,7 @@ from app.upstream.busy_line import follow_own_work
 from app.upstream.full_height import FULL_HEIGHT
 from app.upstream.page_marks import OwnMarkPage
 from nav_model.budget import Budget
-from nav_model.design.link import from_query, split_link
+from nav_model.design.link import from_query
 from nav_model.errors import InputError
 
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
@@ -72,7 +74,9 @@ class Frame(pn.viewable.Viewer):
         self._lifeline = Lifeline(
             self._come_back, link=session.link, who=str(pn.state.user or ""), margin=0, width=0, height=0
         )
-        self._sidebar, self._toolbar = Sidebar(session), Toolbar(session, self._say, self._examples)
+        empty = not (pn.state.location and pn.state.location.search)
+        self._sidebar = Sidebar(session, self._lead_to, empty)
+        self._toolbar = Toolbar(session, self._say, self._examples)
         self._toolbar.bar.active = first
         self._open_page(first)
         self._close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 10), stylesheets=[_NARROW])
@@ -100,20 +104,27 @@ class Frame(pn.viewable.Viewer):
                 if view is not None:
                     view.show(self.session.budget)
 
+    @param.depends("session.shown", watch=True)
+    def _tell_otherwise(self) -> None:
+        self._toolbar.bar.shown = self.session.shown
+        self._show()
+        self._keep_soon()
+
     @param.depends("session.budget", "session.lineage", "session.study_link", "session.settings", watch=True)
     def _changed(self) -> None:
         self._keep_soon()
 
     def _keep(self) -> None:
         """Have the browser's tab keep what is in force, should the page be loaded again."""
-        base, link = self.session.lineage.base, self.session.link
-        self._lifeline.param.update(link=link, base=base.key if base else "")
-        self._toolbar.bar.link = link
+        base = self.session.lineage.base
+        self._lifeline.param.update(link=self.session.link, base=base.key if base else "")
+        self._toolbar.bar.link = self.session.short_link
 
     def _come_back(self, link: str, base: str) -> None:
         """Take up again what the browser's tab kept of this page before it was loaded again."""
-        of_design, of_study = split_link(link)
+        of_design, of_study, shown = link_parts(link)
         try:
+            self.session.shown = display_of(shown).word
             problem = self.session.adopt(from_query(of_design))
         except InputError as error:
             problem = error
@@ -177,6 +188,14 @@ class Frame(pn.viewable.Viewer):
             return "review"
         return str(location.hash) or ("suborbital" if self.session.study_link else "")
 
+    def _lead_to(self, address: str) -> None:
+        """Turn to the page of an address, as if it had been called up."""
+        location = pn.state.location
+        if location and location.hash != f"#{address}":
+            location.hash = f"#{address}"  # which leads there
+        else:
+            self._go_to(address)
+
     def _go_to(self, address: str) -> None:
         """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
         self._loaded = True
@@ -214,6 +233,7 @@ class Frame(pn.viewable.Viewer):
                     Tour(margin=0, width=0, height=0),
                     Repairs(margin=0, width=0, height=0),
                     self._lifeline,
+                    Remembered(DISPLAY_COOKIE, self.session.param.shown),
                     styles=FULL_HEIGHT,
                 )
             ],

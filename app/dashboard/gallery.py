@@ -10,6 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.document.numbers import show, signed_percent
+from app.document.wording import preset_name
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
@@ -31,8 +32,8 @@ def gallery(adopt: Callable[[Design], None]) -> pn.viewable.Viewable:
     budgets = [analyse(example(name)) for name in EXAMPLES]
     cards = grid(*(cell(4, _card(budget, adopt)) for budget in budgets), beside=900)
     head = html_pane(
-        "<h3>Start from an example</h3><p class='quiet'>It takes the place of the design on the left; Undo brings "
-        "that back. Then change one input and watch the verdict.</p>",
+        "<h3>Start from an example</h3><p class='quiet'>It replaces the current design. You can undo. "
+        "Then change one input and watch the verdict.</p>",
         margin=(8, 14, 0, 14),
     )
     return pn.Column(head, cards)
@@ -50,7 +51,7 @@ def _about(budget: Budget) -> str:
     assert tightest is not None  # an example without a requirement would teach nothing
     mark = "✓ Closes" if budget.verdict.closes else "✗ Does not close"
     figures = (
-        ("Unit and radar", f"{design.imu.preset}, {design.radar.preset}"),
+        ("Unit and radar", f"{preset_name(design, 'imu')}, {preset_name(design, 'radar')}"),
         ("Quadratic phase", show(budget.sar.quadratic, "angle")),
         (
             f"Position after {show(budget.coast.duration, 'time')}",

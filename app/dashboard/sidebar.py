@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import panel as pn
@@ -9,11 +10,14 @@ import panel_material_ui as pmui
 import param
 
 from app.dashboard.comparison import ComparisonChoice
-from app.dashboard.controls import SECTION_TITLES, Control, section_controls
+from app.dashboard.controls import SECTION_TITLES, Control, control_of, section_controls
 from app.dashboard.controls.quantity import QuantityControl
+from app.dashboard.geometry import geometry_sketch
+from app.dashboard.start import STARTS, StartChoice
 from app.declared import held
 from app.session import Session
 from app.ui.html_pane import html_pane
+from app.upstream.text_pane import TextPane
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.parts import INPUTS
@@ -22,18 +26,32 @@ _FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with. The se
 
 
 class Sidebar(pn.viewable.Viewer):
-    """Every input of the design in force; a section's controls are made when it is first opened."""
+    """Every input of the design in force; a section's controls are made when it is first opened.
+
+    Parameters
+    ----------
+    lead_to : callable
+        Turns to the page of an address such as "explore-which".
+    empty : bool
+        Whether the page opens without a design of its own: the first question is asked then.
+    """
 
     session = held(Session)
     explained = param.Boolean(default=False, label="Explain every input")
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, lead_to: Callable[[str], object], empty: bool) -> None:
         super().__init__(session=session)
+        self._lead_to = lead_to
+        self._start = StartChoice(visible=empty, sizing_mode="stretch_width", margin=(8, 10, 0, 10))
+        self._start.param.watch(self._begin, "chosen")
+        self._asked = pn.Column()
+        self._asking: list[Control] = []  # the inputs that the first question takes
         self._controls: list[Control] = []
+        self._sketches: list[TextPane] = []
         self._shown: Design = session.design
         self._sections = [pn.Column() for _ in INPUTS]
         self._comparison = ComparisonChoice(session)
-        accordion = pmui.Accordion(
+        self._accordion = accordion = pmui.Accordion(
             *zip((SECTION_TITLES[section] for section in INPUTS), self._sections, strict=True),
             active=list(_FIRST_OPEN),
             toggle=False,
@@ -47,6 +65,8 @@ class Sidebar(pn.viewable.Viewer):
         accordion.param.watch(self._opened, "active")
         self.parts = [
             html_pane('<h2 class="hidden">Design</h2>', margin=0),
+            self._start,
+            self._asked,
             self._comparison,
             pmui.Switch.from_param(self.param.explained, margin=(2, 10)),
             accordion,
@@ -63,15 +83,40 @@ class Sidebar(pn.viewable.Viewer):
         """Make a section's controls when it is first opened: a page of closed sections loads faster."""
         if self._sections[index].objects:
             return
-        controls = section_controls(self.session, list(INPUTS)[index])
-        for control in controls:
+        section = list(INPUTS)[index]
+        controls = self._follow(section_controls(self.session, section))
+        self._sections[index].objects = [*self._sketch({section}), *controls]
+
+    def _sketch(self, sections: set[str]) -> list[Any]:
+        """The geometry, above inputs of the radar."""
+        if "radar" not in sections:
+            return []
+        pane = html_pane(geometry_sketch(self.session.budget), margin=(6, 10, 0, 10))
+        self._sketches.append(pane)
+        return [pane]
+
+    def _follow(self, controls: Iterable[Control]) -> list[Control]:
+        """Have controls follow the design from now on."""
+        made = list(controls)
+        for control in made:
             control.explained = self.explained
             if isinstance(control, QuantityControl):
                 control.param.watch(self._count_invalid, "error")
-        self._controls += controls
-        self._sections[index].objects = list(controls)
+        self._controls += made
+        return made
 
-    def _count_invalid(self, _: Any) -> None:
+    def _begin(self, event: param.parameterized.Event) -> None:
+        """Show the inputs that the first question takes, and turn to the page that answers it."""
+        start = STARTS[event.new]
+        if event.old != event.new:
+            self._controls = [control for control in self._controls if control not in self._asking]
+            self._asking = self._follow(control_of(self.session, key) for key in start.keys)
+            self._asked.objects = [*self._sketch({key.partition(".")[0] for key in start.keys}), *self._asking]
+            self._count_invalid()
+        self._accordion.active = []
+        self._lead_to(start.address)
+
+    def _count_invalid(self, *_: Any) -> None:
         """Tell the pages how many boxes hold a text that is not in force."""
         self.session.invalid = sum(
             bool(control.error) for control in self._controls if isinstance(control, QuantityControl)
@@ -79,7 +124,8 @@ class Sidebar(pn.viewable.Viewer):
 
     @param.depends("session.adopted", watch=True)
     def _forget_invalid(self) -> None:
-        """A whole design took the place of another: no box keeps what was typed for the last."""
+        """A whole design took the place of another: no box keeps what was typed for the last, nothing is asked."""
+        self._start.visible = self._asked.visible = False
         for control in self._controls:
             if isinstance(control, QuantityControl) and control.error:
                 control.clear()
@@ -96,3 +142,6 @@ class Sidebar(pn.viewable.Viewer):
         for control in self._controls:
             if control.differs(before, self._shown):
                 control.show(self._shown)
+        for sketch in self._sketches:
+            if sketch.object != (drawn := geometry_sketch(budget)):
+                sketch.object = drawn

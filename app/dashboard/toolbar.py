@@ -13,6 +13,7 @@ import param
 from app.dashboard.bar import Bar
 from app.dashboard.report_choice import ReportChoice
 from app.declared import held
+from app.document.display import display_of
 from app.document.wording import chapter_key
 from app.report import report_bytes
 from app.report.studies import study_sections
@@ -57,7 +58,8 @@ class Toolbar(pn.viewable.Viewer):
             can_undo=session.param.can_undo,
             can_redo=session.param.can_redo,
             presenting=session.param.presenting,
-            link=session.link,
+            link=session.short_link,
+            shown=session.shown,
             sizing_mode="stretch_width",
             margin=0,
         )
@@ -89,6 +91,8 @@ class Toolbar(pn.viewable.Viewer):
                 self.session.reset()
             case "examples":
                 self._show_examples()
+            case "show":
+                self.session.shown = display_of(str(deed.get("word", ""))).word
             case "save":
                 text = format_design(self.session.design)
                 self.bar.give(f"{_slug(self.session.design.name)}.toml", text.encode("utf-8"))

@@ -6,6 +6,7 @@ import unicodedata
 from collections.abc import Mapping
 
 from nav_model.design import Design
+from nav_model.design.presets import deviations, preset_of
 
 AFTER_AUTOFOCUS = {1: "a line", 2: "a quadratic", 3: "a cubic"}
 """What is removed from the phase before its residual is measured, by the order of the autofocus."""
@@ -22,6 +23,14 @@ def best_of(shares: Mapping[str, float]) -> tuple[str, float]:
 def title_of(design: Design) -> str:
     """What a design is called."""
     return printable(design.name).strip() or "Untitled design"
+
+
+def preset_name(design: Design, section: str) -> str:
+    """What the values of a section are called: an edited preset is no longer what the catalogue has."""
+    name = preset_of(design, section)
+    if name is None:
+        return "own values"
+    return f"Custom, based on {name}" if deviations(design, section) else name
 
 
 def identified(design: Design) -> str:

@@ -109,6 +109,16 @@ class Review:
         """Those of `points` nobody has decided on yet."""
         return [point for point in self.points() if self.standing(*point) is None]
 
+    def met(self, place: int, requirement: str) -> bool:
+        """Whether an item meets a requirement it states."""
+        checks = self.revisions[place - 1].budget().verdict.checks
+        return next(check.met for check in checks if check.name == requirement)
+
+    def waivers(self) -> list[Decision]:
+        """The decisions in force that accept what is not met; each has a reason."""
+        made = (self.standing(*point) for point in self.points())
+        return [own for own in made if own is not None and own.accepted and not self.met(own.place, own.requirement)]
+
     def rejected(self) -> list[tuple[int, str]]:
         """Those of `points` whose decision in force is no."""
         return [point for point in self.points() if (made := self.standing(*point)) is not None and not made.accepted]
@@ -179,6 +189,15 @@ def load_review(library: Library, review: str) -> Review:
         return _load(connection, review)
 
 
+def version_of(library: Library, review: str) -> int:
+    """How much was added to a review so far; 0 for one that is not there."""
+    with library.read() as connection:
+        found = connection.execute(
+            text("SELECT version FROM reviews WHERE id = :review"), {"review": review}
+        ).scalar()
+        return int(found or 0)
+
+
 def add_comment(library: Library, review: str, place: int, subject: str, author: str, comment: str) -> Review:
     """Say something about an input (dotted key), a result (its name) or, with an empty subject, the whole.
 
@@ -200,7 +219,8 @@ def decide(
     library: Library, review: str, place: int, requirement: str, accepted: bool, author: str, reason: str = "",
     *, figure: str = "", seen: int | None = None,
 ) -> Review:  # fmt: skip
-    """Accept or reject a requirement of an item; a rejection says why. The latest decision counts.
+    """Accept or reject a requirement of an item. A rejection says why, and so does the acceptance of what is not met,
+    a waiver. The latest decision counts.
 
     `seen` is the number of the decision in force that the decider has before them, 0 for none; None takes any.
 
@@ -234,13 +254,15 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
         _touch(connection, review)
         now_there = _load(connection, review)
         if now_there.version != seen + 1:
-            raise Conflict("review", "somebody added to it after you opened it; look again before you sign")
+            raise Conflict("review", "Somebody added to it after you opened it. Look again before you sign.")
         if not now_there.intact:
             raise InputError("review", "what it froze is not what the library holds; it cannot be signed")
         left = now_there.open_points()
         if left:
-            first = left[0][1].replace("_", " ")
-            raise InputError("review", f"{len(left)} requirements are not decided, the first: {first}")
+            place, name = left[0]
+            first = f"{name.replace('_', ' ').capitalize()} (D{place})"
+            need = "1 requirement still needs" if len(left) == 1 else f"{len(left)} requirements still need"
+            raise InputError("review", f"{need} a decision. Next: {first}.")
         connection.execute(
             text("UPDATE reviews SET signed_by = :signer, signed = :signed WHERE id = :review"),
             {"signer": signer, "signed": now(), "review": review},
@@ -266,7 +288,9 @@ def _add(library: Library, review: str, table: str, row: dict[str, Any], seen: i
             standing = before.standing(row["place"], row["requirement"])
             if standing is not None and seen is not None and standing.number != seen:
                 word = "accepted" if standing.accepted else f"rejected ({standing.reason})"
-                raise Conflict("review", f"{standing.author} {word} this after you opened it; look again and decide")
+                raise Conflict("review", f"{standing.author} {word} this after you opened it. Look again and decide.")
+            if not row["reason"] and not before.met(row["place"], row["requirement"]):
+                raise InputError("reason", "This requirement is not met. Enter why it is accepted: a waiver.")
         entries = before.comments if table == "review_comments" else before.decisions
         _insert(connection, table, {**row, "review": review, "number": len(entries) + 1})
         return _load(connection, review)

@@ -12,6 +12,7 @@ from nav_model.errors import InputError
 LIMITS = {"name": 200, "author": 100, "note": 4000, "tag": 40, "title": 200, "comment": 4000, "reason": 1000}
 """The longest text of each kind, in characters."""
 
+_ASKED = {"author": "Enter your name.", "reason": "Enter a reason.", "comment": "Enter a comment."}
 _LINES = {"note", "comment", "reason"}  # kinds that may have several lines
 _BIDI = {*range(0x202A, 0x202F), *range(0x2066, 0x206A)}
 TAGS = 20
@@ -31,9 +32,9 @@ def clean(kind: str, text: str, *, required: bool = False) -> str:
     """
     text = text.replace("\r\n", "\n").strip()
     if len(text) > LIMITS[kind]:
-        raise InputError(kind, f"{len(text)} characters; at most {LIMITS[kind]} are kept")
+        raise InputError(kind, f"{len(text)} characters are too many: at most {LIMITS[kind]} are kept.")
     if required and not text:
-        raise InputError(kind, "is empty; give one")
+        raise InputError(kind, _ASKED.get(kind, f"Enter a {kind}."))
     try:
         text.encode()
     except UnicodeEncodeError as error:

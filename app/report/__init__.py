@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from app.document.blocks import Section
+from app.document.blocks import Chapter, Section
 from nav_model.budget import Budget
 from nav_model.errors import InputError
 
@@ -20,15 +20,16 @@ def report_bytes(
     now: datetime | None = None,
     added: Sequence[Section] = (),
     studies: Sequence[Sequence[Section]] = (),
+    front: Chapter | None = None,
 ) -> bytes:
     """The report as the bytes of a file of `kind`, one of `SUFFIXES`; pages have it made in a worker process.
 
     Sections `added` come before the shared ones; `studies` are `app.report.studies.study_sections` for each budget,
-    which stand in its chapter.
+    which go into its chapter; ``front`` is the first page.
     """
     from app.report.content import report_of
 
-    report = report_of(budgets, now, added, studies)
+    report = report_of(budgets, now, added, studies, front)
     if kind == ".pdf":
         from app.document.pdf import to_pdf
 

@@ -26,6 +26,7 @@ def report_of(
     now: datetime | None = None,
     added: Sequence[Section] = (),
     studies: Sequence[Sequence[Section]] = (),
+    front: Chapter | None = None,
 ) -> Report:
     """The report of some budgets; several make a comparison and a chapter each.
 
@@ -39,6 +40,8 @@ def report_of(
         What else belongs before the shared sections, such as the record of a review.
     studies : sequence of sequences of Section
         What `app.report.studies` found for each budget, in order; empty for none.
+    front : Chapter, optional
+        The first page, such as the outcome of a review; its title becomes the report's.
     """
     studies = studies or [()] * len(budgets)
     now = (now or datetime.now(UTC)).astimezone(UTC)
@@ -52,6 +55,8 @@ def report_of(
         title = f"Comparison of {len(budgets)} navigation error budgets"
     else:
         title = f"{_REPORT}: {title_of(budgets[0].design)}"
+    if front is not None:
+        chapters, title = (front, *chapters), f"{front.kind}: {printable(front.title)}"
     told = [section for chapter in chapters for section in chapter.sections] + [*added]
     shared = (*added, *_shared(budgets, labels, told))
     return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), chapters, shared)

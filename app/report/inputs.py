@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import number
-from app.document.wording import printable
+from app.document.wording import preset_name, printable
 from nav_model.catalogue import Entry, SourcedValue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
@@ -30,7 +30,7 @@ def input_table(design: Design, aperture_time: float, key: str) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for part in PARTS:
         entry = entry_of(design, part.section)
-        rows.append((Cell(part.title if entry is None else f"{part.title}: {_preset(entry)}"),))
+        rows.append((Cell(part.title if entry is None else f"{part.title}: {_preset(design, part.section, entry)}"),))
         rows += (_row(design, part.section, name, entry, aperture_time) for name in INPUTS[part.section])
         if entry is not None:
             rows += (
@@ -88,7 +88,9 @@ def shown_value(design: Design, section: str, name: str) -> str:
     return f"{declaration.show(float(value))} ({written_as} {text})"
 
 
-def _preset(entry: Entry) -> str:
+def _preset(design: Design, section: str, entry: Entry) -> str:
+    if deviations(design, section):
+        return preset_name(design, section)
     return f"preset {entry.name}" + (f", {entry.grade}" if entry.grade else "")
 
 

@@ -19,6 +19,7 @@ from panel.io.state import set_curdoc
 
 from app.dashboard.frame import Frame, is_review_link
 from app.dashboard.opening import OPENING_SCRIPT
+from app.document.display import display_of
 from app.serving.access import provider_of
 from app.serving.address import announce, listen, origins
 from app.serving.board import Board, Row
@@ -28,9 +29,10 @@ from app.serving.hosts import Hosts, first_rules
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
-from app.session import Session
+from app.session import Session, link_parts
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
+from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream import one_write, writes
 from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.ask_first import ask_first
@@ -41,7 +43,7 @@ from app.upstream.request_location import read_any_address
 from app.work import pool as workers
 from nav_model.design import Design
 from nav_model.design.file import parse_design
-from nav_model.design.link import from_query, split_link
+from nav_model.design.link import from_query
 from nav_model.errors import InputError
 
 _TITLE = "NavBudget"
@@ -64,7 +66,7 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
     """
     design, notice = first_design(), ""
     query = pn.state.location.search if pn.state.location else ""
-    of_design, of_study = split_link(query)
+    of_design, of_study, shown = link_parts(query)
     if of_design and not is_review_link(query):
         try:
             design = from_query(of_design)
@@ -75,6 +77,10 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
     except InputError as error:
         session, notice = Session(first_design()), f"The link was not used. {error}"
     session.take_studies(of_study)
+    try:
+        session.shown = display_of(shown or recalled(DISPLAY_COOKIE)).word
+    except InputError as error:
+        notice = notice or (f"The link was not used whole. {error}" if shown else "")
     if changed is not None:
         session.param.watch(changed, "budget")
     return Frame(session, notice).__panel__()

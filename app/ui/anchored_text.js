@@ -3,6 +3,7 @@ export function render({ model }) {
   const go = (name, tries = 60) => {
     const target = place.querySelector("#" + CSS.escape(name))
     if (!target) return
+    for (let part = target.closest("details"); part; part = part.parentElement.closest("details")) part.open = true
     if (!target.getClientRects().length && tries) {  // the page is still being turned
       setTimeout(() => go(name, tries - 1), 50)
       return

@@ -40,7 +40,14 @@ def first_screen(
         for place, part in enumerate(half):
             span, wide = 2 if len(half) == 1 else 1, "auto" if right else "span 2"
             where = {"grid-area": f"{rows + 1 + place} / {column} / span {span} / {wide}"}
-            parts.append(pn.Column(part, styles=where | FRAME, sizing_mode="stretch_both"))
+            parts.append(
+                pn.Column(
+                    part,
+                    styles=where | FRAME,
+                    sizing_mode="stretch_both",
+                    css_classes=["half" if span == 1 else "whole"],
+                )
+            )
     if bottom is not None:
         parts.append(pn.Column(bottom, styles={"grid-area": f"{rows + 3} / 1 / auto / span 2"} | FRAME))
     within = height == "100%"

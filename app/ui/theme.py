@@ -16,6 +16,8 @@ def _sheet(name: str) -> str:
 
 _SHARED: dict[str, Any] = {
     "MuiLinearProgress": PROGRESS_NAME,
+    # Its open parts are regions without a name: too many landmarks to go by.
+    "MuiAccordion": {"defaultProps": {"slotProps": {"region": {"role": "none"}}}},
     "MuiAccordionSummary": {
         "styleOverrides": {"root": {"minHeight": 38, "padding": "0 10px"}, "content": {"margin": "6px 0"}}
     },

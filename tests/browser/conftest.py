@@ -153,19 +153,21 @@ def settled() -> Callable[[Page], None]:
 
 @pytest.fixture(scope="session")
 def accessible(settled: Callable[[Page], None]) -> Callable[..., None]:
-    """Nothing that axe finds serious is left (``every``: nothing it finds at all); `where` says of what page.
+    """Nothing that axe finds serious is left (``every``: nothing it finds at all; ``advice``: good
+    practice counts too); `where` says of what page.
 
     While colours fade over, nothing has its contrast: a finding counts that is there when the page has come to rest.
     """
 
-    def look(page: Page, every: bool) -> list[tuple[str, str]]:
+    def look(page: Page, every: bool, advice: bool) -> list[tuple[str, str]]:
         settled(page)
-        found = Axe().run(page, options={"runOnly": ["wcag2a", "wcag2aa"]}).response["violations"]
+        rules = ["wcag2a", "wcag2aa", *(["best-practice"] if advice else [])]
+        found = Axe().run(page, options={"runOnly": rules}).response["violations"]
         return [(v["id"], v["nodes"][0]["html"]) for v in found if every or v["impact"] in {"serious", "critical"}]
 
-    def check(page: Page, where: str = "", *, every: bool = False) -> None:
+    def check(page: Page, where: str = "", *, every: bool = False, advice: bool = False) -> None:
         for _ in range(10):
-            if not (found := look(page, every)):
+            if not (found := look(page, every, advice)):
                 return
             page.wait_for_timeout(500)
         pytest.fail(f"{where}: {found}")

@@ -23,30 +23,53 @@ _FOCUSED = """() => {
 }"""
 
 
+_UNFOLD = """() => {
+  const walk = (root) => { for (const element of root.querySelectorAll("*")) {
+    if (element.tagName === "DETAILS") element.open = true
+    if (element.shadowRoot) walk(element.shadowRoot)
+  } }
+  walk(document)
+}"""
+
+
 @pytest.mark.slow
-def test_no_page_has_a_serious_finding_or_loses_anything_at_twice_the_zoom(
-    visit: Visit, settled: Callable[[Page], None], accessible: Check
+def test_axe_finds_nothing_on_any_page_light_or_dark_and_the_console_stays_empty(
+    visit: Visit, accessible: Check
 ) -> None:
     page = visit()
-    for name in (subject.title for subject in SUBJECTS):
-        page.set_viewport_size({"width": 1440, "height": 900})
-        page.get_by_role("tab", name=name).click()
-        accessible(page, name)
-        page.set_viewport_size({"width": 720, "height": 450})  # what a 1440 px screen leaves at 200 %
+    said: list[str] = []
+    page.on("console", lambda m: said.append(m.text) if m.type in {"warning", "error"} else None)
+    page.get_by_role("button", name="No, thanks").click()
+    page.get_by_role("tab", name="Review").click()
+    page.get_by_label("Your name").fill("Ann")
+    page.get_by_role("button", name="Save as new design").click()
+    page.get_by_role("checkbox", name="MEMS IMU").first.check()
+    page.get_by_role("tab", name="Reviews").click()
+    page.get_by_label("Title of a new review").fill("For everybody")
+    page.get_by_role("button", name="Start review of selected designs").click()
+    expect(page.get_by_role("region", name="Requirements and decisions")).to_be_visible()
+    for theme in ("light", "dark"):
+        if theme == "dark":
+            page.get_by_role("button", name="theme").click()
+        for name in (subject.title for subject in SUBJECTS):
+            page.get_by_role("tab", name=name, exact=True).click()
+            if name == "Theory":
+                expect(page.locator("#validation")).to_be_visible()
+                page.evaluate(_UNFOLD)
+            accessible(page, f"{name}, {theme}", every=True, advice=True)
+    assert not said
+
+
+@pytest.mark.slow
+def test_no_page_loses_anything_at_twice_the_zoom(visit: Visit, settled: Callable[[Page], None]) -> None:
+    page = visit(width=720, height=450)  # what a 1440 px screen leaves at 200 %
+    for index, name in enumerate(subject.title for subject in SUBJECTS):
+        page.get_by_role("tab").nth(index).click()
         settled(page)
         assert page.evaluate("() => document.documentElement.scrollWidth") <= 720, name
         main = page.locator(".main-content").bounding_box()
         assert main is not None
         assert main["width"] >= 360, name  # the page itself still has room beside or under the design
-
-
-@pytest.mark.slow
-def test_no_page_has_a_serious_finding_in_the_dark(visit: Visit, accessible: Check) -> None:
-    page = visit()
-    page.get_by_role("button", name="theme").click()
-    for name in (subject.title for subject in SUBJECTS):
-        page.get_by_role("tab", name=name).click()
-        accessible(page, name)
 
 
 def _to(page: Page, role: str, name: str, key: str = "Tab") -> None:
@@ -131,13 +154,14 @@ def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page
         settled(page)
     sheets = pypdf.PdfReader(io.BytesIO(page.pdf(format="A4"))).pages
     text = [" ".join(sheet.extract_text().split()) for sheet in sheets]
-    assert 2 <= len(sheets) <= 8
+    assert 1 <= len(sheets) <= 4
     assert page.locator(".bk-Figure:visible").first.evaluate("e => e.style.zoom") == ""  # as it was
     if dark:  # turned over as a picture
         page.emulate_media(media="print")
         assert "invert" in page.locator(".page").evaluate("e => getComputedStyle(e).filter")
         return
-    assert "Does not close" in text[0]
+    for said in ("Does not close", "Residual phase", "initial tilt", "Point target in azimuth"):
+        assert said in text[0], said  # verdict, tiles and both phase figures on one sheet
     assert any("Dominant sensor" in sheet for sheet in text)
     for tool in ("Explain every input", "PDF report", "Suborbital", "Position sigma: CSV"):
         assert not any(tool in sheet for sheet in text), tool

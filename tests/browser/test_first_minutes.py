@@ -7,6 +7,11 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Page, expect
 
+from app.serving.server import first_design
+from nav_model.budget import analyse
+from nav_model.catalogue import catalogue
+from nav_model.design.presets import preset_fill
+
 Visit = Callable[..., Page]
 
 
@@ -52,3 +57,75 @@ def test_every_open_input_is_explained(visit: Visit) -> None:
         expect(page.get_by_text(said).first).to_be_visible()
     page.get_by_role("switch", name="Explain every input").uncheck()
     expect(page.get_by_text("White noise of the gyros")).to_have_count(0)
+
+
+def test_from_an_empty_start_to_the_imus_that_pass_for_my_radar(visit: Visit) -> None:
+    """C band, 0.3 m, 12 km, 120 m/s, RTK of 3 cm at 5 Hz: going to a box is an action, typing in it is not."""
+    page = visit()
+    actions = 0
+
+    def act(action: Callable[[], object]) -> None:
+        nonlocal actions
+        actions += 1
+        action()
+
+    act(page.get_by_role("button", name="My radar").click)
+    for box, value in (
+        ("Frequency", "5.4 GHz"), ("Azimuth resolution", "0,3 m"), ("Slant range", "12 km"), ("Speed", "120 m/s"),
+        ("Position noise", "3 cm"), ("Fix interval", "5 Hz"),
+    ):  # fmt: skip
+        act(page.get_by_role("textbox", name=box, exact=True).click)
+        page.keyboard.press("ControlOrMeta+A")
+        page.keyboard.type(value)
+    act(lambda: page.keyboard.press("Enter"))
+    design = first_design().replace({
+        "radar.frequency": 5.4e9, "radar.azimuth_resolution": 0.3, "radar.slant_range": 12e3, "flight.speed": 120.0,
+        "gnss.position_noise": 0.03, "gnss.interval": 0.2,
+    })  # fmt: skip
+    sheets = {name: preset_fill("imu", name)[0] for name in catalogue("imu")}
+    verdicts = {
+        name: analyse(design.replace(sheet)).verdict
+        for name, sheet in sheets.items()
+        if {"imu.angle_random_walk", "imu.velocity_random_walk"} <= sheet.keys()
+    }
+    margins = {name: verdict.tightest.margin for name, verdict in verdicts.items() if verdict.closes}
+    passing = sorted(margins, key=lambda name: -margins[name])
+    rows = page.get_by_role("region", name="IMUs with your receiver").get_by_role("row").filter(has_text="✓ closes")
+    expect(rows).to_have_count(len(passing))
+    expect(rows.get_by_role("button")).to_have_text(passing)
+    assert len(passing) > 2
+    assert actions <= 9
+    page.get_by_role("button", name="All receivers").click()
+    expect(page.get_by_role("region", name="Pairs of IMU and receiver")).to_be_visible()
+
+
+def test_an_imu_and_a_log_lead_to_their_answers(visit: Visit) -> None:
+    page = visit()
+    page.get_by_role("button", name="My IMU").click()
+    page.get_by_role("textbox", name="Angle random walk", exact=True).fill("0.01 °/√h")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("status").filter(has_text="Closes")).to_be_visible()
+    page.get_by_role("button", name="My log").click()
+    expect(page.get_by_text("What does my log say?")).to_be_in_viewport()
+    page = visit("/?arw=0.01deg/sqrt(h)")  # not an empty start
+    expect(page.get_by_role("button", name="My radar")).to_be_hidden()
+
+
+def test_figures_are_told_as_chosen_in_this_browser_and_by_the_link(visit: Visit) -> None:
+    page = visit()
+    strip = page.get_by_role("status").first
+    answer = strip.inner_text()
+    tiles = page.get_by_label("Key figures, one sigma")
+    page.get_by_role("button", name="View", exact=True).click()
+    page.get_by_label("Figures as").select_option("2s")
+    expect(tiles).to_contain_text("80.8 cm")  # twice 40.4 cm
+    page.get_by_label("Units").select_option("si")
+    expect(tiles).to_contain_text("0.808 m")
+    assert strip.inner_text() == answer
+    page.get_by_role("button", name="Share").click()
+    link = page.get_by_label("Link to this design and page").input_value()
+    assert link.endswith("&show=2s.si#budget")
+    assert len(link) < 250
+    page.get_by_role("button", name="Copy link").click()
+    page = visit("/#budget")  # the same browser, another visit
+    expect(page.get_by_label("Key figures, one sigma")).to_contain_text("0.808 m")

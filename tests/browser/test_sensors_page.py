@@ -30,11 +30,14 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     page = visit()
     before = page.get_by_label("Key figures, one sigma").inner_text()
     page.get_by_role("tab", name="Sensors").click()
+    expect(page.get_by_role("status").first).to_contain_text("Angle random walk 0.15 °/√h: catalogue, STIM300")
+    page.get_by_role("button", name="IMUs", exact=True).click()
     units = page.get_by_role("region", name="Inertial units")
     expect(units.get_by_role("row").nth(1)).to_contain_text("MPU-9250")
     units.get_by_role("button", name="Angle random walk").click()
     expect(units.get_by_role("row").nth(1)).to_contain_text("LN-100")  # 0.001 °/√h, the smallest
 
+    page.get_by_role("button", name="My log", exact=True).last.click()
     # Typed before the file is chosen: Bokeh cannot send a message of a widget that has just arrived before anything
     # else has been sent ("[object Function] is not serializable"), which only a script is quick enough to meet.
     page.get_by_label("Rate [Hz]").fill("100")

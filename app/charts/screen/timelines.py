@@ -95,6 +95,8 @@ class Timelines:
             self._x_range.update(start=start, end=end, reset_start=start, reset_end=end)
         for plot, chart, boxes in zip(self.plots, charts, self._boxes, strict=True):
             low, high = chart.y_range or _nice_range(chart)
+            if plot.yaxis[0].axis_label != chart.y_label:
+                plot.yaxis[0].axis_label = chart.y_label
             if (plot.y_range.start, plot.y_range.end) != (low, high):
                 plot.y_range.update(start=low, end=high, reset_start=low, reset_end=high)
             for box, span in zip(boxes, chart.spans, strict=True):

@@ -21,11 +21,15 @@ SECTION_TITLES = {part.section: part.title for part in PARTS}
 
 def section_controls(session: Session, section: str) -> list[Control]:
     """The controls of one section, in the order of the design file."""
-    controls: list[Control] = []
-    if section in {"imu", "radar"}:
-        controls.append(PresetControl(session, section))
-    for name, declaration in INPUTS[section].items():
-        make: Callable[[Session, str], Control]
-        make = QuantityControl if isinstance(declaration, BaseQuantity) else ChoiceControl
-        controls.append(make(session, f"{section}.{name}"))
-    return controls
+    controls = [control_of(session, f"{section}.preset")] if section in {"imu", "radar"} else []
+    return [*controls, *(control_of(session, f"{section}.{name}") for name in INPUTS[section])]
+
+
+def control_of(session: Session, key: str) -> Control:
+    """The control of one input, by its dotted key."""
+    section, _, name = key.partition(".")
+    if name == "preset":
+        return PresetControl(session, section)
+    make: Callable[[Session, str], Control]
+    make = QuantityControl if isinstance(INPUTS[section][name], BaseQuantity) else ChoiceControl
+    return make(session, key)

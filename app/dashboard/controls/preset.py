@@ -6,6 +6,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.document.wording import preset_name
 from app.session import Session
 from nav_model.catalogue import Entry, catalogue, find
 from nav_model.design import Design
@@ -51,7 +52,9 @@ class PresetControl(pn.viewable.Viewer):
         entry = find("imu" if self.section == "imu" else "radar", name) if name else None
         options = self._options
         if changed:  # what was edited is no longer what the catalogue has
-            options = {f"Custom, based on {name}" if own == name else said: own for said, own in options.items()}
+            options = {
+                preset_name(design, self.section) if own == name else said: own for said, own in options.items()
+            }
         if self.select.options != options:
             self.select.param.update(options=options, value=name)
             self.select.param.trigger("value")  # the browser knows the value by its label, which is another now

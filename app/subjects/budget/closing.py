@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from app.document.blocks import Block, Cell, Column, Table, Text
 from app.document.numbers import number, show_in, signed_percent
+from app.document.wording import preset_name
 from nav_model.budget import Budget
 from nav_model.catalogue import catalogue
 from nav_model.design import Design, Value
@@ -71,7 +72,7 @@ def _units(design: Design) -> tuple[Way, ...]:
             row.written,
             "IMU" if row.gnss == OWN_GNSS else "IMU and receiver",
             row.imu if row.gnss == OWN_GNSS else f"{row.imu} with {row.gnss}",
-            str(design.imu.preset or "own values"),
+            preset_name(design, "imu"),
             f"margin {signed_percent(row.margin)}" + (f"; unverified: {row.doubts[0]}" if row.doubts else ""),
         )
         for row in rows[:_MOST_UNITS]

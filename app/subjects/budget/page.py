@@ -9,11 +9,12 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.kinds import BarChart
+from app.charts.kinds import BarChart, Chart
 from app.charts.screen.timelines import Timelines
 from app.declared import held
 from app.document.bars import bars_html
 from app.document.blocks import KeyFigures
+from app.document.display import Display, display_of
 from app.document.pane import html_of
 from app.document.prose import prose
 from app.document.verdict import verdict_strip, verdicts_in_short
@@ -72,8 +73,8 @@ class BudgetPage(pn.viewable.Viewer):
         self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
         self._table.param.watch(self._take, "chosen")
         self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
-        self._tiles = html_pane(tiles_html(key_figures(budget)), margin=0)
-        self._stack = Timelines(charts.timelines(budget))
+        self._tiles = html_pane("", margin=0)
+        self._stack = Timelines(self._timelines(budget))
         self._stack_head = html_pane("", margin=_HEAD)
         self._phase = html_pane("", margin=(0, 10, 4, 10))
         self._phase.sizing_mode = "stretch_both"
@@ -98,6 +99,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._compared: Any = None
         self._was: tuple[KeyFigures | None, BarChart | None] = None, None
         self._tell_soon = once_quiet(self._tell)
+        self._shown = session.shown
         self._feed(budget)
         self._tell()
         pn.state.onload(self._add_details)
@@ -105,10 +107,20 @@ class BudgetPage(pn.viewable.Viewer):
     def __panel__(self) -> pn.Column:
         return self._view
 
+    @property
+    def _display(self) -> Display:
+        return display_of(self.session.shown)
+
+    def _timelines(self, budget: Budget) -> list[Chart]:
+        return [self._display.timeline(chart) for chart in charts.timelines(budget)]
+
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
         self._strip.show(verdict_strip(budget), _invalid(self.session.invalid))
-        self._stack.feed(charts.timelines(budget))
+        self._stack.feed(self._timelines(budget))
+        if self._shown != self.session.shown:
+            self._shown = self.session.shown
+            self._hold()
         self._response.show(budget)
         self._feed(budget)
         self._tell_soon()
@@ -137,26 +149,31 @@ class BudgetPage(pn.viewable.Viewer):
         if compared is self._compared:
             return
         self._compared = compared
-        was = compared.budget if compared else None
-        self._was = (key_figures(was), charts.phase_chart(was)) if was else (None, None)
         with pn.io.hold():
-            self._stack.compare(charts.timelines(was) if was else None)
+            self._hold()
             self._feed(self.session.budget)
+
+    def _hold(self) -> None:
+        """Work out what the page is held against, as figures are told now."""
+        was, display = self._compared.budget if self._compared else None, self._display
+        self._was = (key_figures(was, display), display.bars(charts.phase_chart(was))) if was else (None, None)
+        self._stack.compare(self._timelines(was) if was else None)
 
     def _feed(self, budget: Budget) -> None:
         """Tiles and bars, whose text goes only when it is another."""
         figures, bars = self._was
-        _put(self._tiles, tiles_html(key_figures(budget), figures))
-        _put(self._phase, bars_html(charts.phase_chart(budget), charts.TOTAL, bars))
+        _put(self._tiles, tiles_html(key_figures(budget, self._display), figures))
+        _put(self._phase, bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
 
     def _tell(self) -> None:
         """The lines above the charts: source, method and, for who cannot see them, what they show."""
-        budget = self.session.budget
+        budget, spread = self.session.budget, self._display.named()
+        told = "" if spread == "1σ" else f", {spread}, limits scaled"
         phase = charts.phase_chart(budget)
-        said = "".join(described(line) for line in charts.timelines(budget))
+        said = "".join(described(line) for line in self._timelines(budget))
         knowledge = charts.position_chart(budget).knowledge
-        _put(self._phase_head, head_html(phase.title, phase.knowledge))
-        _put(self._stack_head, head_html("Position, velocity, attitude", knowledge, said, _KEY))
+        _put(self._phase_head, head_html(f"{phase.title}{told}", phase.knowledge))
+        _put(self._stack_head, head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
 
     # --- what would close it ---------------------------------------------------------------------------------
 
@@ -200,7 +217,7 @@ class BudgetPage(pn.viewable.Viewer):
             Folded(
                 (
                     ("Requirements and cautions", lambda: self._told(requirements)),
-                    ("Sources and methods", lambda: self._told(_sources)),
+                    ("Sources and methods", lambda: self._told(self._sources)),
                     ("What limits horizontal position: gyro or accelerometer?", self._regime),
                     ("Growth of the position error by cause", self._growth),
                     ("Exports", self._exports),
@@ -216,6 +233,9 @@ class BudgetPage(pn.viewable.Viewer):
 
         self._follow.append(follow)
         return pane
+
+    def _sources(self, budget: Budget) -> str:
+        return _sources(budget, self._display)
 
     def _regime(self) -> Any:
         return self._chart(charts.regime_chart)
@@ -258,14 +278,14 @@ def requirements(budget: Budget) -> str:
     return html_of(requirement_table(budget), caution_list(budget))
 
 
-def _sources(budget: Budget) -> str:
+def _sources(budget: Budget, display: Display) -> str:
     notes = "".join(
         f"<h3>{chart.title}</h3>{source_note(chart.knowledge)}"
         for chart in (describe(budget) for describe in charts.BUDGET_CHARTS)
     )
     figures = "".join(
         f"<tr><th scope='row'>{item.label}</th><td class='num'>{item.value}</td><td>{prose(item.detail)}</td></tr>"
-        for item in key_figures(budget).items
+        for item in key_figures(budget, display).items
     )
-    table = f"<table class='checks'><caption>Key figures, one sigma</caption><tbody>{figures}</tbody></table>"
-    return f"{table}{html_of(steady_table(budget, 'd'))}{notes}"
+    table = f"<table class='checks'><caption>Key figures, {display.spread}</caption><tbody>{figures}</tbody></table>"
+    return f"{table}{html_of(steady_table(budget, 'd', display))}{notes}"

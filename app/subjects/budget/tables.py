@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
+from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
 from app.document.verdict import check_words, met_cell, requirement_quantity
 from app.document.wording import DETRENDED, best_of
@@ -15,6 +16,7 @@ from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import provenance
 from nav_model.budget.result import Check
+from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.geometry import phase_to_metres
 
@@ -24,7 +26,7 @@ _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
 _MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix", "closed": "rms over the fix cycle"}
 
 
-def key_figures(budget: Budget) -> KeyFigures:
+def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
     """The figures that decide, of the design's processing, each with which one it is and its limit."""
     coast, sar, smoothed = budget.coast, budget.sar, budget.smoothed
     checks = {check.name: check for check in budget.verdict.checks}
@@ -39,10 +41,19 @@ def key_figures(budget: Budget) -> KeyFigures:
     )
 
     def figure(label: str, amount: float, dimension: str, detail: str, name: str = "") -> KeyFigure:
-        check, value = checks.get(name), show(amount, dimension)
+        pair = "horizontal" in name
+        check, value = (
+            checks.get(name),
+            display.show(amount, dimension, pair=pair) if name else show(amount, dimension),
+        )
+        told = display.named(pair=pair)
         if check is None:
-            return KeyFigure(label, value, detail, amount=amount)
+            return KeyFigure(
+                label, value, detail, f"{told}, no limit" if name and told != "1σ" else "", amount=amount
+            )
         limit = check_words(budget.design, check).limit
+        if told != f"{budget.verdict.confidence:g}σ" and display != ONE_SIGMA:
+            limit = f"{limit} at {budget.verdict.confidence:g}σ; {told}"
         return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
 
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
@@ -170,21 +181,30 @@ _STEADY = (
 )
 
 
-def steady_table(budget: Budget, key: str) -> Table:
+def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Table:
     """Standard deviations while fixes come in: over the cycle, before and after a fix."""
     steady, sources = budget.steady_state, provenance(budget)
     moments = (steady.closed, steady.prior, steady.posterior)
 
     def row(field: str, requirement: str, label: str) -> tuple[Cell, ...]:
         source, share = best_of(steady.shares[requirement])
-        shown = (requirement_quantity(budget.design, requirement, getattr(moment, field)) for moment in moments)
-        return Cell(label), *map(Cell, shown), Cell(f"{source}, {percent(share)}")
+        pair, dimension = "horizontal" in requirement, declaration_of(f"requirements.{requirement}").dimension
+        sigmas = (getattr(moment, field) for moment in moments)
+        shown = (
+            requirement_quantity(budget.design, requirement, sigma)
+            if display == ONE_SIGMA
+            else display.show(sigma, dimension, pair=pair)
+            for sigma in sigmas
+        )
+        told = display.named(pair=pair)
+        name = label if display == ONE_SIGMA else f"{label}, {told}"
+        return Cell(name), *map(Cell, shown), Cell(f"{source}, {percent(share)}")
 
     closed = sources["steady_state.position_sigma_m.horizontal"]
     prior = sources["steady_state.discrete.prior"]
     return Table(
         f"{key}-steady-table",
-        "Standard deviations while fixes come in, 1σ",
+        f"Errors while fixes come in, {display.spread}",
         (
             Column("Error", width=1.5),
             Column("Cycle rms [T-3], [T-4]", numeric=True),

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
-from app.declared import held
+from app.declared import declared, held
+from app.document.blocks import Answer
+from app.document.numbers import signed_percent
 from app.document.pane import html_of
 from app.document.wording import design_labels
 from app.library.store import Revision
@@ -18,7 +21,7 @@ from app.ui.html_pane import html_pane
 from app.work.pool import elsewhere
 from nav_model.errors import InputError
 
-_EMPTY = "<p>Nothing to compare yet. Tick two to six designs or revisions in the library, then <i>Compare</i>.</p>"
+_NOTHING = Answer("Nothing to compare yet", "open", ("Tick two to six designs in the library, then press Compare.",))
 _HEIGHT = 340  # of a chart in pixels
 
 
@@ -26,11 +29,12 @@ class CompareView(pn.viewable.Viewer):
     """Verdicts, differences, curves, link and report of the revisions last compared."""
 
     desk = held(Desk)
+    answer: Answer = declared(param.ClassSelector(class_=Answer, default=_NOTHING, instantiate=False))
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk=desk)
         self._revisions: tuple[Revision, ...] = ()
-        self._tables = html_pane(_EMPTY)
+        self._tables = html_pane("")
         self._charts = pn.Column()
         self._link = pmui.TextInput(
             label="Link to this comparison", sizing_mode="stretch_width", max_width=420, **LOOK
@@ -59,7 +63,12 @@ class CompareView(pn.viewable.Viewer):
         ]
         self._link.value = comparison_link(revisions)
         self._tools.visible = True
-        self.desk.say(f"{closing_words(budgets)}.")
+        tightest = [budget.verdict.tightest for budget in budgets]
+        margins = (
+            f"{label} {signed_percent(own.margin)}" for label, own in zip(labels, tightest, strict=True) if own
+        )
+        self.answer = Answer(closing_words(budgets), "open", (f"Least margins: {', '.join(margins)}.",))
+        self.desk.say("")
         return True
 
     async def _report(self, suffix: str) -> bytes:

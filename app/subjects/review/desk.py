@@ -18,9 +18,11 @@ from app.document.wording import shortened
 from app.library.place import library
 from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
+from app.library.texts import LIMITS
 from app.session import Session
 from app.ui.downloads import run_download
 from app.ui.html_pane import html_pane
+from app.ui.remembered import Remembered, recalled
 from nav_model.errors import InputError
 
 _T = TypeVar("_T")
@@ -29,6 +31,11 @@ LOOK: dict[str, Any] = {"margin": (4, 6)}
 """Of every field."""
 BUTTON: dict[str, Any] = {"variant": "outlined", "margin": (6, 6)}
 """Of every button."""
+
+
+_SPOKEN = {"review", *LIMITS}
+"""Keys of messages that need no key in front: they name what they are about."""
+_NAME_COOKIE = "navbudget-name"
 
 
 class Desk(param.Parameterized):
@@ -50,7 +57,8 @@ class Desk(param.Parameterized):
     def __init__(self, session: Session) -> None:
         user = pn.state.user
         self._known = user if user and user != "guest" else ""
-        super().__init__(session=session, base=session.lineage.base, author=self._known)
+        super().__init__(session=session, base=session.lineage.base, author=self._known or recalled(_NAME_COOKIE))
+        self.memory = Remembered(_NAME_COOKIE, "" if self._known else self.param.author)
         self.name_field = pmui.TextInput.from_param(
             self.param.author,
             label="Your name",
@@ -91,14 +99,15 @@ class Desk(param.Parameterized):
         try:
             return await asyncio.to_thread(lambda: work(library()))
         except InputError as error:
-            self.say(f"{before}{error}", wrong=True)
+            reason = f"{error.reason[:1].upper()}{error.reason[1:]}" if error.key in _SPOKEN else str(error)
+            self.say(f"{before}{reason}", wrong=True)
             return None
 
     def pick(self, revision: Revision) -> None:
         """Pick a revision, unless as many are as go side by side."""
         left = self._without(revision.key)
         if len(left) >= MAX_ITEMS:
-            self.say(f"At most {MAX_ITEMS} revisions go side by side; put one back first.", wrong=True)
+            self.say(f"At most {MAX_ITEMS} revisions fit side by side. Clear one first.", wrong=True)
             return
         self.picked = (*left, revision)
 

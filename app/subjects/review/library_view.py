@@ -14,7 +14,8 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import held
+from app.declared import declared, held
+from app.document.blocks import Answer
 from app.document.wording import shortened
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.place import library
@@ -26,13 +27,14 @@ from app.upstream.file_input import LimitedFileInput
 from nav_model.design.file import parse_design
 from nav_model.errors import InputError
 
+_LIBRARY = Answer("Library", "open", ("Opening the library …",))
 _SHOWN = 25  # designs listed at once; a search narrows
 _ANY = "any tag"
-_HINT = '<p class="quiet">Tick designs above to compare, open, review or export them.</p>'
+_HINT = '<p class="quiet">Tick designs above to select them, then compare, open, review or export.</p>'
 _OPENING = '<p class="quiet">Opening the library …</p>'
 _EMPTY = (
-    "<p><b>No design saved yet.</b> Type your name, then <i>Save as new design</i>: this saves the current design "
-    "with its verdict, and every later save is a revision of it that can be compared and reviewed.</p>"
+    "<p><b>No design saved yet.</b> Enter your name, then press <i>Save as new design</i>. It saves the design "
+    "on the left with its verdict. Each later save is a revision that can be compared and reviewed.</p>"
 )
 
 
@@ -40,6 +42,7 @@ class LibraryView(pn.viewable.Viewer):
     """Above the list what can be done to the design in force, below it what can be done to the picked ones."""
 
     desk = held(Desk)
+    answer: Answer = declared(param.ClassSelector(class_=Answer, default=_LIBRARY, instantiate=False))
 
     def __init__(self, desk: Desk, compare: Callable[[], Awaitable[None]]) -> None:
         super().__init__(desk=desk)
@@ -65,7 +68,7 @@ class LibraryView(pn.viewable.Viewer):
         self._compare = button("Compare", compare, variant="contained")
         self._actions = [
             self._compare,
-            button("Open on the left", self._open),
+            button("Load into editor", self._open),
             button("Archive or restore", self._archive),
             button("Clear", self._clear),
             button("Set tags", self._retag),
@@ -118,8 +121,9 @@ class LibraryView(pn.viewable.Viewer):
         if self._asked is not asked or listing == self._listed:  # rows that stay keep the pointer and the focus
             return
         self._listed = listing
+        self.answer = _answer(listing)
         if isinstance(listing, InputError):
-            self._rows.objects = [html_pane(f"<p>The library is not at hand. {escape(str(listing))}</p>")]
+            self._rows.objects = [html_pane(f"<p>The library cannot be opened. {escape(str(listing))}</p>")]
             return
         self._ticks = []
         rows = [row for saved in listing.found[:_SHOWN] for row in self._design_rows(saved, listing.histories)]
@@ -127,7 +131,9 @@ class LibraryView(pn.viewable.Viewer):
             rows = [html_pane("<p>No design matches.</p>" if listing.narrowed else _EMPTY)]
         if len(listing.found) > _SHOWN:
             rows.append(
-                html_pane(f"<p class='quiet'>{_SHOWN} of {len(listing.found)} designs; search to narrow.</p>")
+                html_pane(
+                    f"<p class='quiet'>{_SHOWN} of {len(listing.found)} designs. Search to narrow the list.</p>"
+                )
             )
         if listing.read_only:
             rows.insert(0, html_pane("<p>This library can only be read: its file or folder refuses writing.</p>"))
@@ -206,7 +212,7 @@ class LibraryView(pn.viewable.Viewer):
 
     def _say_picked(self) -> None:
         picked = self.desk.picked
-        self._chosen.object = listed(picked, "Picked revisions") if picked else _HINT
+        self._chosen.object = listed(picked, "Selected designs") if picked else _HINT
         for action in self._actions:
             action.disabled = not picked
         self._compare.disabled = len(picked) < 2
@@ -224,7 +230,7 @@ class LibraryView(pn.viewable.Viewer):
             self.desk.say(f"Not opened. {problem}", wrong=True)
             return
         self.desk.base = last
-        self.desk.say(f"Revision {last.number} of {last.name} is in force on the left.")
+        self.desk.say(f"Revision {last.number} of {last.name} is loaded into the editor. You can undo.")
 
     async def _archive(self) -> None:
         designs = {revision.design for revision in self.desk.picked}
@@ -322,6 +328,18 @@ def _listing(place: Library, search: str, tag: str, archived: bool, unfolded: fr
     shown = [saved.id for saved in found[:_SHOWN] if saved.id in unfolded]
     histories = {design: place.revisions(design) for design in shown}
     return _Listing(found, place.tags(), histories, bool(search or tag or archived), place.read_only)
+
+
+def _answer(listing: _Listing | InputError) -> Answer:
+    """What is in the library, in a line."""
+    if isinstance(listing, InputError):
+        return Answer("The library cannot be opened", "bad", (str(listing),))
+    closing = sum(saved.closes is True for saved in listing.found)
+    what = counted(len(listing.found), "design") + (" found" if listing.narrowed else " saved")
+    said = (
+        f"{closing} of them {'closes' if closing == 1 else 'close'}." if listing.found else "Save the current design."
+    )
+    return Answer(what, "open", (said,))
 
 
 _RULE = {"border-bottom": "1px solid color-mix(in srgb, currentColor 12%, transparent)"}

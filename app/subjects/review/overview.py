@@ -29,6 +29,7 @@ def state_of(review: Review) -> Answer:
     counts = (
         counted(len(review.items), "design"),
         f"{counted(len(review.rejected()), 'requirement')} rejected",
+        *([counted(len(waived), "waiver")] if (waived := review.waivers()) else ()),
         counted(len(review.comments), "comment"),
     )
     return Answer(review.title, tone, (said, ", ".join(counts)))

@@ -18,6 +18,7 @@ from app.subjects.review.compare import CompareView
 from app.subjects.review.desk import Desk
 from app.subjects.review.library_view import LibraryView
 from app.subjects.review.room import ReviewRoom
+from app.ui.answer_strip import AnswerStrip
 from nav_model.budget import Budget
 from nav_model.errors import InputError
 
@@ -42,8 +43,12 @@ class ReviewPage(pn.viewable.Viewer):
             visible=session.param.presenting.rx.not_(), sizing_mode="stretch_width", margin=(0, 4),
         )  # fmt: skip
         self._place = pn.Column(self._library)
+        self._strip = AnswerStrip(self._library.answer, self._desk.name_field)
+        for part in self._parts:
+            part.param.watch(lambda _: self._tell(), "answer")
         self._tabs.param.watch(self._turned, "active")
-        self._view = pn.Column(self._desk.name_field, self._desk.notice, self._tabs, self._place)
+        head = pn.Column(self._strip, visible=session.param.presenting.rx.not_(), margin=(8, 10, 0, 10))
+        self._view = pn.Column(head, self._desk.notice, self._tabs, self._place, self._desk.memory)
         pn.state.execute(self._library.refresh)
         self._follow_link()
 
@@ -51,10 +56,20 @@ class ReviewPage(pn.viewable.Viewer):
         return self._view
 
     def show(self, budget: Budget) -> None:
-        """The page shows saved designs; the one in force is saved as it is when asked."""
+        """The page shows saved designs. The one in force is saved when asked."""
+        self._room.follow(wanted=self._at_review)
+
+    @property
+    def _at_review(self) -> bool:
+        review = self._room.review
+        return self._tabs.active == _REVIEWS and review is not None and review.signed is None
+
+    def _tell(self) -> None:
+        self._strip.show(self._parts[self._tabs.active].answer)
 
     def leave(self) -> None:
         """Another page is turned to; what is on this one changes only when that has been drawn."""
+        self._room.follow(wanted=False)
         document = pn.state.curdoc
         if document is None:
             self._end_presenting()
@@ -67,6 +82,8 @@ class ReviewPage(pn.viewable.Viewer):
     async def _turned(self, _: param.parameterized.Event) -> None:
         """A turn brings what others have written meanwhile; what was said about another part goes."""
         self._place.objects = [self._parts[self._tabs.active]]
+        self._tell()
+        self._room.follow(wanted=self._at_review)
         if self._tabs.active != _COMPARE:
             self._desk.say("")
         if self._tabs.active == _LIBRARY:

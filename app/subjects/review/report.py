@@ -4,22 +4,84 @@ from __future__ import annotations
 
 from importlib.metadata import version
 
-from app.document.blocks import Cell, Column, Section, Table
+from app.document.blocks import Answer, Block, Cell, Chapter, Column, Section, Table, Text
 from app.document.numbers import NONE
 from app.document.verdict import check_words, met_cell
+from app.document.wording import printable, shortened
 from app.library.reviews import Comment, Decision, Review
-from app.library.texts import moment
+from app.library.texts import counted, moment
 from nav_model.budget import Budget
 from nav_model.budget.result import Check
 from nav_model.design.parts import INPUTS
 
 
 def audit_sections(review: Review) -> tuple[Section, ...]:
-    """The sections: the audit table first, then status, comments and every decision ever taken."""
+    """The sections behind the designs: every requirement with its decision, comments, all decisions, the record."""
     return (
-        Section("audit", f"Review: {review.title}", (audit_table(review), status_table(review))),
-        Section("audit-log", "Comments and decisions", (comment_table(review), decision_table(review))),
+        Section("audit", "Requirements and decisions", (status_table(review),)),
+        Section("audit-log", "Comments and decisions in order", (comment_table(review), decision_table(review))),
+        Section("audit-record", "Record of the review", (audit_table(review),)),
     )
+
+
+def outcome(review: Review) -> Answer:
+    """How the review ended, or where it is: one word, and what it depends on."""
+    left, waived, rejected = len(review.open_points()), len(review.waivers()), len(review.rejected())
+    signed = f"Signed off by {review.signed_by}, {moment(review.signed)}." if review.signed else "Not signed."
+    if not review.intact:
+        return Answer("✗ Do not rely on this review", "bad", (f"{review.doubt}.", signed))
+    if rejected:
+        return Answer(f"✗ Rejected: {counted(rejected, 'requirement')}", "bad", (signed,))
+    if left:
+        return Answer(f"Open: {counted(left, 'decision')} to make", "open", (signed,))
+    return Answer("✓ Accepted" + (f" with {counted(waived, 'waiver')}" if waived else ""), "good", (signed,))
+
+
+def front_page(review: Review) -> Chapter:
+    """Page 1 of the review's report: its name, the outcome, who signed, and on which conditions."""
+    names = "; ".join(
+        f"D{item.place}: {own.name}, revision {own.number}"
+        for item, own in zip(review.items, review.revisions, strict=True)
+    )
+    facts = (
+        ("Review", review.title),
+        ("Designs", names),
+        ("Opened", f"{review.author}, {moment(review.opened)}"),
+        ("Signed off", f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"),
+        ("Seal (SHA-256)", review.seal or "none before the signature"),
+    )
+    return Chapter(
+        key="review",
+        kind="Design review",
+        title=review.title,
+        running=f"Review: {shortened(review.title)}",
+        description="",
+        verdict=outcome(review),
+        facts=tuple((label, printable(text)) for label, text in facts),
+        sections=(Section("review-conditions", "Conditions", (conditions(review),)),),
+    )
+
+
+def conditions(review: Review) -> Block:
+    """What was accepted although it is not met, and what was rejected, each with its reason."""
+    standing = [own for point in review.rejected() if (own := review.standing(*point))]
+    rows = tuple(
+        (
+            Cell(f"D{own.place}: {subject_label(own.requirement)}"),
+            Cell(own.figure or NONE),
+            decided_word(own, met=review.met(own.place, own.requirement)),
+            Cell(own.reason),
+            Cell(f"{own.author}, {moment(own.decided)}"),
+        )
+        for own in (*review.waivers(), *standing)
+    )
+    if not rows:
+        return Text("None: every requirement decided so far is met and accepted.")
+    columns = (
+        Column("Requirement", width=1.2), Column("Figure", width=1.2), Column("Decision"),
+        Column("Reason", width=1.6), Column("By", width=1.2),
+    )  # fmt: skip
+    return Table("review-conditions", "Waivers and rejections", columns, rows)
 
 
 _PROMISE = (
@@ -88,13 +150,16 @@ def _status(budget: Budget, check: Check, decision: Decision | None) -> tuple[Ce
     words = check_words(budget.design, check)
     decided, by, reason = Cell("open", tone="warn"), NONE, NONE
     if decision is not None:
-        decided, by = _word(decision), f"{decision.author}, {moment(decision.decided)}"
+        decided, by = decided_word(decision, met=check.met), f"{decision.author}, {moment(decision.decided)}"
         reason = decision.reason or NONE
     return Cell(check.label), Cell(words.value), Cell(words.limit), met_cell(check), decided, Cell(by), Cell(reason)
 
 
-def _word(decision: Decision) -> Cell:
-    return Cell("✓ accepted", tone="good") if decision.accepted else Cell("✗ rejected", tone="bad")
+def decided_word(decision: Decision, *, met: bool) -> Cell:
+    """A decision in words: what is accepted although it is not ``met`` is waived."""
+    if not decision.accepted:
+        return Cell("✗ rejected", tone="bad")
+    return Cell("✓ accepted", tone="good") if met else Cell("⚠ accepted with a waiver", tone="warn")
 
 
 def comment_table(review: Review) -> Table:
@@ -122,7 +187,7 @@ def decision_table(review: Review) -> Table:
         (
             Cell(str(d.number)),
             Cell(f"D{d.place}: {subject_label(d.requirement)}"),
-            _word(d),
+            decided_word(d, met=review.met(d.place, d.requirement)),
             Cell(d.figure or NONE),
             Cell(f"{d.author}, {moment(d.decided)}"),
             Cell(d.reason or NONE),

@@ -1,36 +1,52 @@
-"""The reviews' part of the Review page: open one, comment, decide, sign, present, take away."""
+"""The reviews' part of the Review page: open one, decide in its table, comment, sign, present, take away."""
 
 from __future__ import annotations
 
 import asyncio
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 import param
 
 from app.declared import declared, held
+from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.document.wording import shortened
-from app.library.reviews import RESULTS, Review, add_comment, decide, list_reviews, load_review, open_review, sign
+from app.library.place import library
+from app.library.reviews import (
+    RESULTS,
+    Review,
+    add_comment,
+    decide,
+    list_reviews,
+    load_review,
+    open_review,
+    sign,
+    version_of,
+)
 from app.library.store import Library
+from app.library.texts import counted
 from app.report import report_bytes
 from app.subjects.review import report
 from app.subjects.review.desk import LOOK, Desk, button
 from app.subjects.review.overview import overview, state_of
-from app.subjects.review.slide import Point, point_of, slide
+from app.subjects.review.slide import decision_row, point_of, slide
+from app.ui.decision_table import DecisionTable
+from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.work.pool import elsewhere
-from nav_model.budget.result import Check
 from nav_model.design.parts import INPUTS
+from nav_model.errors import InputError
 
 _NONE = "choose a review"
+_NO_REVIEW = Answer("Reviews", "open", ("Opening the library …",))
 _EMPTY = (
-    "<p>A review freezes the picked revisions with the program's version and their hashes. Tick designs in the "
-    "library, give the review a title, and open it; then everybody comments and decides here, requirement by "
-    "requirement, until somebody signs it off.</p>"
+    "<p>Select designs in the library, give the review a title, and start it. The review freezes the designs. "
+    "Everybody then comments and decides here, requirement by requirement, until somebody signs it off.</p>"
 )
 _SUBJECTS = {
     report.subject_label(subject): subject
@@ -48,66 +64,71 @@ class ReviewRoom(pn.viewable.Viewer):
         )
     )
 
+    answer: Answer = declared(param.ClassSelector(class_=Answer, default=_NO_REVIEW, instantiate=False))
+
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk=desk)
         presenting = desk.session.param.presenting
         self._asked: object = None
         self._wanted = ""  # id of the review to show
+        self._stand = _NO_REVIEW
+        self._watch: Any = None  # looks for what others add, while a review is in view
         self._about = pmui.Select(label="Requirement", options={}, width=330, **LOOK)
-        self._reason = pmui.TextInput(label="Reason (needed to reject)", max_length=1000, width=300, **LOOK)
         self._design = pmui.Select(label="Design", options={}, width=200, **LOOK)
         self._subject = pmui.Select(label="Comment on", options=_SUBJECTS, value="", width=240, **LOOK)
         self._comment = pmui.TextAreaInput(label="Comment", max_length=4000, rows=2, width=330, **LOOK)
         self._slide = html_pane("")
         self._all = SortableTable(visible=self.param.review.rx.is_(None), sizing_mode="stretch_width", margin=(4, 10))
-        self._status = html_pane(_EMPTY)
-        self._status.visible = presenting.rx.not_()
+        self._table = DecisionTable(self._decided, visible=False, sizing_mode="stretch_width", margin=(4, 10))
+        self._comments, self._record = html_pane(_EMPTY), html_pane("")
+        self._folded = Folded([("Record: every decision, frozen designs, signature", lambda: self._record)])
+        self._comments.visible = presenting.rx.not_()
         shown = {"visible": presenting.rx.not_()}
-        self._choice = pmui.Select(label="Review", options={_NONE: ""}, value="", width=340, **LOOK, **shown)
-        self._title = pmui.TextInput(label="Title of a new review", max_length=200, width=240, **LOOK, **shown)
+        self._choice = pmui.Select(label="Review", options={_NONE: ""}, value="", width=300, **LOOK, **shown)
+        self._title = pmui.TextInput(label="Title of a new review", max_length=200, width=200, **LOOK)
+        self._begin_button = button("Start review of selected designs", self._begin)
         self._of_review = [
             button("All reviews", self._leave, visible=False),
             *desk.report_buttons("review", "Review report", self._report, visible=False),
         ]
-        self._deciding = [
-            self._reason,
-            button("Accept", functools.partial(self._judge, True), variant="contained"),
-            button("Reject", functools.partial(self._judge, False)),
-        ]
-        self._decide = pn.FlexBox(
+        self._sign_button = button("Sign off", self._sign, variant="contained", visible=False)
+        self._turns = pn.FlexBox(
             button("Previous", functools.partial(self._turn, -1)),
             button("Next", functools.partial(self._turn, 1)),
             self._about,
-            *self._deciding,
             align_items="center",
             visible=False,
             margin=(2, 4),
         )
         self._talk = pn.FlexBox(
             self._design, self._subject, self._comment, button("Add comment", self._say),
-            button("Sign off", self._sign), align_items="center", visible=False, margin=(2, 4),
+            align_items="center", visible=False, margin=(2, 4),
         )  # fmt: skip
-        switch = pmui.Switch.from_param(presenting, label="Presenter view", margin=(12, 8))
+        self._details = pn.Column(self._folded, visible=False)
+        switch = pmui.Switch.from_param(presenting, label="Presenter view", description="", margin=(12, 8))
         self._view = pn.Column(
             pn.FlexBox(
                 self._of_review[0],
                 self._choice,
                 self._title,
-                button("Open a review of the picked", self._begin, **shown),
+                self._begin_button,
+                self._sign_button,
                 switch,
                 *self._of_review[1:],
                 align_items="center",
                 margin=(6, 4),
             ),
             self._slide,
-            self._decide,
+            self._turns,
+            self._table,
+            self._comments,
             self._talk,
+            self._details,
             self._all,
-            self._status,
         )
         self._choice.param.watch(self._chosen, "value")
         self._all.param.watch(self._pressed, "chosen")
-        self._about.param.watch(self._draw_slide, "value")
+        self._about.param.watch(self._turned, "value")
 
     def __panel__(self) -> pn.Column:
         return self._view
@@ -130,6 +151,10 @@ class ReviewRoom(pn.viewable.Viewer):
         if self._choice.options != options:
             self._choice.options = options
         self._all.html = table
+        self._stand = Answer(
+            counted(len(reviews), "review"), "open",
+            (f"{sum(own.signed is None for own in reviews)} open. Choose one, or start one of selected designs.",),
+        )  # fmt: skip
         self.review = next((own for own in reviews if own.id == self._wanted), None)
 
     async def open(self, review: str) -> None:
@@ -158,14 +183,14 @@ class ReviewRoom(pn.viewable.Viewer):
     async def _begin(self) -> None:
         keys = [revision.key for revision in self.desk.picked]
         if not keys:
-            self.desk.say("Tick the revisions to review in the library first.", wrong=True)
+            self.desk.say("Select the designs to review in the library first.", wrong=True)
             return
         title, author = self._title.value or "", self.desk.who
         review = await self.desk.ask(lambda place: open_review(place, title, author, keys))
         if review is not None:
             self._title.value, self._wanted = "", review.id
             await self.refresh()
-            self.desk.say(f"Review {review.title} is open; {len(keys)} revisions are frozen.")
+            self.desk.say(f"Review {review.title} is open with {counted(len(keys), 'frozen design')}.")
 
     @param.depends("desk.session.presenting", watch=True)
     def _present(self) -> None:
@@ -179,34 +204,80 @@ class ReviewRoom(pn.viewable.Viewer):
         with pn.io.hold():
             for part in self._of_review:
                 part.visible = review is not None and not presenting
-            self._decide.visible = review is not None and (open_ or presenting)
-            self._talk.visible = open_ and not presenting
-            for part in self._deciding:
-                part.visible = open_
+            for part in (self._title, self._begin_button):
+                part.visible = review is None and not presenting
+            self._turns.visible = review is not None and presenting
+            self._table.visible = review is not None
+            self._talk.visible = self._sign_button.visible = open_ and not presenting
+            self._details.visible = review is not None and not presenting
             self._choice.value = "" if review is None else review.id
             if review is None:
-                self._slide.object, self._status.object = "", _EMPTY
-                return
-            self._offer(review)
-            tables = (report.status_table, report.comment_table, report.decision_table, report.audit_table)
-            self._status.object = html_of(state_of(review), *(table(review) for table in tables))
-            self._draw_slide()
+                self.answer = self._stand
+                self._slide.object, self._comments.object = "", _EMPTY
+            else:
+                self.answer = state_of(review)
+                self._offer(review)
+                self._comments.object = html_of(report.comment_table(review)) if review.comments else ""
+                self._record.object = html_of(report.decision_table(review), report.audit_table(review))
+                self._turned()
+        self.follow(open_)
+
+    def follow(self, wanted: bool) -> None:
+        """Look every two seconds for what others add to the review in view, or no longer."""
+        document = pn.state.curdoc
+        if document is None or wanted == (self._watch is not None):
+            return
+        if wanted:
+            self._watch = pn.state.add_periodic_callback(self._look, period=2000)
+        else:
+            self._watch.stop()
+            self._watch = None
+
+    async def _look(self) -> None:
+        review = self.review
+        if review is None:
+            return
+        try:
+            version = await asyncio.to_thread(lambda: version_of(library(), review.id))
+        except InputError:  # the next look, or what the person does, says so
+            return
+        if self.review is review and version != review.version:
+            await self.refresh()
 
     def _offer(self, review: Review) -> None:
         """What can be decided and commented on; what was chosen stays chosen where it can."""
         points = {
-            f"D{item.place}: {check.label}{_mark(review, item.place, check)}": (item.place, check.name)
+            f"D{item.place}: {check.label}": (item.place, check.name)
             for item, revision in zip(review.items, review.revisions, strict=True)
             for check in revision.budget().verdict.checks
         }
-        at = self._about.value
-        self._about.options = points
-        self._about.value = at if at in points.values() else next(iter(points.values()), None)
+        if self._about.options != points:
+            self._about.param.update(options=points, value=next(iter(points.values()), None))
         self._design.options = {
             f"D{item.place}: {shortened(r.name, 30)}": item.place
             for item, r in zip(review.items, review.revisions, strict=True)
         }
         self._design.value = self._design.value or 1
+
+    def _turned(self, *_: param.parameterized.Event) -> None:
+        """Show every row to decide on, or to a room the one at hand with its slide."""
+        review, presenting = self.review, self.desk.session.presenting
+        if review is None:
+            return
+        points = review.points()
+        chosen = points
+        self._slide.object = ""
+        if presenting and self._about.value is not None:
+            chosen = [self._about.value]
+            at = points.index(self._about.value) + 1
+            self._slide.object = slide(review, point_of(review, *self._about.value), at, len(points))
+        caption = "; ".join(
+            f"D{item.place}: {shortened(r.name, 40)}, revision {r.number}"
+            for item, r in zip(review.items, review.revisions, strict=True)
+        )
+        self._table.param.update(
+            caption=caption, open=review.signed is None, rows=[decision_row(review, *point) for point in chosen]
+        )
 
     # --- what people do --------------------------------------------------------------------------------
 
@@ -220,21 +291,25 @@ class ReviewRoom(pn.viewable.Viewer):
         await self.refresh()  # after a refusal as well: it may be of what somebody else did meanwhile
         return changed is not None
 
-    async def _judge(self, accepted: bool) -> None:
-        point, reason = self._point(), self._reason.value or ""
-        if point is None or self.review is None:
-            self.desk.say("The designs under review state no requirement to decide on.", wrong=True)
+    def _decided(self, told: dict[str, Any]) -> None:
+        pn.state.execute(functools.partial(self._judge, told))
+
+    async def _judge(self, told: dict[str, Any]) -> None:
+        """Decide as the table says. It says as well which decision was in view: never the one that the server has in
+        the meantime, which the person may not have seen."""
+        review = self.review
+        if review is None:
             return
-        place, check = point.place, point.check
-        standing = self.review.standing(place, check.name)
-        seen = standing.number if standing else 0
-        done = await self._change(
-            lambda library, review, author: decide(
-                library, review, place, check.name, accepted, author, reason, figure=point.figure, seen=seen
-            )
-        )
-        if done:
-            self._reason.value = ""
+        known = review.points()
+        if told["do"] == "accept":
+            points = [tuple(point) for point in told.get("points", ()) if tuple(point) in known]
+            work = functools.partial(_decide_all, [(*point, True, "", 0) for point in points], review)
+        else:
+            point, seen, reason = (told.get("place"), told.get("name")), told.get("seen"), told.get("reason")
+            if point not in known or not isinstance(seen, int) or not isinstance(reason, str):
+                return
+            work = functools.partial(_decide_all, [(*point, bool(told.get("accepted")), reason, seen)], review)
+        if await self._change(work) and self.desk.session.presenting:
             await self._turn(1)
 
     async def _say(self) -> None:
@@ -254,28 +329,21 @@ class ReviewRoom(pn.viewable.Viewer):
         if points:
             self._about.value = points[(points.index(self._about.value) + step) % len(points)]
 
-    # --- presenter view and report ---------------------------------------------------------------------
-
-    def _point(self) -> Point | None:
-        """The requirement at hand."""
-        if self.review is None or self._about.value is None:
-            return None
-        return point_of(self.review, *self._about.value)
-
-    def _draw_slide(self, *_: param.parameterized.Event) -> None:
-        point = self._point() if self.desk.session.presenting else None
-        if point is None or self.review is None:
-            self._slide.object = ""
-            return
-        points = list(self._about.options.values())
-        self._slide.object = slide(self.review, point, points.index(self._about.value) + 1, len(points))
+    # --- report -------------------------------------------------------------------------------------
 
     async def _report(self, suffix: str) -> bytes:
         assert self.review is not None  # its button is hidden without one
         budgets = [revision.budget() for revision in self.review.revisions]
-        return await elsewhere(report_bytes, budgets, suffix, None, report.audit_sections(self.review))
+        front, sections = report.front_page(self.review), report.audit_sections(self.review)
+        return await elsewhere(report_bytes, budgets, suffix, None, sections, (), front)
 
 
-def _mark(review: Review, place: int, check: Check) -> str:
-    standing = review.standing(place, check.name)
-    return "" if standing is None else " ✓" if standing.accepted else " ✗"
+def _decide_all(
+    wanted: Sequence[tuple[int, str, bool, str, int]], shown: Review, place: Library, review: str, author: str
+) -> Review:
+    """Decisions one by one, of place, requirement, accepted, reason, and the number of the decision seen."""
+    changed = shown
+    for item, name, accepted, reason, seen in wanted:
+        figure = point_of(shown, item, name).figure
+        changed = decide(place, review, item, name, accepted, author, reason, figure=figure, seen=seen)
+    return changed

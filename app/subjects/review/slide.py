@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from html import escape
+from typing import Any
 
 from app.document.verdict import check_words
 from app.library.reviews import Review
+from app.library.texts import moment
+from app.subjects.review.report import decided_word
 from nav_model.budget.result import Check
 
 
@@ -28,12 +31,27 @@ def point_of(review: Review, place: int, name: str) -> Point:
     return Point(place, check, f"{words.value} against {words.limit} at {budget.verdict.confidence:g}σ", words.margin)
 
 
+def decision_row(review: Review, place: int, name: str) -> dict[str, Any]:
+    """The requirement as a row of `DecisionTable`."""
+    budget = review.revisions[place - 1].budget()
+    check = next(check for check in budget.verdict.checks if check.name == name)
+    words, standing = check_words(budget.design, check), review.standing(place, name)
+    said = "open" if standing is None else (
+        f"{decided_word(standing, met=check.met).text} by {standing.author}, {moment(standing.decided)}"
+    )  # fmt: skip
+    return {
+        "place": place, "name": name, "label": f"D{place}: {check.label}", "value": words.value, "limit": words.limit,
+        "met": check.met, "seen": standing.number if standing else 0, "decision": said,
+        "reason": standing.reason if standing else "",
+    }  # fmt: skip
+
+
 def slide(review: Review, point: Point, number: int, count: int) -> str:
     """HTML of the slide of a point, number so many of `count`."""
     check, standing = point.check, review.standing(point.place, point.check.name)
     decided = "Open"
     if standing is not None:
-        decided = f"{'✓ Accepted' if standing.accepted else '✗ Rejected'} by {standing.author}"
+        decided = f"{decided_word(standing, met=check.met).text} by {standing.author}"
     return (
         f'<section class="slide" aria-live="polite"><p class="quiet">{escape(review.title)} · decision '
         f"{number} of {count}</p>"

@@ -1,6 +1,8 @@
-"""The Sensors page: where the design's noise comes from, what a log says of it, and the catalogue."""
+"""The Sensors page: where the design's noise comes from, what a log says, and the catalogue, one at a time."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -10,13 +12,21 @@ from app.document.pane import html_of
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.log_panel import LogPanel
-from app.subjects.sensors.tables import origin_table
+from app.subjects.sensors.tables import origin_answer, origin_table
+from app.ui.answer_strip import AnswerStrip
+from app.ui.first_screen import screen_of_views
 from app.ui.html_pane import block_pane
+from app.ui.named_views import NamedViews
 from app.ui.sortable_table import SortableTable
 from nav_model.budget import Budget
 from nav_model.catalogue import Kind
 from nav_model.design.presets import preset_of
 
+_WHOLE = ".scroll.tall { max-height: none; }"  # the view scrolls, not the table in it
+_SCROLLED = """
+:host { overflow: auto; }
+@media (max-width: 1000px), print { :host { overflow: visible; height: auto !important; flex: none !important; } }
+"""
 _KINDS: tuple[Kind, ...] = ("imu", "radar")
 
 
@@ -29,15 +39,34 @@ class SensorsPage(pn.viewable.Viewer):
         super().__init__(session=session)
         self._origins = block_pane(origin_table(session.design), margin=(4, 14))
         self.log = LogPanel(session)
-        self.tables = {kind: SortableTable(sizing_mode="stretch_width", margin=(0, 14)) for kind in _KINDS}
+        self.tables = {
+            kind: SortableTable(sizing_mode="stretch_width", margin=(0, 14), stylesheets=[_WHOLE]) for kind in _KINDS
+        }
         self._shown: dict[Kind, str | None] = {}
         self._mark()
 
+        self._strip = AnswerStrip(origin_answer(session.design))
+        self._views = NamedViews(
+            "What to see",
+            {
+                "My log": lambda: _scrolled(_sheet(self._origins), self.log),
+                "IMUs": lambda: _scrolled(self.tables["imu"]),
+                "Radars": lambda: _scrolled(self.tables["radar"]),
+            },
+        )
+        self._view = screen_of_views(self._strip, self._views)
+
     def __panel__(self) -> pn.Column:
-        return pn.Column(_sheet(self._origins), self.log, *(_sheet(table) for table in self.tables.values()))
+        return self._view
+
+    def go_to(self, place: str) -> None:
+        """Show the view of this name, such as "log" of "#sensors-log"."""
+        views = {"log": "My log", "imus": "IMUs", "radars": "Radars"}
+        self._views.chosen = views.get(place.lower(), self._views.chosen)
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
+        self._strip.show(origin_answer(budget.design))
         self._origins.object = html_of(origin_table(budget.design))
         self._mark()
 
@@ -48,6 +77,11 @@ class SensorsPage(pn.viewable.Viewer):
             if self._shown.get(kind) != chosen:
                 self._shown[kind] = chosen
                 table.html = html_of(catalogue_table(kind, chosen))
+
+
+def _scrolled(*content: Any) -> pn.Column:
+    """A view that scrolls in its place: the answer above it stays."""
+    return pn.Column(*content, sizing_mode="stretch_both", stylesheets=[_SCROLLED])
 
 
 def _sheet(content: pn.viewable.Viewable) -> pmui.Paper:

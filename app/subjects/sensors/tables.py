@@ -20,6 +20,17 @@ from nav_model.design.presets import entry_of
 _TRIADS = {"gyro": "Gyros", "accelerometer": "Accelerometers"}
 
 
+def origin_answer(design: Design) -> Answer:
+    """Where the random walks come from, in a line."""
+    said = []
+    for key in WALK_KEYS.values():
+        label, value, source = _origin_row(design, key)
+        mark = f" {source.mark}" if source.tone == "warn" else ""
+        origin = source.text.partition(":")[0]
+        said.append(f"{label.text} {value.text}: {origin}{mark}.")
+    return Answer("Noise of the design", "open", tuple(said))
+
+
 def origin_table(design: Design) -> Table:
     """Where the noise that the design states comes from: a log, the catalogue, or a hand."""
     return Table(

@@ -10,24 +10,18 @@ from pathlib import Path
 import panel as pn
 
 from app.declared import held
-from app.document.blocks import Cell, Column, Table, Text
+from app.document.blocks import Answer, Cell, Column, Table, Text
 from app.document.html import mathml
 from app.document.pane import html_of
 from app.document.prose import prose
 from app.session import Session
 from app.subjects.theory.record import INDEPENDENT, Comparison, Difference, record
 from app.ui.anchored_text import AnchoredText
+from app.ui.answer_strip import AnswerStrip
 from nav_model.budget import Budget
 from nav_model.equations import ALL_EQUATIONS, ALL_SYMBOLS, REFERENCES, source_of
 
 _PARTS = {"T": "Navigation", "S": "Radar", "P": "Processing", "B": "Suborbital flight and star tracker"}
-_CONTENTS = {
-    "validation": "Validation",
-    "differences": "Where figures differ",
-    **{f"part-{letter}": title for letter, title in _PARTS.items()},
-    "symbols": "Symbols",
-    "literature": "Literature",
-}
 # The tests' folders, in the order of the table.
 _FIELDS = {
     "acceptance": "The worked design",
@@ -51,7 +45,8 @@ class TheoryPage(pn.viewable.Viewer):
 
     def __init__(self, session: Session) -> None:
         super().__init__(text=AnchoredText(html=_STYLE + theory(), sizing_mode="stretch_width", margin=(4, 14)))
-        self.view = pn.Column(self.text)
+        strip = pn.Column(AnswerStrip(validation_answer()), margin=(8, 10, 0, 10))
+        self.view = pn.Column(strip, self.text)
 
     def __panel__(self) -> pn.Column:
         return self.view
@@ -71,45 +66,58 @@ def theory() -> str:
     set_ = dict(zip(items, mathml(tuple(items)), strict=True))
     parts = []
     for letter, title in _PARTS.items():
-        parts.append(f'<h2 id="part-{letter}">{title}</h2>')
-        for e in ALL_EQUATIONS:
-            if e.mark.startswith(letter):
-                parts.append(
-                    f'<section class="equation" id="{e.mark}"><h3><span class="nw">[{e.mark}]</span> '
-                    f'<span>{escape(e.title)}</span></h3><div class="math" tabindex="0" role="region" '
-                    f'aria-label="Equation {e.mark}">{set_[e.math, True]}</div><p>{prose(e.says)}</p>'
-                    f'<p class="quiet">Source: {prose(source_of(e.mark))}</p></section>'
-                )
+        equations = [e for e in ALL_EQUATIONS if e.mark.startswith(letter)]
+        body = "".join(
+            f'<section class="equation" id="{e.mark}"><h3><span class="nw">[{e.mark}]</span> '
+            f'<span>{escape(e.title)}</span></h3><div class="math" tabindex="0" role="region" '
+            f'aria-label="Equation {e.mark}">{set_[e.math, True]}</div><p>{prose(e.says)}</p>'
+            f'<p class="quiet">Source: {prose(source_of(e.mark))}</p></section>'
+            for e in equations
+        )
+        parts.append(_folded(f"part-{letter}", title, f"{len(equations)} equations", body))
     rows = "".join(
-        f"<tr><th scope='row'>{set_[s.math, False]}</th><td>{prose(s.meaning)}</td><td>{escape(s.unit)}</td></tr>"
+        f"<tr><td>{set_[s.math, False]}</td><td>{prose(s.meaning)}</td><td>{escape(s.unit)}</td></tr>"
         for s in ALL_SYMBOLS
     )
-    parts.append(
-        '<h2 id="symbols">Symbols</h2><div class="scroll" tabindex="0" role="region" aria-label="Symbols">'
+    table = (
+        '<div class="scroll" tabindex="0" role="region" aria-label="Symbols">'
         '<table class="checks"><thead><tr><th scope="col">Symbol</th><th scope="col">Meaning</th>'
         f'<th scope="col">Unit</th></tr></thead><tbody>{rows}</tbody></table></div>'
-        '<h2 id="literature">Literature</h2><ul>'
-        + "".join(f"<li>{prose(text)}</li>" for text in REFERENCES) + "</ul>"
-    )  # fmt: skip
-    return _contents() + validation() + differences() + "".join(parts)
+    )
+    parts.append(_folded("symbols", "Symbols", f"{len(ALL_SYMBOLS)} symbols with their units", table))
+    works = "".join(f"<li>{prose(text)}</li>" for text in REFERENCES)
+    parts.append(_folded("literature", "Literature", f"{len(REFERENCES)} references", f"<ul>{works}</ul>"))
+    return validation() + differences() + "".join(parts)
 
 
-def _contents() -> str:
-    items = "".join(f'<li><a href="#theory-{place}">{title}</a></li>' for place, title in _CONTENTS.items())
-    return f'<nav aria-label="On this page"><ul class="contents">{items}</ul></nav>'
+def _folded(place: str, title: str, note: str, body: str) -> str:
+    """A chapter that unfolds when it is pressed, or when a link leads into it."""
+    return (
+        f'<details id="{place}"><summary><h2>{title}</h2> <span class="quiet">{note}</span></summary>{body}</details>'
+    )
 
 
-def validation() -> str:
-    """What each result was compared with, and how many of the comparisons are independent of this product."""
+def validation_answer() -> Answer:
+    """How many of the comparisons are independent of this product, and with what."""
     rows = record().rows
     kinds = Counter(row.kind for row in rows)
     counts = [f"{kinds[kind]} against {name}" for kind, name in INDEPENDENT.items() if kinds[kind]]
     independent = sum(kinds[kind] for kind in INDEPENDENT)
+    return Answer(
+        f"{independent} of {len(rows)} results are checked against independent references",
+        "open",
+        (f"{', '.join(counts[:-1])} and {counts[-1]}.",),
+    )
+
+
+def validation() -> str:
+    """What each result was compared with."""
+    rows = record().rows
+    ours = sum(row.kind not in INDEPENDENT for row in rows)
     said = (
-        f"{independent} of {len(rows)} results are checked against independent references: {', '.join(counts[:-1])} "
-        f"and {counts[-1]}. A solver counts where its equations were set up without the product's code. The other "
-        f"{len(rows) - independent} are compared with our own derivations only: two parts of the product with each "
-        "other, or a second derivation written in the test."
+        "A solver written by others counts as independent if its equations were set up without the product's code. "
+        f"{ours} results are compared with our own derivations only: two parts of the product with each other, or a "
+        "second derivation written in the test."
     )
     origin = f"Generated by the test suite: version {record().version}, commit {record().commit}, {record().date}."
     body: list[tuple[Cell, ...]] = []
@@ -121,7 +129,7 @@ def validation() -> str:
         Column("Allowed", numeric=True), Column("Measure"),
     )  # fmt: skip
     table = Table("comparisons", "Results and what each was compared with", columns, tuple(body), origin)
-    return '<h2 id="validation">Validation</h2>' + html_of(Text(said), table)
+    return _folded("validation", "Validation", "what each result was compared with", html_of(Text(said), table))
 
 
 def _comparison(row: Comparison) -> tuple[Cell, ...]:
@@ -145,8 +153,12 @@ def differences() -> str:
     columns = tuple(map(Column, ("Result", "Stated elsewhere", "Here", "Holds", "Why")))
     rows = tuple(_difference(row) for row in record().differences)
     table = Table("other-figures", "Figures stated elsewhere, beside ours", columns, rows)
-    said = "Papers, another program, our design notes and simpler methods that say something else. A test shows each."
-    return '<h2 id="differences">Where figures differ</h2>' + html_of(Text(said), table)
+    said = (
+        "Papers, another program, our design notes and simpler methods give another figure. A test shows each case."
+    )
+    return _folded(
+        "differences", "Where figures differ", f"{len(rows)} figures stated elsewhere", html_of(Text(said), table)
+    )
 
 
 def _difference(row: Difference) -> tuple[Cell, ...]:

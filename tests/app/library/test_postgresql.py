@@ -120,7 +120,7 @@ def test_designs_reviews_and_archives_work_alike(shared: Library, library: Libra
     review = open_review(shared, "PDR", "Ann", [first.key])
     review = add_comment(shared, review.id, 1, "tilt", "Bob", "\x00 hm")
     for item, name in review.open_points():
-        review = decide(shared, review.id, item, name, True, "Bob")
+        review = decide(shared, review.id, item, name, True, "Bob", "as computed")
     review = sign(shared, review.id, "Chief", review.version)
     assert review.intact
     with pytest.raises(InputError, match="never changes"):

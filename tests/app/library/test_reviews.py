@@ -18,6 +18,7 @@ from app.library.reviews import (
     load_review,
     open_review,
     sign,
+    version_of,
 )
 from app.library.store import Conflict, Library
 from app.subjects.review.overview import overview
@@ -57,7 +58,7 @@ def test_comments_and_decisions_add_up_and_the_latest_decision_counts(library: L
         (2, 2, "quadratic_phase"),
     ]
     name = review.open_points()[0][1]
-    decide(library, review.id, 1, name, True, "Bob")
+    decide(library, review.id, 1, name, True, "Bob", "autofocus removes it")
     review = decide(library, review.id, 1, name, False, "Eve", "no margin", figure="9 m / 10 m")
     standing = review.standing(1, name)
     assert standing is not None
@@ -73,12 +74,30 @@ def test_a_decision_nobody_has_seen_is_not_overruled(library: Library, review: R
     assert load_review(library, review.id) == review
     standing = review.standing(1, name)
     assert standing is not None
-    assert decide(library, review.id, 1, name, True, "Ann", seen=standing.number).rejected() == []
+    review = decide(library, review.id, 1, name, True, "Ann", "autofocus removes it", seen=standing.number)
+    assert review.rejected() == []
+
+
+def test_accepting_what_is_not_met_takes_a_reason_and_is_a_waiver(library: Library, review: Review) -> None:
+    over = next(
+        name for place, name in review.points() if place == 1 and name == "quadratic_phase"
+    )  # 163° against 90°
+    met = next(name for place, name in review.points() if place == 1 and name == "horizontal_position")  # 0.4 of 2 m
+    with pytest.raises(InputError, match=r"reason: This requirement is not met\. Enter why"):
+        decide(library, review.id, 1, over, True, "Ann", "  ")
+    assert load_review(library, review.id) == review
+    before = version_of(library, review.id)
+    review = decide(library, review.id, 1, met, True, "Ann")
+    assert review.waivers() == []
+    review = decide(library, review.id, 1, over, True, "Ann", "autofocus removes it")
+    assert [(own.requirement, own.reason) for own in review.waivers()] == [(over, "autofocus removes it")]
+    assert version_of(library, review.id) == review.version == before + 2
+    assert decide(library, review.id, 1, over, False, "Bob", "too large").waivers() == []
 
 
 def test_what_makes_no_sense_is_refused(library: Library, review: Review) -> None:
     name = review.open_points()[0][1]
-    with pytest.raises(InputError, match="reason: is empty"):
+    with pytest.raises(InputError, match="reason: Enter a reason"):
         decide(library, review.id, 1, name, False, "Eve")
     with pytest.raises(InputError, match="none that"):
         decide(library, review.id, 1, "colour", True, "Eve")
@@ -88,7 +107,7 @@ def test_what_makes_no_sense_is_refused(library: Library, review: Review) -> Non
         add_comment(library, review.id, 1, "imu.colour", "Eve", "x")
     with pytest.raises(InputError, match="comment: 4001"):
         add_comment(library, review.id, 1, "", "Eve", "x" * 4001)
-    with pytest.raises(InputError, match="author: is empty"):
+    with pytest.raises(InputError, match="author: Enter your name"):
         add_comment(library, review.id, 1, "", "", "x")
     with pytest.raises(InputError, match="takes 1 to 6"):
         open_review(library, "t", "Ann", [])
@@ -102,7 +121,7 @@ def test_what_makes_no_sense_is_refused(library: Library, review: Review) -> Non
 
 
 def test_a_signed_review_never_changes(library: Library, review: Review) -> None:
-    with pytest.raises(InputError, match="not decided"):
+    with pytest.raises(InputError, match=r"requirements still need a decision\. Next: .* \(D1\)"):
         sign(library, review.id, "Chief", review.version)
     review = _decided(library, review)
     with pytest.raises(Conflict, match="after you opened it"):

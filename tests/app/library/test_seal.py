@@ -38,7 +38,7 @@ def key(tmp_path: Path) -> Iterator[Path]:
 def signed(library: Library, tactical: Budget, key: Path) -> Review:
     review = open_review(library, "Gate 2", "Ann", [library.save(tactical, "Ann").key])
     for place, name in review.points():
-        review = decide(library, review.id, place, name, True, "Bob")
+        review = decide(library, review.id, place, name, True, "Bob", "as computed")
     return sign(library, review.id, "Chief", review.version)
 
 
@@ -107,7 +107,7 @@ def test_a_key_that_cannot_be_used_is_told_and_nothing_is_signed(
 ) -> None:
     review = open_review(library, "Gate 3", "Ann", [library.save(tactical, "Ann").key])
     for place, name in review.points():
-        review = decide(library, review.id, place, name, True, "Bob")
+        review = decide(library, review.id, place, name, True, "Bob", "as computed")
     for content in (b"", b"not a key"):
         key.write_bytes(content)
         with pytest.raises(InputError, match=r"--review-key: .* holds no Ed25519 key"):

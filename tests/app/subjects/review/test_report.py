@@ -18,7 +18,7 @@ from app.library.store import Library
 from app.report import report_bytes
 from app.report.comparison import difference_tables
 from app.subjects.review.compare import comparison_link
-from app.subjects.review.report import audit_sections, audit_table, status_table
+from app.subjects.review.report import audit_sections, audit_table, front_page, status_table
 from nav_model.budget import Budget, analyse
 from nav_model.design.file import read_design
 from nav_model.errors import InputError
@@ -44,6 +44,21 @@ def signed(tmp_path: Path, budgets: list[Budget]) -> Iterator[Review]:
         review = decide(place, review.id, item, name, met, "Bob", "as computed", figure="1 m against 2 m")
     yield sign(place, review.id, "Chief", review.version)
     place.close()
+
+
+def test_page_one_of_the_reviews_report_says_outcome_signature_and_conditions(signed: Review) -> None:
+    budgets = [revision.budget() for revision in signed.revisions]
+    data = report_bytes(budgets, ".pdf", added=audit_sections(signed), front=front_page(signed))
+    reader = pypdf.PdfReader(io.BytesIO(data))
+    first = " ".join(reader.pages[0].extract_text().split())
+    assert "Rejected: 2 requirements" in first
+    assert "Signed off by Chief" in first
+    assert "163° against 90°" not in first  # the figure as it was decided on is the one that counts
+    assert first.count("1 m against 2 m") == 2
+    assert first.count("as computed") == 2
+    page = report_bytes(budgets, ".html", added=audit_sections(signed), front=front_page(signed)).decode()
+    assert page.index("Waivers and rejections") < page.index("Inputs that differ")
+    assert "<script>alert(1)" not in page
 
 
 def test_the_audit_travels_with_the_report_and_stays_text(signed: Review) -> None:

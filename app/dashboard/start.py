@@ -1,0 +1,54 @@
+"""The first question on an empty start: what a person comes with, the inputs it takes, and the page that answers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+import param
+from panel.custom import JSComponent
+
+from app.ui.theme import PRINT_NOTHING
+
+
+class Start(NamedTuple):
+    """What a person comes with: where the answer is, what to do in a sentence, and the inputs it takes."""
+
+    address: str
+    says: str
+    keys: tuple[str, ...] = ()
+
+
+STARTS = {
+    "My radar": Start(
+        "explore-which",
+        "Type your radar, flight and receiver. The list ranks the IMUs that pass with this receiver.",
+        ("radar.frequency", "radar.azimuth_resolution", "radar.slant_range", "flight.speed",
+         "gnss.position_noise", "gnss.interval"),
+    ),
+    "My IMU": Start(
+        "budget",
+        "Choose your IMU or type its data sheet. The verdict follows every change.",
+        ("imu.preset", "imu.angle_random_walk", "imu.velocity_random_walk", "imu.gyro_bias",
+         "imu.accelerometer_bias"),
+    ),
+    "My log": Start("sensors-log", "Choose a log of your IMU. Its noise goes into the design with one press."),
+}  # fmt: skip
+
+
+class StartChoice(JSComponent):
+    """One line of buttons; ``chosen`` is the name of the one pressed last."""
+
+    names = param.List(default=list(STARTS))
+    chosen = param.String(default="", doc="Empty: none.")
+    says = param.String(default="", doc="What to do next.")
+
+    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
+
+    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+
+    def _handle_msg(self, msg: Any) -> None:
+        if isinstance(msg, str) and msg in STARTS:
+            self.says = STARTS[msg].says
+            self.chosen = msg
+            self.param.trigger("chosen")  # pressed again, it leads there again

@@ -1,0 +1,120 @@
+"""The one rule of display choices: how wide a figure is told, and in which units. Verdicts do not follow it.
+
+A figure is a standard deviation of one axis. A horizontal position has two equal axes: a percentage is a radius,
+by the Rayleigh distribution, and CEP is the radius that holds half. Other figures have no CEP: they stay at 1σ.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from app.charts.kinds import BarChart, Chart, Line
+from app.document.numbers import number, show
+from nav_model.errors import InputError
+
+_SPREADS: dict[str, tuple[str, float, float]] = {
+    "1σ": ("1s", 1.0, 1.0),
+    "2σ": ("2s", 2.0, 2.0),
+    "95 %": ("95", 1.959963984540054, math.sqrt(-2 * math.log(0.05))),
+    "CEP": ("cep", 1.0, math.sqrt(-2 * math.log(0.5))),
+}
+"""Name -> its word in links, and the factor over one sigma of one axis and of a horizontal pair."""
+SPREADS = tuple(_SPREADS)
+SHEET, SI = "data sheet", "SI"
+UNITS = (SHEET, SI)
+_SI_UNITS = {"length": "m", "speed": "m/s", "angle": "rad", "time": "s"}
+
+
+@dataclass(frozen=True)
+class Display:
+    """How figures are told: one of `SPREADS`, and one of `UNITS`.
+
+    Examples
+    --------
+    >>> Display("95 %").show(1.0, "length", pair=True)
+    '2.45 m'
+    >>> Display(units="SI").show(0.02, "length")
+    '0.02 m'
+    """
+
+    spread: str = "1σ"
+    units: str = SHEET
+
+    def factor(self, *, pair: bool = False) -> float:
+        """What one sigma is multiplied by; ``pair`` for a horizontal position or velocity."""
+        _, one, two = _SPREADS[self.spread]
+        return two if pair else one
+
+    def named(self, *, pair: bool = False) -> str:
+        """What is told, such as "2σ" or "CEP"."""
+        return self.spread if pair or self.spread != "CEP" else "1σ"
+
+    def show(self, sigma: float, dimension: str, *, pair: bool = False) -> str:
+        """A standard deviation [SI] as it is told."""
+        value = self.factor(pair=pair) * sigma
+        return f"{number(value)} {_SI_UNITS[dimension]}" if self.units == SI else show(value, dimension)
+
+    def timeline(self, chart: Chart) -> Chart:
+        """A chart of standard deviations over time as it is told; each limit is scaled with its curves, so that they
+        cross where they did."""
+        turned = self.units == SI and chart.y_label.endswith("[°]")
+        unit = math.radians(1) if turned else 1.0
+
+        def of(line: Line) -> Line:
+            return replace(line, y=line.y * unit * self.factor(pair=line.label == "horizontal"))
+
+        limits = tuple(
+            replace(limit, level=limit.level * unit * self.factor(pair="horizontal" in limit.key))
+            for limit in chart.limits
+        )
+        told = dict.fromkeys(self.named(pair=line.label == "horizontal") for line in chart.lines)
+        label = chart.y_label.replace("1σ", " and ".join(told))
+        if turned:
+            label = label.replace("[°]", "[rad]")
+        return replace(chart, lines=tuple(map(of, chart.lines)), limits=limits, y_label=label)
+
+    def bars(self, chart: BarChart) -> BarChart:
+        """Phases by source as they are told, in degrees; limits scaled with them."""
+        k = self.factor()
+        return replace(
+            chart,
+            x_label=chart.x_label.replace("1σ", self.named()),
+            bars=tuple(
+                replace(
+                    bar,
+                    first=k * bar.first,
+                    second=k * bar.second,
+                    first_mm=k * bar.first_mm,
+                    second_mm=k * bar.second_mm,
+                )
+                for bar in chart.bars
+            ),
+            first_limit=k * chart.first_limit,
+            second_limit=k * chart.second_limit,
+        )
+
+    @property
+    def word(self) -> str:
+        """As links and the browser keep it; empty for the usual one."""
+        if self == ONE_SIGMA:
+            return ""
+        return _SPREADS[self.spread][0] + (".si" if self.units == SI else "")
+
+
+ONE_SIGMA = Display()
+
+
+def display_of(word: str) -> Display:
+    """The display of a word such as "95.si".
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    spread, _, units = (word or "1s").partition(".")
+    named = {short: name for name, (short, _, _) in _SPREADS.items()}
+    if spread not in named or units not in {"", "si"}:
+        raise InputError("show", f"{word[:20]!r} is no way to show figures. Try 1s, 2s, 95 or cep, with .si for SI.")
+    return Display(named[spread], SI if units else SHEET)

@@ -1,0 +1,38 @@
+"""A table whose rows are decided on in place: accept or reject, with a reason where one is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+import param
+from panel.custom import JSComponent
+
+from app.ui.theme import SHEET
+
+
+class DecisionTable(JSComponent):
+    """Requirements with the decision in force; ``told`` is called with what a person decides, a dict.
+
+    Under "do" it has "decide" (with place, name, accepted, reason, and seen: the number of the decision that was in
+    view, 0 for none) or "accept" (with points: pairs of place and name that were open and met).
+    """
+
+    caption = param.String()
+    open = param.Boolean(default=True, doc="Whether decisions are taken still.")
+    rows = param.List(
+        default=[], doc="Dicts of place, name, label, value, limit, met, seen, decision and reason, as texts to show."
+    )
+
+    _stylesheets: ClassVar[list[str]] = [SHEET, Path(__file__).with_suffix(".css").read_text("utf-8")]
+
+    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+
+    def __init__(self, told: Callable[[dict[str, Any]], None], **params: Any) -> None:
+        super().__init__(**params)
+        self._told = told
+
+    def _handle_msg(self, msg: Any) -> None:
+        if isinstance(msg, dict) and msg.get("do") in {"decide", "accept"}:
+            self._told(msg)

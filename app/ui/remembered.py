@@ -1,0 +1,48 @@
+"""What a browser remembers of a person from visit to visit, in a cookie: a name, a preference."""
+
+from __future__ import annotations
+
+from typing import Any
+from urllib.parse import unquote
+
+import param
+from panel.custom import JSComponent
+
+from app.upstream.connecting_cookies import connecting_cookies
+
+DISPLAY_COOKIE = "navbudget-show"
+"""How figures are told."""
+
+
+class Remembered(JSComponent):
+    """Keeps a text in the browser under a name; an empty text is forgotten.
+
+    Parameters
+    ----------
+    key : str
+        Name of the cookie.
+    text : str or parameter
+        What to keep; a parameter is followed.
+    """
+
+    key = param.String()
+    text = param.String(default="")
+
+    _esm = """export function render({ model }) {
+      const keep = () => {
+        const secure = location.protocol === "https:" ? "; secure" : ""
+        const how = `; path=/; max-age=${model.text ? 31536000 : 0}; samesite=lax${secure}`
+        document.cookie = `${model.key}=${encodeURIComponent(model.text)}${how}`
+      }
+      model.on("text", keep)
+      if (model.text) keep()
+      return document.createElement("span")
+    }"""
+
+    def __init__(self, key: str, text: Any) -> None:
+        super().__init__(key=key, text=text, width=0, height=0, margin=0)
+
+
+def recalled(key: str) -> str:
+    """What the browser of the session being made remembers; empty: nothing."""
+    return unquote(connecting_cookies().get(key, ""))[:200]
