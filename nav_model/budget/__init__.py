@@ -31,8 +31,7 @@ from nav_model.budget.figures import (
     placing,
     sampled,
     settled,
-    smoothed_figures,
-    smoothed_shifts,
+    smoothed_with_shifts,
 )
 from nav_model.budget.result import Budget, Outage, PhaseLine, Placement, PostProcessed, Sar, Sigmas, SteadyState
 from nav_model.budget.shares import Shares, coast_shares, shares_by_step, steady_shares, velocity_shares
@@ -132,7 +131,14 @@ def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares
 
 
 def _post_processed(x: Inputs, window: str) -> tuple[PostProcessed, Placement]:
-    sized = shares_by_step(x, lambda y: smoothed_figures(y, SMOOTHED))
+    moved: list[Shifts | None] = []
+
+    def both(y: Inputs) -> dict[str, Array]:
+        found, shifts = smoothed_with_shifts(y, SMOOTHED)
+        moved.append(shifts)
+        return found
+
+    sized = shares_by_step(x, both)
     value = {name: value for name, (value, _) in sized.items()}
     if not all(map(math.isfinite, value.values())):
         raise FloatingPointError("the smoothed figures are beyond double precision")
@@ -151,7 +157,9 @@ def _post_processed(x: Inputs, window: str) -> tuple[PostProcessed, Placement]:
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
     )
-    return smoothed, _placement(x, smoothed_shifts(x), sized)
+    assert moved[0] is not None
+    shifts = Shifts(*(np.atleast_1d(value.real)[0] for value in moved[0]))  # the shares' steps are imaginary
+    return smoothed, _placement(x, shifts, sized)
 
 
 def _refuse_hidden_target(squint: float, grazing: float) -> None:
