@@ -23,6 +23,7 @@ from nav_model.budget.figures import (
     SMOOTHED,
     Inputs,
     along_track_phase,
+    begun,
     by_state_space,
     free_shifts,
     inputs_of,
@@ -100,8 +101,8 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
     start = closed.horizontal if inputs.slow is None else moments.posterior.horizontal
     sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
-    sized = shares_by_step(inputs, lambda x: placing(x, free_shifts(x, _begun(x))))
-    placement = _placement(inputs, free_shifts(inputs, _begun(inputs)), sized)
+    sized = shares_by_step(inputs, lambda x: placing(x, free_shifts(x, begun(x))))
+    placement = _placement(inputs, free_shifts(inputs, begun(inputs)), sized)
     with np.errstate(invalid="raise", divide="raise"):  # what no number comes of is refused, not shown
         smoothed, smoothed_placement = _post_processed(inputs, design.radar.window)
     verdicts = (
@@ -110,11 +111,6 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     )
     chosen, other = verdicts[::-1] if inputs.post_processed else verdicts
     return Budget(design, steady_state, coast, sar, placement, smoothed, smoothed_placement, chosen, other)
-
-
-def _begun(x: Inputs) -> Sawtooth:
-    """The filter at the last fix before the aperture; with a slow GNSS error only the augmented one covers it."""
-    return settled(x) if x.slow is None else sampled(x).posterior
 
 
 def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares]]) -> Placement:

@@ -258,12 +258,34 @@ def along_track_phase(x: Inputs, start: Horizontal) -> Array:
     )
 
 
+def begun(x: Inputs) -> Sawtooth:
+    """The filter at the last fix before the aperture; with a slow GNSS error only the augmented one covers it."""
+    return settled(x) if x.slow is None else sampled(x).posterior
+
+
+def free_lines(x: Inputs, start: Sawtooth) -> tuple[Line, Line]:
+    """Line in the error of a free INS from the last fix over the aperture, horizontal and vertical. [P-7]"""
+    inside = x.before_aperture, x.aperture
+    return (
+        free_line(start.horizontal, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, x.g, *inside),
+        free_line(start.vertical, x.sigma_a, 0.0, x.bias_a, 0.0, x.g, *inside),
+    )
+
+
+def smoothed_lines(x: Inputs) -> tuple[Line, Line]:
+    """The same of the smoothed trajectory."""
+    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
+    level, upright = smoother.smoothed_error(channels(x), x.aperture, leg, _NEEDED["ce90"])
+    return _line(level), _line(upright)
+
+
+def _line(part: Mapping[str, Array]) -> Line:
+    return Line(part["mean"], part["slope"], part["mean_slope"])
+
+
 def free_shifts(x: Inputs, start: Sawtooth) -> Shifts:
     """Shift of an image that a free INS from the last fix focuses. [P-7]"""
-    inside = x.before_aperture, x.aperture
-    level = free_line(start.horizontal, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, x.g, *inside)
-    upright = free_line(start.vertical, x.sigma_a, 0.0, x.bias_a, 0.0, x.g, *inside)
-    return shifts(level, upright, x.grazing_angle, x.slant_range, x.speed, x.squint)
+    return shifts(*free_lines(x, start), x.grazing_angle, x.slant_range, x.speed, x.squint)
 
 
 def placing(x: Inputs, moved: Shifts, names: Collection[str] = PLACING) -> dict[str, Array]:
@@ -360,7 +382,7 @@ def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, A
         found["slope_shift"] = lever * np.sqrt(wide * h["slope"] + high * v["slope"])
     moved = None
     if wanted & set(PLACING):
-        moved = _moved(x, h, v)
+        moved = shifts(_line(h), _line(v), x.grazing_angle, x.slant_range, x.speed, x.squint)
         found |= placing(x, moved, wanted)
     for name, part, column in (
         ("horizontal_position", h, "position"), ("vertical_position", v, "position"),
@@ -371,11 +393,6 @@ def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, A
     if "detrended_phase" in names:
         found["detrended_phase"] = found[order]
     return {name: found[name] for name in names}, moved
-
-
-def _moved(x: Inputs, level: Mapping[str, Array], upright: Mapping[str, Array]) -> Shifts:
-    lines = [Line(part["mean"], part["slope"], part["mean_slope"]) for part in (level, upright)]
-    return shifts(lines[0], lines[1], x.grazing_angle, x.slant_range, x.speed, x.squint)
 
 
 _PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase_1", "detrended_phase_2", "detrended_phase_3")
@@ -410,13 +427,13 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
     starting = (imaging or placed) and x.slow is not None
     saw = sampled(x) if coasting or starting or (settling and x.steady_state != "closed") else None
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
-    begun = saw.posterior if saw and x.slow is not None else closed
+    first = saw.posterior if saw and x.slow is not None else closed
     if placed:
-        assert begun is not None
-        found |= placing(x, free_shifts(x, begun), placed)
+        assert first is not None
+        found |= placing(x, free_shifts(x, first), placed)
     if imaging:
-        assert begun is not None
-        start = begun.horizontal
+        assert first is not None
+        start = first.horizontal
         whole = phase.total(phase_sources(x, start))
         to_phase = np.where(x.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / x.wavelength
         found["quadratic_phase"] = to_phase * np.sqrt(whole.quadratic)

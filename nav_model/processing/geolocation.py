@@ -97,14 +97,15 @@ def shifts(
 ) -> Shifts:
     """Shift of the image from the lines in the errors of a horizontal axis and of the vertical. [P-7]
 
-    The two horizontal axes err alike and independently. Broadside; under squint the slope counts by one over its
+    The two horizontal axes err alike and independently. What moves the image away from the radar moves it, growing,
+    back along the track: hence the sign of the covariance. Broadside; under squint the slope counts by one over its
     cosine, across the line of sight.
     """
     psi, r, v, squint = (as_numbers(x) for x in (grazing, slant_range, speed, squint))
     wide, high = np.cos(psi) ** 2, np.sin(psi) ** 2
     sight = Line(*(wide * h + high * z for h, z in zip(level, upright, strict=True)))
     lever = r / (v * np.cos(squint))
-    return Shifts(sight.mean, level.mean + lever**2 * sight.slope, lever * sight.both, upright.mean)
+    return Shifts(sight.mean, level.mean + lever**2 * sight.slope, -lever * sight.both, upright.mean)
 
 
 def ground_covariance(moved: Shifts, grazing: ArrayLike, height_error: ArrayLike) -> tuple[Array, Array, Array]:
