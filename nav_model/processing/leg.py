@@ -222,11 +222,23 @@ def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Ar
             for name, values in _solved(x.of(batch), modes).items():
                 found[name][batch] = values
     if len(rows := np.flatnonzero(held >= least)):
-        whole = np.broadcast_arrays(*(value for value in smoothed(channel, aperture, COLUMNS[:10]).values()))
-        for name, values in zip(COLUMNS, whole, strict=False):
-            found[name][rows] = np.broadcast_to(values, shape).ravel()[rows]
-        found["tilt"][rows] = found["mean_slope"][rows] = 0.0
-        if channel.gyro is not None:
-            tilt = smoothed(channel, aperture, ("tilt",))["tilt"]
-            found["tilt"][rows] = np.broadcast_to(tilt, shape).ravel()[rows]
+        _by_spectrum(flat, rows, found)
     return {name: values.reshape(shape) for name, values in found.items()}
+
+
+def _by_spectrum(flat: dict[str, Array], rows: NDArray[np.int64], found: dict[str, Array]) -> None:
+    """Put the figures of these rows into `found`: their apertures are long beside the time in which errors change."""
+    given = {name: value[rows] for name, value in flat.items()}
+    squared = ("accelerometer", "gyro", "fix", "velocity", "slow")
+    values = {
+        name: np.sqrt(given[name]) if name in squared else given[name]
+        for name in Channel.__dataclass_fields__
+        if name in given
+    }
+    for name, column in smoothed(Channel(**values), given["aperture"]).items():
+        found[name][rows] = column
+    found["tilt"][rows] = found["mean_slope"][rows] = 0.0
+    level = values["gyro"].real > 0
+    if np.any(level):
+        some = Channel(**{name: value[level] for name, value in values.items()})
+        found["tilt"][rows[level]] = smoothed(some, given["aperture"][level], ("tilt",))["tilt"]

@@ -205,3 +205,15 @@ def test_a_complex_step_is_answered_with_a_slope():
         found = smoothed_error([Channel(*scaled)], np.array(5.0), leg, ["quadratic"])[0]["quadratic"]
         total_slope += float(found.imag / found.real) * 1e20
     assert total_slope == pytest.approx(2, abs=1e-5)
+
+
+def test_a_very_long_aperture_is_all_middle():
+    """Where the spectrum takes over from the modes they agree, upright too, and nothing divides by no gyro."""
+    channel = Channel(*(np.array(x) for x in (2e-3, [1e-3, 0.0], 0.05, 0.2)))
+    leg = Leg(*(np.array(x) for x in (100.0, 100.0, 0.0)))
+    fastest = rates(channel)[0]
+    with np.errstate(divide="raise", invalid="raise"):
+        before, after = (smoothed_in_leg(channel, share * 120 / fastest, leg) for share in (0.99, 1.01))
+    for name in ("quadratic", "cubic", "left_1", "slope", "position"):
+        assert np.sqrt(after[name] / before[name]) == pytest.approx(1, abs=0.05), name
+    assert after["tilt"][1] == 0
