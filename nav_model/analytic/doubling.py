@@ -19,7 +19,7 @@ from nav_model.analytic.stacks import even, plus_one, solved, times, turned
 from nav_model.analytic.steady_state import Array
 
 _MOST_STEPS = 60
-_SETTLED = 1e-8  # what the next step adds is the square of what this one does
+_SETTLED = 1e-14
 
 
 class Segment(NamedTuple):

@@ -84,11 +84,10 @@ def _cycle(
     qa = (a * h * np.sqrt(h) / r) ** 2
     qw = 0 * qa if gyro is None else (gyro * h * h * np.sqrt(h) / r) ** 2
     error = None if slow is None else ((as_numbers(slow[0]) / r) ** 2, as_numbers(slow[1]) / h)
-    phi, noise = drift(np.ones(()), qa, qw, error)
     fast = (r / (h * velocity)) ** 2
-    shape = np.broadcast_shapes(phi.shape[2:], fast.shape)
-    phi, noise = (np.broadcast_to(part, (*part.shape[:2], *shape)) for part in (phi, noise))
-    info = np.zeros(phi.shape, fast.dtype)
+    qa, qw, fast = np.broadcast_arrays(qa, qw, fast)
+    phi, noise = drift(np.ones(()), qa, qw, error)
+    info = np.zeros(phi.shape, np.result_type(fast, noise))
     seen = [0] if slow is None else [0, 3]
     info[np.ix_(seen, seen)] = 1
     info[1, 1] = fast
@@ -99,7 +98,6 @@ def _cycle(
         del units[_TILT]
     prior = settled(Segment(info, phi, noise))
     posterior = solved(plus_one(times(prior, info)), prior)
-    unit = np.stack(np.broadcast_arrays(*units)[: len(phi)])
-    unit = unit.reshape(*unit.shape, *(1,) * (len(shape) + 1 - unit.ndim))
+    unit = np.stack([np.broadcast_to(one, phi.shape[2:]) for one in units[: len(phi)]])
     scale = unit[:, None] * unit[None, :]
     return prior * scale, posterior * scale

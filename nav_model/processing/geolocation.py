@@ -20,7 +20,7 @@ from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numb
 
 _ANGLES = 96  # of a quarter turn: the integrand is smooth for every ratio of the axes
 _STEPS = 12
-_DEGREE = 40
+_DEGREE = 28
 NINETY = 1.6448536269514722
 """Sigmas that hold 90 % of a normal error on both sides."""
 
@@ -131,7 +131,7 @@ def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: flo
     Notes
     -----
     The radius over the larger axis alone depends on the ratio of the axes' variances, smoothly: a polynomial has it
-    to 1e-10 at 90 % and to 1e-6 at a half.
+    to 1e-8 at 90 % and to 1e-5 at a half.
 
     Examples
     --------

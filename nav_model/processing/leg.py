@@ -30,7 +30,7 @@ _FAR = 12.0  # of those times: what is farther from the aperture tells nothing
 _UNKNOWN = 1e-10  # information of what nothing is known of, as part of one fix's
 _KNOWN = 1e30  # 1/m²: information of a state that is not there
 _POINTS = 32  # fixes inside an aperture, taken one by one; more are taken as evenly spread
-_MODES = ((2.5, 8), (7.0, 16), (20.0, 32), (60.0, 64), (120.0, 96))
+_MODES = ((0.8, 4), (2.5, 8), (7.0, 16), (20.0, 32), (60.0, 64), (120.0, 96))
 """Times in which the error changes that an aperture may hold, and the modes of noise that it then takes; beyond, the
 ends of the leg are too far from most of the aperture to matter, and the spectrum has it."""
 _SAME = 1e-3  # relative difference between two fix intervals that are one

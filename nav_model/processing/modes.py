@@ -18,6 +18,7 @@ from numpy.polynomial import legendre
 from nav_model.analytic.steady_state import Array
 
 _SINGLY = 4  # Legendre orders of the position error that figures name: 0 to 3
+_ALL = 7  # modes that reach them
 
 
 class Fixes(NamedTuple):
@@ -74,6 +75,14 @@ def _basis(modes: int) -> _Basis:
         np.hstack([state[1], once, twice]),
         np.hstack([state[2], 0 * once, once]),
     )
+
+
+@cache
+def _whole() -> tuple[Array, Array]:
+    """Covariance of the Legendre coefficients 0 to 3 by all modes of the accelerometer's noise, and of the gyro's."""
+    rows = _basis(_ALL).position[:_SINGLY, 3:]
+    one, other = rows[:, :_ALL], rows[:, _ALL:]
+    return one @ one.T, other @ other.T
 
 
 def _turned(matrix: Array) -> Array:
@@ -164,6 +173,12 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
     above = np.stack([a**2 / 24 + w**2 / 640, a**2 / 2 + w**2 / 24, w**2 / 2], axis=-1) - unseen[:, -3:]
     now = variance[:, -3:] + above
     with_1, with_3 = (np.einsum("ni,ni->n", wanted[:, 1], solved[..., k]) for k in (0, 3))
+    if modes < _ALL:  # and so have the orders that figures name
+        from_a, from_w = _whole()
+        noise = wanted[:, :_SINGLY, 3:]
+        beyond = a[:, None, None] ** 2 * from_a + w[:, None, None] ** 2 * from_w - noise @ _turned(noise)
+        variance[:, :_SINGLY] += np.einsum("nii->ni", beyond)
+        with_1, with_3 = with_1 + beyond[:, 0, 1], with_3 + beyond[:, 1, 3]
     quadratic, cubic = variance[:, 2] * 9 / 4, variance[:, 3] * 25 / 4
     left_2 = left_3 + cubic * (4 / 25 / 7)
     found: dict[str, Any] = {
