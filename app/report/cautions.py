@@ -7,6 +7,7 @@ from app.document.numbers import number
 from app.report.inputs import doubtful_inputs
 from nav_model.budget import Budget
 from nav_model.budget.provenance import cautions
+from nav_model.design.processing import POST_PROCESSED
 
 _FIGURES = {
     "prior": "just before a fix, the worst of the cycle",
@@ -24,18 +25,24 @@ def caution_list(budget: Budget) -> Bullets:
 
 def assumption_list(budget: Budget) -> Bullets:
     """What every budget assumes, and what its figures are held against."""
-    requirements, gnss = budget.design.requirements, budget.design.gnss
+    requirements, gnss, processing = budget.design.requirements, budget.design.gnss, budget.design.processing
     noise = "with white noise from fix to fix [T-2]"
     if gnss.correlated:
         noise = "with a slow first-order Gauss-Markov error on top of white noise"
+    measured = "position only" if gnss.velocity_noise is None else "position and velocity"
+    held = "post-processed figures" if processing.mode == POST_PROCESSED else "figures in real time"
     return Bullets(
         (
             "Straight, level flight at constant velocity, in steady state before the last fix; small errors [T-1].",
             "Random walks are white, Gaussian, alike and independent on the three axes; residual biases are constant "
             "over the outage and the aperture.",
-            f"GNSS measures position only, per axis, {noise}.",
-            f"Requirements in steady state are held against the figure {_FIGURES[requirements.steady_state]} [T-8]; "
-            f"after the last fix against the refined curve [T-17]; each at {requirements.confidence:g}σ.",
+            f"GNSS measures {measured}, per axis, {noise}.",
+            f"Requirements are held against the {held}. Real time: a free INS from the last fix before the aperture. "
+            f"Post-processed: a smoother with the fixes in the aperture, {number(processing.leg_before)} s before it "
+            f"and {number(processing.leg_after)} s after it, by {budget.post_processed.method} [P-3].",
+            "In real time, requirements in steady state are held against the figure "
+            f"{_FIGURES[requirements.steady_state]} [T-8], after the last fix against the refined curve [T-17].",
+            f"Each figure is held at {requirements.confidence:g}σ.",
             "Broadside strip map; the inertial unit alone carries the aperture, which starts "
             f"{number(budget.design.coast.before_aperture)} s after the last fix [S-1], [S-5].",
             "Lever arm, timing, atmosphere and range migration are not part of the budget.",

@@ -1,24 +1,19 @@
 """The sampled filter with fixes of position and velocity: its Riccati equation, solved by doubling. [T-8], [P-6]
 
-Two kinds of fixes leave no scalar to factor, as `nav_model.analytic.sampled_filter` does. The structure-preserving
-doubling algorithm squares the closed loop at each step, so some fifteen steps settle any filter; it broadcasts and
+Two kinds of fixes leave no scalar to factor, as `nav_model.analytic.sampled_filter` does. Everything broadcasts and
 takes complex steps.
-
-Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.analytic.doubling import Segment, drift, settled
+from nav_model.analytic.stacks import plus_one, solved, times
 from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
 
-_MOST_STEPS = 60
-_SETTLED = 1e-14
+_TILT = 2  # of the states
 
 
 def horizontal_cycle_with_velocity(
@@ -56,9 +51,9 @@ def horizontal_cycle_with_velocity(
 
     def channel(p: Array) -> Horizontal:
         places = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-        return Horizontal(*(p[..., i, j] * unit[i] * unit[j] for i, j in places))
+        return Horizontal(*(p[i, j] * unit[i] * unit[j] for i, j in places))
 
-    with_slow = -after[..., 2, 3] / g if slow else np.zeros(())
+    with_slow = -after[2, 3] / g if slow else np.zeros(())
     return channel(before), channel(after), with_slow
 
 
@@ -71,7 +66,7 @@ def vertical_cycle_with_velocity(
 ) -> tuple[Vertical, Vertical]:
     """Covariance of the vertical channel just before a fix and just after it; as the horizontal one. [T-8]"""
     ends = _cycle(as_numbers(sigma_a), None, interval, sigma_fix, sigma_velocity, slow)
-    before, after = (Vertical(p[..., 0, 0], p[..., 0, 1], p[..., 1, 1]) for p in ends)
+    before, after = (Vertical(p[0, 0], p[0, 1], p[1, 1]) for p in ends)
     return before, after
 
 
@@ -83,55 +78,26 @@ def _cycle(
     sigma_velocity: ArrayLike,
     slow: tuple[ArrayLike, ArrayLike] | None,
 ) -> tuple[Array, Array]:
-    """Prior and posterior of (position, velocity, acceleration by tilt, slow error) as far as there are such."""
+    """Prior and posterior of (position, velocity, acceleration by tilt, slow error), in the units of the inputs."""
     h, r, velocity = (as_numbers(x) for x in (interval, sigma_fix, sigma_velocity))
     # the fix interval is the unit of time, the noise of a fix that of length
     qa = (a * h * np.sqrt(h) / r) ** 2
     qw = 0 * qa if gyro is None else (gyro * h * h * np.sqrt(h) / r) ** 2
-    noise = [
-        [qa / 3 + qw / 20, qa / 2 + qw / 8, qw / 6],
-        [qa / 2 + qw / 8, qa + qw / 3, qw / 2],
-        [qw / 6, qw / 2, qw],
-    ]
-    states = 2 if gyro is None else 3
-    phi: list[list[Any]] = [list(row[:states]) for row in ((1, 1, 0.5), (0, 1, 1), (0, 0, 1))[:states]]
-    q: list[list[Any]] = [list(row[:states]) for row in noise[:states]]
-    units: list[Any] = [r, r / h, r / h**2][:states]
-    seen: list[Any] = [1, 0, 0][:states]
-    if slow is not None:
-        rate = h / as_numbers(slow[1])
-        phi = [*([*row, 0] for row in phi), [*([0] * states), np.exp(-rate)]]
-        q = [*([*row, 0] for row in q), [*([0] * states), -np.expm1(-2 * rate) * (as_numbers(slow[0]) / r) ** 2]]
-        units, seen = [*units, r], [*seen, 1]
-    position = _matrix([[one * other for other in seen] for one in seen])
-    fast = np.zeros_like(position)
-    fast[1, 1] = 1
-    known = position + fast * ((r / (h * velocity)) ** 2)[..., None, None]
-    prior = _settled(np.swapaxes(_matrix(phi), -1, -2), known, _matrix(q))
-    posterior = np.linalg.solve(np.eye(len(units)) + prior @ known, prior)
-    scale = _matrix([units])[..., 0, :]
-    scale = scale[..., :, None] * scale[..., None, :]
+    error = None if slow is None else ((as_numbers(slow[0]) / r) ** 2, as_numbers(slow[1]) / h)
+    fast = (r / (h * velocity)) ** 2
+    qa, qw, fast = np.broadcast_arrays(qa, qw, fast)
+    phi, noise = drift(np.ones(()), qa, qw, error)
+    info = np.zeros(phi.shape, np.result_type(fast, noise))
+    seen = [0] if slow is None else [0, 3]
+    info[np.ix_(seen, seen)] = 1
+    info[1, 1] = fast
+    units = [r, r / h, r / h**2, r]
+    if gyro is None:  # a state that nothing drives does not settle
+        kept = [state for state in range(len(phi)) if state != _TILT]
+        info, phi, noise = (part[np.ix_(kept, kept)] for part in (info, phi, noise))
+        del units[_TILT]
+    prior = settled(Segment(info, phi, noise))
+    posterior = solved(plus_one(times(prior, info)), prior)
+    unit = np.stack([np.broadcast_to(one, phi.shape[2:]) for one in units[: len(phi)]])
+    scale = unit[:, None] * unit[None, :]
     return prior * scale, posterior * scale
-
-
-def _matrix(rows: Sequence[Sequence[ArrayLike]]) -> Array:
-    entries = np.broadcast_arrays(*(as_numbers(entry) for row in rows for entry in row))
-    return np.stack(entries, axis=-1).reshape(*entries[0].shape, len(rows), len(rows[0]))
-
-
-def _settled(a: Array, g: Array, x: Array) -> Array:
-    """X of X = Aᵀ X (1 + G X)⁻¹ A + Q, from X = Q on."""
-    a, g, x = np.broadcast_arrays(a, g, x)
-    unit = np.eye(a.shape[-1])
-    for _ in range(_MOST_STEPS):
-        inverse = np.linalg.inv(unit + g @ x)
-        through = a @ inverse
-        flipped = np.swapaxes(a, -1, -2)
-        more = flipped @ x @ inverse @ a
-        g = g + through @ g @ flipped
-        a = through @ a
-        x = x + (more + np.swapaxes(more, -1, -2)) / 2
-        size = np.diagonal(x, axis1=-2, axis2=-1).real
-        if np.all(np.abs(np.diagonal(more, axis1=-2, axis2=-1)) <= _SETTLED * size):
-            return x
-    raise ArithmeticError("the filter with velocity fixes did not settle")

@@ -23,6 +23,7 @@ from nav_model.budget.figures import (
     SMOOTHED,
     Inputs,
     along_track_phase,
+    begun,
     by_state_space,
     free_shifts,
     inputs_of,
@@ -31,8 +32,7 @@ from nav_model.budget.figures import (
     placing,
     sampled,
     settled,
-    smoothed_figures,
-    smoothed_shifts,
+    smoothed_with_shifts,
 )
 from nav_model.budget.result import Budget, Outage, PhaseLine, Placement, PostProcessed, Sar, Sigmas, SteadyState
 from nav_model.budget.shares import Shares, coast_shares, shares_by_step, steady_shares, velocity_shares
@@ -101,8 +101,8 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
     start = closed.horizontal if inputs.slow is None else moments.posterior.horizontal
     sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
-    sized = shares_by_step(inputs, lambda x: placing(x, free_shifts(x, _begun(x))))
-    placement = _placement(inputs, free_shifts(inputs, _begun(inputs)), sized)
+    sized = shares_by_step(inputs, lambda x: placing(x, free_shifts(x, begun(x))))
+    placement = _placement(inputs, free_shifts(inputs, begun(inputs)), sized)
     with np.errstate(invalid="raise", divide="raise"):  # what no number comes of is refused, not shown
         smoothed, smoothed_placement = _post_processed(inputs, design.radar.window)
     verdicts = (
@@ -111,11 +111,6 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     )
     chosen, other = verdicts[::-1] if inputs.post_processed else verdicts
     return Budget(design, steady_state, coast, sar, placement, smoothed, smoothed_placement, chosen, other)
-
-
-def _begun(x: Inputs) -> Sawtooth:
-    """The filter at the last fix before the aperture; with a slow GNSS error only the augmented one covers it."""
-    return settled(x) if x.slow is None else sampled(x).posterior
 
 
 def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares]]) -> Placement:
@@ -132,7 +127,14 @@ def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares
 
 
 def _post_processed(x: Inputs, window: str) -> tuple[PostProcessed, Placement]:
-    sized = shares_by_step(x, lambda y: smoothed_figures(y, SMOOTHED))
+    moved: list[Shifts | None] = []
+
+    def both(y: Inputs) -> dict[str, Array]:
+        found, shifts = smoothed_with_shifts(y, SMOOTHED)
+        moved.append(shifts)
+        return found
+
+    sized = shares_by_step(x, both)
     value = {name: value for name, (value, _) in sized.items()}
     if not all(map(math.isfinite, value.values())):
         raise FloatingPointError("the smoothed figures are beyond double precision")
@@ -151,7 +153,9 @@ def _post_processed(x: Inputs, window: str) -> tuple[PostProcessed, Placement]:
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
     )
-    return smoothed, _placement(x, smoothed_shifts(x), sized)
+    assert moved[0] is not None
+    shifts = Shifts(*(np.atleast_1d(value.real)[0] for value in moved[0]))  # the shares' steps are imaginary
+    return smoothed, _placement(x, shifts, sized)
 
 
 def _refuse_hidden_target(squint: float, grazing: float) -> None:

@@ -258,32 +258,59 @@ def along_track_phase(x: Inputs, start: Horizontal) -> Array:
     )
 
 
+def begun(x: Inputs) -> Sawtooth:
+    """The filter at the last fix before the aperture; with a slow GNSS error only the augmented one covers it."""
+    return settled(x) if x.slow is None else sampled(x).posterior
+
+
+def free_lines(x: Inputs, start: Sawtooth) -> tuple[Line, Line]:
+    """Line in the error of a free INS from the last fix over the aperture, horizontal and vertical. [P-7]"""
+    inside = x.before_aperture, x.aperture
+    return (
+        free_line(start.horizontal, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, x.g, *inside),
+        free_line(start.vertical, x.sigma_a, 0.0, x.bias_a, 0.0, x.g, *inside),
+    )
+
+
+def smoothed_lines(x: Inputs) -> tuple[Line, Line]:
+    """The same of the smoothed trajectory."""
+    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
+    level, upright = smoother.smoothed_error(channels(x), x.aperture, leg, _NEEDED["ce90"])
+    return _line(level), _line(upright)
+
+
+def _line(part: Mapping[str, Array]) -> Line:
+    return Line(part["mean"], part["slope"], part["mean_slope"])
+
+
 def free_shifts(x: Inputs, start: Sawtooth) -> Shifts:
     """Shift of an image that a free INS from the last fix focuses. [P-7]"""
-    inside = x.before_aperture, x.aperture
-    level = free_line(start.horizontal, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, x.g, *inside)
-    upright = free_line(start.vertical, x.sigma_a, 0.0, x.bias_a, 0.0, x.g, *inside)
-    return shifts(level, upright, x.grazing_angle, x.slant_range, x.speed, x.squint)
+    return shifts(*free_lines(x, start), x.grazing_angle, x.slant_range, x.speed, x.squint)
 
 
-def placing(x: Inputs, moved: Shifts) -> dict[str, Array]:
-    """Every figure of `PLACING` from the variances of the image's shift."""
-    ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error)
-    return {
-        "azimuth_shift": np.sqrt(moved.azimuth),
-        "range_shift": np.sqrt(moved.range),
-        "ce90": circular_error(*ground),
-        "le90": NINETY * np.sqrt(moved.height + x.scene_height_error**2),
-    }
+def placing(x: Inputs, moved: Shifts, names: Collection[str] = PLACING) -> dict[str, Array]:
+    """Figures of `PLACING` from the variances of the image's shift, as far as they are asked for."""
+    found: dict[str, Array] = {}
+    if "azimuth_shift" in names:
+        found["azimuth_shift"] = np.sqrt(moved.azimuth)
+    if "range_shift" in names:
+        found["range_shift"] = np.sqrt(moved.range)
+    if "ce90" in names:
+        found["ce90"] = circular_error(*ground_covariance(moved, x.grazing_angle, x.scene_height_error))
+    if "le90" in names:
+        found["le90"] = NINETY * np.sqrt(moved.height + x.scene_height_error**2)
+    return found
 
 
 def channels(x: Inputs) -> tuple[Channel, Channel]:
     """A horizontal axis and the vertical one, as the smoother sees them."""
     slow = (None, None) if x.slow is None else (as_numbers(x.slow.sigma), as_numbers(x.slow.correlation_time))
-    interval = x.velocity_interval if x.velocity is not None else None
+    level, upright, interval = x.velocity, x.velocity_vertical, x.velocity_interval
+    if level is None:
+        upright = interval = None
     return (
-        Channel(x.sigma_a, x.g * x.sigma_w, x.fix, x.interval, x.velocity, interval, *slow),
-        Channel(x.sigma_a, None, x.fix_vertical, x.interval, x.velocity_vertical, interval, *slow),
+        Channel(x.sigma_a, x.g * x.sigma_w, x.fix, x.interval, level, interval, *slow),
+        Channel(x.sigma_a, None, x.fix_vertical, x.interval, upright, interval, *slow),
     )
 
 
@@ -331,14 +358,16 @@ def smoothed_figures(x: Inputs, names: Collection[str]) -> dict[str, Array]:
         azimuth shift without the position along the track. Constant residual biases cost nothing: the smoother takes
         them up.
     """
+    return smoothed_with_shifts(x, names)[0]
+
+
+def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, Array], Shifts | None]:
+    """`smoothed_figures`, and the image's shift, from which `PLACING` comes; None where none of it is asked for."""
     order = f"detrended_phase_{x.autofocus_order}"
     wanted = {order if name == "detrended_phase" else name for name in names}
-    level, upright = channels(x)
     leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
     columns = {column for name in wanted for column in _NEEDED[name]}
-    only_level = {"turned", "tilt"}
-    h = smoother.smoothed_error(level, x.aperture, leg, sorted(columns))
-    v = smoother.smoothed_error(upright, x.aperture, leg, sorted(columns - only_level))
+    h, v = smoother.smoothed_error(channels(x), x.aperture, leg, sorted(columns))
     wide, high = geometry.line_of_sight_weights(x.grazing_angle)
     to_phase = np.where(x.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / x.wavelength
     found: dict[str, Array] = {}
@@ -351,8 +380,10 @@ def smoothed_figures(x: Inputs, names: Collection[str]) -> dict[str, Array]:
     if "slope_shift" in wanted:
         lever = x.slant_range / (x.speed * np.cos(x.squint))
         found["slope_shift"] = lever * np.sqrt(wide * h["slope"] + high * v["slope"])
+    moved = None
     if wanted & set(PLACING):
-        found |= {name: value for name, value in placing(x, _moved(x, h, v)).items() if name in wanted}
+        moved = shifts(_line(h), _line(v), x.grazing_angle, x.slant_range, x.speed, x.squint)
+        found |= placing(x, moved, wanted)
     for name, part, column in (
         ("horizontal_position", h, "position"), ("vertical_position", v, "position"),
         ("horizontal_velocity", h, "velocity"), ("vertical_velocity", v, "velocity"), ("tilt", h, "tilt"),
@@ -361,19 +392,7 @@ def smoothed_figures(x: Inputs, names: Collection[str]) -> dict[str, Array]:
             found[name] = np.sqrt(part[column]) / (x.g if name == "tilt" else 1)
     if "detrended_phase" in names:
         found["detrended_phase"] = found[order]
-    return {name: found[name] for name in names}
-
-
-def smoothed_shifts(x: Inputs) -> Shifts:
-    """Shift of an image that is focused with the smoothed trajectory. [P-7]"""
-    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
-    parts = (smoother.smoothed_error(channel, x.aperture, leg, _NEEDED["ce90"]) for channel in channels(x))
-    return _moved(x, *parts)
-
-
-def _moved(x: Inputs, level: Mapping[str, Array], upright: Mapping[str, Array]) -> Shifts:
-    lines = [Line(part["mean"], part["slope"], part["mean_slope"]) for part in (level, upright)]
-    return shifts(lines[0], lines[1], x.grazing_angle, x.slant_range, x.speed, x.squint)
+    return {name: found[name] for name in names}, moved
 
 
 _PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase_1", "detrended_phase_2", "detrended_phase_3")
@@ -408,13 +427,13 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
     starting = (imaging or placed) and x.slow is not None
     saw = sampled(x) if coasting or starting or (settling and x.steady_state != "closed") else None
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
-    begun = saw.posterior if saw and x.slow is not None else closed
+    first = saw.posterior if saw and x.slow is not None else closed
     if placed:
-        assert begun is not None
-        found |= {name: value for name, value in placing(x, free_shifts(x, begun)).items() if name in placed}
+        assert first is not None
+        found |= placing(x, free_shifts(x, first), placed)
     if imaging:
-        assert begun is not None
-        start = begun.horizontal
+        assert first is not None
+        start = first.horizontal
         whole = phase.total(phase_sources(x, start))
         to_phase = np.where(x.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / x.wavelength
         found["quadratic_phase"] = to_phase * np.sqrt(whole.quadratic)

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import Array
+from nav_model.processing.leg import smoothed_in_leg
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 
 SPECTRUM, STATE_SPACE = "spectrum", "state space"
 
 _LONG = 6.0  # times 1/w0 of leg on each side: what is missing beyond is 0.1 % of the quadratic phase
 _DENSE = 0.7  # w0 times the fix interval: sampled fixes act like the noise of their density to 0.02 %
+
+
+def _values(channel: Channel) -> dict[str, Array]:
+    """What a channel has; the vertical one is a horizontal one without gyro noise."""
+    whole = replace(channel, gyro=0 * channel.accelerometer) if channel.gyro is None else channel
+    return {name: value for name, value in vars(whole).items() if value is not None}
 
 
 def by_state_space(channel: Channel, leg: Leg) -> NDArray[np.bool_]:
@@ -27,39 +35,51 @@ def by_state_space(channel: Channel, leg: Leg) -> NDArray[np.bool_]:
     return np.asarray(where)
 
 
-def smoothed_error(channel: Channel, aperture: Array, leg: Leg, names: Collection[str]) -> dict[str, Array]:
-    """Variances of the smoothed error over an aperture, each design by the method that holds for it. [P-3], [P-5]
+def smoothed_error(
+    channels: Sequence[Channel], aperture: Array, leg: Leg, names: Collection[str]
+) -> list[dict[str, Array]]:
+    """The smoothed error over an aperture, each design by the method that holds for it. [P-3], [P-5]
 
     Parameters
     ----------
-    channel : Channel
+    channels : sequence of Channel
     aperture : array
         Seconds.
     leg : Leg
     names : collection of str
-        Of `nav_model.processing.leg.COLUMNS`, where the units are told.
+        Of `nav_model.processing.leg.COLUMNS`, where the units are told. ``tilt`` only of channels with a gyro.
 
     Returns
     -------
-    dict
-        Name -> array that broadcasts to the shape of all inputs together.
+    list of dict
+        For each channel: name -> variances, an array that broadcasts to the shape of all inputs together.
     """
-    short = by_state_space(channel, leg)
-    found = {} if np.all(short) else smoothed(channel, aperture, names)
-    if not np.any(short):
+    found: list[dict[str, Array]] = []
+    short: list[NDArray[np.bool_]] = []
+    for channel in channels:
+        there = [name for name in names if name != "tilt" or channel.gyro is not None]
+        where = by_state_space(channel, leg)
+        found.append({name: np.zeros(()) for name in there} if np.all(where) else smoothed(channel, aperture, there))
+        short.append(where)
+    if not any(map(np.any, short)):
         return found
-    from nav_model.processing.leg import smoothed_in_leg  # brings the compiler, which most designs do without
-
-    fields = {name: value for name, value in vars(channel).items() if value is not None}
-    values = np.broadcast_arrays(*fields.values(), aperture, *leg, short)
-    where = values[-1]
-    rows = [value[where] for value in values[:-1]]
-    exact = smoothed_in_leg(
-        Channel(**{"gyro": None} | dict(zip(fields, rows, strict=False))), rows[len(fields)], Leg(*rows[-3:])
-    )
-    merged: dict[str, Array] = {}
-    for name in names:
-        base = found.get(name, np.zeros(()))
-        merged[name] = np.array(np.broadcast_to(base, where.shape), np.result_type(base, exact[name]))
-        merged[name][where] = exact[name]
-    return merged
+    # What the spectrum does not hold for, of all channels in one go.
+    shapes = [
+        np.broadcast_shapes(*(value.shape for value in (*_values(channel).values(), aperture, *leg, where)))
+        for channel, where in zip(channels, short, strict=True)
+    ]
+    masks = [np.broadcast_to(where, shape) for where, shape in zip(short, shapes, strict=True)]
+    taken = [
+        [np.broadcast_to(value, mask.shape)[mask] for value in (*_values(channel).values(), aperture, *leg)]
+        for channel, mask in zip(channels, masks, strict=True)
+    ]
+    rows = [np.concatenate(values) for values in zip(*taken, strict=True)]
+    named = dict(zip(_values(channels[0]), rows, strict=False))
+    exact = smoothed_in_leg(Channel(**named), rows[-4], Leg(*rows[-3:]))
+    ends = np.cumsum([np.count_nonzero(mask) for mask in masks])
+    for columns, mask, end in zip(found, masks, ends, strict=True):
+        part = slice(end - np.count_nonzero(mask), end)
+        for name, base in columns.items():
+            columns[name] = np.array(np.broadcast_to(base, mask.shape), np.result_type(base, exact[name]))
+            columns[name][mask] = exact[name][part]
+    return found

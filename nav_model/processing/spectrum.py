@@ -64,7 +64,7 @@ def rates(channel: Channel) -> tuple[Array, Array]:
         for _ in range(4):
             noise = np.sqrt(s**2 + 2 * slow**2 * time / (1 + (slowest * time) ** 2))
             slowest = np.maximum(np.cbrt(gyro / noise), np.sqrt(a / noise))
-    return fastest, slowest if channel.gyro is None else np.minimum(slowest, gyro / a)
+    return fastest, np.where(gyro > 0, np.minimum(slowest, gyro / a), slowest)
 
 
 def inverse_drift(channel: Channel, w: Array) -> Array:

@@ -155,7 +155,13 @@ def required_phase(design: Design) -> float | None:
 def study_cautions(budget: Budget) -> tuple[str, ...]:
     """What a careful reader of the strategies must know of this design."""
     design = budget.design
+    smoothed = budget.post_processed.detrended * budget.sar.wavelength / (4 * math.pi)
     said = []
+    if design.gnss.velocity_noise is not None:
+        said.append(
+            "The strategies' formulas and error model use position fixes only. The simulator's flights also have the "
+            "velocity fixes."
+        )
     if design.gnss.correlated:
         said.append(
             "The slow GNSS error is on: the filter estimates it [T-8], and both quadratic fits follow it. The map "
@@ -179,7 +185,8 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     )
     said.append(
         f"{NAMES['8']} uses fixes up to the aperture's end, so it bounds what real-time and in-aperture methods can "
-        "do. A smoother that also uses later fixes has about half its error."
+        "do. Post-processing can also use the fixes of the leg after the aperture. Smoothed with the whole leg, the "
+        f"residual is {1e3 * smoothed:.3g} mm along the line of sight ({budget.post_processed.method}, [P-5])."
     )
     said.append(
         f"The formula of {NAMES['5']} assumes continuous fixes. With few fixes in the aperture its inertial part is "

@@ -117,6 +117,10 @@ def flown_smoother(spec: SimulationSpec, fix_times: _FloatArray, first: int) -> 
             row = np.zeros(_STATES)
             row[axis] = 1.0
             update(covariance, row, 0.0, noise**2, np.zeros(_STATES), work)
+        for axis in range(3) if spec.gnss.velocity_noise else ():
+            row = np.zeros(_STATES)
+            row[3 + axis] = 1.0
+            update(covariance, row, 0.0, float(spec.gnss.velocity_noise or 0.0) ** 2, np.zeros(_STATES), work)
         if fix >= first:
             posterior.append(covariance.copy())
             forward = np.eye(_STATES)

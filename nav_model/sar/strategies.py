@@ -5,7 +5,7 @@ the simulator, which hand over their error histories as plain arrays (`Navigatio
 navigation errors of one axis, [m] and [m/s], with the runs on any leading axes and time on the last.
 
 None uses a fix from after the aperture. So the RTS smoother is the bound for causal and in-aperture methods only, not
-for post-processing: a smoother that also uses fixes after the aperture does about twice as well.
+for post-processing, which also has the fixes of the leg after the aperture: `nav_model.processing`.
 """
 
 from __future__ import annotations

@@ -58,7 +58,8 @@ def specification(
 
     The IMU takes the design's random walks with its vibration factor, its rate, and its residual biases as
     turn-on biases: constant through a run, drawn anew for each. GNSS takes the fix noise, horizontal and
-    vertical, the interval, and the slow error where it is switched on. The flight starts at the design's
+    vertical, the interval, the velocity noise (the horizontal one on all axes), and the slow error where it is
+    switched on. The flight starts at the design's
     latitude, altitude, speed and heading. Errors start at the closed form's horizontal steady-state sigmas
     [T-3] on all axes, so that little time is spent settling; yaw starts at 0.1°.
 
@@ -88,7 +89,7 @@ def specification(
             markov_noise=slow,
             vertical_markov_noise=slow,
             markov_time=gnss.correlation_time,
-            velocity_noise=more["receiver.velocity_noise"],
+            velocity_noise=_velocity_noise(design, more),
             lever_arm=more.lever_arm(),
         ),
         trajectory=_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
@@ -106,6 +107,14 @@ def specification(
         every=every,
         keep_runs=keep_runs,
     )
+
+
+def _velocity_noise(design: Design, more: SimulationInputs) -> float | None:
+    """Of one fix that comes with the position, at the density of the design's, unless the study gives another."""
+    gnss, other = design.gnss, more["receiver.velocity_noise"]
+    if other is not None or gnss.velocity_noise is None:
+        return other
+    return float(gnss.velocity_noise * math.sqrt((gnss.velocity_interval or gnss.interval) / gnss.interval))
 
 
 def _flight(design: Design, kind: str) -> TrajectorySpec:

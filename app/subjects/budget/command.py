@@ -9,9 +9,11 @@ from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.ending import refuse
+from app.document.sicd import sicd_xml
 from app.document.verdict import check_words
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
+from nav_model.budget.sicd import error_statistics
 from nav_model.catalogue import catalogue
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.errors import InputError
@@ -24,6 +26,11 @@ def add_to(commands: Any) -> None:
     evaluate = commands.add_parser("evaluate", help="the whole budget of a design as JSON")
     design_arguments(evaluate, one=True)
     evaluate.add_argument("--times", metavar="S,S,...", help="seconds since the last fix for the outage curves")
+    evaluate.add_argument(
+        "--sicd",
+        action="store_true",
+        help="instead: how well the image is placed, as SICD's XML element ErrorStatistics",
+    )
     evaluate.set_defaults(run=_evaluate)
 
     check = commands.add_parser("check", help="hold designs against their requirements")
@@ -38,7 +45,11 @@ def add_to(commands: Any) -> None:
 
 def _evaluate(options: argparse.Namespace) -> int:
     (path,) = paths_of(options)
-    budget = analyse(read_design(path, options.changes), _times(options.times))
+    design = read_design(path, options.changes)
+    budget = analyse(design, _times(options.times))
+    if options.sicd:
+        sys.stdout.write(sicd_xml(error_statistics(design)).decode())
+        return 0
     json.dump(to_json(budget), sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
     sys.stdout.write("\n")
     return 0

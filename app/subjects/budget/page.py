@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from typing import Any
 
@@ -17,6 +18,7 @@ from app.document.blocks import KeyFigures
 from app.document.display import Display, display_of
 from app.document.pane import html_of
 from app.document.prose import prose
+from app.document.sicd import sicd_xml
 from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
@@ -25,6 +27,7 @@ from app.subjects.budget.closing import Way, ways, ways_block
 from app.subjects.budget.tables import key_figures, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import ChartPane, ChartView, described, head_html, source_note
+from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
@@ -35,6 +38,7 @@ from app.ui.turns import once_quiet
 from app.upstream.text_pane import TextPane
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
+from nav_model.budget.sicd import error_statistics
 
 _KEY = '<span class="quiet fine">red: limit · grey: aperture · faint: compared</span>'
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
@@ -254,7 +258,11 @@ class BudgetPage(pn.viewable.Viewer):
             for describe in charts.BUDGET_CHARTS
             for take in ChartPane(describe, lambda: self.session.budget).takes()
         ]
+        takes.append(download("Image location errors: SICD XML", "error-statistics.xml", self._sicd))
         return pn.FlexBox(*takes, stylesheets=[PRINT_NOTHING])
+
+    def _sicd(self) -> io.BytesIO:
+        return io.BytesIO(sicd_xml(error_statistics(self.session.budget.design)))
 
 
 def _put(pane: TextPane, text: str) -> None:

@@ -9,7 +9,7 @@ from scipy.linalg import solve_discrete_are
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.analytic.steady_state import horizontal, vertical
 from nav_model.budget import analyse
-from nav_model.budget.figures import inputs_of, smoothed_figures
+from nav_model.budget.figures import figures, inputs_of, smoothed_figures
 from nav_model.budget.json import to_json
 from nav_model.processing.spectrum import Channel, smoothed
 
@@ -228,3 +228,22 @@ def test_a_design_of_before_is_the_same_design(named):
     for name, digest in text_hash.items():
         assert named[name].content_hash == digest
     assert named["A"].replace({"processing.mode": "post-processed"}).content_hash != text_hash["A"]
+
+
+@pytest.mark.parametrize("key", ["gnss.velocity_noise", "gnss.position_noise", "imu.angle_random_walk"])
+@pytest.mark.parametrize("correlated", [False, True])
+def test_real_time_with_velocity_takes_arrays_of_any_input(named, key, correlated):
+    design = named["B"].replace({"gnss.correlated": correlated})
+    values = design[key] * np.linspace(1, 1.5, 4)
+    grid = figures(inputs_of(design, {key: values}))
+    for n, value in enumerate(values):
+        one = figures(inputs_of(design.replace({key: float(value)})))
+        for name, figure in one.items():
+            assert np.broadcast_to(grid[name], 4)[n] == pytest.approx(float(figure), rel=1e-11), name
+    assert np.all(np.diff(grid["horizontal_position"]) > 0)
+    walks = np.array([1e-5, 1e-4, 1e-3])
+    map_of = figures(inputs_of(design, {key: values, "imu.velocity_random_walk": walks[:, None]}))
+    for i, walk in enumerate(walks):
+        row = figures(inputs_of(design.replace({"imu.velocity_random_walk": float(walk)}), {key: values}))
+        for name, figure in row.items():
+            np.testing.assert_allclose(np.broadcast_to(map_of[name], (3, 4))[i], figure, rtol=1e-11, err_msg=name)

@@ -1,6 +1,7 @@
 """The smoother in state space against a batch least squares, and the free INS against the closed forms."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,9 @@ from scipy.linalg import cho_factor, cho_solve
 
 from nav_model.analytic.coast import horizontal_growth
 from nav_model.analytic.steady_state import horizontal
-from nav_model.processing.leg import _carry, _straight
+from nav_model.processing.geolocation import free_line
+from nav_model.processing.leg import smoothed_in_leg
+from nav_model.processing.modes import Fixes, Inside, smoothed_modes
 from nav_model.processing.smoother import by_state_space, smoothed_error
 from nav_model.processing.spectrum import Channel, Leg, rates
 from nav_model.sar.phase import phase_budget, total
@@ -124,7 +127,7 @@ def test_batch_least_squares(sparse, compared):
     for _ in range(200 if not sparse else 60):
         channel, aperture, leg = random_design(rng, sparse)
         names = [name for name in NAMES if channel.gyro is not None or name != "tilt"]
-        ours, theirs = smoothed_error(channel, aperture, leg, names), batch(channel, aperture, leg)
+        ours, theirs = smoothed_error([channel], aperture, leg, names)[0], batch(channel, aperture, leg)
         methods.add(bool(by_state_space(channel, leg)))
         worst = max(abs(math.sqrt(float(ours[name]) / theirs[name]) - 1) for name in ("quadratic", "left_1"))
         (slow_off if channel.slow is not None else off).append(worst)
@@ -137,36 +140,57 @@ def test_batch_least_squares(sparse, compared):
              "largest ratio − 1")  # fmt: skip
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("modes", [8, 32])
 @pytest.mark.parametrize("aperture", [0.7, 5.4, 40.0])
-def test_free_ins_by_the_same_filters(order, aperture, compared):
-    """The Legendre coefficients, carried as states through an aperture without fixes, against the closed forms."""
+def test_free_ins_by_the_same_filters(modes, aperture, compared):
+    """An aperture without fixes, from a known start and with nothing after it, against the closed forms."""
     a, w, g = 1.3e-3, 1.4e-4, 9.80665
     start = horizontal(a, w, 1.0, g)
-    covariance = np.zeros((8, 8))
     unit = np.array([1.0, 1.0, g])
-    covariance[:3, :3] = start.matrix() * np.outer(unit, unit)
-    _straight(covariance, aperture)
-    _carry(covariance, 0.0, aperture, aperture, a**2, (g * w) ** 2, 0.0, 1.0)
-    mean = float(WEIGHTS @ horizontal_growth(start, a, w, g, (NODES + 1) / 2 * aperture).position) / 2
-    left = mean - sum(covariance[4 + m, 4 + m] / (2 * m + 1) for m in range(order + 1))
-    closed = total(phase_budget(start.p33, a, w, 0.0, 0.0, g, aperture, 0.0, 0.0, order))
-    ours = np.array([covariance[6, 6] * 9 / 4, covariance[7, 7] * 25 / 4])
-    off = ours / np.array([closed.quadratic, closed.cubic]) - 1
+    known = np.linalg.inv(start.matrix() * np.outer(unit, unit))[..., None]
+    row = {
+        name: np.array([value]) for name, value in (("a", a**2), ("w", (g * w) ** 2), ("t", aperture), ("none", 0.0))
+    }
+    none = Fixes(row["none"][:, None] + 0.5, row["none"][:, None])
+    found = smoothed_modes(Inside(row["a"], row["w"], row["t"], known, 0 * known, none, None, None), modes)
+    off = []
+    for order in (1, 2, 3):
+        closed = total(phase_budget(start.p33, a, w, 0.0, 0.0, g, aperture, 0.0, 0.0, order))
+        off.append(float(found[f"left_{order}"][0] / closed.detrended) - 1)
+    off += [float(found["quadratic"][0] / closed.quadratic) - 1, float(found["cubic"][0] / closed.cubic) - 1]
+    middle = horizontal_growth(start, a, w, g, aperture / 2)
+    off += [float(found["position"][0] / middle.position) - 1, float(found["velocity"][0] / middle.velocity) - 1]
+    off.append(float(found["tilt"][0] / (g**2 * middle.tilt)) - 1)
+    line = free_line(start, a, w, 0.0, 0.0, g, 0.0, aperture)
+    off += [
+        float(found[name][0] / part) - 1
+        for name, part in (("mean", line.mean), ("slope", line.slope), ("mean_slope", line.both))
+    ]
     compared("Free INS by the filters of the smoother", "S-5", "our own derivation", "[S-5], [S-6] in closed form",
              off, 1e-9, "largest ratio − 1")  # fmt: skip
-    # What is left is a difference of numbers as large as the position variance.
-    assert left == pytest.approx(float(closed.detrended), rel=1e-9, abs=1e-13 * mean)
+
+
+def test_two_kinds_of_fixes_at_their_own_pace():
+    """Velocity ten times as often as position, and the other way about, against the batch."""
+    rng = np.random.default_rng(4)
+    for often in (0.1, 10.0):
+        for _ in range(3):
+            channel, aperture, leg = random_design(rng, False)
+            interval = np.maximum(channel.interval, (leg.before + leg.after) / 60)
+            both = replace(channel, interval=interval, velocity=np.array(0.05), velocity_interval=interval * often)
+            ours, theirs = smoothed_in_leg(both, aperture, leg), batch(both, aperture, leg)
+            for name in ("quadratic", "left_1", "slope", "position"):
+                assert math.sqrt(float(ours[name]) / theirs[name]) == pytest.approx(1, abs=0.02), (name, both)
 
 
 def test_more_leg_and_better_sensors_never_harm():
     channel = Channel(*(np.array(x) for x in (1.2e-3, 6e-4, 1.0, 1.0)))
     legs = np.array([0.0, 5.0, 10.0, 20.0, 50.0, 79.0, 81.0, 200.0])
-    found = smoothed_error(channel, np.array(5.0), Leg(np.array(200.0), legs, np.array(0.0)), NAMES)
+    found = smoothed_error([channel], np.array(5.0), Leg(np.array(200.0), legs, np.array(0.0)), NAMES)[0]
     for name in NAMES:
         assert np.all(np.diff(found[name]) <= 2e-3 * found[name][1:]), name
     gaps = np.array([0.0, 1.0, 5.0, 20.0])
-    found = smoothed_error(channel, np.array(5.0), Leg(np.array(200.0), np.array(200.0), gaps), NAMES)
+    found = smoothed_error([channel], np.array(5.0), Leg(np.array(200.0), np.array(200.0), gaps), NAMES)[0]
     for name in NAMES:
         assert np.all(np.diff(found[name]) >= -2e-3 * found[name][1:]), name
 
@@ -178,6 +202,18 @@ def test_a_complex_step_is_answered_with_a_slope():
     total_slope = 0.0
     for n in range(3):  # the variance is of degree one in the sources' variances
         scaled = [value * step if n == m else value for m, value in enumerate(values)]
-        found = smoothed_error(Channel(*scaled), np.array(5.0), leg, ["quadratic"])["quadratic"]
+        found = smoothed_error([Channel(*scaled)], np.array(5.0), leg, ["quadratic"])[0]["quadratic"]
         total_slope += float(found.imag / found.real) * 1e20
     assert total_slope == pytest.approx(2, abs=1e-5)
+
+
+def test_a_very_long_aperture_is_all_middle():
+    """Where the spectrum takes over from the modes they agree, upright too, and nothing divides by no gyro."""
+    channel = Channel(*(np.array(x) for x in (2e-3, [1e-3, 0.0], 0.05, 0.2)))
+    leg = Leg(*(np.array(x) for x in (100.0, 100.0, 0.0)))
+    fastest = rates(channel)[0]
+    with np.errstate(divide="raise", invalid="raise"):
+        before, after = (smoothed_in_leg(channel, share * 120 / fastest, leg) for share in (0.99, 1.01))
+    for name in ("quadratic", "cubic", "left_1", "slope", "position"):
+        assert np.sqrt(after[name] / before[name]) == pytest.approx(1, abs=0.05), name
+    assert after["tilt"][1] == 0

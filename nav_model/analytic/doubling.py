@@ -1,0 +1,125 @@
+"""A row of equal stretches of flight with fixes, made by doubling one: filters that settle, and legs of any length.
+
+States are position, velocity, acceleration by tilt, and the slow error of the fixes where there is one. A segment of
+flight with fixes is what they measure of its first state, and how the last state follows from the first and from
+noise. Two equal segments in a row are one of twice the length: a leg of any number of fixes takes as many steps as
+that number has binary digits, and a filter settles in some fifteen.
+
+Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.analytic.stacks import even, plus_one, solved, times, turned
+from nav_model.analytic.steady_state import Array
+
+_MOST_STEPS = 60
+_SETTLED = 1e-14
+
+
+class Segment(NamedTuple):
+    """What is known of the first state, the last by the first, and the covariance of what is added, (n, n, ...)."""
+
+    info: Array
+    through: Array
+    noise: Array
+
+
+def drift(step: Array, accelerometer: Array, gyro: Array, slow: tuple[Array, Array] | None) -> tuple[Array, Array]:
+    """Transition and noise of the states over a step without fixes.
+
+    Parameters
+    ----------
+    step : array
+        Seconds.
+    accelerometer, gyro : array
+        Densities of the white noises, m²/s³ and m²/s⁵.
+    slow : pair of array, optional
+        Variance of the slow error [m²], its correlation time [s].
+    """
+    values = step, accelerometer, gyro, *(slow or ())
+    shape, kind = np.broadcast_shapes(*(np.shape(x) for x in values)), np.result_type(*values)
+    size = 3 if slow is None else 4
+    phi, noise = np.zeros((size, size, *shape), kind), np.zeros((size, size, *shape), kind)
+    phi[range(size), range(size)] = 1
+    phi[0, 1] = phi[1, 2] = step
+    phi[0, 2] = step * step / 2
+    a, w = accelerometer * step, gyro * step
+    noise[0, 0] = a * step**2 / 3 + w * step**4 / 20
+    noise[0, 1] = noise[1, 0] = a * step / 2 + w * step**3 / 8
+    noise[0, 2] = noise[2, 0] = w * step**2 / 6
+    noise[1, 1] = a + w * step**2 / 3
+    noise[1, 2] = noise[2, 1] = w * step / 2
+    noise[2, 2] = w
+    if slow is not None:
+        phi[3, 3] = np.exp(-step / slow[1])
+        noise[3, 3] = -slow[0] * np.expm1(-2 * step / slow[1])
+    return phi, noise
+
+
+def before(info: Array, through: Array, noise: Array) -> Array:
+    """Information about the state before a stretch of drift, of what is known after it."""
+    return times(turned(through), even(solved(plus_one(times(info, noise)), info)), through)
+
+
+def twice(one: Segment) -> Segment:
+    """Two equal segments in a row."""
+    both = np.concatenate([one.through, times(one.noise, turned(one.through))], axis=1)
+    onward = solved(plus_one(times(one.noise, one.info)), both)
+    onward, spread = onward[:, : len(both)], onward[:, len(both) :]
+    return Segment(
+        one.info + even(times(turned(one.through), one.info, onward)),
+        times(one.through, onward),
+        one.noise + even(times(one.through, spread)),
+    )
+
+
+def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None = None) -> Array:
+    """What a row of equal segments tells of the first state.
+
+    Parameters
+    ----------
+    unit : Segment
+        Of shape (n, n, rows).
+    counts : array of int, (kinds, rows)
+        How many of them.
+    beyond : array, (n, n, kinds, rows), optional
+        What is known of the last state.
+    """
+    shape = *unit.info.shape[:2], *counts.shape
+    known = np.zeros(shape, np.result_type(*unit)) if beyond is None else beyond.astype(np.result_type(beyond, *unit))
+    left = counts
+    while np.any(left):
+        odd = left % 2 == 1
+        if np.any(odd):
+            row = np.nonzero(odd)[1]
+            last = known[:, :, odd]
+            if np.any(last):
+                last = before(last, unit.through[..., row], unit.noise[..., row])
+            known[:, :, odd] = unit.info[..., row] + last
+        left = left // 2
+        if np.any(left):
+            unit = twice(unit)
+    return known
+
+
+def settled(unit: Segment) -> Array:
+    """Covariance just before a fix of the filter that has seen such segments for ever.
+
+    Raises
+    ------
+    ArithmeticError
+        If the equation does not settle in double precision.
+    """
+    for _ in range(_MOST_STEPS):
+        longer = twice(unit)
+        less, more = (np.diagonal(segment.noise) for segment in (unit, longer))
+        unit = longer
+        if np.all(np.abs(more - less) <= _SETTLED * more.real):
+            return unit.noise
+    raise ArithmeticError("the filter with velocity fixes did not settle")

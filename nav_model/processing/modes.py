@@ -1,0 +1,198 @@
+"""The smoothed error over an aperture as modes of its noise, for many designs at once.
+
+Inside the aperture the position error is a parabola from the state at its start and what the white noises of
+accelerometer and gyro add. Each noise is a series of Legendre polynomials of time with independent coefficients;
+integrated they are polynomials again. The state at the start, the lowest of these coefficients and, where there is
+one, the slow error at each fix are the unknowns of a least squares: fixes inside measure them, and the legs know the
+states at both ends. Higher coefficients are too fast for the fixes to see and keep the variance they have.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from nav_model.analytic.steady_state import Array
+
+_SINGLY = 4  # Legendre orders of the position error that figures name: 0 to 3
+_ALL = 7  # modes that reach them
+
+
+class Fixes(NamedTuple):
+    """Fixes of one kind inside the aperture: places as parts of it, rising, and one over their variance.
+
+    Both (rows, points); a place with zero has no fix.
+    """
+
+    places: Array
+    known: Array
+
+
+class Inside(NamedTuple):
+    """One row a design: what drifts inside the aperture, and what is known.
+
+    ``accelerometer`` and ``gyro`` are densities [m²/s³, m²/s⁵], ``aperture`` seconds, ``start`` and ``end`` the
+    information of the legs about the states at both ends, (n, n, rows), ``slow`` variance [m²] and correlation time
+    [s] of the slow error of the position fixes. States are position, velocity, acceleration by tilt, slow error.
+    """
+
+    accelerometer: Array
+    gyro: Array
+    aperture: Array
+    start: Array
+    end: Array
+    position: Fixes
+    velocity: Fixes | None
+    slow: tuple[Array, Array] | None
+
+
+class _Basis(NamedTuple):
+    """Legendre coefficients of position, velocity and acceleration, (modes + 3, 3 + 2 modes), for an aperture of one.
+
+    Columns are the state at the start, then the modes of the accelerometer's noise, then of the gyro's.
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+@cache
+def _basis(modes: int) -> _Basis:
+    size = modes + 3
+    noise = np.eye(size)[:, :modes] * np.sqrt(2 * np.arange(modes) + 1)
+    once, twice, thrice = (legendre.legint(noise, m, lbnd=-1, scl=0.5)[:size] for m in (1, 2, 3))
+    once, twice = (np.pad(part, ((0, size - len(part)), (0, 0))) for part in (once, twice))
+    state = np.zeros((3, size, 3))
+    state[0, :3] = [[1, 1 / 2, 1 / 6], [0, 1 / 2, 1 / 4], [0, 0, 1 / 12]]
+    state[1, :2, 1:] = [[1, 1 / 2], [0, 1 / 2]]
+    state[2, 0, 2] = 1
+    return _Basis(
+        np.hstack([state[0], twice, thrice]),
+        np.hstack([state[1], once, twice]),
+        np.hstack([state[2], 0 * once, once]),
+    )
+
+
+@cache
+def _whole() -> tuple[Array, Array]:
+    """Covariance of the Legendre coefficients 0 to 3 by all modes of the accelerometer's noise, and of the gyro's."""
+    rows = _basis(_ALL).position[:_SINGLY, 3:]
+    one, other = rows[:, :_ALL], rows[:, _ALL:]
+    return one @ one.T, other @ other.T
+
+
+def _turned(matrix: Array) -> Array:
+    """Transposes of matrices that come last."""
+    return np.swapaxes(matrix, -1, -2)
+
+
+def _information(x: Inside, basis: _Basis, modes: int, scale: Array) -> Array:
+    """Of everything about the unknowns: state at the start, modes, and the slow error at fixes and the end."""
+    rows, plain = scale.shape
+    points = x.position.places.shape[-1] if x.slow is not None else 0
+    size = plain if x.slow is None else plain + points + 2
+    whole: Array = np.zeros((rows, size, size), np.result_type(scale, x.start, x.end, x.position.known))
+    whole[:, range(3, plain), range(3, plain)] = 1
+    second = basis.position, basis.velocity, basis.acceleration
+    unit = np.stack([np.ones_like(x.aperture), 1 / x.aperture, 1 / x.aperture**2], axis=-1)
+    last = np.stack([part.sum(axis=0) for part in second])  # every Legendre polynomial is one at the end
+    ends = last * scale[:, None, :] * unit[..., None]
+    whole[:, :3, :3] += np.moveaxis(x.start[:3, :3], -1, 0) * unit[:, :, None] * unit[:, None, :]
+    whole[:, :plain, :plain] += _turned(ends) @ np.moveaxis(x.end[:3, :3], -1, 0) @ ends
+    for kind, fixes, factor in ((basis.position, x.position, 0), (basis.velocity, x.velocity, 1)):
+        if fixes is None:
+            continue
+        seen = legendre.legvander(2 * fixes.places - 1, modes + 2) @ kind * scale[:, None, :]
+        weight = fixes.known * (unit[:, factor] ** 2)[:, None]
+        weighed = _turned(seen * weight[..., None])
+        whole[:, :plain, :plain] += weighed @ seen
+        if factor == 0 and x.slow is not None:
+            at = range(plain + 1, plain + 1 + points)
+            whole[:, :plain, plain + 1 : -1] += weighed
+            whole[:, plain + 1 : -1, :plain] += _turned(weighed)
+            whole[:, at, at] += weight
+    if x.slow is not None:
+        _add_slow(x, whole, plain, unit, ends)
+    return whole
+
+
+def _add_slow(x: Inside, whole: Array, plain: int, unit: Array, ends: Array) -> None:
+    """The slow error at the start, at each fix, and at the end: what the legs know of it, and how it drifts."""
+    assert x.slow is not None
+    variance, time = x.slow
+    first, last = plain, whole.shape[-1] - 1
+    for place, edge in ((first, x.start), (last, x.end)):
+        whole[:, place, place] += edge[3, 3]
+    with_start = x.start[3, :3].T * unit
+    whole[:, first, :3] += with_start
+    whole[:, :3, first] += with_start
+    with_end = np.einsum("in,nij->nj", x.end[3, :3], ends)
+    whole[:, last, :plain] += with_end
+    whole[:, :plain, last] += with_end
+    edges = np.ones((len(plain_places := x.position.places), 1))
+    steps = np.diff(np.hstack([0 * edges, plain_places, edges]), axis=-1) * (x.aperture / time)[:, None]
+    kept = np.exp(-steps)
+    tie = 1 / (-np.expm1(-2 * steps) * variance[:, None])
+    k = np.arange(first, last)
+    whole[:, k, k] += kept**2 * tie
+    whole[:, k + 1, k + 1] += tie
+    whole[:, k, k + 1] -= kept * tie
+    whole[:, k + 1, k] -= kept * tie
+
+
+def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
+    """Variances over the aperture, as `nav_model.processing.spectrum.smoothed`, from `modes` of each noise.
+
+    Returns
+    -------
+    dict
+        Those of `nav_model.processing.leg.COLUMNS`.
+    """
+    basis = _basis(modes)
+    t = x.aperture
+    a, w = np.sqrt(x.accelerometer * t**3), np.sqrt(x.gyro * t**5)
+    one = np.ones((len(t), modes))
+    scale = np.hstack([np.ones((len(t), 3)), a[:, None] * one, w[:, None] * one])
+    middle = legendre.legvander(np.zeros(1), modes + 2)[0]
+    wanted = np.vstack([basis.position, *(middle @ part for part in basis)]) * scale[:, None, :]
+    whole = _information(x, basis, modes, scale)
+    plain = scale.shape[1]
+    sides: Array = np.zeros((*wanted.shape[:2], whole.shape[-1]), wanted.dtype)
+    sides[..., :plain] = wanted
+    solved = np.linalg.solve(whole, _turned(sides))[:, :plain]
+    variance = np.einsum("nij,nji->ni", wanted, solved)
+    unseen = np.sum(wanted[..., 3:] ** 2, axis=-1)  # what the modes have when nothing measures them
+    orders = np.arange(_SINGLY, modes + 3)
+    rest = (unseen - variance)[:, orders] / (2 * orders + 1)
+    left_3 = a**2 / 6930 + w**2 / 540540 - rest.sum(axis=-1)  # [S-6] but for what the fixes see of it
+    # the moment in the middle has a little of modes above those taken
+    above = np.stack([a**2 / 24 + w**2 / 640, a**2 / 2 + w**2 / 24, w**2 / 2], axis=-1) - unseen[:, -3:]
+    now = variance[:, -3:] + above
+    with_1, with_3 = (np.einsum("ni,ni->n", wanted[:, 1], solved[..., k]) for k in (0, 3))
+    if modes < _ALL:  # and so have the orders that figures name
+        from_a, from_w = _whole()
+        noise = wanted[:, :_SINGLY, 3:]
+        beyond = a[:, None, None] ** 2 * from_a + w[:, None, None] ** 2 * from_w - noise @ _turned(noise)
+        variance[:, :_SINGLY] += np.einsum("nii->ni", beyond)
+        with_1, with_3 = with_1 + beyond[:, 0, 1], with_3 + beyond[:, 1, 3]
+    quadratic, cubic = variance[:, 2] * 9 / 4, variance[:, 3] * 25 / 4
+    left_2 = left_3 + cubic * (4 / 25 / 7)
+    found: dict[str, Any] = {
+        "quadratic": quadratic,
+        "cubic": cubic,
+        "left_1": left_2 + quadratic * (4 / 9 / 5),
+        "left_2": left_2,
+        "left_3": left_3,
+        "slope": variance[:, 1] * 4 / t**2,
+        "turned": variance[:, 1] + with_3 * 9 / 7 + variance[:, 3] * 81 / 196,
+        "mean": variance[:, 0],
+        "mean_slope": with_1 * 2 / t,
+        "position": now[:, 0],
+        "velocity": now[:, 1] / t**2,
+        "tilt": now[:, 2] / t**4,
+    }
+    return found
