@@ -80,6 +80,10 @@ _TABLE: dict[str, Provenance] = {
     "post_processed.lines": Provenance("[P-4]", SMOOTHER, "shares of the quadratic phase's variance"),
     "post_processed.azimuth_shift_sigma_m": Provenance("[P-5]", SMOOTHER, "without the position along the track"),
     "geolocation": Provenance("[P-7]", CLOSED, "flat scene; azimuth first, then ground range"),
+    "spectral.echoes": Provenance("[P-8], [P-9]", CLOSED, "lines beyond the main lobe, highest first"),
+    "spectral.islr_db": Provenance("[P-11]", CLOSED, "of fast phase errors alone; the window's side lobes add"),
+    "spectral.peak_loss_db": Provenance("[P-11]", CLOSED, "of fast phase errors alone"),
+    "spectral.islr_shares": Provenance("[P-11]", CLOSED),
     "verdict": Provenance("[T-8], [T-17], [S-2], [S-5], [P-3]", "comparison with the limits"),
     "other_verdict": Provenance("[T-8], [T-17], [S-2], [S-5], [P-3]", "the same limits, processed the other way"),
 }

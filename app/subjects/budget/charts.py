@@ -24,7 +24,7 @@ _DEG = 180 / math.pi
 
 def _limit(budget: Budget, name: str, scale: float = 1.0) -> float:
     """A requirement's limit brought to one sigma, NaN when it is not given."""
-    limit = budget.design[f"requirements.{name}"]
+    limit = getattr(budget.design.requirements, name)
     return math.nan if limit is None else scale * float(limit) / budget.design.requirements.confidence
 
 
