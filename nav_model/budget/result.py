@@ -12,6 +12,7 @@ from nav_model.analytic.steady_state import Array
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
+from nav_model.processing.paired_echo import NOTHING
 from nav_model.sar.impulse_response import ImpulseResponse
 
 
@@ -173,6 +174,11 @@ class Spectral:
     stays: float
     shares: Mapping[str, Shares]
 
+    def phase(self, x: Array, aperture: float) -> Array:
+        """Phase of the lines [rad] at places x in [-1, 1] of an aperture [s], as far as its samples resolve them."""
+        lines = [line for line in self.echoes if line.frequency * aperture < len(x) / 4]
+        return sum((line.phase * np.cos(np.pi * line.frequency * aperture * x) for line in lines), start=0 * x)
+
 
 @dataclass(frozen=True)
 class Placement:
@@ -254,6 +260,11 @@ class Budget:
     spectral: Spectral
     verdict: Verdict
     other_verdict: Verdict
+
+    @property
+    def has_fast_sources(self) -> bool:
+        """Whether the design has vibration that is left, unsensed motion or an oscillator."""
+        return bool(self.spectral.levels["islr"] > NOTHING or self.spectral.echoes)
 
     @property
     def smoothed(self) -> PostProcessed | None:
