@@ -148,8 +148,8 @@ def cautions(budget: Budget) -> tuple[str, ...]:
     table = design.oscillator.phase_noise
     if table and table[0][0] * budget.sar.aperture_time > 1:
         said.append(
-            f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle an aperture: slower noise is not "
-            "counted."
+            f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle an aperture: slower noise is "
+            "not counted."
         )
     said += [sentence for holds, sentence in _STANDING if holds(design)]
     return tuple(said)
@@ -181,11 +181,13 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
             and design.motion.imu_bandwidth is None
             and design.motion.delay == 0
         ),
-        "Vibration is given but neither the IMU's bandwidth nor a delay to the radar: all of it counts as compensated.",
+        "Vibration is given but neither the IMU's bandwidth nor a delay to the radar: all of it counts as "
+        "compensated.",
     ),
     (
         lambda design: bool(design.motion.spectrum) and design.imu.vibration_factor > 1,
-        "Vibration counts twice: as a spectrum, and as noise in the vibration factor. A spectrum goes with bench noise.",
+        "Vibration counts twice: as a spectrum, and as noise in the vibration factor. A spectrum goes with bench "
+        "noise.",
     ),
     (
         lambda design: design.radar.autofocus_order > 1,
