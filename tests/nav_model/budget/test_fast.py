@@ -12,6 +12,7 @@ from nav_model.design.processing import POST_PROCESSED
 from nav_model.errors import InputError
 from nav_model.explore.margins import ratios
 from nav_model.explore.rank import rank, silent
+from nav_model.explore.solve import solve
 
 G = 9.80665
 UNSENSED = {"motion.unsensed_lines": ((12.0, 1e-4, "length"),)}
@@ -171,3 +172,12 @@ def test_both_sidebands_of_the_oscillator_count(open_design):
     flat = ((10.0, 1e-6, "phase noise"), (110.0, 1e-6, "phase noise"))
     made = analyse(open_design.replace({"oscillator.phase_noise": flat, "oscillator.bistatic": True}))
     assert 20 * math.log10(made.spectral.levels["islr"]) == pytest.approx(10 * math.log10(2e-4), abs=1e-3)
+
+
+def test_an_aperture_that_hides_the_echo_in_the_main_lobe_is_found(open_design):
+    """12 Hz over 1/12 s is one cell: up to there the line blurs and makes no echo."""
+    design = open_design.replace(UNSENSED | {"requirements.paired_echo": 0.005, "radar.aperture_time": 5.0})
+    solution = next(each for each in solve(design) if each.key == "radar.aperture_time")
+    answer = next(each for each in solution.each if each.binding == "paired_echo")
+    assert answer.value == pytest.approx(1 / 12, rel=1e-6)
+    assert answer.margin >= 0
