@@ -22,7 +22,7 @@ def _margin(design, key, value, requirement):
 
 @pytest.fixture(scope="module")
 def designs(designs):
-    """Without vibration and oscillator: an echo steps where its line leaves the main lobe (see the budget's tests)."""
+    """Without vibration and oscillator: an echo steps where its line leaves the main lobe (test_fast.py)."""
     keys = ("motion.lines", "motion.spectrum", "motion.unsensed_lines", "oscillator.phase_noise")
     return designs.map(lambda design: design.replace(dict.fromkeys(keys, ())))
 
