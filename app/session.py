@@ -19,6 +19,7 @@ from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
 from nav_model.design.parts import INPUTS, declaration_of
+from nav_model.design.rows import Rows
 from nav_model.errors import InputError
 from nav_model.units import format_quantity
 
@@ -238,6 +239,10 @@ def _change_in_words(old: Design, new: Design) -> str:
     declaration, value = declaration_of(keys[0]), old[keys[0]]
     if value is None:
         return f"{declaration.label}: not given"
+    if isinstance(declaration, Rows):
+        assert isinstance(value, tuple)
+        return f"{declaration.label}: {declaration.show(value, 3) or 'not given'}"
     dimension = getattr(declaration, "dimension", "")
-    said = format_quantity(float(value), old.unit(keys[0]), dimension, 3) if dimension else f"{value}"
-    return f"{declaration.label} {said}"
+    if not dimension or isinstance(value, tuple):
+        return f"{declaration.label} {value}"
+    return f"{declaration.label} {format_quantity(float(value), old.unit(keys[0]), dimension, 3)}"

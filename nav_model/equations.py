@@ -292,6 +292,42 @@ _BEYOND: tuple[Equation, ...] = (
         "exact quantile of the two errors on the ground together.",
     ),
     Equation(
+        "P-8",
+        "Vibration that the IMU leaves",
+        r"S_d (w) = abs(1 - B (w) e^(-upright(i) w tau_d))^2 (S_a (w)) / w^4, quad "
+        r"B (w) = 1 / (1 + upright(i) w \/ w_b)",
+        "Antenna and IMU feel the same motion; it is compensated with the IMU's first-order bandwidth and the delay "
+        "to the radar. A line of displacement d leaves |1 − B exp(−iwτ)| d. Motion that the IMU does not feel is "
+        "left whole. What is left goes through the aperture as in [P-5].",
+    ),
+    Equation(
+        "P-9",
+        "Paired echo of a line",
+        "a = (J_1 (p)) / (J_0 (p)), quad Delta x = (f lambda R) / (2 V)",
+        "Amplitude of each of the two echoes over the target's, p the line's phase, peak; a line slower than the "
+        "main lobe blurs instead. Beyond p = 2.3 nothing is left of the target's own peak.",
+    ),
+    Equation(
+        "P-10",
+        "Phase noise of the oscillator",
+        r"S_phi (f) = 2 dot.op 10^(L (f) \/ 10) thin (f_c / f_o)^2 thin 4 sin^2 ((2 pi f R) / c)",
+        "One-sided, in rad²/Hz; noise that is slow against the echo's way cancels. Bistatic without the sine.",
+    ),
+    Equation(
+        "P-11",
+        "Energy that fast phase errors scatter",
+        "E = s^2 - 2 sum_k ln J_0 (p_k), quad e^E - 1, quad e^(-E)",
+        "Scattered energy over the target's, and the power that stays at its peak; s² is the variance of the spectra "
+        "beyond the main lobe, p_k the lines there. The window's own side lobes come on top.",
+    ),
+    Equation(
+        "P-12",
+        "Bias by vibration rectification",
+        "b_v = k_v (sum_k a_k^2 / 2 + integral_0^oo S_a dif f)",
+        "From the vibration's mean square; it adds to the accelerometer bias in [T-9] and [S-5]. A smoother "
+        "takes it up.",
+    ),
+    Equation(
         "T-14",
         "What a fitted polynomial leaves",
         "integral_0^T (e(t) - hat(e)_m (t))^2 (dif t) / T",
@@ -407,6 +443,11 @@ _BEYOND_SYMBOLS: tuple[Symbol, ...] = (
     Symbol("sigma_v, Delta t_v, s_v", "noise of one velocity fix, its interval, density", "m/s, s, m/s·√s",
            ("P-2", "P-6")),
     Symbol("sigma_c, tau", "slow GNSS error and its correlation time", "m, s", ("P-2",)),
+    Symbol("S_d, S_a", "densities of line-of-sight displacement and acceleration", "m²·s, m²/s³", ("P-8", "P-12")),
+    Symbol("w_b, tau_d", "bandwidth of the IMU, delay of its data at the radar", "rad/s, s", ("P-8",)),
+    Symbol("p, p_k, J_0, J_1", "phase of a line, peak; Bessel functions", "rad, 1", ("P-9", "P-11")),
+    Symbol("L, f_o, f_c", "phase noise of the oscillator, its frequency, the carrier", "dBc/Hz, Hz, Hz", ("P-10",)),
+    Symbol("k_v, a_k", "vibration rectification, peak acceleration of a line", "s²/m, m/s²", ("P-12",)),
     Symbol("e, hat(e)_m", "error over the aperture, the polynomial of order m fitted to it", "m", ("T-14",)),
     Symbol("N, p", "in [T-16], [S-7] fixes in the aperture; in [B-8] pixels and their pitch", "1, m",
            ("T-16", "S-7", "B-8")),

@@ -67,11 +67,31 @@ class Dimension:
         Canonical symbol -> exact factor to SI. The first is the default for display.
     examples : tuple of str
         Quantity strings offered to a user whose text was refused.
+    decibels : int
+        20 where the units are decibels of an amplitude, 10 of a power: SI then is the ratio itself. 0: no decibels.
     """
 
     name: str
     units: dict[str, Fraction]
     examples: tuple[str, ...]
+    decibels: int = 0
+
+    def amount(self, number: Fraction, unit: str) -> Fraction:
+        """A number of `unit` (canonical symbol) in SI."""
+        scaled = number * self.units[unit]
+        if not self.decibels:
+            return scaled
+        exponent = _FINE.divide(Decimal(scaled.numerator), Decimal(scaled.denominator * self.decibels))
+        largest = Decimal(_MAX_EXPONENT)
+        return Fraction(_FINE.power(10, min(max(exponent, -largest), largest)))
+
+    def number(self, amount: Fraction, unit: str) -> Fraction:
+        """An amount in SI as a number of `unit`; in decibels, one that is not above zero is far below any."""
+        if self.decibels:
+            amount = max(amount, Fraction(1, 10**_MAX_EXPONENT))
+            level = _FINE.divide(Decimal(amount.numerator), Decimal(amount.denominator)).log10(_FINE)
+            amount = Fraction(level) * self.decibels
+        return amount / self.units[unit]
 
     @property
     def default_unit(self) -> str:
@@ -79,6 +99,8 @@ class Dimension:
         return next(iter(self.units))
 
 
+_FINE = Context(prec=40)
+_MAX_EXPONENT = 400  # beyond this an exact rational would only cost memory: no float has it
 _MICRO = Fraction(1, 10**6)
 _MILLI = Fraction(1, 1000)
 
@@ -191,6 +213,23 @@ DIMENSIONS: dict[str, Dimension] = {
             {"ppm": _MICRO, "%": Fraction(1, 100)},
             ("100 ppm", "0.01 %"),
         ),
+        Dimension(
+            "acceleration density",
+            {"g²/Hz": _G**2, "(m/s²)²/Hz": Fraction(1), "mg²/Hz": (_G * _MILLI) ** 2},
+            ("0.01 g²/Hz", "1 (m/s²)²/Hz"),
+        ),
+        Dimension(
+            "length density",
+            {"mm²/Hz": _MILLI**2, "µm²/Hz": _MICRO**2, "m²/Hz": Fraction(1)},
+            ("0.001 mm²/Hz", "1e-9 m²/Hz"),
+        ),
+        Dimension(
+            "vibration rectification",
+            {"µg/g²": _MICRO / _G, "mg/g²": _MILLI / _G},
+            ("50 µg/g²", "0.1 mg/g²"),
+        ),
+        Dimension("level", {"dB": Fraction(1)}, ("-30 dB",), decibels=20),
+        Dimension("phase noise", {"dBc/Hz": Fraction(1)}, ("-120 dBc/Hz",), decibels=10),
     )
 }
 
@@ -214,7 +253,6 @@ _REWRITES: tuple[tuple[str, str], ...] = (
 _SQRT = re.compile(r"sqrt\((\w+)\)|sqrt(Hz|h|s)\b|(Hz|h|s)\^(?:0\.5|\(?1/2\)?)")
 _NUMBER = re.compile(r"[+\-−]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+\-−]?\d+)?")
 _APART = re.compile(r"\w\s+\w")
-_MAX_EXPONENT = 400  # beyond this an exact rational would only cost memory: no float has it
 
 
 def _canonical_spelling(unit: str) -> str:
@@ -320,7 +358,7 @@ def parse_exact(text: str, dimension: str) -> tuple[Fraction, str]:
             raise QuantityError(f"{_shown(text)} is not an interval; write for example {_examples(table)}", text)
         return 1 / rate, table.default_unit
     symbol = unit_symbol(unit, dimension)
-    return _decimal(number, text) * table.units[symbol], symbol
+    return table.amount(_decimal(number, text), symbol), symbol
 
 
 _COMMA = re.compile(r"([+\-−]?\d*),(\d+)(?![\d.,])")
@@ -358,14 +396,14 @@ def to_si(number: float | Fraction, unit: str, dimension: str) -> float:
         If the result is too large for a float.
     """
     try:
-        return float(Fraction(number) * DIMENSIONS[dimension].units[unit])
+        return float(DIMENSIONS[dimension].amount(Fraction(number), unit))
     except OverflowError as error:
         raise QuantityError(f"the number before {unit!r} is too large", number) from error
 
 
 def from_si(value: float, unit: str, dimension: str) -> float:
     """Value in SI to a number in `unit` (canonical symbol), rounded once."""
-    return float(Fraction(value) / DIMENSIONS[dimension].units[unit])
+    return float(DIMENSIONS[dimension].number(Fraction(value), unit))
 
 
 def format_quantity(value: float, unit: str, dimension: str, digits: int | None = None) -> str:
@@ -387,10 +425,10 @@ def format_quantity(value: float, unit: str, dimension: str, digits: int | None 
     str
         ``"0.5 °/√h"``; a plain degree sign follows its number without a space: ``"45°"``.
     """
-    factor = DIMENSIONS[dimension].units[unit]
-    exact = Fraction(value) / factor
+    kind = DIMENSIONS[dimension]
+    exact = kind.number(Fraction(value), unit)
     if digits is None:
-        number = shortest_decimal(exact, lambda decimal: float(decimal * factor) == value)
+        number = shortest_decimal(exact, lambda decimal: float(kind.amount(decimal, unit)) == value)
     else:
         number = plain_number(float(exact), digits)
     return join_quantity(number, unit)
@@ -404,10 +442,10 @@ def join_quantity(number: str, unit: str) -> str:
 def shortest_decimal(exact: Fraction, reads_back: Callable[[Fraction], bool]) -> str:
     """Fewest significant digits of `exact` that `reads_back` accepts.
 
-    Seventeen digits rounded from the exact value always identify a float, so the search ends there.
+    Seventeen digits rounded from the exact value always identify a float, nineteen one in decibels.
     """
     quotient = Context(prec=40).divide(Decimal(exact.numerator), Decimal(exact.denominator))
-    for digits in range(1, 18):
+    for digits in range(1, 20):
         rounded = Context(prec=digits).plus(quotient)
         if reads_back(Fraction(rounded)):
             break

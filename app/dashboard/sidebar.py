@@ -11,12 +11,12 @@ import param
 
 from app.dashboard.comparison import ComparisonChoice
 from app.dashboard.controls import SECTION_TITLES, Control, control_of, section_controls
-from app.dashboard.controls.quantity import QuantityControl
 from app.dashboard.geometry import geometry_sketch
 from app.dashboard.start import STARTS, StartChoice
 from app.declared import held
 from app.session import Session
 from app.ui.html_pane import html_pane
+from app.ui.input_box import InputBox
 from app.upstream.text_pane import TextPane
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -100,7 +100,7 @@ class Sidebar(pn.viewable.Viewer):
         made = list(controls)
         for control in made:
             control.explained = self.explained
-            if isinstance(control, QuantityControl):
+            if isinstance(control, InputBox):
                 control.param.watch(self._count_invalid, "error")
         self._controls += made
         return made
@@ -118,16 +118,14 @@ class Sidebar(pn.viewable.Viewer):
 
     def _count_invalid(self, *_: Any) -> None:
         """Tell the pages how many boxes hold a text that is not in force."""
-        self.session.invalid = sum(
-            bool(control.error) for control in self._controls if isinstance(control, QuantityControl)
-        )
+        self.session.invalid = sum(bool(control.error) for control in self._controls if isinstance(control, InputBox))
 
     @param.depends("session.adopted", watch=True)
     def _forget_invalid(self) -> None:
         """A whole design took the place of another: no box keeps what was typed for the last, nothing is asked."""
         self._start.visible = self._asked.visible = False
         for control in self._controls:
-            if isinstance(control, QuantityControl) and control.error:
+            if isinstance(control, InputBox) and control.error:
                 control.clear()
 
     @param.depends("explained", watch=True)

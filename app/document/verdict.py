@@ -12,6 +12,7 @@ from nav_model.budget.result import Check
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.processing.paired_echo import NOTHING
 
 
 class CheckWords(NamedTuple):
@@ -40,6 +41,8 @@ def requirement_quantity(design: Design, check: str, value: float) -> str:
     The along-track phase has the unit of the quadratic phase, whose limit it is held against.
     """
     key = f"requirements.{FIGURES[check]}"
+    if declaration_of(key).dimension == "level" and value <= NOTHING:
+        return "none"
     return show_in(value, design.unit(key), declaration_of(key).dimension)
 
 

@@ -10,6 +10,7 @@ from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, PARTS
 from nav_model.design.presets import deviations, entry_of
+from nav_model.design.rows import Rows
 
 _MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
@@ -77,6 +78,8 @@ def shown_value(design: Design, section: str, name: str) -> str:
     declaration, value = INPUTS[section][name], design[key]
     if value is None:
         return ""
+    if isinstance(declaration, Rows):
+        return declaration.show(value, 6)  # type: ignore[arg-type]
     if not isinstance(declaration, BaseQuantity):
         return {True: "yes", False: "no"}.get(value, str(value)) if isinstance(value, bool) else str(value)
     assert isinstance(value, float | int)
@@ -129,4 +132,6 @@ def _absent(key: str, aperture_time: float) -> str:
         return "as the position noise"
     if key == "radar.aperture_time":
         return f"{number(aperture_time)} s, from range, speed, resolution and window [S-3]"
+    if key.startswith(("motion.", "oscillator.")):
+        return {"motion.imu_bandwidth": "no limit", "oscillator.frequency": "as the carrier"}.get(key, "none")
     return "not checked"

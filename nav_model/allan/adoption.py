@@ -7,6 +7,7 @@ from typing import Final
 
 from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis
 from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, Provenance, triad_random_walk
+from nav_model.allan.vibration import SPECTRUM_KEY
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
@@ -70,6 +71,20 @@ def adopt_vibration_factor(design: Design, result: MotionAnalysis, bench: BenchN
         f"{_log(result.provenance)}; {MOTION_CAVEAT}"
     )
     return _adoption({VIBRATION_KEY: f"{result.vibration_factor:.{_DIGITS}g}"}, {VIBRATION_KEY: origin})
+
+
+def adopt_vibration_spectrum(result: MotionAnalysis) -> Adoption:
+    """The vibration of a log in motion, as a spectrum, as a change to a design.
+
+    Raises InputError when the log has none: no accelerometers, or too short.
+    """
+    if not result.spectrum:
+        raise InputError(SPECTRUM_KEY, "the log has too little of the accelerometers for a spectrum")
+    origin = (
+        f"third octaves from {result.spectrum[0][0]:g} to {result.spectrum[-1][0]:g} Hz, in each the axis that "
+        f"vibrates most, from log in motion {_log(result.provenance)}"
+    )
+    return Adoption({SPECTRUM_KEY: result.spectrum}, {}, {SPECTRUM_KEY: origin})
 
 
 def bench_of(design: Design) -> BenchNoise:

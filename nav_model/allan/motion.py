@@ -18,7 +18,9 @@ import numpy as np
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.allan.result import UNITS, Provenance
+from nav_model.allan.vibration import declared_spectrum, vibration_spectrum
 from nav_model.allan.warnings import saturated_share
+from nav_model.design.rows import Row
 from nav_model.errors import InputError
 
 DEFAULT_BAND_FROM_HZ = 10.0
@@ -58,13 +60,17 @@ class AxisMotionNoise:
 
 @dataclass(frozen=True)
 class MotionAnalysis:
-    """Effective noise of all axes; factors are rms over a triad, `vibration_factor` the larger of the two."""
+    """Effective noise of all axes; factors are rms over a triad, `vibration_factor` the larger of the two.
+
+    `spectrum` is the vibration itself, see `nav_model.allan.vibration`.
+    """
 
     axes: tuple[AxisMotionNoise, ...]
     band_hz: tuple[float, float]
     gyro_factor: float | None
     accelerometer_factor: float | None
     vibration_factor: float | None
+    spectrum: tuple[Row, ...]
     provenance: Provenance
 
 
@@ -121,6 +127,7 @@ def analyse_motion(
         gyro_factor=factors["gyro"],
         accelerometer_factor=factors["accelerometer"],
         vibration_factor=max(known) if known else None,
+        spectrum=vibration_spectrum(log),
         provenance=Provenance(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading),
     )
 
@@ -173,6 +180,7 @@ def motion_to_json(result: MotionAnalysis) -> dict[str, Any]:
         "gyro_factor": result.gyro_factor,
         "accelerometer_factor": result.accelerometer_factor,
         "vibration_factor": result.vibration_factor,
+        "spectrum": declared_spectrum().write(result.spectrum),
         "qualification": MOTION_CAVEAT,
         "file": result.provenance.file_name,
         "sha256": result.provenance.sha256,

@@ -7,7 +7,7 @@ which pages, reports and JSON read. A figure here is a standard deviation that a
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,7 @@ from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.steady_state import Array, Horizontal
+from nav_model.budget.fast import LEVELS, levels, stays
 from nav_model.budget.figures import (
     LONGEST_APERTURE,
     PLACING,
@@ -34,16 +35,28 @@ from nav_model.budget.figures import (
     settled,
     smoothed_with_shifts,
 )
-from nav_model.budget.result import Budget, Outage, PhaseLine, Placement, PostProcessed, Sar, Sigmas, SteadyState
+from nav_model.budget.result import (
+    Budget,
+    Echo,
+    Outage,
+    PhaseLine,
+    Placement,
+    PostProcessed,
+    Sar,
+    Sigmas,
+    Spectral,
+    SteadyState,
+)
 from nav_model.budget.shares import Shares, coast_shares, shares_by_step, steady_shares, velocity_shares
 from nav_model.budget.verdict import judge
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.frozen import FrozenMapping
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
+from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 from nav_model.processing.smoother import SPECTRUM, STATE_SPACE
 from nav_model.sar import geometry, phase
-from nav_model.sar.impulse_response import ImpulseResponse, quadratic_response
+from nav_model.sar.impulse_response import ImpulseResponse, ideal_null_cells, quadratic_response, with_echoes
 
 __all__ = ["COAST_POINTS", "Budget", "analyse"]
 
@@ -92,6 +105,7 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     inputs = inputs_of(design)
     _refuse_hidden_target(float(inputs.squint), float(inputs.grazing_angle))
     _refuse_long_aperture(float(inputs.aperture))
+    _refuse_late_data(design.motion.delay, float(inputs.aperture))
     time = _times(design, times)
     closed = settled(inputs)
     moments = sampled(inputs)
@@ -104,13 +118,14 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     sized = shares_by_step(inputs, lambda x: placing(x, free_shifts(x, begun(x))))
     placement = _placement(inputs, free_shifts(inputs, begun(inputs)), sized)
     with np.errstate(invalid="raise", divide="raise"):  # what no number comes of is refused, not shown
-        smoothed, smoothed_placement = _post_processed(inputs, design.radar.window)
+        smoothed, smoothed_placement = _post_processed(inputs)
+    spectral = _spectral(inputs, sar.cell_length)
     verdicts = (
-        judge(design, steady_state, coast, sar, placement),
-        judge(design, steady_state, coast, sar, smoothed_placement, smoothed),
+        judge(design, steady_state, coast, sar, placement, spectral),
+        judge(design, steady_state, coast, sar, smoothed_placement, spectral, smoothed),
     )
     chosen, other = verdicts[::-1] if inputs.post_processed else verdicts
-    return Budget(design, steady_state, coast, sar, placement, smoothed, smoothed_placement, chosen, other)
+    return Budget(design, steady_state, coast, sar, placement, smoothed, smoothed_placement, spectral, chosen, other)
 
 
 def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares]]) -> Placement:
@@ -126,7 +141,7 @@ def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares
     )
 
 
-def _post_processed(x: Inputs, window: str) -> tuple[PostProcessed, Placement]:
+def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
     moved: list[Shifts | None] = []
 
     def both(y: Inputs) -> dict[str, Array]:
@@ -149,7 +164,7 @@ def _post_processed(x: Inputs, window: str) -> tuple[PostProcessed, Placement]:
         by_order=by_order,
         along_track_quadratic=value["along_track_quadratic_phase"],
         azimuth_shift=value["slope_shift"],
-        impulse_response=_response(value["quadratic_phase"], window),
+        impulse_response=_response(value["quadratic_phase"], x),
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
     )
@@ -172,6 +187,15 @@ def _refuse_long_aperture(aperture: float) -> None:
         raise InputError(
             "radar.azimuth_resolution",
             f"needs an aperture of {aperture:.4g} s at this range and speed; at most {LONGEST_APERTURE:g} s go",
+        )
+
+
+def _refuse_late_data(delay: float, aperture: float) -> None:
+    if delay > aperture:
+        raise InputError(
+            "motion.delay",
+            f"{delay:.4g} s is longer than the aperture of {aperture:.4g} s; a shorter one goes",
+            delay,
         )
 
 
@@ -215,8 +239,8 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, ti
     level = growth.horizontal_growth(p, a, w, g, time)
     upright = growth.vertical_growth(v, a, time)
     refined_horizontal, refined_vertical = map(np.sqrt, outage(x, posterior, np.append(time, duration)))
-    bias_a, bias_w = growth.bias_position(x.bias_a, x.bias_w, g, time)
-    drift_a, drift_w = growth.bias_velocity(x.bias_a, x.bias_w, g, time)
+    bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, g, time)
+    drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, g, time)
     perfect = growth.perfect_start(a, w, g, time)
     shares = coast_shares(x, posterior, white, duration)
     curves = {
@@ -262,7 +286,7 @@ def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_share
         )
         for source, variances in budget.items()
     )
-    response = _response(quadratic, radar.window)
+    response = _response(quadratic, x)
     return Sar(
         wavelength=wavelength,
         aperture_time=aperture,
@@ -280,9 +304,54 @@ def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_share
         tilt_shares=tilt_shares,
         velocity_shares=velocity_shares(x, p, start),
         impulse_response=response,
-        after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, radar.window),
+        after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, x),
     )
 
 
-def _response(quadratic: float, window: str) -> ImpulseResponse | None:
-    return quadratic_response(quadratic, window) if quadratic <= _NO_IMAGE else None  # type: ignore[arg-type]
+def _spectral(x: Inputs, cell: float) -> Spectral:
+    """Echoes beyond the main lobe, highest first, and what is scattered."""
+    if not x.fast:
+        none: Shares = FrozenMapping({"no such source": 1.0})
+        return Spectral(
+            (), FrozenMapping(dict.fromkeys(LEVELS, NOTHING)), 1.0, FrozenMapping(dict.fromkeys(LEVELS, none))
+        )
+    sized = shares_by_step(x, lambda y: levels(y.fast.values(), y.to_phase, y.aperture, y.window))
+    values = levels(x.fast.values(), x.to_phase, x.aperture, x.window)
+    lobe = ideal_null_cells(x.window)  # type: ignore[arg-type]
+    echoes = [
+        Echo(name, float(at), float(phase), float(level), float(at * x.aperture * cell))
+        for name, made in x.fast.items()
+        for at, phase, level, beside in zip(
+            made.frequency,
+            x.to_phase * made.amplitude,
+            echo(x.to_phase * made.amplitude),
+            fast_lines(made, x.aperture, lobe),
+            strict=True,
+        )
+        if beside and level > NOTHING
+    ]
+    return Spectral(
+        tuple(sorted(echoes, key=lambda item: -item.level)),
+        FrozenMapping({name: float(value) for name, value in values.items()}),
+        float(stays(x.fast.values(), x.to_phase, x.aperture, x.window)[0]),
+        FrozenMapping({name: _of(x.fast, shares) for name, (_, shares) in sized.items()}),
+    )
+
+
+def _of(names: Collection[str], shares: Shares) -> Shares:
+    """Shares of these sources alone; even ones where none of them has any."""
+    whole = math.fsum(shares[name] for name in names)
+    return FrozenMapping({name: shares[name] / whole if whole else 1 / len(names) for name in names})
+
+
+def _response(quadratic: float, x: Inputs) -> ImpulseResponse | None:
+    """Of the 1σ quadratic, with the echoes and the scattered energy of the design's fast sources. [P-9], [P-11]"""
+    if quadratic > _NO_IMAGE:
+        return None
+    response = quadratic_response(quadratic, x.window)  # type: ignore[arg-type]
+    if not x.fast:
+        return response
+    whole, near = (float(part) for part in stays(x.fast.values(), x.to_phase, x.aperture, x.window))
+    return with_echoes(
+        response, float(levels(x.fast.values(), x.to_phase, x.aperture, x.window)["paired_echo"]), whole, near
+    )

@@ -20,13 +20,16 @@ from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, SlowError, cycle
 from nav_model.analytic.refined_coast import refined_growth
 from nav_model.analytic.steady_state import Array, Horizontal, as_numbers
+from nav_model.budget.fast import LEVELS, fast_sources, levels, rectified
 from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, Radar
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.errors import InputError
+from nav_model.frozen import FrozenMapping
 from nav_model.processing import smoother
+from nav_model.processing.fast_motion import Fast
 from nav_model.processing.geolocation import (
     NINETY,
     Line,
@@ -39,17 +42,23 @@ from nav_model.processing.geolocation import (
 from nav_model.processing.spectrum import Channel, Leg
 from nav_model.sar import geometry, phase
 
+RECTIFICATION = "vibration rectification"
+"""Name of the source in every budget."""
+
 SETTLED = ("horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt")
 COASTING = ("coast_horizontal_position", "coast_vertical_position")
 IMAGING = ("quadratic_phase", "along_track_quadratic_phase", "cubic_phase", "detrended_phase")
 PLACING = ("azimuth_shift", "range_shift", "ce90", "le90")
 PERCENTAGES = ("ce90", "le90")
-"""Figures that hold a percentage already, so that a design's confidence does not multiply them."""
+"""Figures that hold a percentage already."""
+
+UNSCALED = (*PERCENTAGES, *LEVELS)
+"""Figures that a design's confidence does not multiply."""
 
 FIGURES: Mapping[str, str] = MappingProxyType(
     {
         name: "quadratic_phase" if name == "along_track_quadratic_phase" else name
-        for name in (*IMAGING, *PLACING, *SETTLED, *COASTING)
+        for name in (*IMAGING, *LEVELS, *PLACING, *SETTLED, *COASTING)
     }
 )
 """Name of a figure -> name of the requirement that limits it; the order is that of a verdict."""
@@ -100,6 +109,19 @@ class Inputs:
     leg_before: Array
     leg_after: Array
     scene_height_error: Array
+    window: str
+    fast: Mapping[str, Fast]
+    rectified: Array | None
+
+    @property
+    def bias(self) -> Array:
+        """Accelerometer bias with that of vibration, m/s². [P-12]"""
+        return self.bias_a if self.rectified is None else np.sqrt(self.bias_a**2 + self.rectified**2)
+
+    @property
+    def to_phase(self) -> Array:
+        """Two-way phase of a metre, rad; NaN where the aperture is longer than a design may have. [T-13]"""
+        return np.where(self.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / self.wavelength
 
     @property
     def s(self) -> Array:
@@ -156,6 +178,13 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
     slow = None
     if gnss.correlated:
         slow = SlowError(value("gnss.correlated_noise"), value("gnss.correlation_time"))
+    aperture = (
+        value("radar.aperture_time")
+        if given("radar.aperture_time")
+        else geometry.aperture_time(
+            wavelength, slant_range, speed, value("radar.azimuth_resolution"), radar.window, squint
+        )
+    )
     return Inputs(
         sigma_a=value("imu.velocity_random_walk") * factor,
         sigma_w=value("imu.angle_random_walk") * factor,
@@ -176,13 +205,7 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         slant_range=slant_range,
         grazing_angle=value("radar.grazing_angle"),
         squint=squint,
-        aperture=(
-            value("radar.aperture_time")
-            if given("radar.aperture_time")
-            else geometry.aperture_time(
-                wavelength, slant_range, speed, value("radar.azimuth_resolution"), radar.window, squint
-            )
-        ),
+        aperture=aperture,
         autofocus_order=radar.autofocus_order,
         steady_state=design.requirements.steady_state,
         velocity=velocity,
@@ -196,6 +219,9 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         leg_before=value("processing.leg_before"),
         leg_after=value("processing.leg_after"),
         scene_height_error=value("processing.scene_height_error"),
+        window=radar.window,
+        fast=FrozenMapping(fast_sources(design, value, wavelength, aperture)),
+        rectified=rectified(design, value),
     )
 
 
@@ -229,30 +255,29 @@ def outage(x: Inputs, posterior: Sawtooth, time: ArrayLike) -> tuple[Array, Arra
         altitude=x.altitude,
         heading=x.heading,
     )
-    bias_a, bias_w = growth.bias_position(x.bias_a, x.bias_w, x.g, time)
+    bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, time)
     return refined.horizontal + bias_a**2 + bias_w**2, refined.vertical + bias_a**2
 
 
 def phase_sources(x: Inputs, start: Horizontal) -> Mapping[str, phase.PhaseVariances]:
     """Line-of-sight variances over the aperture, source by source, from a covariance at the last fix. [S-5]"""
-    return phase.phase_budget(
-        start.p33,
-        x.sigma_a,
-        x.sigma_w,
-        x.bias_a,
-        x.bias_w,
-        x.g,
-        x.aperture,
-        x.before_aperture,
-        x.grazing_angle,
-        x.autofocus_order,
-    )
+    arguments = x.g, x.aperture, x.before_aperture, x.grazing_angle, x.autofocus_order
+    found = phase.phase_budget(start.p33, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, *arguments)
+    if x.rectified is None and not x.fast:
+        return found
+    more = {
+        name: phase.PhaseVariances(made.quadratic, made.cubic, getattr(made, f"left_{x.autofocus_order}"))
+        for name, made in x.fast.items()
+    }
+    if x.rectified is not None:
+        more[RECTIFICATION] = phase.phase_budget(0.0, 0.0, 0.0, x.rectified, 0.0, *arguments)["accelerometer bias"]
+    return {**found, **more}
 
 
 def along_track_phase(x: Inputs, start: Horizontal) -> Array:
     """Quadratic phase [rad], 1σ, of the along-track velocity error at the aperture. [S-2]"""
     variance = growth.horizontal_growth(start, x.sigma_a, x.sigma_w, x.g, x.before_aperture).velocity
-    drift_a, drift_w = growth.bias_velocity(x.bias_a, x.bias_w, x.g, x.before_aperture)
+    drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, x.g, x.before_aperture)
     return phase.along_track_quadratic(
         variance + drift_a**2 + drift_w**2, x.speed, x.aperture, x.wavelength, x.slant_range, x.squint
     )
@@ -267,8 +292,8 @@ def free_lines(x: Inputs, start: Sawtooth) -> tuple[Line, Line]:
     """Line in the error of a free INS from the last fix over the aperture, horizontal and vertical. [P-7]"""
     inside = x.before_aperture, x.aperture
     return (
-        free_line(start.horizontal, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, x.g, *inside),
-        free_line(start.vertical, x.sigma_a, 0.0, x.bias_a, 0.0, x.g, *inside),
+        free_line(start.horizontal, x.sigma_a, x.sigma_w, x.bias, x.bias_w, x.g, *inside),
+        free_line(start.vertical, x.sigma_a, 0.0, x.bias, 0.0, x.g, *inside),
     )
 
 
@@ -364,16 +389,17 @@ def smoothed_figures(x: Inputs, names: Collection[str]) -> dict[str, Array]:
 def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, Array], Shifts | None]:
     """`smoothed_figures`, and the image's shift, from which `PLACING` comes; None where none of it is asked for."""
     order = f"detrended_phase_{x.autofocus_order}"
-    wanted = {order if name == "detrended_phase" else name for name in names}
+    wanted = {order if name == "detrended_phase" else name for name in names} - set(LEVELS)
     leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
     columns = {column for name in wanted for column in _NEEDED[name]}
     h, v = smoother.smoothed_error(channels(x), x.aperture, leg, sorted(columns))
     wide, high = geometry.line_of_sight_weights(x.grazing_angle)
-    to_phase = np.where(x.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / x.wavelength
+    to_phase = x.to_phase
     found: dict[str, Array] = {}
     for name in wanted & set(_PHASES):
         column = _NEEDED[name][0]
-        found[name] = to_phase * np.sqrt(wide * h[column] + high * v[column])
+        fast = sum(getattr(made, column) for made in x.fast.values())
+        found[name] = to_phase * np.sqrt(wide * h[column] + high * v[column] + fast)
     if "along_track_quadratic_phase" in wanted:
         turn = x.speed * np.cos(x.squint) ** 2 * x.aperture / (2 * x.slant_range)
         found["along_track_quadratic_phase"] = to_phase * turn * np.sqrt(h["turned"])
@@ -392,6 +418,8 @@ def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, A
             found[name] = np.sqrt(part[column]) / (x.g if name == "tilt" else 1)
     if "detrended_phase" in names:
         found["detrended_phase"] = found[order]
+    if set(LEVELS).intersection(names):
+        found |= levels(x.fast.values(), to_phase, x.aperture, x.window)
     return {name: found[name] for name in names}, moved
 
 
@@ -428,6 +456,8 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
     saw = sampled(x) if coasting or starting or (settling and x.steady_state != "closed") else None
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
     first = saw.posterior if saw and x.slow is not None else closed
+    if wanted.intersection(LEVELS):
+        found |= levels(x.fast.values(), x.to_phase, x.aperture, x.window)
     if placed:
         assert first is not None
         found |= placing(x, free_shifts(x, first), placed)
@@ -435,7 +465,7 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
         assert first is not None
         start = first.horizontal
         whole = phase.total(phase_sources(x, start))
-        to_phase = np.where(x.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / x.wavelength
+        to_phase = x.to_phase
         found["quadratic_phase"] = to_phase * np.sqrt(whole.quadratic)
         found["cubic_phase"] = to_phase * np.sqrt(whole.cubic)
         found["detrended_phase"] = to_phase * np.sqrt(whole.detrended)

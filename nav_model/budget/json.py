@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from typing import Any
 
 from nav_model.budget.provenance import cautions, provenance
-from nav_model.budget.result import Budget, Check, Placement, PostProcessed, Sigmas, Verdict
+from nav_model.budget.result import Budget, Check, Placement, PostProcessed, Sigmas, Spectral, Verdict
 from nav_model.sar.impulse_response import ImpulseResponse
 
 
@@ -91,6 +92,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "real_time": _placement(budget.placement),
             "post_processed": _placement(budget.post_processed_placement),
         },
+        "spectral": _spectral(budget.spectral),
         "verdict": _verdict(verdict),
         "other_verdict": _verdict(budget.other_verdict),
         "cautions": list(cautions(budget)),
@@ -136,8 +138,33 @@ def _placement(placement: Placement) -> dict[str, Any]:
 
 
 def _check(check: Check) -> dict[str, Any]:
-    """A check under the names of before, among which its basis is the "figure"."""
-    return {"figure" if name == "basis" else name: value for name, value in asdict(check).items()}
+    """A check under the names of before, among which its basis is the "figure"; levels in decibels."""
+    said = {"figure" if name == "basis" else name: value for name, value in asdict(check).items()}
+    if check.dimension == "level":
+        said |= {name: _decibels(said[name]) for name in ("value", "sigma", "limit")}
+    return said
+
+
+def _spectral(spectral: Spectral) -> dict[str, Any]:
+    return {
+        "echoes": [
+            {
+                "source": echo.source,
+                "frequency_hz": echo.frequency,
+                "phase_rad": echo.phase,
+                "level_db": _decibels(echo.level),
+                "offset_m": echo.offset,
+            }
+            for echo in spectral.echoes
+        ],
+        "islr_db": _decibels(spectral.levels["islr"]),
+        "peak_loss_db": _decibels(math.sqrt(spectral.stays)),
+        "islr_shares": dict(spectral.shares["islr"]),
+    }
+
+
+def _decibels(amplitude: float) -> float:
+    return 20 * math.log10(amplitude)
 
 
 def _sigmas(sigmas: Sigmas) -> dict[str, Any]:

@@ -80,6 +80,10 @@ _TABLE: dict[str, Provenance] = {
     "post_processed.lines": Provenance("[P-4]", SMOOTHER, "shares of the quadratic phase's variance"),
     "post_processed.azimuth_shift_sigma_m": Provenance("[P-5]", SMOOTHER, "without the position along the track"),
     "geolocation": Provenance("[P-7]", CLOSED, "flat scene; azimuth first, then ground range"),
+    "spectral.echoes": Provenance("[P-8], [P-9]", CLOSED, "lines beyond the main lobe, highest first"),
+    "spectral.islr_db": Provenance("[P-11]", CLOSED, "of fast phase errors alone; the window's side lobes add"),
+    "spectral.peak_loss_db": Provenance("[P-11]", CLOSED, "of fast phase errors alone"),
+    "spectral.islr_shares": Provenance("[P-11]", CLOSED),
     "verdict": Provenance("[T-8], [T-17], [S-2], [S-5], [P-3]", "comparison with the limits"),
     "other_verdict": Provenance("[T-8], [T-17], [S-2], [S-5], [P-3]", "the same limits, processed the other way"),
 }
@@ -141,6 +145,12 @@ def cautions(budget: Budget) -> tuple[str, ...]:
                 f"At {coast.time[-1]:.4g} s the {label} polynomial is optimistic by "
                 f"{100 * (1 - 1 / ratio):.0f} %; the refined curve [T-17] is checked."
             )
+    table = design.oscillator.phase_noise
+    if table and table[0][0] * budget.sar.aperture_time > 1:
+        said.append(
+            f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle an aperture: slower noise is "
+            "not counted."
+        )
     said += [sentence for holds, sentence in _STANDING if holds(design)]
     return tuple(said)
 
@@ -164,6 +174,20 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         lambda design: bool(design.gnss.correlated),
         "A slow GNSS error is switched on: prior, posterior, refined outage and the tilt at the aperture's "
         "start come from the augmented discrete filter; the closed-form curves leave it out.",
+    ),
+    (
+        lambda design: (
+            bool(design.motion.lines or design.motion.spectrum)
+            and design.motion.imu_bandwidth is None
+            and design.motion.delay == 0
+        ),
+        "Vibration is given but neither the IMU's bandwidth nor a delay to the radar: all of it counts as "
+        "compensated.",
+    ),
+    (
+        lambda design: bool(design.motion.spectrum) and design.imu.vibration_factor > 1,
+        "Vibration counts twice: as a spectrum, and as noise in the vibration factor. A spectrum goes with bench "
+        "noise.",
     ),
     (
         lambda design: design.radar.autofocus_order > 1,

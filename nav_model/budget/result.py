@@ -12,6 +12,7 @@ from nav_model.analytic.steady_state import Array
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
+from nav_model.processing.paired_echo import NOTHING
 from nav_model.sar.impulse_response import ImpulseResponse
 
 
@@ -145,6 +146,41 @@ class PostProcessed:
 
 
 @dataclass(frozen=True)
+class Echo:
+    """A paired echo that a line makes on both sides of a target. [P-9]
+
+    ``frequency`` [Hz] of the line and its ``phase`` [rad, peak]; ``level`` is the echo's amplitude over the
+    target's, ``offset`` its distance from it [m].
+    """
+
+    source: str
+    frequency: float
+    phase: float
+    level: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Spectral:
+    """What vibration, unsensed motion and oscillator do beside the main lobe. [P-9], [P-11]
+
+    ``levels`` holds "paired_echo", the highest echo, and "islr", the root of the scattered energy over the target's:
+    amplitudes, 1e-15 where there is nothing. ``stays`` is the power that stays at the target, 1 without sources.
+    ``shares`` gives, for both, the share of each source.
+    """
+
+    echoes: tuple[Echo, ...]
+    levels: Mapping[str, float]
+    stays: float
+    shares: Mapping[str, Shares]
+
+    def phase(self, x: Array, aperture: float) -> Array:
+        """Phase of the lines [rad] at places x in [-1, 1] of an aperture [s], as far as its samples resolve them."""
+        lines = [line for line in self.echoes if line.frequency * aperture < len(x) / 4]
+        return sum((line.phase * np.cos(np.pi * line.frequency * aperture * x) for line in lines), start=0 * x)
+
+
+@dataclass(frozen=True)
 class Placement:
     """Where the image lies, 1σ: m. [P-7]
 
@@ -207,8 +243,9 @@ class Verdict:
 class Budget:
     """Everything known about a design, immutable, in SI.
 
-    ``steady_state``, ``coast``, ``sar`` and ``placement`` are those of real time. ``verdict`` is that of the design's
-    processing and decides; ``other_verdict`` holds the same requirements against the other one.
+    ``steady_state``, ``coast``, ``sar`` and ``placement`` are those of real time, ``spectral`` holds for both
+    processings. ``verdict`` is that of the design's processing and decides; ``other_verdict`` holds the same
+    requirements against the other one.
 
     `nav_model.budget.provenance` says which equation each number comes from.
     """
@@ -220,8 +257,14 @@ class Budget:
     placement: Placement
     post_processed: PostProcessed
     post_processed_placement: Placement
+    spectral: Spectral
     verdict: Verdict
     other_verdict: Verdict
+
+    @property
+    def has_fast_sources(self) -> bool:
+        """Whether the design has vibration that is left, unsensed motion or an oscillator."""
+        return bool(self.spectral.levels["islr"] > NOTHING or self.spectral.echoes)
 
     @property
     def smoothed(self) -> PostProcessed | None:

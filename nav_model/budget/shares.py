@@ -14,7 +14,7 @@ from nav_model.analytic import coast as growth
 from nav_model.analytic.discrete import Sawtooth, SlowError
 from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
 from nav_model.analytic.steady_state import Array, Horizontal
-from nav_model.budget.figures import Inputs, settled
+from nav_model.budget.figures import RECTIFICATION, Inputs, settled
 from nav_model.frozen import FrozenMapping
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
@@ -32,6 +32,7 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     ACCELEROMETER_BIAS: ("bias_a",),
     GYRO_BIAS: ("bias_w",),
     SCENE_HEIGHT: ("scene_height_error",),
+    RECTIFICATION: ("rectified",),
 }
 """Source of error -> the inputs that are its size."""
 
@@ -109,6 +110,9 @@ def coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -
         grown = _parts_by_step(x, lambda y: growth.vertical_growth(settled(y).vertical, y.sigma_a, time))
         upright = {source: part.position for source, part in grown.items()}
     upright[ACCELEROMETER_BIAS] = bias_a
+    if x.rectified is not None:
+        made = float(growth.bias_position(x.rectified, 0.0, g, time)[0]) ** 2
+        level[RECTIFICATION] = upright[RECTIFICATION] = made
     if posterior is not white:
         slow, fast = (growth.horizontal_growth(m.horizontal, a, w, g, time) for m in (posterior, white))
         slow_v, fast_v = (growth.vertical_growth(m.vertical, a, time) for m in (posterior, white))
@@ -147,6 +151,8 @@ def velocity_shares(x: Inputs, p: Horizontal, start: Horizontal) -> Shares:
     bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_velocity(x.bias_a, x.bias_w, x.g, coast))
     parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown_parts(x, coast).items()}
     parts |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
+    if x.rectified is not None:
+        parts[RECTIFICATION] = float(growth.bias_velocity(x.rectified, 0.0, x.g, coast)[0]) ** 2
     if start is not p:
         grown, white = (growth.horizontal_growth(m, x.sigma_a, x.sigma_w, x.g, coast).velocity for m in (start, p))
         parts[SLOW_GNSS] = np.maximum(grown - white, 0.0)
@@ -181,10 +187,13 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
 
 def _stepped(x: Inputs) -> tuple[list[str], Inputs]:
     """Sources that the design has, and its inputs as an array in which each is stepped once."""
-    names = [name for name, fields in _FIELDS.items() if _present(x, fields[0])]
+    names = [*(name for name, fields in _FIELDS.items() if _present(x, fields[0])), *x.fast]
     changes: dict[str, Any] = {}
     for n, name in enumerate(names):
         factor = 1 + 1j * _STEP * (np.arange(len(names)) == n)
+        if name in x.fast:
+            changes["fast"] = {**changes.get("fast", {}), name: x.fast[name].scaled(factor)}
+            continue
         for field in _FIELDS[name]:
             value = getattr(x, field)
             changes[field] = (
@@ -200,7 +209,9 @@ def _present(x: Inputs, field: str) -> bool:
 
 def _parts_by_step(x: Inputs, of: Callable[[Inputs], Any]) -> dict[str, Any]:
     """What each white noise contributes to every element that `of` finds, a named tuple of variances. [T-18]"""
-    names, stepped = _stepped(replace(x, slow=None, bias_a=0 * x.bias_a, bias_w=0 * x.bias_w))
+    names, stepped = _stepped(
+        replace(x, slow=None, bias_a=0 * x.bias_a, bias_w=0 * x.bias_w, rectified=None, fast={})
+    )
     found = of(stepped)
     elements = [np.broadcast_to(element, len(names)).imag / (2 * _STEP) for element in found]
     return {name: type(found)(*(element[n] for element in elements)) for n, name in enumerate(names)}

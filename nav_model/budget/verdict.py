@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nav_model.budget.figures import FIGURES, PERCENTAGES, PLACING
-from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, SteadyState, Verdict
+from nav_model.budget.fast import LEVELS
+from nav_model.budget.figures import FIGURES, PLACING, UNSCALED
+from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -28,7 +29,7 @@ def checked(design: Design) -> tuple[str, ...]:
 
 def confidence_of(design: Design, name: str) -> float:
     """By how much a figure's one sigma is multiplied before it is held against its limit."""
-    return 1.0 if name in PERCENTAGES else design.requirements.confidence
+    return 1.0 if name in UNSCALED else design.requirements.confidence
 
 
 def judge(
@@ -37,6 +38,7 @@ def judge(
     coast: Outage,
     sar: Sar,
     placement: Placement,
+    spectral: Spectral,
     smoothed: PostProcessed | None = None,
 ) -> Verdict:
     """Check every requirement that is given: in real time, or with `smoothed`, and its placement, post-processed.
@@ -45,7 +47,7 @@ def judge(
     the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
     the along-track term [S-2] as well, which has a check of its own because other sensors answer for it.
     """
-    figures = _figures(design, steady_state, coast, sar, placement)
+    figures = _figures(design, steady_state, coast, sar, placement) | _levels(spectral)
     if smoothed is not None:
         figures |= _smoothed(design, smoothed, placement)
     tilt_shares = sar.tilt_shares
@@ -111,6 +113,13 @@ def _smoothed(design: Design, smoothed: PostProcessed, placement: Placement) -> 
     basis = f"smoothed by {smoothed.method}"
     figures = {name: _Figure(sigma, basis, mark, smoothed.shares[name]) for name, (sigma, mark) in values.items()}
     return figures | _placed(placement, basis)
+
+
+def _levels(spectral: Spectral) -> dict[str, _Figure]:
+    return {
+        name: _Figure(spectral.levels[name], "lines and spectra", mark, spectral.shares[name])
+        for name, mark in zip(LEVELS, ("[P-9]", "[P-11]"), strict=True)
+    }
 
 
 def _placed(placement: Placement, basis: str) -> dict[str, _Figure]:

@@ -24,6 +24,8 @@ from nav_model.design.parts import (
     Flight,
     Gnss,
     Imu,
+    Motion,
+    Oscillator,
     Part,
     Processing,
     Radar,
@@ -31,18 +33,19 @@ from nav_model.design.parts import (
     all_keys,
     declaration_of,
 )
+from nav_model.design.rows import Row
 from nav_model.errors import InputError, shown
 from nav_model.frozen import FrozenMapping
 
-Value = float | int | bool | str | None
+Value = float | int | bool | str | tuple[Row, ...] | None
 
 
 class Design:
-    """One design, immutable: a name, a description and seven parts.
+    """One design, immutable: a name, a description and nine parts.
 
     Attributes
     ----------
-    imu, gnss, flight, coast, radar, processing, requirements
+    imu, gnss, flight, coast, radar, motion, oscillator, processing, requirements
         The parts; every quantity in SI.
     written : mapping
         Dotted key -> unit the value was written in, for showing and saving it the way it came.
@@ -58,6 +61,8 @@ class Design:
     flight: Flight
     coast: Coast
     radar: Radar
+    motion: Motion
+    oscillator: Oscillator
     processing: Processing
     requirements: Requirements
     written: Mapping[str, str]

@@ -15,10 +15,11 @@ from typing import Any
 import tomli_w
 
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
-from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS, Input
 from nav_model.design.presets import preset_fill, preset_of
+from nav_model.design.rows import Rows
 from nav_model.errors import InputError, shown
 from nav_model.toml_text import read_toml
 
@@ -171,11 +172,11 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
         if target in given:
             raise InputError(key, f"says the same as {section}.{given[target]}; give one of them")
         given[target] = name
-        if isinstance(declaration, Choice):
-            values[f"{section}.{target}"] = declaration.read(content)
-        else:
+        if isinstance(declaration, BaseQuantity):
             parsed = declaration.read(content, name)
             values[f"{section}.{target}"], written[f"{section}.{target}"] = parsed
+        else:
+            values[f"{section}.{target}"] = declaration.read(content)
     if f"{section}.preset" in PRESET_KEYS and "preset" in table:
         name = _text(f"{section}.preset", table["preset"])
         preset_values, preset_written = preset_fill(section, name)
@@ -206,7 +207,7 @@ def _text(key: str, content: Any) -> str:
     return content
 
 
-def _input_named(section: str, name: str) -> tuple[str, BaseQuantity[Any] | Choice] | None:
+def _input_named(section: str, name: str) -> tuple[str, Input] | None:
     for target, declaration in INPUTS[section].items():
         if target == name:
             return target, declaration
@@ -231,11 +232,15 @@ def format_design(design: Design) -> str:
             table["preset"] = design_preset
         for name, declaration in declarations.items():
             value = design[f"{section}.{name}"]
-            if value is None:
+            if value is None or value == ():
                 continue
             if isinstance(declaration, BaseQuantity):
                 assert isinstance(value, float | int)
                 name, value = declaration.write(float(value), design.written.get(f"{section}.{name}", ""))
+            elif isinstance(declaration, Rows):
+                assert isinstance(value, tuple)
+                table[name] = declaration.write(value)
+                continue
             table[name] = value
         tables[section] = table
     if design.origins:

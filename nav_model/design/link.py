@@ -11,10 +11,11 @@ from typing import Any
 from urllib.parse import parse_qsl, quote_plus, urlencode
 
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
 from nav_model.design.presets import preset_fill
+from nav_model.design.rows import Rows
 from nav_model.errors import InputError
 
 _MOST_FIELDS = 500  # there are not half as many names
@@ -115,7 +116,7 @@ def from_query(query: str) -> Design:
 def _read(key: str, text: str, values: dict[str, Value], written: dict[str, str]) -> None:
     section, _, name = key.rpartition(".")
     declaration = INPUTS[section][name]
-    if isinstance(declaration, Choice):
+    if not isinstance(declaration, BaseQuantity):
         values[key] = declaration.read(text)
     elif text == _NONE and declaration.allow_None:
         values[key] = None
@@ -128,10 +129,12 @@ def _to_text(key: str, value: Any, design: Design) -> str:
     declaration = INPUTS[section][name]
     if value is None:
         return _NONE
-    if not isinstance(declaration, BaseQuantity):
+    if isinstance(declaration, Rows):  # a colon in each row: spaces go below
+        text = ";".join(declaration.show((row,)).replace("Hz ", "Hz:", 1) for row in value)
+    elif isinstance(declaration, BaseQuantity):
+        text = str(declaration.write(float(value), design.unit(key) if declaration.dimension else "")[1])
+    else:
         return str(value).lower()
-    _, text = declaration.write(float(value), design.unit(key) if declaration.dimension else "")
-    text = str(text)
     for symbol, spelling in _TO_ASCII.items():
         text = text.replace(symbol, spelling)
     return text

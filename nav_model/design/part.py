@@ -7,6 +7,9 @@ from typing import Any, ClassVar
 import param
 
 from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.rows import Rows
+
+Input = BaseQuantity[Any] | Choice | Rows
 
 
 class Part(param.Parameterized):
@@ -16,12 +19,12 @@ class Part(param.Parameterized):
     title: ClassVar[str] = ""
 
     @classmethod
-    def inputs(cls) -> dict[str, BaseQuantity[Any] | Choice]:
+    def inputs(cls) -> dict[str, Input]:
         """Name -> declaration of every input of this part, in the order of declaration."""
         return {
             name: declaration
             for name, declaration in cls.param.objects("existing").items()
-            if isinstance(declaration, BaseQuantity | Choice)
+            if isinstance(declaration, BaseQuantity | Choice | Rows)
         }
 
 

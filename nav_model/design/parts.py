@@ -6,11 +6,9 @@ floats.
 
 from __future__ import annotations
 
-from typing import Any
-
-from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.flight import Coast, Flight
-from nav_model.design.part import Part
+from nav_model.design.motion import Motion, Oscillator
+from nav_model.design.part import Input, Part
 from nav_model.design.processing import Processing
 from nav_model.design.radar import Radar
 from nav_model.design.requirements import Requirements
@@ -18,20 +16,22 @@ from nav_model.design.sensors import Gnss, Imu
 
 __all__ = [
     "INPUTS", "LONGEST_ORIGIN", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss",
-    "Imu", "Part", "Processing", "Radar", "Requirements", "all_keys", "declaration_of",
+    "Imu", "Input", "Motion", "Oscillator", "Part", "Processing", "Radar", "Requirements", "all_keys",
+    "declaration_of",
 ]  # fmt: skip
 
-PARTS: tuple[type[Part], ...] = (Imu, Gnss, Flight, Coast, Radar, Processing, Requirements)
+PARTS: tuple[type[Part], ...] = (Imu, Gnss, Flight, Coast, Radar, Motion, Oscillator, Processing, Requirements)
 """The sections of a design, in the order of the file."""
 
-INPUTS: dict[str, dict[str, BaseQuantity[Any] | Choice]] = {part.section: part.inputs() for part in PARTS}
+INPUTS: dict[str, dict[str, Input]] = {part.section: part.inputs() for part in PARTS}
 """Section -> name -> declaration."""
 
 LATER = (
     "gnss.velocity_noise", "gnss.vertical_velocity_noise", "gnss.velocity_interval",
     "processing.mode", "processing.leg_before", "processing.leg_after", "processing.scene_height_error",
     "requirements.cubic_phase", "requirements.azimuth_shift", "requirements.range_shift", "requirements.ce90",
-    "requirements.le90",
+    "requirements.le90", "requirements.paired_echo", "requirements.islr",
+    *(f"{part.section}.{name}" for part in (Motion, Oscillator) for name in part.inputs()),
 )  # fmt: skip
 """Inputs that came after the first designs were saved: at their defaults they leave a design's hash as it was."""
 
@@ -45,7 +45,7 @@ LONGEST_ORIGIN = 1000
 """Characters of a value's origin, which is one line."""
 
 
-def declaration_of(key: str) -> BaseQuantity[Any] | Choice:
+def declaration_of(key: str) -> Input:
     """The declaration of the input under a dotted key.
 
     Raises

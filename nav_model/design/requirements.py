@@ -9,7 +9,7 @@ from nav_model.constants import DEGREE
 from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
 from nav_model.design.part import Part
 
-_LEAST_LIMIT = {"angle": 1e-6 * DEGREE, "length": 1e-6, "speed": 1e-6}
+_LEAST_LIMIT = {"angle": 1e-6 * DEGREE, "length": 1e-6, "speed": 1e-6, "level": 1e-6}
 
 
 def _limit(
@@ -102,6 +102,17 @@ class Requirements(Part):
         "length", "m", "le", 1e6, _POSITION, "LE90",
         "Height error that 90 % of images stay below; already a percentage, so the confidence does not multiply it.",
         f"{_REACHED}navigation 0.2 to 0.5, tactical 0.2 to 0.5, MEMS 0.4 to 0.7 m",
+    )  # fmt: skip
+    paired_echo: Any = _limit(
+        "level", "dB", "pe", 10.0, (1e-3, 0.3), "Paired echo",
+        "Highest echo that a line of vibration makes beside a target, over its peak [P-9].",
+        "−25 to −40 dB; −30 dB is 0.157 mm of line of sight at X band",
+    )  # fmt: skip
+    islr: Any = _limit(
+        "level", "dB", "isl", 10.0, (1e-3, 0.3), "ISLR of vibration and oscillator",
+        "Energy that vibration, unsensed motion and oscillator throw out of the main lobe, over the target's; the "
+        "window's side lobes come on top [P-11].",
+        "−15 to −25 dB",
     )  # fmt: skip
     horizontal_position: Any = _limit(
         "length",

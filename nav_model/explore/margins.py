@@ -75,7 +75,7 @@ def quantity(key: str) -> BaseQuantity[float | None]:
     except KeyError as error:
         raise InputError(key, "unknown key") from error
     if not isinstance(declaration, BaseQuantity):
-        raise InputError(key, "is a choice, not a number")
+        raise InputError(key, "is a choice or a table, not a number")
     return declaration
 
 

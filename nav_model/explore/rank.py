@@ -32,6 +32,7 @@ SENSORS: Mapping[str, str] = {
     "gnss.velocity_noise": "GNSS velocity noise",
     "gnss.vertical_velocity_noise": "GNSS velocity noise",
     "gnss.correlated_noise": "slow GNSS error",
+    "motion.rectification": "vibration rectification",
     "processing.scene_height_error": "scene height error",
 }
 """Inputs that are error sources -> the name a budget gives the source."""
@@ -87,6 +88,10 @@ def stated(design: Design) -> list[str]:
         unused |= {"gnss.vertical_velocity_noise", "gnss.velocity_interval"}
     if design.radar.aperture_time is not None:
         unused.add("radar.azimuth_resolution")
+    if not (design.motion.lines or design.motion.spectrum):
+        unused |= {"motion.imu_bandwidth", "motion.delay", "motion.rectification"}
+    if not design.oscillator.phase_noise:
+        unused.add("oscillator.frequency")
     return [key for key in VARIABLES if key not in unused and design[key] is not None]
 
 

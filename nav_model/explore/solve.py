@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import Array
 from nav_model.budget import analyse
+from nav_model.budget.fast import LEVELS
 from nav_model.budget.figures import inputs_of
 from nav_model.design import Design
 from nav_model.design.processing import REAL_TIME
@@ -141,12 +142,23 @@ def _together(key: str, each: tuple[Answer, ...]) -> Answer:
 def _verified(design: Design, answer: Answer) -> Answer:
     if answer.value is None:
         return answer
-    checks = analyse(design.replace({answer.key: answer.value}), times=[0.0]).verdict.checks
-    margin = next(check.margin for check in checks if check.name == answer.binding)
-    # A smoother's figures step where a fix more enters the leg: the answer then is the step, with its own margin.
-    if not abs(margin) <= 1e-9 and design.processing.mode == REAL_TIME:
+    margin = _margin(design, answer, answer.value)
+    # A smoother's figures step where a fix more enters the leg, a line's echo where it leaves the main lobe: the
+    # answer then is the step, on the side that meets the limit if one does, with its own margin.
+    steps = design.processing.mode != REAL_TIME or bool(inputs_of(design).fast)
+    if not abs(margin) <= 1e-9 and not steps:
         raise ArithmeticError(f"{answer.key} = {answer.value!r} gives {answer.binding} a margin of {margin:.3g}")
+    if margin < -1e-9 and answer.binding in LEVELS:
+        sides = [(answer.value * factor) for factor in (1 - 1e-9, 1 + 1e-9)]
+        met = [(side, found) for side in sides if (found := _margin(design, answer, side)) >= 0]
+        if met:
+            return replace(answer, value=met[0][0], margin=met[0][1])
     return replace(answer, margin=margin)
+
+
+def _margin(design: Design, answer: Answer, value: float) -> float:
+    checks = analyse(design.replace({answer.key: value}), times=[0.0]).verdict.checks
+    return next(check.margin for check in checks if check.name == answer.binding)
 
 
 def _bounds(key: str) -> tuple[float, float]:

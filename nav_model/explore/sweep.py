@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
-from nav_model.budget.figures import FIGURES, PERCENTAGES, VARIABLES, figures, inputs_of
+from nav_model.budget.figures import FIGURES, UNSCALED, VARIABLES, figures, inputs_of
 from nav_model.design import Design, Value
 from nav_model.errors import InputError
 from nav_model.explore.margins import limits, worst
@@ -32,7 +32,17 @@ from nav_model.explore.sweep_plan import Plan
 from nav_model.processes import worker_pool
 
 SUFFIXES = (".csv", ".parquet")
-_UNITS = {"position": "m", "velocity": "m_s", "tilt": "rad", "phase": "rad", "shift": "m", "ce90": "m", "le90": "m"}
+_UNITS = {
+    "position": "m",
+    "velocity": "m_s",
+    "tilt": "rad",
+    "phase": "rad",
+    "shift": "m",
+    "ce90": "m",
+    "le90": "m",
+    "echo": "ratio",
+    "islr": "ratio",
+}
 
 Column = list[Value] | np.ndarray[Any, Any]
 ProgressCallback = Callable[[int, int], None]
@@ -266,7 +276,7 @@ def _varied(design: Design, changes: tuple[tuple[tuple[str, Value], ...], ...]) 
 def _sigma(figure: str) -> str:
     """Name of a figure's column."""
     unit = next(unit for word, unit in _UNITS.items() if word in figure)
-    return f"{figure}_{unit}" if figure in PERCENTAGES else f"{figure}_sigma_{unit}"
+    return f"{figure}_{unit}" if figure in UNSCALED else f"{figure}_sigma_{unit}"
 
 
 def sweep_sigma(columns: Mapping[str, Column], figure: str) -> Array:

@@ -34,6 +34,7 @@ from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.file import parse_design, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.design.presets import preset_fill
+from nav_model.design.rows import Rows
 from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import SweepFlight, check_flight, read_flight
@@ -201,9 +202,12 @@ def _axis(key: str, spec: Any) -> Axis:
 
 def _declaration(key: str) -> BaseQuantity[Any] | Choice:
     try:
-        return declaration_of(key)
+        declaration = declaration_of(key)
     except KeyError as error:
         raise InputError(key, "unknown key; an input is named as in a design file, section.name") from error
+    if isinstance(declaration, Rows):
+        raise InputError(key, "is a table, which a sweep cannot vary; give it in the design")
+    return declaration
 
 
 def _numbers(key: str, values: list[float]) -> Axis:

@@ -16,11 +16,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
+from nav_model.analytic.steady_state import Array, as_numbers
 
 _SERIES_BELOW = 4.0  # in x: the power series there, the recurrence above
+_TERMS = 30
 _HIGHEST = 24  # order of j_m beyond which nothing is left of it below the seam
-_LOWEST, _OSCILLATING, _FARTHEST = 1e-9, 16 * math.pi, 1e7
+OSCILLATING = 16 * math.pi
+"""x beyond which filters are taken without their oscillation."""
+_LOWEST, _FARTHEST = 1e-9, 1e7
 
 
 class Table(NamedTuple):
@@ -34,35 +37,47 @@ class Table(NamedTuple):
 def spherical_bessel(x: Array, highest: int = 3) -> Array:
     """j_0 to j_`highest` of x > 0, shape (highest + 1, ...), good to rounding relative to each function's size.
 
-    Power series below x = 4; above, the recurrence upwards, which is stable while the order stays below x.
+    Power series below x = 4; above, the recurrence upwards, which is stable while the order stays below x. Takes
+    complex steps.
     """
-    x = np.asarray(x, float)
-    found = np.empty((highest + 1, *x.shape))
-    small = np.minimum(x, _SERIES_BELOW)
-    large = np.maximum(x, _SERIES_BELOW)
+    x = as_numbers(x)
+    near = x.real < _SERIES_BELOW
+    found = np.empty((highest + 1, *x.shape), x.dtype)
+    small, large = x[near], x[~near]
+    found[:, near] = (small[:, None] ** np.arange(highest + 1) * (_powers(small) @ _series()[:, : highest + 1])).T
     before, now = np.sin(large) / large, np.sin(large) / large**2 - np.cos(large) / large
-    lead = np.ones_like(x)
     for m in range(highest + 1):
-        term = series = lead
-        for k in range(1, 30):
-            term = term * (-(small**2) / 2) / (k * (2 * m + 2 * k + 1))
-            series = series + term
-        found[m] = np.where(x < _SERIES_BELOW, series, before)
-        lead = lead * small / (2 * m + 3)
+        found[m, ~near] = before
         before, now = now, (2 * m + 3) / large * now - before
     return found
 
 
-def _left(x: Array, order: int) -> Array:
-    """What is left of the mean square after the polynomials up to `order`: one less the sum of (2m + 1) j_m².
+def _powers(x: Array) -> Array:
+    return np.asarray((-(x[:, None] ** 2) / 2) ** np.arange(_TERMS))
+
+
+@cache
+def _series() -> Array:
+    """Coefficients of j_m(x)/x^m in powers of -x²/2, shape (terms, orders)."""
+    found = np.empty((_TERMS, _HIGHEST + 1))
+    for m in range(_HIGHEST + 1):
+        found[0, m] = 1 / math.prod(range(1, 2 * m + 2, 2))
+        for k in range(1, _TERMS):
+            found[k, m] = found[k - 1, m] / (k * (2 * m + 2 * k + 1))
+    return found
+
+
+def _left(x: Array, taken: Array) -> dict[str, Array]:
+    """What is left of the mean square after the polynomials up to orders 1, 2, 3: one less the sum of (2m + 1) j_m².
 
     Below the seam as the sum of the higher orders, which does not cancel: x⁴/45 after order 1, x⁶/1575 after 2.
+    `taken` holds those terms for the orders up to 3.
     """
-    j = spherical_bessel(np.minimum(x, _SERIES_BELOW), _HIGHEST)
-    weight = 2 * np.arange(_HIGHEST + 1) + 1
-    rest = np.tensordot(weight[order + 1 :], j[order + 1 :] ** 2, 1)
-    taken = np.tensordot(weight[: order + 1], spherical_bessel(x, order) ** 2, 1)
-    return np.asarray(np.where(x < _SERIES_BELOW, rest, 1 - taken))
+    near = x.real < _SERIES_BELOW
+    rest = np.asarray(1 - taken.sum(axis=0))
+    weight = 2 * np.arange(4, _HIGHEST + 1) + 1
+    rest[near] = np.tensordot(weight, spherical_bessel(x[near], _HIGHEST)[4:] ** 2, 1)
+    return {"left_3": rest, "left_2": rest + taken[3], "left_1": rest + taken[3] + taken[2]}
 
 
 def filters(x: Array) -> dict[str, Array]:
@@ -73,13 +88,11 @@ def filters(x: Array) -> dict[str, Array]:
     of the line, ``turned`` of the quadratic that the turning line of sight makes of an along-track error, for a turn
     of one over half the aperture [S-2], ``mean`` of the mean over the aperture, ``whole`` of the error itself.
     """
+    x = as_numbers(x)
     j0, j1, j2, j3 = spherical_bessel(x)
-    return {
+    return _left(x, np.stack([j0**2, 3 * j1**2, 5 * j2**2, 7 * j3**2])) | {
         "quadratic": 9 / 4 * 25 * j2**2,
         "cubic": 25 / 4 * 49 * j3**2,
-        "left_1": _left(x, 1),
-        "left_2": _left(x, 2),
-        "left_3": _left(x, 3),
         "slope": 9 * j1**2,
         "turned": (3 * j1 - 9 / 2 * j3) ** 2,
         "mean": j0**2,
@@ -87,13 +100,19 @@ def filters(x: Array) -> dict[str, Array]:
     }
 
 
-# Mean of each filter over its oscillation, times x²; beyond `_OSCILLATING`, a multiple of pi/2, where what
+# Mean of each filter over its oscillation, times x²; beyond `OSCILLATING`, a multiple of pi/2, where what
 # oscillates integrates to nothing in first order.
 _AVERAGE = MappingProxyType(
     {
         "quadratic": 9 / 8 * 25, "cubic": 25 / 8 * 49, "slope": 9 / 2, "turned": (3 + 9 / 2) ** 2 / 2, "mean": 1 / 2,
     }
 )  # fmt: skip
+
+
+def averages(x: Array) -> dict[str, Array]:
+    """Each filter far above x = 1, without its oscillation."""
+    found = {name: mean / x**2 for name, mean in _AVERAGE.items()} | {"whole": np.ones_like(x)}
+    return found | {f"left_{n}": 1 - sum((2 * m + 1) / 2 for m in range(n + 1)) / x**2 for n in (1, 2, 3)}
 
 
 @cache
@@ -105,13 +124,11 @@ def table() -> Table:
     """
     rise = math.log(4)
     low = np.exp(np.arange(math.log(_LOWEST), math.log(0.9), rise))
-    edges = np.concatenate([low, [1.0, 2.0, 3.5, 5.0], np.linspace(7.5, _OSCILLATING, 14)])
-    far = np.geomspace(_OSCILLATING, _FARTHEST, 10)
+    edges = np.concatenate([low, [1.0, 2.0, 3.5, 5.0], np.linspace(7.5, OSCILLATING, 14)])
+    far = np.geomspace(OSCILLATING, _FARTHEST, 10)
     near_x, near_w = _panels(edges, np.where(edges[1:] <= 1.0, 1, 0), 10)
     far_x, far_w = _panels(far, np.ones(len(far) - 1), 10)
-    near, beyond = filters(near_x), {name: mean / far_x**2 for name, mean in _AVERAGE.items()}
-    beyond |= {f"left_{order}": 1 - sum((2 * m + 1) / 2 for m in range(order + 1)) / far_x**2 for order in (1, 2, 3)}
-    beyond["whole"] = np.ones_like(far_x)
+    near, beyond = filters(near_x), averages(far_x)
     return Table(
         np.concatenate([near_x, far_x]),
         np.concatenate([near_w, far_w]),

@@ -19,7 +19,7 @@ hundredths of a decibel when the minima are filled (0.04 dB at a QPE of pi/2, si
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
 
@@ -216,6 +216,36 @@ def quadratic_response(
     peak = int(np.flatnonzero(power >= power.max() * TIE)[-1])  # of two equal lobes, the one ahead
     values = measure_line(power, peak, _FAST_PADDING, line.null, line.total_energy, len(power) // 2)
     return _gather(np.array([values]), (), line.null)
+
+
+def with_echoes(response: ImpulseResponse, echo: float, stays: float, stays_near: float) -> ImpulseResponse:
+    """A response with the echoes and the scattered energy of phase errors beyond its main lobe. [P-9], [P-11]
+
+    Parameters
+    ----------
+    response : ImpulseResponse
+        Of one aperture.
+    echo : float
+        Amplitude of the highest echo over the target's.
+    stays, stays_near : float
+        Power that stays in the response; what would stay with the errors within ten null distances alone.
+    """
+
+    def ratio(db: NDArray[np.float64] | float, power: float) -> float:
+        side = 10 ** (db / 10)
+        return 10 * float(np.log10(side + (1 + side) * (1 / power - 1)))
+
+    level = 20 * float(np.log10(echo))
+    return replace(
+        response,
+        pslr_null_db=max(float(response.pslr_null_db), level),
+        pslr_fixed_db=max(float(response.pslr_fixed_db), level),
+        islr_null_db=ratio(response.islr_null_db, stays),
+        islr_fixed_db=ratio(response.islr_fixed_db, stays),
+        islr_null_ten_db=ratio(response.islr_null_ten_db, stays_near),
+        islr_fixed_ten_db=ratio(response.islr_fixed_ten_db, stays_near),
+        peak_loss_db=response.peak_loss_db + 10 * float(np.log10(stays)),
+    )
 
 
 def ideal_null_cells(window: Window | Taper) -> float:

@@ -49,8 +49,24 @@ def _log(low, high):
     return st.floats(0, 1).map(lambda x: low * (high / low) ** x)
 
 
+_VIBRATION = tuple((at, density, "acceleration density") for at, density in ((5.0, 0.1), (20.0, 4.0), (2e3, 0.1)))
+_PHASE_NOISE = ((0.1, 1e-6, "phase noise"), (10.0, 1e-10, "phase noise"), (1e3, 1e-14, "phase noise"))
+
+_FAST = st.fixed_dictionaries(
+    {
+        "motion.lines": st.sampled_from([(), ((20.0, 1.0, "acceleration"), (7.0, 1e-4, "length"))]),
+        "motion.spectrum": st.sampled_from([(), _VIBRATION]),
+        "motion.imu_bandwidth": st.one_of(st.none(), _log(20, 500)),
+        "motion.delay": st.one_of(st.just(0.0), _log(1e-5, 5e-3)),
+        "motion.unsensed_lines": st.sampled_from([(), ((12.0, 1e-4, "length"),)]),
+        "motion.rectification": st.one_of(st.just(0.0), _log(1e-6, 1e-4)),
+        "oscillator.phase_noise": st.sampled_from([(), _PHASE_NOISE]),
+    }
+)
+
+
 def _designs():
-    return st.fixed_dictionaries(
+    plain = st.fixed_dictionaries(
         {
             "imu.velocity_random_walk": _log(1e-5, 1e-2),
             "imu.angle_random_walk": _log(3e-7, 2e-3),
@@ -83,6 +99,8 @@ def _designs():
             "requirements.range_shift": _log(0.01, 10),
             "requirements.ce90": _log(0.1, 100),
             "requirements.le90": _log(0.1, 10),
+            "requirements.paired_echo": _log(1e-3, 0.3),
+            "requirements.islr": _log(1e-3, 0.3),
             "requirements.detrended_phase": _log(0.02, 3),
             "requirements.horizontal_position": _log(0.02, 20),
             "requirements.vertical_position": _log(0.02, 20),
@@ -92,7 +110,10 @@ def _designs():
             "requirements.coast_horizontal_position": _log(0.1, 1e3),
             "requirements.coast_vertical_position": _log(0.1, 1e2),
         }
-    ).map(Design)
+    )
+    # One in four has vibration or an oscillator: they take longer.
+    fast = st.sampled_from([False, False, False, True]).flatmap(lambda given: _FAST if given else st.just({}))
+    return st.builds(lambda one, more: Design(one | more), plain, fast)
 
 
 @pytest.fixture(scope="session")

@@ -10,13 +10,22 @@ from collections.abc import Callable
 from app.dashboard.controls.choice import ChoiceControl
 from app.dashboard.controls.preset import PresetControl
 from app.dashboard.controls.quantity import QuantityControl
+from app.dashboard.controls.rows import RowsControl
 from app.session import Session
-from nav_model.design.declaration import BaseQuantity
+from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.parts import INPUTS, PARTS
+from nav_model.design.rows import Rows
 
-Control = QuantityControl | ChoiceControl | PresetControl
+Control = QuantityControl | ChoiceControl | RowsControl | PresetControl
 
 SECTION_TITLES = {part.section: part.title for part in PARTS}
+
+
+_KINDS: dict[type, Callable[[Session, str], Control]] = {
+    BaseQuantity: QuantityControl,
+    Rows: RowsControl,
+    Choice: ChoiceControl,
+}
 
 
 def section_controls(session: Session, section: str) -> list[Control]:
@@ -30,6 +39,5 @@ def control_of(session: Session, key: str) -> Control:
     section, _, name = key.partition(".")
     if name == "preset":
         return PresetControl(session, section)
-    make: Callable[[Session, str], Control]
-    make = QuantityControl if isinstance(INPUTS[section][name], BaseQuantity) else ChoiceControl
+    make = next(control for kind, control in _KINDS.items() if isinstance(INPUTS[section][name], kind))
     return make(session, key)

@@ -33,6 +33,8 @@ _SLIDERS = {
 _EMPTY: dict[str, str] = {
     "gnss.vertical_position_noise": "as horizontal",
     "radar.aperture_time": "from the resolution",
+    "motion.imu_bandwidth": "no limit",
+    "oscillator.frequency": "at the carrier",
 }
 
 

@@ -24,7 +24,7 @@ _DEG = 180 / math.pi
 
 def _limit(budget: Budget, name: str, scale: float = 1.0) -> float:
     """A requirement's limit brought to one sigma, NaN when it is not given."""
-    limit = budget.design[f"requirements.{name}"]
+    limit = getattr(budget.design.requirements, name)
     return math.nan if limit is None else scale * float(limit) / budget.design.requirements.confidence
 
 
@@ -252,6 +252,10 @@ _LINE_EQUATIONS = {
     "accelerometer bias": "(4π/λ)(T²/8) ba [S-5]",
     "gyro bias": "(4π/λ)(T²/8) g bg (Tc + T/2) cos ψ [S-5]",
     "coast before aperture": "(4π/λ)(T²/8) g σω √Tc cos ψ [S-5]",
+    "vibration": "what the IMU leaves of it [P-8], through the aperture [P-5]",
+    "unsensed motion": "through the aperture [P-5]",
+    "oscillator": "phase noise over the echo's way [P-10], through the aperture [P-5]",
+    "vibration rectification": "(4π/λ)(T²/8) times the bias [P-12], [S-5]",
 }
 
 
@@ -347,7 +351,8 @@ def response_chart(budget: Budget) -> Chart:
     """Azimuth impulse response: without error, with the 1σ quadratic, with quadratic and cubic."""
     sar, image = budget.sar, budget.smoothed or budget.sar
     x = aperture_positions(1024)
-    phases = np.stack((0 * x, image.quadratic * x**2, image.quadratic * x**2 + image.cubic * x**3))
+    quadratic = image.quadratic * x**2 + budget.spectral.phase(x, sar.aperture_time)
+    phases = np.stack((0 * x, quadratic, quadratic + image.cubic * x**3))
     keys = ("ideal", "quadratic", "cubic")
     labels = ("no error", "1σ quadratic", "with cubic")
     if image.impulse_response is None:
@@ -386,7 +391,7 @@ def response_chart(budget: Budget) -> Chart:
             )
         ),
         y_range=(-45.0, 2.0),
-        knowledge=f"{said} Before autofocus.",
+        knowledge=f"{said} Before autofocus.{' With the paired echoes [P-9].' if budget.spectral.echoes else ''}",
     )
 
 

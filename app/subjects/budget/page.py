@@ -24,7 +24,7 @@ from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts
 from app.subjects.budget.closing import Way, ways, ways_block
-from app.subjects.budget.tables import key_figures, requirement_table, steady_table
+from app.subjects.budget.tables import echo_table, key_figures, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import ChartPane, ChartView, described, head_html, source_note
 from app.ui.downloads import download
@@ -222,6 +222,7 @@ class BudgetPage(pn.viewable.Viewer):
                 (
                     ("Requirements and cautions", lambda: self._told(requirements)),
                     ("Sources and methods", lambda: self._told(self._sources)),
+                    ("Paired echoes: vibration and oscillator", lambda: self._told(_echoes)),
                     ("What limits horizontal position: gyro or accelerometer?", self._regime),
                     ("Growth of the position error by cause", self._growth),
                     ("Exports", self._exports),
@@ -284,6 +285,11 @@ def _invalid(count: int) -> str:
 def requirements(budget: Budget) -> str:
     """Every requirement with its margin, and what a careful reader must know."""
     return html_of(requirement_table(budget), caution_list(budget))
+
+
+def _echoes(budget: Budget) -> str:
+    """Echoes of the design's lines, and what its fast phase errors scatter."""
+    return html_of(echo_table(budget, "d"))
 
 
 def _sources(budget: Budget, display: Display) -> str:

@@ -6,6 +6,7 @@ from app.document.blocks import Section
 from app.document.chart_block import chart_block
 from app.subjects.budget import charts
 from app.subjects.budget.tables import (
+    echo_table,
     image_table,
     key_figures,
     outage_table,
@@ -22,6 +23,7 @@ def sections(budget: Budget, key: str) -> tuple[Section, ...]:
     position, velocity, attitude, phase, response, regime = (
         chart_block(draw(budget), key) for draw in charts.BUDGET_CHARTS
     )
+    echoes = (echo_table(budget, key),) if budget.has_fast_sources else ()
     return (
         Section(f"{key}-requirements", "Requirements", (key_figures(budget), requirement_table(budget, key))),
         Section(f"{key}-processing", "Processing", (processing_table(budget, key),)),
@@ -30,7 +32,7 @@ def sections(budget: Budget, key: str) -> tuple[Section, ...]:
         Section(
             f"{key}-phase",
             "Phase and image",
-            (phase, phase_table(budget, key), response, image_table(budget, key)),
+            (phase, phase_table(budget, key), response, image_table(budget, key), *echoes),
         ),
         Section(f"{key}-regime", "Gyro or accelerometer", (regime,)),
     )

@@ -18,6 +18,7 @@ from nav_model.budget.provenance import provenance
 from nav_model.budget.result import Check
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.processing.paired_echo import NOTHING
 from nav_model.sar.geometry import phase_to_metres
 
 ALONG_TRACK = "along-track (separate limit)"
@@ -283,6 +284,46 @@ def phase_table(budget: Budget, key: str) -> Table:
         ),
         f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt is the work of "
         f"{makers} [T-18].",
+    )
+
+
+def echo_table(budget: Budget, key: str) -> Table | Text:
+    """Paired echoes of the design's lines, and what its fast phase errors scatter."""
+    spectral, wavelength = budget.spectral, budget.sar.wavelength
+    if not budget.has_fast_sources:
+        return Text("The design states no vibration that is left, no unsensed motion and no oscillator.")
+
+    def level(amplitude: float) -> str:
+        return decibels(20 * math.log10(amplitude)) if amplitude > NOTHING else "none"
+
+    shares = ", ".join(f"{source} {percent(share)}" for source, share in spectral.shares["islr"].items() if share)
+    scattered = f"{level(spectral.levels['islr'])} ({shares})" if shares else "none"
+    return Table(
+        f"{key}-echoes",
+        "Paired echoes of vibration, beside a target",
+        (
+            Column("Source", width=1.3),
+            Column("Line [Hz]", numeric=True),
+            Column("Phase, peak [°]", numeric=True),
+            Column("[mm]", numeric=True),
+            Column("Level [P-9]", numeric=True),
+            Column("Distance [P-9]", numeric=True),
+        ),
+        tuple(
+            (
+                Cell(echo.source),
+                Cell(number(echo.frequency)),
+                Cell(degrees(echo.phase)),
+                Cell(millimetres(echo.phase, wavelength)),
+                Cell(level(echo.level)),
+                Cell(show(echo.offset, "length")),
+            )
+            for echo in spectral.echoes
+        )
+        or ((Cell("no line beyond the main lobe"), *(Cell(NONE),) * 5),),
+        f"After the IMU's compensation [P-8]. Energy scattered out of the main lobe, over the target's: {scattered} "
+        f"[P-11]; peak loss {decibels(-10 * math.log10(spectral.stays))} [P-11]. The same in real time and "
+        "post-processed.",
     )
 
 

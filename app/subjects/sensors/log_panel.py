@@ -36,7 +36,13 @@ from app.ui.run_bar import RunBar
 from app.upstream.file_input import LimitedFileInput
 from app.work.alone import run_alone
 from app.work.run import Run
-from nav_model.allan.adoption import Adoption, adopt_random_walks, adopt_vibration_factor, bench_of
+from nav_model.allan.adoption import (
+    Adoption,
+    adopt_random_walks,
+    adopt_vibration_factor,
+    adopt_vibration_spectrum,
+    bench_of,
+)
 from nav_model.allan.log_file import Limits
 from nav_model.allan.motion import BenchNoise, MotionAnalysis
 from nav_model.allan.result import LogAnalysis
@@ -47,7 +53,7 @@ UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=
 _HELP = (
     "<p>A log taken <b>at rest</b>, an hour or more on a solid base, gives quantization, random walk, bias "
     "instability, rate random walk and ramp of every axis. A log taken <b>in motion</b> gives the vibration factor "
-    "over the random walks now in the design. CSV or NPZ, at most "
+    "over the random walks now in the design, and the vibration as a spectrum. CSV or NPZ, at most "
     f"{UPLOAD_LIMITS.file_bytes / 1e6:.0f} MB and {UPLOAD_LIMITS.rows / 1e6:.0f} million rows; rate, units and "
     "columns are read from the file where it states them, and asked for where it does not.</p>"
 )
@@ -266,7 +272,9 @@ class MotionResult(pn.viewable.Viewer):
         self.head, self.table = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
         self.use = _button("Use this factor in the design")
         self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, self._known, self._bench)))
-        self._view = _paper(self.head, self.use, self.table, visible=False)
+        self.spectrum = _button("Use its vibration spectrum")
+        self.spectrum.on_click(lambda _: adopt(lambda: adopt_vibration_spectrum(self._known)))
+        self._view = _paper(self.head, pn.Row(self.use, self.spectrum), self.table, visible=False)
 
     def __panel__(self) -> pmui.Paper:
         return self._view
@@ -284,6 +292,7 @@ class MotionResult(pn.viewable.Viewer):
                 provenance_text(analysis.provenance), motion_answer(analysis)
             )
             self.use.disabled = analysis.vibration_factor is None
+            self.spectrum.disabled = not analysis.spectrum
             self.table.object = html_of(motion_table(analysis))
             self._view.visible = True
 

@@ -8,10 +8,12 @@ from app.dashboard.controls import section_controls
 from app.dashboard.controls.choice import ChoiceControl
 from app.dashboard.controls.preset import PresetControl
 from app.dashboard.controls.quantity import QuantityControl
+from app.dashboard.controls.rows import RowsControl
 from app.session import Session
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, all_keys, declaration_of
+from nav_model.design.rows import Rows
 from nav_model.units import DIMENSIONS, parse_quantity
 
 QUANTITIES = [key for key in all_keys() if isinstance(declaration_of(key), BaseQuantity)]
@@ -19,7 +21,12 @@ _BAD = [
     "5 kg", "-1", "nan", "inf", "1e400", "1e99", "abc", "--1", "1 2", "1,500", "0x10", "=1+1", "½", "1e", ".",
     "1 m m", "<script>alert(1)</script>", "1 °/√h/√h", "\x00", "∞", "1" * 5000,
 ]  # fmt: skip
-_SIGNED = {key for key in QUANTITIES if declaration_of(key).limits[0] < 0}  # type: ignore[union-attr]  # -1 is right
+_SIGNED = {  # -1 is right
+    key
+    for key in QUANTITIES
+    if declaration_of(key).limits[0] < 0 or declaration_of(key).dimension == "level"  # type: ignore[union-attr]
+}
+TABLES = [key for key in all_keys() if isinstance(declaration_of(key), Rows)]
 
 
 @pytest.fixture
@@ -54,6 +61,29 @@ def test_good_text_reaches_the_design_and_clears_the_message(session: Session, k
     assert not control.box.error_state, control.box.helper_text
     expected = parse_quantity(wanted, declaration.dimension).value if declaration.dimension else float(wanted)
     assert session.design[key] == expected
+
+
+@pytest.mark.parametrize("key", TABLES)
+def test_a_table_is_typed_refused_and_taken_away(session: Session, key: str) -> None:
+    control, declaration = RowsControl(session, key), declaration_of(key)
+    assert isinstance(declaration, Rows)
+    control.box.value = declaration.example
+    assert session.design[key] == declaration.read(declaration.example)
+    assert session.design[key]
+    budget = session.budget
+    for text in ("20 Hz", "20 Hz 1 s", "0 Hz 1 g; 5 Hz 1 g", "rubbish", "20 Hz nan g", "20 Hz 1 g;" * 61):
+        control.box.value = text
+        assert session.budget is budget, text
+        assert control.box.error_state, text
+        assert len(control.box.helper_text) < 400, text
+    control.box.value = ""
+    assert session.design[key] == ()
+    assert not control.box.error_state
+    control.explained = True
+    assert str(declaration.doc) in control.box.helper_text
+    session.change({key: declaration.read(declaration.example)})
+    control.show(session.design)
+    assert declaration.read(control.box.value) == session.design[key]
 
 
 def test_an_empty_box_takes_a_requirement_away(session: Session) -> None:

@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from design_tables import rows_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,6 +16,7 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import format_design, parse_design, read_design
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import deviations, preset_fill
+from nav_model.design.rows import Rows
 from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS
 
@@ -33,7 +35,11 @@ def designs(draw):
         for name, declaration in inputs.items():
             key = f"{section}.{name}"
             if not isinstance(declaration, BaseQuantity):
-                values[key] = draw(st.sampled_from(list(declaration.objects)))
+                values[key] = draw(
+                    rows_of(declaration)
+                    if isinstance(declaration, Rows)
+                    else st.sampled_from(list(declaration.objects))
+                )
                 continue
             if declaration.allow_None and draw(st.booleans()):
                 continue

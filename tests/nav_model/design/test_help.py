@@ -6,6 +6,7 @@ import re
 import pytest
 
 from nav_model.budget import analyse
+from nav_model.budget.fast import LEVELS
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
@@ -13,7 +14,8 @@ from nav_model.design.parts import INPUTS
 from nav_model.design.presets import preset_fill
 
 EVERY = [(section, name) for section, names in INPUTS.items() for name in names]
-REACHED = [key for key in INPUTS["requirements"] if key not in {"confidence", "steady_state"} and "phase" not in key]
+_NO_GRADE = {"confidence", "steady_state", *LEVELS}
+REACHED = [key for key in INPUTS["requirements"] if key not in _NO_GRADE and "phase" not in key]
 
 
 @pytest.mark.parametrize(("section", "name"), EVERY)

@@ -6,6 +6,7 @@ import string
 from typing import Any
 
 import pytest
+from design_tables import rows_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,6 +16,7 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import preset_fill
+from nav_model.design.rows import Rows
 from nav_model.errors import InputError
 from nav_model.units import DIMENSIONS, parse_quantity
 
@@ -39,7 +41,9 @@ def designs(draw: st.DrawFn) -> Design:
                 if declaration.dimension:
                     written[key] = draw(st.sampled_from(list(DIMENSIONS[declaration.dimension].units)))
             else:
-                values[key] = draw(st.sampled_from(declaration.objects))
+                values[key] = draw(
+                    rows_of(declaration, 9) if isinstance(declaration, Rows) else st.sampled_from(declaration.objects)
+                )
     return Design(values, written)
 
 

@@ -20,6 +20,13 @@ def _margin(design, key, value, requirement):
     return next(check.margin for check in checks if check.name == requirement)
 
 
+@pytest.fixture(scope="module")
+def designs(designs):
+    """Without vibration and oscillator: an echo steps where its line leaves the main lobe (test_fast.py)."""
+    keys = ("motion.lines", "motion.spectrum", "motion.unsensed_lines", "oscillator.phase_noise")
+    return designs.map(lambda design: design.replace(dict.fromkeys(keys, ())))
+
+
 @settings(max_examples=8)
 @given(data=st.data())
 def test_every_solved_value_put_back_gives_margin_zero(data, designs):

@@ -109,6 +109,8 @@ def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):
     assert "as white noise" in panel.moving.head.object
     panel.moving.use.clicks += 1
     assert session.design.imu.vibration_factor == pytest.approx(3.0, rel=0.05)
+    panel.moving.spectrum.clicks += 1
+    assert session.design.motion.spectrum == panel.moving.analysis.spectrum != ()
     session.change({"imu.angle_random_walk": 2 * ARW})
     panel.moving.use.clicks += 1
     assert "have changed since" in panel.message.object

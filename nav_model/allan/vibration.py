@@ -1,0 +1,64 @@
+"""In-motion log -> vibration as a spectrum in third octaves, which a design takes as it is."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from nav_model.allan.imu_log import ImuLog
+from nav_model.allan.noise_terms import FloatArray
+from nav_model.design.parts import declaration_of
+from nav_model.design.rows import MOST_ROWS, Row, Rows
+from nav_model.units import format_quantity, parse_quantity
+
+SPECTRUM_KEY = "motion.spectrum"
+LOWEST_HZ = 2.0
+"""Below it the vehicle's own motion rules."""
+
+BLOCK_S = 5.0
+_RATIO = 2 ** (1 / 3)
+_DIGITS = 3
+
+
+def vibration_spectrum(log: ImuLog) -> tuple[Row, ...]:
+    """One-sided density of the accelerometers [(m/s²)²/Hz], a row for each third of an octave from 2 Hz up.
+
+    Each row is the mean over its band of the axis that vibrates most there, rounded to three digits: which way the
+    radar looks is not the log's to say. Hann-windowed blocks of 5 s without their mean and trend (Welch's method).
+    Empty without accelerometers, for less than two blocks, or where fewer than two bands fit below half the rate.
+    """
+    signal = log.accelerometer
+    length = round(BLOCK_S * log.rate_hz)
+    blocks = 0 if signal is None else len(signal) // length
+    if signal is None or blocks < 2:
+        return ()
+    density = np.max([_density(axis, length, blocks, log.rate_hz) for axis in signal.T], axis=0)
+    frequency = np.arange(len(density)) * log.rate_hz / length
+    count = int(np.log(log.rate_hz / 2 / LOWEST_HZ) / np.log(_RATIO))
+    edges = LOWEST_HZ * _RATIO ** np.arange(count + 1)
+    rows = []
+    for low, high in pairwise(edges):
+        inside = (frequency >= low) & (frequency < high)
+        mean = float(density[inside].mean()) if inside.any() else 0.0
+        if mean > 0:
+            middle = float(f"{np.sqrt(low * high):.{_DIGITS}g}")
+            said = format_quantity(mean, "g²/Hz", "acceleration density", _DIGITS)
+            rows.append((middle, parse_quantity(said, "acceleration density").value, "acceleration density"))
+    return tuple(rows[:MOST_ROWS]) if len(rows) > 1 else ()
+
+
+def declared_spectrum() -> Rows:
+    """The input of a design that takes such a spectrum."""
+    declaration = declaration_of(SPECTRUM_KEY)
+    assert isinstance(declaration, Rows)
+    return declaration
+
+
+def _density(signal: FloatArray, length: int, blocks: int, rate_hz: float) -> FloatArray:
+    from scipy.signal import detrend
+
+    window = np.hanning(length)
+    stacked = detrend(signal[: blocks * length].reshape(blocks, length), axis=1)
+    power = np.mean(np.abs(np.fft.rfft(stacked * window, axis=1)) ** 2, axis=0)
+    return np.asarray(2 * power / (window @ window) / rate_hz)

@@ -1,0 +1,103 @@
+"""Vibration, unsensed motion and oscillator of a design: sources as lines and spectra, through its aperture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array
+from nav_model.constants import SPEED_OF_LIGHT
+from nav_model.design import Design
+from nav_model.design.rows import Row
+from nav_model.processing import paired_echo
+from nav_model.processing.fast_motion import Curve, Fast, Source, through_aperture
+from nav_model.sar.impulse_response import ideal_null_cells
+
+VIBRATION, UNSENSED, OSCILLATOR = "vibration", "unsensed motion", "oscillator"
+"""Names of the sources in every budget."""
+
+LEVELS = ("paired_echo", "islr")
+"""Figures that are amplitudes over a target's, said in decibels."""
+
+Value = Callable[[str], Array]
+
+
+def fast_sources(design: Design, value: Value, wavelength: Array, aperture: Array) -> Mapping[str, Fast]:
+    """Every source that the design has, over its aperture [s].
+
+    `value` gives an input's number or array under its dotted key, and `wavelength` is in m.
+    """
+    motion, oscillator = design.motion, design.oscillator
+    none = np.zeros(0)
+    sources: dict[str, Source] = {}
+    given = motion.imu_bandwidth is not None
+    if (motion.lines or motion.spectrum) and (given or np.any(value("motion.delay") != 0)):
+        sources[VIBRATION] = Source(
+            *_lines(motion.lines),
+            accelerations=_curve(motion.spectrum),
+            delay=value("motion.delay"),
+            bandwidth=value("motion.imu_bandwidth") if given else None,
+        )
+    if motion.unsensed_lines or motion.unsensed_spectrum:
+        curve = _curve(motion.unsensed_spectrum)
+        accelerations = motion.unsensed_spectrum and motion.unsensed_spectrum[0][2] == "acceleration density"
+        sources[UNSENSED] = Source(
+            *_lines(motion.unsensed_lines),
+            accelerations=curve if accelerations else None,
+            displacements=None if accelerations else curve,
+        )
+    if (curve := _curve(oscillator.phase_noise)) is not None:
+        times = 1.0 if oscillator.frequency is None else SPEED_OF_LIGHT / wavelength / value("oscillator.frequency")
+        sources[OSCILLATOR] = Source(
+            none,
+            none,
+            displacements=Curve(curve.frequency, 2 * curve.density),  # both sidebands
+            delay=None if oscillator.bistatic else 2 * value("radar.slant_range") / SPEED_OF_LIGHT,
+            scale=times * wavelength / (4 * math.pi),
+        )
+    lobe = ideal_null_cells(design.radar.window) if sources else 1.0
+    return {name: through_aperture(source, aperture, lobe) for name, source in sources.items()}
+
+
+def rectified(design: Design, value: Value) -> Array | None:
+    """Accelerometer bias that vibration makes [m/s²], None without vibration or a figure for it. [P-12]"""
+    motion = design.motion
+    if not (motion.lines or motion.spectrum):
+        return None
+    curve = _curve(motion.spectrum)
+    square = sum(
+        (amount if kind == "acceleration" else amount * (2 * math.pi * frequency) ** 2) ** 2 / 2
+        for frequency, amount, kind in motion.lines
+    )
+    bias = value("motion.rectification") * (square + (0.0 if curve is None else curve.variance))
+    return bias if np.any(bias != 0) else None
+
+
+def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:
+    """Both figures of `LEVELS`, as amplitudes over a target's: the highest paired echo, and the scattered energy."""
+    sources, lobe = tuple(made), ideal_null_cells(window)  # type: ignore[arg-type]
+    exponent = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)
+    return {
+        "paired_echo": paired_echo.highest_echo(sources, to_phase, aperture, lobe),
+        "islr": paired_echo.scattered_ratio(exponent),
+    }
+
+
+def stays(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> tuple[Array, Array]:
+    """Power that stays at a target, and what would stay if only the errors within ten null distances were there."""
+    sources, lobe = tuple(made), ideal_null_cells(window)  # type: ignore[arg-type]
+    near = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe, "near")
+    return np.exp(-paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)), np.exp(-near)
+
+
+def _lines(rows: tuple[Row, ...]) -> tuple[Array, Array]:
+    """Frequencies [Hz] and displacements [m]."""
+    frequency = np.array([row[0] for row in rows])
+    amount = [amount if kind == "length" else amount / (2 * math.pi * at) ** 2 for at, amount, kind in rows]
+    return frequency, np.array(amount)
+
+
+def _curve(rows: tuple[Row, ...]) -> Curve | None:
+    return Curve(np.array([row[0] for row in rows]), np.array([row[1] for row in rows])) if rows else None

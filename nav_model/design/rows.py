@@ -1,0 +1,151 @@
+"""A table as one input: rows of a frequency and an amount, such as "20 Hz 0.1 g; 80 Hz 0.02 g"."""
+
+from __future__ import annotations
+
+import math
+import re
+from itertools import pairwise
+from types import MappingProxyType
+from typing import Any
+
+import param
+
+from nav_model.errors import InputError, shown
+from nav_model.units import DIMENSIONS, QuantityError, format_quantity, parse_quantity
+
+Row = tuple[float, float, str]
+"""Frequency [Hz], amount [SI], and the dimension that the amount has."""
+
+MOST_ROWS = 60
+_MOST_TEXT = 10_000
+_FREQUENCIES = (1e-4, 1e9)  # Hz
+_ROW = re.compile(r"([^\s:]+\s*[kMG]?Hz)\s*[:,]?\s*(.+)")
+_MOST = MappingProxyType(
+    {"acceleration": 1e4, "length": 1e2, "acceleration density": 1e8, "length density": 1e4, "phase noise": 1e3}
+)
+_LEAST = 1e-40  # of a density: below it, a logarithm of rounding
+
+
+class Rows(param.Parameter[Any]):
+    """A table: a tuple of `Row`, empty when it is not given.
+
+    Parameters
+    ----------
+    dimensions : tuple of str
+        Of the amount, each row in one of them; the first unit of each is the one it is shown in.
+    short : str
+        Name in links.
+    curve : bool
+        Whether the rows are points of a curve, straight in logarithms: two or more, frequencies rising, amounts above
+        zero. Otherwise each row counts by itself.
+    example : str
+        A text that `read` takes.
+    """
+
+    __slots__ = ["curve", "dimensions", "example", "short"]
+
+    dimensions: tuple[str, ...]
+    short: str
+    curve: bool
+    example: str
+
+    def __init__(self, *, dimensions: tuple[str, ...], short: str, curve: bool, example: str, **params: Any) -> None:
+        self.dimensions, self.short, self.curve, self.example = dimensions, short, curve, example
+        super().__init__(default=(), constant=True, **params)
+
+    @property
+    def key(self) -> str:
+        """Dotted key, as in a design file."""
+        return f"{getattr(self.owner, 'section', '')}.{self.name}"
+
+    def _validate(self, val: Any) -> None:
+        if not isinstance(val, tuple) or not all(isinstance(row, tuple) and len(row) == 3 for row in val):
+            raise InputError(self.key, f"{shown(val)} is not a table; write for example {self.example!r}", val)
+        if len(val) > MOST_ROWS:
+            raise InputError(self.key, f"{len(val)} rows; at most {MOST_ROWS} are allowed", val)
+        low, high = _FREQUENCIES
+        for frequency, amount, dimension in val:
+            if dimension not in self.dimensions:
+                raise InputError(self.key, f"{dimension!r} is not one of {', '.join(self.dimensions)}", val)
+            if not low <= frequency <= high:  # NaN lands here too
+                raise InputError(
+                    self.key, f"{frequency:g} Hz is not allowed; it must be from {low:g} to {high:g} Hz", val
+                )
+            least, most = _LEAST if self.curve else 0.0, _MOST[dimension]
+            if not least <= amount <= most:
+                sayable = math.isfinite(amount) and (amount > 0 or not DIMENSIONS[dimension].decibels)
+                text = _said(amount, dimension) if sayable else f"{amount:g} (SI)"
+                above = "more than zero" if self.curve else "zero or more"
+                said = f"it must be {above} and at most {_said(most, dimension)}"
+                raise InputError(self.key, f"{text} at {frequency:g} Hz is not allowed; {said}", val)
+        if self.curve and val:
+            self._validate_curve(val)
+
+    def _validate_curve(self, val: tuple[Row, ...]) -> None:
+        if len(val) < 2:
+            raise InputError(self.key, "one row is no curve; give two rows or more", val)
+        for (before, *_), (after, *_) in pairwise(val):
+            if not after > before:
+                raise InputError(self.key, f"{after:g} Hz comes after {before:g} Hz; frequencies must rise", val)
+        if len({dimension for *_, dimension in val}) > 1:
+            raise InputError(self.key, f"mixes {' and '.join(self.dimensions)}; give all rows in one of them", val)
+
+    def read(self, text: Any) -> tuple[Row, ...]:
+        """Rows as text or as a design file has them -> the value.
+
+        Text: rows separated by semicolons or line ends, each a frequency and an amount. A file: a list of pairs,
+        ``["20 Hz", "0.1 g"]``, or of tables ``{frequency = "20 Hz", amplitude = "0.1 g"}``.
+
+        Raises
+        ------
+        InputError
+            Naming the key, what was given and what is allowed.
+        """
+        rows = text
+        if isinstance(text, str):
+            if len(text) > _MOST_TEXT:
+                raise InputError(self.key, f"longer than {_MOST_TEXT} characters")
+            rows = [part for part in re.split(r"[;\n]", text) if part.strip()]
+        if not isinstance(rows, list):
+            raise InputError(self.key, f"{shown(text)} is not a table; write for example {self.example!r}", text)
+        if len(rows) > MOST_ROWS:
+            raise InputError(self.key, f"{len(rows)} rows; at most {MOST_ROWS} are allowed")
+        value = tuple(map(self._row, rows))
+        self._validate(value)
+        return value
+
+    def _row(self, row: Any) -> Row:
+        pair: Any = row
+        if isinstance(row, str) and (match := _ROW.fullmatch(row.strip())):
+            pair = match.groups()
+        elif isinstance(row, dict) and row.keys() == {"frequency", "amplitude"}:
+            pair = row["frequency"], row["amplitude"]
+        if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(isinstance(part, str) for part in pair):
+            raise InputError(self.key, f"{shown(row)} is not a row; write for example {self.example!r}", row)
+        refused = ""
+        for dimension in self.dimensions:
+            try:
+                return parse_quantity(pair[0], "frequency").value, parse_quantity(pair[1], dimension).value, dimension
+            except QuantityError as error:
+                refused = refused or error.reason
+        raise InputError(self.key, refused, row)
+
+    def write(self, value: tuple[Row, ...]) -> list[list[str]] | list[dict[str, str]]:
+        """A value as a design file has it, which `read` takes back exactly."""
+        pairs = [
+            [format_quantity(frequency, "Hz", "frequency"), _said(amount, dimension, None)]
+            for frequency, amount, dimension in value
+        ]
+        return pairs if self.curve else [{"frequency": at, "amplitude": amount} for at, amount in pairs]
+
+    def show(self, value: tuple[Row, ...], digits: int | None = None) -> str:
+        """A value as text that `read` takes back; without `digits` to exactly the same value."""
+        return "; ".join(
+            f"{format_quantity(frequency, 'Hz', 'frequency', digits)} {_said(amount, dimension, digits)}"
+            for frequency, amount, dimension in value
+        )
+
+
+def _said(amount: float, dimension: str, digits: int | None = 6) -> str:
+    unit = {"acceleration": "g", "length": "mm"}.get(dimension, DIMENSIONS[dimension].default_unit)
+    return format_quantity(amount, unit, dimension, digits)

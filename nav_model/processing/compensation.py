@@ -1,0 +1,40 @@
+"""What the IMU leaves of motion that it feels, and the way to the target of the oscillator's noise. [P-8], [P-10]"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array, as_numbers
+
+OSCILLATING = 16 * np.pi
+"""Phase w τ beyond which the power that is left is taken without its oscillation in a continuous spectrum."""
+
+
+def power_left(w: Array, delay: Array, bandwidth: Array | None = None, mean: bool = False) -> Array:
+    """|1 - B(w) exp(-i w τ)|²: what is left of a motion after compensation with the IMU's late and slow answer. [P-8]
+
+    With the time to the target and back as the delay, and no bandwidth, it is also what the echo's way leaves of an
+    oscillator's phase noise, 4 sin²(w R/c). [P-10]
+
+    Parameters
+    ----------
+    w : array
+        Angular frequency, rad/s.
+    delay : array
+        Seconds.
+    bandwidth : array, optional
+        -3 dB bandwidth of a first-order answer, Hz; without it the answer is late but whole.
+    mean : bool
+        Without the oscillation in w τ: its mean, for integrals far beyond its first periods.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> f"{np.sqrt(power_left(np.array(2 * np.pi * 20), np.array(5e-3))):.3f}"  # 20 Hz, 5 ms late
+    '0.618'
+    """
+    w, angle = as_numbers(w), as_numbers(w * delay)
+    slow = 0 * w if bandwidth is None else w / (2 * np.pi * bandwidth)
+    if mean:
+        return np.asarray((2 + slow**2) / (1 + slow**2))
+    return np.asarray((4 * np.sin(angle / 2) ** 4 + (slow + np.sin(angle)) ** 2) / (1 + slow**2))

@@ -1,0 +1,184 @@
+"""Sources of line-of-sight error that are lines and spectra, and what the aperture makes of them. [P-5], [P-8]
+
+Frequencies in Hz, one-sided densities: a variance is the integral of a density over the frequencies above zero.
+Everything broadcasts over arrays of apertures, delays and bandwidths, and takes complex steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array, as_numbers
+from nav_model.processing import compensation
+from nav_model.processing.aperture_filter import OSCILLATING, averages, filters
+from nav_model.processing.compensation import power_left
+
+NEAR_CELLS = 11.0
+"""Null distances from the peak to the end of the ten beyond the main lobe."""
+
+_FOCUS = ("quadratic", "cubic", "left_1", "left_2", "left_3")
+_STEPS_X = (1.0, 2.0, 3.5, 5.0, *np.linspace(7.5, OSCILLATING, 14))  # as many as the filters' oscillation needs
+_STEPS_DELAY = np.linspace(0, compensation.OSCILLATING, 21)[1:]
+_RISE = 4.0  # between the ends of a panel, where nothing oscillates
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_ROWS = 256  # designs taken together: bounds the memory
+_NEVER = 1e-300
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Density at frequencies that rise [Hz], straight between them in logarithms, zero outside. Real."""
+
+    frequency: Array
+    density: Array
+
+    @property
+    def variance(self) -> float:
+        """The integral of the density, exact."""
+        span, slope = np.diff(np.log(self.frequency)), self._slopes
+        area = self.frequency[:-1] * self.density[:-1] * span
+        z = (slope + 1) * span
+        return float(np.sum(area * np.where(np.abs(z) < 1e-9, 1.0, np.expm1(z) / np.where(z == 0, 1.0, z))))
+
+    @property
+    def _slopes(self) -> Array:
+        return np.diff(np.log(self.density)) / np.diff(np.log(self.frequency))
+
+    def at(self, place: Array, logarithm: Array) -> Array:
+        """Density at frequencies given by their logarithm, each in the interval that begins at `place`."""
+        away = logarithm - np.log(self.frequency)[place]
+        return np.asarray(np.exp(np.log(self.density)[place] + self._slopes[place] * away))
+
+
+@dataclass(frozen=True)
+class Source:
+    """Displacement along the line of sight: lines, spectra, and what is taken off.
+
+    ``frequency`` [Hz] and ``amplitude`` [m, peak] are those of the lines, ``accelerations`` and ``displacements``
+    curves in (m/s²)²/Hz and m²/Hz, ``scale`` what amplitudes are multiplied by. ``delay`` [s] and ``bandwidth``
+    [Hz] are those of `power_left`; without a delay nothing is taken off.
+    """
+
+    frequency: Array
+    amplitude: Array
+    accelerations: Curve | None = None
+    displacements: Curve | None = None
+    delay: Array | None = None
+    bandwidth: Array | None = None
+    scale: Array | None = None
+
+
+@dataclass(frozen=True)
+class Fast:
+    """What a source makes of the line of sight over an aperture, m²: as `nav_model.processing.aperture_filter`.
+
+    ``scattered`` is the variance of the spectrum beyond the main lobe, ``near`` the part of it within ten null
+    distances. ``frequency`` and ``amplitude`` [Hz, m, on the last axis] are of the lines, with what is taken off.
+    """
+
+    quadratic: Array
+    cubic: Array
+    left_1: Array
+    left_2: Array
+    left_3: Array
+    scattered: Array
+    near: Array
+    frequency: Array
+    amplitude: Array
+
+    def scaled(self, factor: Array) -> Fast:
+        """The same source, its amplitudes multiplied."""
+        changed = {name: getattr(self, name) * factor**2 for name in (*_FOCUS, "scattered", "near")}
+        return replace(self, amplitude=self.amplitude * np.asarray(factor)[..., None], **changed)
+
+
+def through_aperture(source: Source, aperture: Array, lobe: float) -> Fast:
+    """What a source makes of an aperture.
+
+    Parameters
+    ----------
+    source : Source
+    aperture : array
+        Seconds.
+    lobe : float
+        Cells from the peak of the response to its first null: slower errors blur, faster ones scatter.
+    """
+    found = dict.fromkeys((*_FOCUS, "scattered", "near"), 0 * aperture)
+    w = 2 * np.pi * source.frequency
+    left = 1.0 if source.delay is None else power_left(
+        w, source.delay[..., None], None if source.bandwidth is None else source.bandwidth[..., None]
+    )  # fmt: skip
+    amplitude = source.amplitude * np.sqrt(left + _NEVER) + 0 * aperture[..., None]
+    if len(w):
+        through = filters(w / 2 * aperture[..., None])
+        for name in _FOCUS:
+            found[name] = found[name] + np.sum(amplitude**2 / 2 * through[name], axis=-1)
+    for curve, power in ((source.accelerations, 4), (source.displacements, 0)):
+        if curve is not None:
+            for name, part in zip(found, _integrals(curve, power, source, aperture, lobe), strict=True):
+                found[name] = found[name] + part
+    made = Fast(**found, frequency=source.frequency, amplitude=amplitude)
+    return made if source.scale is None else made.scaled(source.scale)
+
+
+def _integrals(curve: Curve, power: int, source: Source, aperture: Array, lobe: float) -> Sequence[Array]:
+    """Integrals of a curve over w to this power, less what is taken off, against each filter of `Fast`."""
+    zero = np.zeros(())
+    columns = np.broadcast_arrays(
+        aperture,
+        zero if source.delay is None else source.delay,
+        zero if source.bandwidth is None else source.bandwidth,
+    )
+    table = np.stack(columns, axis=-1).reshape(-1, 3)
+    # Most arrays of designs differ in other inputs: each kind of aperture is integrated once.
+    kinds, place = np.unique(np.concatenate([table.real, table.imag], axis=1), axis=0, return_inverse=True)
+    rows = as_numbers(kinds[:, :3] + 1j * kinds[:, 3:] if np.iscomplexobj(table) else kinds[:, :3])
+    parts = [_rows(curve, power, source, rows[start : start + _ROWS], lobe) for start in range(0, len(rows), _ROWS)]
+    whole = np.concatenate(parts)[place.reshape(-1)]
+    return [column.reshape(columns[0].shape) for column in whole.T]
+
+
+def _rows(curve: Curve, power: int, source: Source, rows: Array, lobe: float) -> Array:
+    aperture, delay, bandwidth = rows.T
+    # Panels end where the curve bends, where the filters' and the delay's oscillation asks for it, and at the lobe.
+    low, high = float(curve.frequency[0]), float(curve.frequency[-1])
+    fill = np.geomspace(low, high, 2 + int(math.log(high / low) / math.log(_RISE)))
+    moving = np.concatenate([_STEPS_X, [math.pi * lobe, math.pi * lobe * NEAR_CELLS]]) / (np.pi * aperture[:, None])
+    if source.delay is not None:
+        late = np.where(delay.real > 0, delay, np.inf)[:, None]
+        moving = np.concatenate([moving, _STEPS_DELAY / (2 * np.pi * late)], axis=1)
+    moving = np.where(moving.real < low, low, np.where(moving.real > high, high, moving))
+    fixed = np.broadcast_to(np.concatenate([curve.frequency, fill]), (len(rows), len(curve.frequency) + len(fill)))
+    edges = np.log(np.sort(np.concatenate([fixed, moving], axis=1), axis=1))
+    row, panel = np.nonzero(np.diff(edges.real, axis=1) > 0)
+    first, last = edges[row, panel], edges[row, panel + 1]
+    logarithm = ((first + last) / 2)[:, None] + ((last - first) / 2)[:, None] * _NODES
+    f = np.exp(logarithm)
+    weight = ((last - first) / 2)[:, None] * _WEIGHTS * f
+    middle = np.exp(((first + last) / 2).real)
+    place = np.clip(np.searchsorted(curve.frequency, middle) - 1, 0, len(curve.frequency) - 2)
+    w = 2 * np.pi * f
+    density = weight * curve.at(place[:, None], logarithm) / w**power
+    if source.delay is not None:
+        wide = None if source.bandwidth is None else bandwidth[row, None]
+        settled = (2 * np.pi * middle * delay[row].real > compensation.OSCILLATING)[:, None]
+        density = density * np.where(
+            settled, power_left(w, delay[row, None], wide, mean=True), power_left(w, delay[row, None], wide)
+        )
+    x = w / 2 * aperture[row, None]
+    quick = np.pi * middle * aperture[row].real > OSCILLATING
+    through = {name: np.empty_like(x) for name in _FOCUS}
+    for where, made in ((quick, averages), (~quick, filters)):
+        values = made(x[where])
+        for name in _FOCUS:
+            through[name][where] = values[name]
+    cells = middle * aperture[row].real
+    beyond = [(cells > lobe)[:, None], ((cells > lobe) & (cells < NEAR_CELLS * lobe))[:, None]]
+    found = np.zeros((len(rows), len(_FOCUS) + 2), density.dtype)
+    for column, seen in enumerate([*through.values(), *beyond]):
+        np.add.at(found[:, column], row, np.sum(density * seen, axis=1))
+    return found

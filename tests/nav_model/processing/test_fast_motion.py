@@ -1,0 +1,198 @@
+"""Vibration, unsensed motion and oscillator: against sums over all frequencies, impulse responses and noise."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import jv, spherical_jn
+
+from nav_model.analytic.steady_state import Array
+from nav_model.processing.compensation import power_left
+from nav_model.processing.fast_motion import Curve, Source, through_aperture
+from nav_model.processing.paired_echo import NOTHING, echo, highest_echo, scatter_exponent, scattered_ratio
+from nav_model.sar.impulse_response import (
+    aperture_positions,
+    ideal_null_cells,
+    impulse_response,
+    quadratic_response,
+    response_curve,
+    with_echoes,
+)
+
+NONE = np.zeros(0)
+TABLE = Curve(np.array([0.05, 1.0, 20.0, 2000.0]), np.array([1e-3, 2e-3, 0.5, 0.01]))
+
+
+def test_the_design_documents_numbers():
+    """20 Hz at 1 g is 0.62 mm, of which 5 ms leave 62 %; an echo of -30 dB is 0.157 mm at X band."""
+    w = 2 * math.pi * 20
+    assert f"{9.80665 / w**2 * 1e3:.2f}" == "0.62"
+    assert f"{math.sqrt(power_left(np.array(w), np.array(5e-3))):.2f}" == "0.62"
+    to_phase = 4 * math.pi / 0.031228381
+    assert 20 * math.log10(echo(np.array(0.157e-3 * to_phase))) == pytest.approx(-30, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("bandwidth", "delay"), [(None, 5e-3), (None, 0.4), (200.0, 0.0), (200.0, 5e-3), (200.0, 0.4)]
+)
+def test_integrals(bandwidth, delay, compared):
+    """Against a sum over two million frequencies, SciPy's Bessel functions, the transfer as complex numbers."""
+    aperture, lobe = 3.7, 1.0
+    source = Source(NONE, NONE, TABLE, None, np.array(delay), None if bandwidth is None else np.array(bandwidth))
+    made = through_aperture(source, np.array(aperture), lobe)
+    edges = np.unique(np.concatenate([np.geomspace(0.05, 1, 200_001), np.linspace(1, 2000, 1_800_001)]))
+    f = (edges[1:] + edges[:-1]) / 2
+    w = 2 * np.pi * f
+    answer = np.exp(-1j * w * delay) / (1 if bandwidth is None else 1 + 1j * f / bandwidth)
+    table = np.exp(np.interp(np.log(f), np.log(TABLE.frequency), np.log(TABLE.density)))
+    density = table * np.abs(1 - answer) ** 2 / w**4 * np.diff(edges)
+    j = [spherical_jn(m, w * aperture / 2) for m in range(4)]
+    by_hand = {
+        "quadratic": density @ (9 / 4 * 25 * j[2] ** 2),
+        "cubic": density @ (25 / 4 * 49 * j[3] ** 2),
+        "left_1": density @ (1 - j[0] ** 2 - 3 * j[1] ** 2),
+        "left_2": density @ (1 - j[0] ** 2 - 3 * j[1] ** 2 - 5 * j[2] ** 2),
+        "scattered": density @ (f * aperture > lobe),
+        "near": density @ ((f * aperture > lobe) & (f * aperture < 11 * lobe)),
+    }
+    off = [float(getattr(made, name)) / value - 1 for name, value in by_hand.items()]
+    compared(
+        "Vibration after compensation, through the aperture",
+        "P-8",
+        "solver written by others",
+        "a sum over two million frequencies with SciPy's Bessel functions",
+        off,
+        1e-3,
+        "largest ratio − 1",
+    )
+
+
+def test_variance_of_a_curve():
+    f = np.geomspace(0.05, 2000, 2_000_001)
+    table = np.exp(np.interp(np.log(f), np.log(TABLE.frequency), np.log(TABLE.density)))
+    assert TABLE.variance == pytest.approx(np.trapezoid(table, f), rel=1e-9)
+    falling = Curve(np.array([1.0, 100.0]), np.array([1.0, 0.01]))  # 1/f: a logarithm
+    assert falling.variance == pytest.approx(math.log(100), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["quadratic", "left_1", "scattered", "amplitude"])
+def test_complex_steps(name):
+    def made(aperture: Array, delay: Array) -> Array:
+        source = Source(np.array([3.0]), np.array([1e-3]), TABLE, None, delay, np.array(150.0))
+        return np.sum(getattr(through_aperture(source, aperture, 1.0), name))
+
+    for step in ((1, 0), (0, 1)):
+        inputs = [np.array(value * (1 + 1e-20j * on)) for value, on in zip((3.7, 5e-3), step, strict=True)]
+        ends = [
+            made(*(np.array(v * (1 + h * on)) for v, on in zip((3.7, 5e-3), step, strict=True)))
+            for h in (1e-5, -1e-5)
+        ]
+        slope, size = (ends[0] - ends[1]) / 2e-5, abs(ends[0])
+        assert float(made(*inputs).imag / 1e-20) == pytest.approx(float(slope), abs=1e-5 * float(size))
+
+
+def test_arrays_are_designs_side_by_side():
+    source = Source(NONE, NONE, TABLE, None, np.array([1e-3, 5e-3])[:, None], np.array(200.0))
+    apertures = np.array([2.0, 3.7, 9.0])
+    made = through_aperture(source, apertures, 1.3)
+    for i, delay in enumerate((1e-3, 5e-3)):
+        for n, aperture in enumerate(apertures):
+            one = through_aperture(Source(NONE, NONE, TABLE, None, np.array(delay), np.array(200.0)), aperture, 1.3)
+            assert float(made.cubic[i, n]) == pytest.approx(float(one.cubic), rel=1e-12)
+
+
+def _lines(frequency: float, phase: float, aperture: float):
+    source = Source(np.array([frequency]), np.array([phase]))
+    return through_aperture(source, np.array(aperture), 1.0)
+
+
+@pytest.mark.parametrize("window", ["uniform", "hamming", "taylor"])
+def test_paired_echoes_of_the_impulse_response(window, compared):
+    """Power of the product's own response where the echo is said to be, over that of its peak."""
+    x, cells, padding, off = aperture_positions(1024), 200, 4, []
+    starts = np.linspace(0, 2 * np.pi, 8, endpoint=False)[:, None]
+    for phase in (0.02, 0.05, 0.1, 0.3, 0.6, 1.0):
+        aperture = np.exp(1j * phase * np.cos(np.pi * cells * x + starts))
+        at, power = response_curve(aperture, window, extent_cells=cells + 2, zero_padding=padding)
+        peak, beside = (10 ** (power[:, at == place] / 10) for place in (0, cells))
+        off.append(10 * math.log10(np.mean(beside / peak)) - 20 * math.log10(float(echo(np.array(phase)))))
+        assert np.all(np.abs(at[np.argmax(np.where(at > cells / 2, power, -999), axis=1)] - cells) <= 1 / padding)
+    compared(
+        "Paired echoes of 0.02 to 1 rad",
+        "P-9",
+        "our own derivation",
+        "the product's impulse response of the sinusoid, 200 cells from the peak",
+        off,
+        0.1,
+        "largest difference, dB",
+    )
+
+
+def test_echo_is_the_ratio_of_bessel_functions():
+    p = np.linspace(0.001, 2.3, 50)
+    np.testing.assert_allclose(echo(p), jv(1, p) / jv(0, p), rtol=1e-13)
+    assert float(echo(np.array(50.0))) == float(echo(np.array(2.3)))  # nothing of the target's peak is left
+
+
+def test_the_highest_echo_counts_and_slow_lines_do_not():
+    fast, slow = _lines(20.0, 0.1, 3.0), _lines(0.2, 0.5, 3.0)
+    one, aperture = np.array(1.0), np.array(3.0)
+    assert float(highest_echo([slow, fast], one, aperture, 1.0)) == pytest.approx(jv(1, 0.1) / jv(0, 0.1), rel=1e-12)
+    assert float(highest_echo([slow], one, aperture, 1.0)) == NOTHING
+
+
+@pytest.mark.parametrize("window", ["uniform", "hamming", "taylor"])
+@pytest.mark.parametrize(("density", "falls"), [(1e-4, 0.0), (5e-3, -1.0), (0.02, -2.0)])
+def test_islr_of_random_phase(window, density, falls, compared):
+    """400 random phases of the spectrum through the product's impulse response; the window's side lobes taken off."""
+    aperture, samples, runs = 4.0, 1024, 400
+    f = np.array([3.0, 100.0])
+    curve = Curve(f, density * (f / f[0]) ** falls)
+    lobe = ideal_null_cells(window)
+    made = through_aperture(Source(NONE, NONE, None, curve), np.array(aperture), lobe)
+    exponent = scatter_exponent([made], np.array(1.0), np.array(aperture), lobe)
+    islr = 20 * math.log10(float(scattered_ratio(exponent)))
+    rng = np.random.default_rng(7)
+    long = 8  # the noise is that of a record eight apertures long, cut: as a real flight's
+    at = np.arange(1, samples * long // 2) / (aperture * long)
+    inside = (at >= f[0]) & (at <= f[1])
+    amplitude = np.sqrt(np.where(inside, density * (at / f[0]) ** falls, 0) / (aperture * long))
+    noise = rng.standard_normal((runs, len(at))) + 1j * rng.standard_normal((runs, len(at)))
+    spectrum = np.zeros((runs, samples * long), complex)
+    spectrum[:, 1 : len(at) + 1] = amplitude * noise
+    phase = np.fft.fft(spectrum, axis=1).real[:, :samples]
+    assert phase.var() == pytest.approx(float(made.scattered), rel=0.1)
+    ideal = quadratic_response(0.0, window)
+    side = 10 ** (ideal.islr_fixed_db / 10)
+    found = 10 ** (np.asarray(impulse_response(np.exp(1j * phase), window, 8).islr_fixed_db) / 10)
+    random = (found - side) / (1 + side)
+    mean, error = random.mean(), random.std() / math.sqrt(runs)
+    assert error < 0.02 * mean  # 0.09 dB
+    compared(
+        "ISLR of random phase",
+        "P-11",
+        "our own derivation",
+        "400 random phase histories through the product's impulse response",
+        islr - 10 * math.log10(mean),
+        0.3,
+        "difference, dB",
+    )
+
+
+@pytest.mark.parametrize("window", ["uniform", "taylor"])
+def test_response_with_echoes(window):
+    """Peak loss, PSLR and ISLR of a line on top of a quadratic, mean over the line's phase."""
+    quadratic, phase, cells = 0.9, 0.25, 40.0
+    x = aperture_positions(1024)
+    starts = np.linspace(0, 2 * np.pi, 16, endpoint=False)[:, None]
+    real = impulse_response(np.exp(1j * (quadratic * x**2 + phase * np.cos(np.pi * cells * x + starts))), window)
+    stays = float(jv(0, phase)) ** 2
+    made = with_echoes(quadratic_response(quadratic, window), float(echo(np.array(phase))), stays, 1.0)
+    for name in ("peak_loss_db", "pslr_fixed_db", "islr_fixed_db", "islr_null_db"):
+        assert float(np.mean(getattr(real, name))) == pytest.approx(float(getattr(made, name)), abs=0.15), name
+
+
+def test_oscillator_filter():
+    """4 sin² of half the phase that turns on the way to the target and back."""
+    w, way = 2 * np.pi * np.geomspace(0.1, 1e6, 50), np.array(2 * 7000.0 / 299792458)
+    np.testing.assert_allclose(power_left(w, way), (2 * np.sin(w * 7000.0 / 299792458)) ** 2, rtol=1e-9)
