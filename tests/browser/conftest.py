@@ -134,9 +134,15 @@ def plain(browser: Browser, server: str) -> Iterator[Page]:
 def desk(plain: Page) -> Iterator[Page]:
     """The same, for tests that change the design and nothing else; it is reset after them."""
     said = plain.evaluate(_SAYS)
+    name = plain.get_by_role("textbox", name="Design", exact=True)
+    called = name.input_value()
     yield plain
+    # A name that only the reset takes away: what it undoes otherwise may look the same before and after.
+    name.fill("To be reset")
+    name.press("Enter")
     plain.get_by_role("button", name="Open", exact=True).click()
     plain.get_by_role("button", name="Reset").click()
+    expect(name).to_have_value(called)
     plain.wait_for_function(f"said => ({_SAYS})() === said", arg=said)
 
 

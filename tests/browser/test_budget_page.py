@@ -95,24 +95,25 @@ _BOXES = """() => {
 _SEEN = {"verdict": 1, "tile": 8, "chart": 4, "phase": 1}
 
 
-@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1920, 1080), (1280, 720)])
-def test_the_answer_and_what_moves_it_are_on_one_screen(visit: Visit, width: int, height: int) -> None:
+def test_the_answer_and_what_moves_it_are_on_one_screen(visit: Visit, page: Page) -> None:
     """Verdict, all tiles, the three sigma charts, phase by source and point target, with the design beside them."""
     said: list[str] = []
-    visit_page = visit(width=width, height=height)
-    visit_page.on("console", lambda message: said.append(message.text) if message.type == "warning" else None)
-    expect(visit_page.locator(".bk-Figure:visible")).to_have_count(4)
-    expect(box(visit_page, "Angle random walk")).to_be_visible()
+    page.on("console", lambda message: said.append(message.text) if message.type == "warning" else None)
+    visit()
+    expect(page.locator(".bk-Figure:visible")).to_have_count(4)
+    expect(box(page, "Angle random walk")).to_be_visible()
+    for width, height in ((1440, 900), (1920, 1080), (1280, 720)):
+        page.set_viewport_size({"width": width, "height": height})
 
-    def inside() -> bool:
-        boxes = visit_page.evaluate(_BOXES)
-        counted = {kind: sum(found[0] == kind for found in boxes) for kind in _SEEN}
-        fits = all(
-            0 <= left < right <= width and 0 <= top < bottom <= height for _, left, top, right, bottom in boxes
-        )
-        return counted == _SEEN and fits
+        def inside(width: int = width, height: int = height) -> bool:
+            boxes = page.evaluate(_BOXES)
+            counted = {kind: sum(found[0] == kind for found in boxes) for kind in _SEEN}
+            fits = all(
+                0 <= left < right <= width and 0 <= top < bottom <= height for _, left, top, right, bottom in boxes
+            )
+            return counted == _SEEN and fits
 
-    until(inside, "everything inside the window")
+        until(inside, f"everything inside a window of {width} x {height}")
     assert said == []
 
 
@@ -272,8 +273,8 @@ def test_preset_deviation_is_marked_and_taken_back(visit: Visit) -> None:
     expect(page.get_by_role("status").first).to_contain_text("Closes")
 
 
-def test_link_reproduces_the_design(visit: Visit, server: str) -> None:
-    page = visit()
+def test_link_reproduces_the_design(desk: Page, visit: Visit, server: str) -> None:
+    page = desk
     enter(box(page, "Position noise"), "7 cm")
     expect(card(page, "Position, horizontal")).not_to_have_text("40.4 cm")
     shown = card(page, "Position, horizontal").inner_text()

@@ -99,6 +99,7 @@ def test_from_an_empty_start_to_the_imus_that_pass_for_my_radar(visit: Visit) ->
     expect(page.get_by_role("region", name="Pairs of IMU and receiver")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_an_imu_and_a_log_lead_to_their_answers(visit: Visit) -> None:
     page = visit()
     page.get_by_role("button", name="My IMU").click()

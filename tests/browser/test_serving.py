@@ -121,7 +121,7 @@ def test_oversized_and_wrong_files_are_refused_where_they_are_given(visit: Calla
     )
     expect(notice).to_contain_text("<img src=x")
     files.set_input_files({"name": "big.toml", "mimeType": "text/plain", "buffer": b"#" * 3_000_000})
-    expect(notice).to_contain_text("exceeds maximum file size")
+    expect(notice).to_contain_text("larger than 0.25 MB")
     assert page.title() == "NavBudget"
     assert page.locator("img[src=x]").count() == 0
     page.get_by_role("slider", name="Angle random walk").focus()

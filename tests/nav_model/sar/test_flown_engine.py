@@ -127,7 +127,7 @@ def test_engines_agree_and_the_document_says_so(compared):
     assert "agreement" not in to_json(fast)
     apart = (found[0]._replace(ratio=1.5, error=0.05), *found[1:])
     assert "differ by more than three standard errors" in agreement_sentence(apart)
-    assert "2 +50 % ± 5 %" in agreement_sentence(apart)
+    assert "INS from filter +50 % ± 5 %" in agreement_sentence(apart)
 
 
 def test_a_chunk_is_the_same_whoever_flies_it(case):
