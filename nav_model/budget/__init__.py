@@ -18,16 +18,13 @@ from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.steady_state import Array, Horizontal
 from nav_model.budget.fast import LEVELS, levels, stays
 from nav_model.budget.figures import (
-    LONGEST_APERTURE,
     PLACING,
     SETTLED,
     SMOOTHED,
-    Inputs,
     along_track_phase,
     begun,
     by_state_space,
     free_shifts,
-    inputs_of,
     outage,
     phase_sources,
     placing,
@@ -35,6 +32,7 @@ from nav_model.budget.figures import (
     settled,
     smoothed_with_shifts,
 )
+from nav_model.budget.inputs import LONGEST_APERTURE, Inputs, inputs_of
 from nav_model.budget.result import (
     Budget,
     Echo,

@@ -14,7 +14,8 @@ from nav_model.analytic import coast as growth
 from nav_model.analytic.discrete import Sawtooth, SlowError
 from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
 from nav_model.analytic.steady_state import Array, Horizontal
-from nav_model.budget.figures import RECTIFICATION, Inputs, settled
+from nav_model.budget.figures import settled
+from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.frozen import FrozenMapping
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"

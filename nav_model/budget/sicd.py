@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
-from nav_model.budget.figures import begun, free_lines, inputs_of, smoothed_lines
+from nav_model.budget.figures import begun, free_lines, smoothed_lines
+from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.processing.geolocation import shifts
 

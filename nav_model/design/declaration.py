@@ -12,9 +12,9 @@ from typing import Any, TypeVar, cast
 
 import param
 
+from nav_model.dimensions import DIMENSIONS
 from nav_model.errors import InputError, shown
 from nav_model.units import (
-    DIMENSIONS,
     Parsed,
     QuantityError,
     format_quantity,

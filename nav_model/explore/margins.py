@@ -8,7 +8,8 @@ from typing import cast
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
-from nav_model.budget.figures import FIGURES, Inputs, Replacement, figures, inputs_of
+from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.inputs import Inputs, Replacement, inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
-from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
+from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.explore.margins import quantity

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from nav_model.analytic.steady_state import Array
 from nav_model.budget import analyse
 from nav_model.budget.fast import LEVELS
-from nav_model.budget.figures import inputs_of
+from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.design.processing import REAL_TIME
 from nav_model.errors import InputError

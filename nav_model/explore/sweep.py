@@ -23,7 +23,8 @@ from typing import Any
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
-from nav_model.budget.figures import FIGURES, UNSCALED, VARIABLES, figures, inputs_of
+from nav_model.budget.figures import FIGURES, UNSCALED, figures
+from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design, Value
 from nav_model.errors import InputError
 from nav_model.explore.margins import limits, worst

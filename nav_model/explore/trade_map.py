@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
-from nav_model.budget.figures import FIGURES, VARIABLES, figures, inputs_of
+from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.catalogue import Entry, catalogue
 from nav_model.design import Design, Value

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic import coast as growth
-from nav_model.budget.figures import inputs_of, sampled, settled
+from nav_model.budget.figures import sampled, settled
+from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.simulation.result import STATES, SimulationResult, chi_square_band
 from nav_model.simulation.schedule import plan

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nav_model.dimensions import DIMENSIONS
 from nav_model.units import (
-    DIMENSIONS,
     QuantityError,
     format_quantity,
     from_si,

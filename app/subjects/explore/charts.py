@@ -9,15 +9,16 @@ import numpy as np
 
 from app.charts.kinds import LEVELS, AnyChart, Array, Chart, Limit, Line, RankBar, RankChart, TradeMapChart
 from app.charts.region import contour
-from nav_model.budget.figures import figures, inputs_of
+from nav_model.budget.figures import figures
+from nav_model.budget.inputs import inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
+from nav_model.dimensions import DIMENSIONS
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.rank import Sensitivity, rank, sentence, silent
 from nav_model.explore.sweep import Column, sweep_ratios, sweep_sigma
 from nav_model.explore.sweep_plan import Plan
 from nav_model.explore.trade_map import TradeMap, is_log, place, trade_map
-from nav_model.units import DIMENSIONS
 
 _SHOWN = 12  # bars of a ranking
 _WORST = "Worst requirement"

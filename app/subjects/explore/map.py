@@ -25,7 +25,8 @@ from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from nav_model.budget import Budget
-from nav_model.budget.figures import FIGURES, figures, inputs_of
+from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.inputs import inputs_of
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.trade_map import RESULTS, changes_at
 

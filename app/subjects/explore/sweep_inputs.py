@@ -11,7 +11,7 @@ import panel_material_ui as pmui
 import param
 import tomli_w
 
-from nav_model.budget.figures import VARIABLES
+from nav_model.budget.inputs import VARIABLES
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
 from nav_model.design.declaration import Choice

@@ -14,7 +14,8 @@ from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, all_keys, declaration_of
 from nav_model.design.rows import Rows
-from nav_model.units import DIMENSIONS, parse_quantity
+from nav_model.dimensions import DIMENSIONS
+from nav_model.units import parse_quantity
 
 QUANTITIES = [key for key in all_keys() if isinstance(declaration_of(key), BaseQuantity)]
 _BAD = [

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from nav_model.budget import analyse
-from nav_model.budget.figures import figures, inputs_of
+from nav_model.budget.figures import figures
+from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.errors import InputError

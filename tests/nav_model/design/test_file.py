@@ -17,8 +17,8 @@ from nav_model.design.file import format_design, parse_design, read_design
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import deviations, preset_fill
 from nav_model.design.rows import Rows
+from nav_model.dimensions import DIMENSIONS
 from nav_model.errors import InputError
-from nav_model.units import DIMENSIONS
 
 EXAMPLES = sorted((Path(nav_model.__file__).parent.parent / "examples").glob("*.toml"))
 

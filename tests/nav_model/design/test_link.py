@@ -17,8 +17,9 @@ from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
+from nav_model.dimensions import DIMENSIONS
 from nav_model.errors import InputError
-from nav_model.units import DIMENSIONS, parse_quantity
+from nav_model.units import parse_quantity
 
 
 @st.composite

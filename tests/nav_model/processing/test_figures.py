@@ -9,7 +9,8 @@ from scipy.linalg import solve_discrete_are
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.analytic.steady_state import horizontal, vertical
 from nav_model.budget import analyse
-from nav_model.budget.figures import figures, inputs_of, smoothed_figures
+from nav_model.budget.figures import figures, smoothed_figures
+from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.processing.spectrum import Channel, smoothed
 

@@ -1,0 +1,188 @@
+"""The inputs of a budget as the closed forms take them: SI numbers, or arrays that broadcast together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nav_model.analytic import steady_state as steady
+from nav_model.analytic.discrete import SlowError
+from nav_model.analytic.steady_state import Array, as_numbers
+from nav_model.budget.fast import fast_sources, rectified
+from nav_model.constants import SPEED_OF_LIGHT
+from nav_model.design import Design
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import INPUTS, Radar
+from nav_model.design.processing import POST_PROCESSED
+from nav_model.errors import InputError
+from nav_model.frozen import FrozenMapping
+from nav_model.processing.fast_motion import Fast
+from nav_model.sar import geometry
+
+RECTIFICATION = "vibration rectification"
+"""Name of the source in every budget."""
+
+VARIABLES: tuple[str, ...] = tuple(
+    f"{section}.{name}"
+    for section, names in INPUTS.items()
+    for name, declaration in names.items()
+    if isinstance(declaration, BaseQuantity) and section != "requirements" and f"{section}.{name}" != "imu.rate"
+)
+"""Dotted keys of every input that a figure can depend on."""
+
+LONGEST_APERTURE = float(Radar.param["aperture_time"].bounds[1])  # s
+
+Replacement = ArrayLike | None
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What the figures are worked out from, in SI, vibration applied; numbers or arrays that broadcast together."""
+
+    sigma_a: Array
+    sigma_w: Array
+    interval: Array
+    fix: Array
+    fix_vertical: Array
+    slow: SlowError | None
+    g: Array
+    bias_a: Array
+    bias_w: Array
+    speed: Array
+    altitude: Array
+    latitude: Array
+    heading: Array
+    duration: Array
+    before_aperture: Array
+    wavelength: Array
+    slant_range: Array
+    grazing_angle: Array
+    squint: Array
+    aperture: Array
+    autofocus_order: int
+    steady_state: str
+    velocity: Array | None
+    velocity_vertical: Array | None
+    velocity_interval: Array | None
+    post_processed: bool
+    leg_before: Array
+    leg_after: Array
+    scene_height_error: Array
+    window: str
+    fast: Mapping[str, Fast]
+    rectified: Array | None
+
+    @property
+    def bias(self) -> Array:
+        """Accelerometer bias with that of vibration, m/s². [P-12]"""
+        return self.bias_a if self.rectified is None else np.sqrt(self.bias_a**2 + self.rectified**2)
+
+    @property
+    def to_phase(self) -> Array:
+        """Two-way phase of a metre, rad; NaN where the aperture is longer than a design may have. [T-13]"""
+        return np.where(self.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / self.wavelength
+
+    @property
+    def s(self) -> Array:
+        """Density of the fixes, m·√s. [T-2]"""
+        return steady.fix_density(self.fix, self.interval)
+
+    @property
+    def s_vertical(self) -> Array:
+        """Density of the vertical fixes, m·√s. [T-2]"""
+        return steady.fix_density(self.fix_vertical, self.interval)
+
+    @property
+    def velocity_densities(self) -> tuple[Array, Array] | None:
+        """Densities of the velocity fixes, horizontal and vertical, m/s·√s; None without them. [P-2]"""
+        if self.velocity is None or self.velocity_vertical is None or self.velocity_interval is None:
+            return None
+        root = np.sqrt(self.velocity_interval)
+        return self.velocity * root, self.velocity_vertical * root
+
+
+def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) -> Inputs:
+    """The inputs of a design, some of them replaced.
+
+    Parameters
+    ----------
+    design : Design
+    changes : mapping, optional
+        Dotted key of `VARIABLES` -> value in SI, a number or an array. They are taken as they are: bounds are
+        the caller's business.
+
+    Raises
+    ------
+    InputError
+        For a key that is not one of `VARIABLES`.
+    """
+    changed = changes or {}
+    for key in changed:
+        if key not in VARIABLES:
+            raise InputError(key, f"no figure depends on it as a number; allowed are {', '.join(VARIABLES)}")
+
+    def value(key: str) -> Array:
+        number = changed.get(key, design[key])
+        return as_numbers(number)  # type: ignore[arg-type]
+
+    def given(key: str) -> bool:
+        return changed.get(key, design[key]) is not None
+
+    gnss, radar = design.gnss, design.radar
+    factor = value("imu.vibration_factor")
+    fix = value("gnss.position_noise")
+    wavelength, squint = SPEED_OF_LIGHT / value("radar.frequency"), value("radar.squint_angle")
+    slant_range, speed = value("radar.slant_range"), value("flight.speed")
+    velocity = value("gnss.velocity_noise") if given("gnss.velocity_noise") else None
+    slow = None
+    if gnss.correlated:
+        slow = SlowError(value("gnss.correlated_noise"), value("gnss.correlation_time"))
+    aperture = (
+        value("radar.aperture_time")
+        if given("radar.aperture_time")
+        else geometry.aperture_time(
+            wavelength, slant_range, speed, value("radar.azimuth_resolution"), radar.window, squint
+        )
+    )
+    return Inputs(
+        sigma_a=value("imu.velocity_random_walk") * factor,
+        sigma_w=value("imu.angle_random_walk") * factor,
+        interval=value("gnss.interval"),
+        fix=fix,
+        fix_vertical=value("gnss.vertical_position_noise") if given("gnss.vertical_position_noise") else fix,
+        slow=slow,
+        g=value("flight.gravity"),
+        bias_a=value("imu.accelerometer_bias"),
+        bias_w=value("imu.gyro_bias"),
+        speed=speed,
+        altitude=value("flight.altitude"),
+        latitude=value("flight.latitude"),
+        heading=value("flight.heading"),
+        duration=value("coast.duration"),
+        before_aperture=value("coast.before_aperture"),
+        wavelength=wavelength,
+        slant_range=slant_range,
+        grazing_angle=value("radar.grazing_angle"),
+        squint=squint,
+        aperture=aperture,
+        autofocus_order=radar.autofocus_order,
+        steady_state=design.requirements.steady_state,
+        velocity=velocity,
+        velocity_vertical=value("gnss.vertical_velocity_noise")
+        if given("gnss.vertical_velocity_noise")
+        else velocity,
+        velocity_interval=(
+            value("gnss.velocity_interval") if given("gnss.velocity_interval") else value("gnss.interval")
+        ),
+        post_processed=design.processing.mode == POST_PROCESSED,
+        leg_before=value("processing.leg_before"),
+        leg_after=value("processing.leg_after"),
+        scene_height_error=value("processing.scene_height_error"),
+        window=radar.window,
+        fast=FrozenMapping(fast_sources(design, value, wavelength, aperture)),
+        rectified=rectified(design, value),
+    )
