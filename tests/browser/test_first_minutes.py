@@ -15,6 +15,7 @@ from nav_model.design.presets import preset_fill
 Visit = Callable[..., Page]
 
 
+@pytest.mark.slow
 def test_the_tour_is_offered_once_and_goes_by_keyboard(visit: Visit) -> None:
     page = visit()
     card = page.get_by_role("dialog")
@@ -37,6 +38,7 @@ def test_the_tour_is_offered_once_and_goes_by_keyboard(visit: Visit) -> None:
     expect(card).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_an_example_is_opened_and_undone(visit: Visit) -> None:
     page = visit()
     page.get_by_role("button", name="No, thanks").click()
@@ -112,6 +114,7 @@ def test_an_imu_and_a_log_lead_to_their_answers(visit: Visit) -> None:
     expect(page.get_by_role("button", name="My radar")).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_figures_are_told_as_chosen_in_this_browser_and_by_the_link(visit: Visit) -> None:
     page = visit()
     strip = page.get_by_role("status").first

@@ -74,6 +74,7 @@ _CANVAS = """() => [...Bokeh.documents[0]._all_models.values()].filter(m => m.ty
   .map(figure => figure.border_fill_color)"""
 
 
+@pytest.mark.slow
 def test_a_page_in_dark_stays_dark(visit: Visit, settled: Callable[[Page], None]) -> None:
     page = visit()
     light, on_light = page.evaluate(_GROUND), page.evaluate(_CANVAS)

@@ -154,6 +154,7 @@ def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(
     expect(field(again, "Your name")).to_have_value("Ann")
 
 
+@pytest.mark.slow
 def test_hostile_names_notes_and_comments_are_shown_and_do_nothing(visit: Visit) -> None:
     page = visit()
     tab(page, "Review")

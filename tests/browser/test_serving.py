@@ -110,6 +110,7 @@ def test_another_site_gets_neither_the_connection_nor_a_frame(page: Page, elsewh
     assert page.frames[1].url.startswith("chrome-error:")
 
 
+@pytest.mark.slow
 def test_oversized_and_wrong_files_are_refused_where_they_are_given(visit: Callable[..., Page]) -> None:
     page = visit()
     files = page.get_by_label("Design file", exact=True)
@@ -188,6 +189,7 @@ sys.exit(main(["serve", "--port", "0", "--log", "json", "--library", sys.argv[1]
 """
 
 
+@pytest.mark.slow
 def test_a_fault_of_ours_is_told_with_its_number_in_the_log_and_the_page_goes_on(page: Page, tmp_path: Path) -> None:
     command = [sys.executable, "-c", _FAULTY, str(tmp_path / "library.db")]
     log = tmp_path / "log"

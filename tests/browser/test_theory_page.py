@@ -60,6 +60,7 @@ def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
     assert page.evaluate("() => location.hash") == "#budget"
 
 
+@pytest.mark.slow
 def test_a_place_is_gone_to_once(visit: Visit) -> None:
     """Were it gone to again when the server answers, whoever has moved on in between would be pulled back."""
     page = visit("/#theory-T-17")

@@ -247,6 +247,7 @@ def test_a_name_in_any_script_is_written(changed):
         assert word in text
 
 
+@pytest.mark.slow
 def test_long_words_stay_on_the_page(changed):
     budget = changed(name="n" * 300, description="m" * 900)
     reader = pypdf.PdfReader(io.BytesIO(report_bytes([budget, budget], ".pdf", NOW)))

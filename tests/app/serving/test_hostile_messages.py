@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import pytest
 from open_page import Tab
 from tornado.websocket import WebSocketClosedError
 from waiting import PATIENCE
@@ -86,6 +87,7 @@ def test_hostile_messages_hurt_nobody_else_and_are_told_nothing(serving: Any, tm
     assert all(json.loads(line) for line in text.splitlines())
 
 
+@pytest.mark.slow
 def test_nobody_saves_under_another_name(serving: Any, people: Path, tmp_path: Path) -> None:
     """The field with the name is shown disabled to whoever is logged in; a browser can be made to change it."""
     place = tmp_path / "library.db"

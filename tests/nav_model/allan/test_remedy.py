@@ -39,6 +39,7 @@ def test_the_longer_log_halves_the_bound(term: str, factor: float):
     assert longer / bounds(term, SAMPLES, 10.0, seed=1) == pytest.approx(0.5, rel=0.25)
 
 
+@pytest.mark.slow
 def test_the_faster_log_halves_the_bound_on_quantization():
     factor = 2.0 ** (4.0 / 3.0)
     assert "25.2 Hz" in what_would_resolve("hidden", "quantization", ["random_walk"], 100.0, 0.1)

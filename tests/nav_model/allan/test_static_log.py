@@ -129,6 +129,7 @@ def test_disturbed_ring_laser_log_gives_no_angle_random_walk(shared_data: Path):
         assert any(warning.startswith("disturbed") for warning in axis["warnings"])
 
 
+@pytest.mark.slow
 def test_whole_size_log_fits_in_memory(shared_data: Path):
     """The 1,000,000 x 6 log read and analysed in a fresh process: peak resident size under 500 MB."""
     program = """

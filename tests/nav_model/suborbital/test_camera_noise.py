@@ -11,6 +11,7 @@ from nav_model.suborbital.settings import DEFAULTS
 from nav_model.suborbital.survey import run_survey
 
 
+@pytest.mark.slow
 def test_the_sweep_is_what_a_study_with_star_images_finds_at_each_noise() -> None:
     noises = np.array([2.0, 40.0]) * ARCSECOND
     swept = sweep_camera_noise(run_survey(DEFAULTS).study, DEFAULTS, noises)
