@@ -35,12 +35,11 @@ def bessel_1(p: Array) -> Array:
 def echo(phase: Array) -> Array:
     """Amplitude of a paired echo over its target, J1/J0 of the phase [rad]; beyond 2.3 rad that at 2.3. [P-9]
 
-        Examples
-        --------
-        >>> import numpy as np
-    from numpy.typing import NDArray
-        >>> f"{20 * np.log10(echo(np.array([0.0632]))[0]):.2f} dB"
-        '-30.00 dB'
+    Examples
+    --------
+    >>> import numpy as np
+    >>> f"{20 * np.log10(echo(np.array([0.0632]))[0]):.2f} dB"
+    '-30.00 dB'
     """
     p = _held(phase)
     return np.asarray(bessel_1(p) / (1 + bessel_0_less_1(p)))
