@@ -142,10 +142,14 @@ export function render({ model }) {
     tell({ do: "open", name: file.name, size: file.size, data: fits ? await file.arrayBuffer() : null })
     chooser.value = ""
   }
+  const address = () => {
+    const tab = buttons[model.active].textContent.toLowerCase()
+    at("[data-for=share] input").value = `${location.origin}${location.pathname}?${model.link}#${tab}`
+  }
+  model.on("link", address)  // a slider's last steps may still be on their way
   const share = () => {
     const field = at("[data-for=share] input")
-    const tab = buttons[model.active].textContent.toLowerCase()
-    field.value = `${location.origin}${location.pathname}?${model.link}#${tab}`
+    address()
     at("[data-for=share] span").textContent = ""
     requestAnimationFrame(() => field.select())
   }
