@@ -56,9 +56,9 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
     def text(self) -> str:
         """The value in force as the box shows it."""
 
-    @abstractmethod
     def size(self) -> float | None:
-        """The value in force as the slider shows it, SI; None: the slider stays where it is."""
+        """The value in force as the slider shows it, SI; None: there is no slider, or it stays where it is."""
+        return None
 
     @abstractmethod
     def help(self) -> str:
@@ -68,9 +68,9 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
     def take(self, text: str) -> InputError | None:
         """Put a text in force, or say or raise why not."""
 
-    @abstractmethod
     def take_size(self) -> InputError | None:
-        """Put in force what the slider says, or say why not."""
+        """Put in force what the slider says, or say why not; without a slider there is nothing to put."""
+        return None
 
     # --- how all follow and take -----------------------------------------------------------------------------
 

@@ -65,10 +65,3 @@ class RowsControl(InputBox):
     def take(self, text: str) -> InputError | None:
         """Put a text in force."""
         return self._session.change({self.key: self._declaration.read(text)})
-
-    def size(self) -> None:
-        """A table has no slider."""
-
-    def take_size(self) -> InputError | None:
-        """A table has no slider."""
-        raise NotImplementedError
