@@ -33,7 +33,7 @@ class Sidebar(pn.viewable.Viewer):
     lead_to : callable
         Turns to the page of an address such as "explore-which".
     empty : bool
-        Whether the page opens without a design of its own: the first question is asked then.
+        Whether the address names no design: the first question is asked then.
     """
 
     session = held(Session)

@@ -58,6 +58,8 @@ _RUNS = (50, 100, 200, 500, 1000)
 _ENGINES: dict[str, Engine] = {"Error model, per axis": "fast", "Full simulator": "simulator"}
 _LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
+_AS_HIGH_AS_IT_IS = "@media (max-width: 1000px) { :host { flex: none !important; height: auto !important; } }"
+"""Sheet of the ranked strategies, whose names take more lines on a narrow window."""
 _EARLIER = "The runs are of an earlier design: run again."
 _COMING = "<p class='quiet'>Appears when the strategies have been run.</p>"
 
@@ -91,11 +93,8 @@ class SarPage(pn.viewable.Viewer):
             pmui.TextInput.from_param(self.param.seed, width=70, **_LOOK),
         )
         self._rank_head, self._ranks = html_pane("", margin=_HEAD), html_pane("", margin=(0, 10, 6, 10))
-        narrow = (
-            "@media (max-width: 1000px) { :host { min-height: 500px !important; } }"  # names take more lines there
-        )
         self._ranks.param.update(
-            sizing_mode="stretch_both", min_height=300, stylesheets=[*self._ranks.stylesheets, narrow]
+            sizing_mode="stretch_both", min_height=300, stylesheets=[*self._ranks.stylesheets, _AS_HIGH_AS_IT_IS]
         )
         self._map = ChartPane(gnss_winner_chart, lambda: session.budget)
         self._image_head, self._images = html_pane("", margin=_HEAD), html_pane(_blank(), margin=(2, 10, 6, 10))
@@ -118,7 +117,11 @@ class SarPage(pn.viewable.Viewer):
             first_screen(
                 self._strip,
                 self._bar,
-                left=[pn.Column(self._rank_head, self._ranks, sizing_mode="stretch_both")],
+                left=[
+                    pn.Column(
+                        self._rank_head, self._ranks, sizing_mode="stretch_both", stylesheets=[_AS_HIGH_AS_IT_IS]
+                    )
+                ],
                 right=[self._map.view],
                 bottom=pn.Column(self._image_head, self._images),
             ),
