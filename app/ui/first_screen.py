@@ -13,6 +13,8 @@ from app.ui.theme import FRAME
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _VIEWS = Path(__file__).with_name("screen_of_views.css").read_text("utf-8")
 
+_NARROW = "@media (max-width: 1000px) { div { flex: none !important; height: auto !important; } }"
+"""Sheet of a part: on a narrow window what is in it is as high as it wants."""
 _ABOUT = 800  # pixels
 
 
@@ -46,6 +48,7 @@ def first_screen(
                     styles=where | FRAME,
                     sizing_mode="stretch_both",
                     css_classes=["half" if span == 1 else "whole"],
+                    stylesheets=[_NARROW],
                 )
             )
     if bottom is not None:

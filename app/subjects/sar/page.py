@@ -117,11 +117,7 @@ class SarPage(pn.viewable.Viewer):
             first_screen(
                 self._strip,
                 self._bar,
-                left=[
-                    pn.Column(
-                        self._rank_head, self._ranks, sizing_mode="stretch_both", stylesheets=[_AS_HIGH_AS_IT_IS]
-                    )
-                ],
+                left=[pn.Column(self._rank_head, self._ranks, sizing_mode="stretch_both")],
                 right=[self._map.view],
                 bottom=pn.Column(self._image_head, self._images),
             ),
