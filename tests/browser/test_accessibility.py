@@ -73,7 +73,9 @@ def test_no_page_loses_anything_at_twice_the_zoom(visit: Visit, settled: Callabl
 
 
 def _to(page: Page, role: str, name: str, key: str = "Tab") -> None:
-    """Press a key until something has the focus."""
+    """Wait for something to be on the page, then press a key until it has the focus."""
+    wanted = page.get_by_label(name, exact=True) if role == "text" else page.get_by_role(role, name=name, exact=True)
+    expect(wanted.first).to_be_visible()
     for _ in range(150):
         if page.evaluate(_FOCUSED) == [role, name]:
             return
