@@ -192,7 +192,7 @@ def _refuse_late_data(delay: float, aperture: float) -> None:
     if delay > aperture:
         raise InputError(
             "motion.delay",
-            f"{delay:.4g} s is longer than the aperture of {aperture:.4g} s; a shorter one goes",
+            f"{delay:.4g} s is longer than the aperture of {aperture:.4g} s; give a shorter delay",
             delay,
         )
 

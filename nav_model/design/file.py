@@ -109,7 +109,8 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         key, equals, text = change.partition("=")
         if not equals:
             raise InputError(change, 'not an assignment; write for example imu.angle_random_walk="0.3 °/√h"')
-        stated[key.strip()] = text.strip()
+        text = text.strip()  # in quotes as in a file, where the shell has left them
+        stated[key.strip()] = text[1:-1].strip() if len(text) > 1 and text[0] == text[-1] == '"' else text
     # Presets first: a value stated beside a preset comes on top of it, whatever the order.
     for key, text in sorted(stated.items(), key=lambda change: change[0] not in PRESET_KEYS):
         section, _, name = key.rpartition(".")

@@ -116,7 +116,7 @@ def ground_covariance(moved: Shifts, grazing: ArrayLike, height_error: ArrayLike
     """
     psi, height = as_numbers(grazing), as_numbers(height_error)
     across = moved.range / np.cos(psi) ** 2 + (np.tan(psi) * height) ** 2
-    return moved.azimuth, across, moved.both / np.cos(psi)
+    return moved.azimuth, across, moved.both / np.cos(psi) + 0.0  # a zero has no sign
 
 
 def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: float = 0.9) -> Array:

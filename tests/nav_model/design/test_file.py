@@ -160,6 +160,7 @@ CHANGED = b'[imu]\npreset = "STIM300"\nangle_random_walk = "1 \xc2\xb0/\xe2\x88\
         (["imu.angle_random_walk=0.2 °/√h", "imu.preset=LN-200"], "imu.angle_random_walk", None),
         (["gnss.interval=3 s"], "gnss.interval", 3.0),
         (["gnss.rate=4 Hz"], "gnss.interval", 0.25),
+        (['gnss.rate = "4 Hz"'], "gnss.interval", 0.25),
         (["imu.vibration_factor=8"], "imu.vibration_factor", 8.0),
         (["radar.autofocus_order=2"], "radar.autofocus_order", 2),
         (["gnss.correlated=true"], "gnss.correlated", True),
