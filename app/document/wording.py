@@ -8,10 +8,8 @@ from collections.abc import Mapping
 from nav_model.design import Design
 from nav_model.design.presets import deviations, preset_of
 
-AFTER_AUTOFOCUS = {1: "a line", 2: "a quadratic", 3: "a cubic"}
-"""What is removed from the phase before its residual is measured, by the order of the autofocus."""
 DETRENDED = {1: "linear detrend", 2: "quadratic detrend", 3: "cubic detrend"}
-"""The same, as what the residual is measured after."""
+"""What is removed from the phase before its residual is measured, by the order of the autofocus."""
 
 
 def best_of(shares: Mapping[str, float]) -> tuple[str, float]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable
 from html import escape
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import panel as pn
 import panel_material_ui as pmui
@@ -19,10 +18,9 @@ from app.charts.words import in_words
 from app.document.prose import prose
 from app.session import Session
 from app.ui.downloads import download
-from app.ui.grid import cell
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE
-from app.ui.turns import in_turns, once_quiet
+from app.ui.turns import once_quiet
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 
@@ -97,27 +95,6 @@ class ChartView(ChartPane[Budget]):
 
     def __init__(self, describe: Callable[[Budget], AnyChart], session: Session, height: int) -> None:
         super().__init__(describe, lambda: session.budget, height)
-
-
-def chart_cells(
-    layout: Sequence[tuple[Callable[[Any], AnyChart], int, int]],
-    make: Callable[[Callable[[Any], AnyChart], int], ChartPane[Any]],
-    made: list[Any],
-) -> list[pn.Column]:
-    """Cells for a `grid` that fill up with charts, a few in each turn of the server (`in_turns`).
-
-    The layout says of each what describes it, its height in pixels and its columns of twelve; ``made`` grows by what
-    ``make`` makes of the first two. What else stands in a cell stands under the chart.
-    """
-    cells = [cell(columns) for *_, columns in layout]
-
-    def add(index: int) -> None:
-        describe, height, _ = layout[index]
-        made.append(make(describe, height))
-        cells[index].insert(0, made[-1].view)
-
-    in_turns([partial(add, index) for index in range(len(layout))])
-    return cells
 
 
 def takes(describe: Callable[[_T], AnyChart], current: Callable[[], _T]) -> list[pmui.FileDownload]:

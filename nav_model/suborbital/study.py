@@ -26,7 +26,6 @@ from nav_model.suborbital.sensitivity import (
 )
 
 GRAVITY_ROW = "gravity model"
-TRACKER_ROWS = ("star tracker misalignment", "star tracker latency")
 
 
 @dataclass(frozen=True)

@@ -99,10 +99,6 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
     )  # fmt: skip
 
 
-def _takes_a_design(settings: Settings) -> bool:
-    return any(origin.startswith(OF_DESIGN) for origin in settings.origin.values())
-
-
 def _has_unit_of(settings: Settings, design: Design) -> bool:
     return dict(from_design(settings, design).values) == dict(settings.values)
 
