@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import param
-from panel.custom import JSComponent
 
 from app.ui.theme import PRINT_NOTHING
+from app.upstream.plain_script import PlainScript
 
 _KINDS = {"toml": "application/toml", "html": "text/html", "pdf": "application/pdf"}
 
 
-class Bar(JSComponent):
+class Bar(PlainScript):
     """The bar; ``told`` is called with what a person does on it, a dict with the name of the deed under "do"."""
 
     named = param.String(doc="Name of the design, which a person can change here.")

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 
 import panel as pn
 import param
-from panel.custom import JSComponent
 
 from app.session import Compared, Session
 from app.ui.theme import PRINT_NOTHING
+from app.upstream.plain_script import PlainScript
 from nav_model.budget import analyse
 from nav_model.design.file import MAX_BYTES, parse_design
 from nav_model.errors import InputError
@@ -19,7 +19,7 @@ from nav_model.errors import InputError
 _MOST = 100  # designs offered, the last saved first
 
 
-class ComparisonChoice(JSComponent):
+class ComparisonChoice(PlainScript):
     """The line that names the compared design, clears it, and offers others."""
 
     compared = param.String(doc="Name of what is compared; empty: nothing.")

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import param
-from panel.custom import JSComponent
+
+from app.upstream.plain_script import PlainScript
 
 THEME_COOKIE = "navbudget-theme"
 
 
-class Lifeline(JSComponent):
+class Lifeline(PlainScript):
     """Keeps the design in the browser's tab, gives it back to a page loaded again there, and says so when the server
     is gone.
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import param
-from panel.custom import JSComponent
 
 from app.ui.theme import PRINT_NOTHING
+from app.upstream.plain_script import PlainScript
 
 
 class Start(NamedTuple):
@@ -36,7 +36,7 @@ STARTS = {
 }  # fmt: skip
 
 
-class StartChoice(JSComponent):
+class StartChoice(PlainScript):
     """One line of buttons; ``chosen`` is the name of the one pressed last."""
 
     names = param.List(default=list(STARTS))

@@ -36,6 +36,7 @@ from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream import one_write, writes
 from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.ask_first import ask_first
+from app.upstream.browser import HEAD_SCRIPT
 from app.upstream.defaults import remember_defaults
 from app.upstream.given_socket import listen_on
 from app.upstream.late_session import page_of, sheets_from_here
@@ -166,8 +167,8 @@ def opening_page() -> Callable[[str, bool], str]:
     light = page_of(document, _TITLE)
 
     def page(token: str, dark: bool) -> str:
-        text = light(token).replace("<head>", f"<head><script>{OPENING_SCRIPT}</script>", 1)  # dark while it loads
-        return text.replace("<head>", '<head><meta name="color-scheme" content="dark">', 1) if dark else text
+        scheme = '<meta name="color-scheme" content="dark">' if dark else ""  # dark while it loads
+        return light(token).replace("<head>", f"<head>{scheme}<script>{OPENING_SCRIPT}{HEAD_SCRIPT}</script>", 1)
 
     return page
 

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import ClassVar
 
 import param
-from panel.custom import JSComponent
 
 from app.ui.theme import SHEET
+from app.upstream.plain_script import PlainScript
 
 
-class AnchoredText(JSComponent):
+class AnchoredText(PlainScript):
     """Our own HTML; `go_to` brings an element into view by its id, and the keyboard with it."""
 
     html = param.String(default="", doc="Already escaped.")

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import param
-from panel.custom import JSComponent
 
 from app.ui.theme import SHEET
+from app.upstream.plain_script import PlainScript
 
 
-class DecisionTable(JSComponent):
+class DecisionTable(PlainScript):
     """Requirements with the decision in force; ``told`` is called with what a person decides, a dict.
 
     Under "do" it has "decide" (with place, name, accepted, reason, and seen: the number of the decision that was in

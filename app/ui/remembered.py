@@ -6,15 +6,15 @@ from typing import Any
 from urllib.parse import unquote
 
 import param
-from panel.custom import JSComponent
 
 from app.upstream.connecting_cookies import connecting_cookies
+from app.upstream.plain_script import PlainScript
 
 DISPLAY_COOKIE = "navbudget-show"
 """How figures are told."""
 
 
-class Remembered(JSComponent):
+class Remembered(PlainScript):
     """Keeps a text in the browser under a name; an empty text is forgotten.
 
     Parameters

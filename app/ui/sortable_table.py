@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import ClassVar
 
 import param
-from panel.custom import JSComponent
 
 from app.ui.theme import SHEET
+from app.upstream.plain_script import PlainScript
 
 
-class SortableTable(JSComponent):
+class SortableTable(PlainScript):
     """Our own HTML with one table; a column whose heading holds a `<button>` can be sorted.
 
     A cell sorts by its `data-sort` attribute when it has one (a number or a text), else by what it says; an

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import param
-from panel.custom import JSComponent
 
 from app.ui.theme import PRINT_NOTHING
+from app.upstream.plain_script import PlainScript
 
 STEPS: tuple[dict[str, str], ...] = (
     {
@@ -48,7 +48,7 @@ STEPS: tuple[dict[str, str], ...] = (
 )
 
 
-class Tour(JSComponent):
+class Tour(PlainScript):
     """The offer on a first visit, and the card that walks through the steps; the bar's button starts it too."""
 
     steps = param.List(default=list[Any](STEPS))

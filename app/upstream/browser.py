@@ -1,10 +1,10 @@
-"""What is overridden in the browser: the scripts of this folder, applied by an invisible part of the page."""
+"""What is overridden in the browser: the scripts of this folder, by an invisible part of the page or in its head."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from panel.custom import JSComponent
+from app.upstream.plain_script import PlainScript
 
 _SCRIPTS = ("style_writes", "canvas_styles", "select_keys", "back_button", "layout_passes")
 
@@ -13,7 +13,11 @@ def _script(name: str) -> str:
     return Path(__file__).with_name(f"{name}.js").read_text(encoding="utf-8")
 
 
-class Repairs(JSComponent):
+HEAD_SCRIPT = _script("native_modules")
+"""For the head of the page: what must come before the libraries."""
+
+
+class Repairs(PlainScript):
     """Must stand on the page once, outside what is hidden; each script sees this part as `view`."""
 
     _esm = (

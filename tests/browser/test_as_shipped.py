@@ -112,3 +112,16 @@ def test_a_column_does_not_grow_over_the_window(shipped: Page) -> None:
     )
     assert limit == "100%"
     assert high < 3000
+
+
+# How the component library came: "fetch" is the shim's.
+_HOW = """() => performance.getEntriesByType("resource")
+  .filter(part => part.name.includes("panel-material-ui.bundle.js")).map(part => part.initiatorType)"""
+
+
+def test_modules_are_fetched_and_rewritten(shipped: Page) -> None:
+    assert shipped.evaluate(_HOW) == ["fetch"]
+
+
+def test_ours_are_imported_by_the_browser(plain: Page) -> None:
+    assert plain.evaluate(_HOW) == ["script"]

@@ -1,0 +1,24 @@
+"""A component's script goes into the browser as it is written.
+
+Panel compiles every script there as if it were TypeScript: half a second of an opening page, for plain JavaScript.
+What it takes for a bundle it leaves alone.
+
+Written for: Panel 1.9.4
+Upstream: none found, searched 2026-11-22
+Needless when: tests/app/upstream/test_plain_script.py::test_as_shipped_a_script_is_compiled_in_the_browser fails
+"""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+from panel.custom import JSComponent
+
+
+class PlainScript(JSComponent):
+    """A component whose ``_esm`` is plain JavaScript."""
+
+    def _get_properties(self, doc: Any) -> dict[str, Any]:
+        found: dict[str, Any] = super()._get_properties(doc)
+        return {**found, "bundle": hashlib.sha256(found["esm"].encode()).hexdigest()}
