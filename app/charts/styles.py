@@ -112,6 +112,7 @@ STYLES: dict[str, Style] = {
     "strategy 6": Style(PURPLE, "dotdash", 2.0),
     "strategy 7": Style("#a6761d", "dashed", 2.0),
     "strategy 8": Style("#b08c14", "solid", 2.5),
+    "strategy 9": Style("#c2407f", "dashed", 3.2),
 }
 """The same quantity has the same colour and dash everywhere."""
 

@@ -86,15 +86,20 @@ def filters(x: Array) -> dict[str, Array]:
     ``quadratic`` and ``cubic`` are of the coefficients of x² and x³ (as in `nav_model.sar.phase`), ``left_1`` to
     ``left_3`` of the mean square after autofocus to that order, ``slope`` of half the aperture times the slope
     of the line, ``turned`` of the quadratic that the turning line of sight makes of an along-track error, for a turn
-    of one over half the aperture [S-2], ``mean`` of the mean over the aperture, ``whole`` of the error itself.
+    of one over half the aperture [S-2], ``curved`` of the quadratic that the square of that turn makes,
+    ``with_curved`` of its covariance with the quadratic, ``mean`` of the mean over the aperture, ``whole`` of the
+    error itself.
     """
     x = as_numbers(x)
-    j0, j1, j2, j3 = spherical_bessel(x)
+    j0, j1, j2, j3, j4 = spherical_bessel(x, 4)
+    curved = j0 - 55 / 14 * j2 + 18 / 7 * j4
     return _left(x, np.stack([j0**2, 3 * j1**2, 5 * j2**2, 7 * j3**2])) | {
         "quadratic": 9 / 4 * 25 * j2**2,
         "cubic": 25 / 4 * 49 * j3**2,
         "slope": 9 * j1**2,
         "turned": (3 * j1 - 9 / 2 * j3) ** 2,
+        "curved": curved**2,
+        "with_curved": -15 / 2 * j2 * curved,
         "mean": j0**2,
         "whole": np.ones_like(x),
     }
@@ -105,6 +110,7 @@ def filters(x: Array) -> dict[str, Array]:
 _AVERAGE = MappingProxyType(
     {
         "quadratic": 9 / 8 * 25, "cubic": 25 / 8 * 49, "slope": 9 / 2, "turned": (3 + 9 / 2) ** 2 / 2, "mean": 1 / 2,
+        "curved": (15 / 2) ** 2 / 2, "with_curved": (15 / 2) ** 2 / 2,
     }
 )  # fmt: skip
 

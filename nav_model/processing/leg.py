@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 from nav_model.analytic.doubling import Segment, before, drift, information, twice
 from nav_model.analytic.steady_state import Array
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes
-from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
+from nav_model.processing.spectrum import UNEVEN, Channel, Leg, rates, smoothed
 
 COLUMNS = (
-    "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity", "tilt",
-    "mean_slope",
+    "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "curved", "with_curved", "mean",
+    "position", "velocity", "tilt", "mean_slope", "with_turned", "turned_curved",
 )  # fmt: skip
 """What `smoothed_in_leg` finds; as `nav_model.processing.spectrum.smoothed`."""
 
@@ -181,6 +181,45 @@ def _solved(x: _Row, modes: int) -> dict[str, Array]:
     return smoothed_modes(Inside(x.accelerometer, x.gyro, x.aperture, start, end, position, velocity, slow), modes)
 
 
+def _rows(channel: Channel, aperture: Array, leg: Leg) -> tuple[_Row, dict[str, Array], tuple[int, ...]]:
+    """A row a design, the same as plain arrays, and the shape that the inputs have together."""
+    fastest, slowest = rates(channel)
+    velocity, slow = channel.velocity, channel.slow
+    squared = {
+        "accelerometer": channel.accelerometer**2,
+        "gyro": 0 * channel.accelerometer if channel.gyro is None else channel.gyro**2,
+        "fix": channel.fix**2, "interval": channel.interval, "aperture": aperture,
+        "before": leg.before, "after": leg.after, "gap": leg.gap, "fastest": fastest, "slowest": slowest,
+        "velocity": None if velocity is None else velocity**2, "velocity_interval": channel.velocity_interval,
+        "slow": None if slow is None else slow**2, "slow_time": channel.slow_time,
+    }  # fmt: skip
+    given = {name: np.asarray(value) for name, value in squared.items() if value is not None}
+    shape = np.broadcast_shapes(*(value.shape for value in given.values()))
+    flat = {name: np.broadcast_to(value, shape).ravel() for name, value in given.items()}
+    return _Row(**dict.fromkeys(squared) | flat), flat, shape  # type: ignore[arg-type]
+
+
+def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array]:
+    """What the fixes of the legs tell of the states at two moments, of one design.
+
+    Parameters
+    ----------
+    channel : Channel
+        Numbers as arrays without axes.
+    span : array
+        Seconds between the two moments; a fix at either belongs to its leg.
+    leg : Leg
+        Before the first moment and after the second.
+
+    Returns
+    -------
+    pair of array, (n, n)
+        Information about position, velocity, acceleration by tilt, and the slow error where there is one.
+    """
+    start, end = _ends(_rows(channel, span, leg)[0])
+    return start[..., 0], end[..., 0]
+
+
 def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Array]:
     """Variances of the smoothed error of one channel over an aperture inside a leg of this length.
 
@@ -195,22 +234,10 @@ def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Ar
     -------
     dict
         One entry for each of `COLUMNS`; ``tilt`` is that times gravity [m²/s⁴], zero for the vertical;
-        ``mean_slope`` the covariance of the mean with the slope [m²/s].
+        ``mean_slope`` the covariance of the mean with the slope [m²/s], ``with_turned``, ``with_curved`` and
+        ``turned_curved`` those of the quadratics of the error, of its turn and of the turn's square [m²].
     """
-    fastest, slowest = rates(channel)
-    velocity, slow = channel.velocity, channel.slow
-    squared = {
-        "accelerometer": channel.accelerometer**2,
-        "gyro": 0 * channel.accelerometer if channel.gyro is None else channel.gyro**2,
-        "fix": channel.fix**2, "interval": channel.interval, "aperture": aperture,
-        "before": leg.before, "after": leg.after, "gap": leg.gap, "fastest": fastest, "slowest": slowest,
-        "velocity": None if velocity is None else velocity**2, "velocity_interval": channel.velocity_interval,
-        "slow": None if slow is None else slow**2, "slow_time": channel.slow_time,
-    }  # fmt: skip
-    given = {name: np.asarray(value) for name, value in squared.items() if value is not None}
-    shape = np.broadcast_shapes(*(value.shape for value in given.values()))
-    flat = {name: np.broadcast_to(value, shape).ravel() for name, value in given.items()}
-    x = _Row(**dict.fromkeys(squared) | flat)  # type: ignore[arg-type]
+    x, flat, shape = _rows(channel, aperture, leg)
     held = x.aperture.real * x.fastest
     found = {name: np.empty(held.shape, x.kind) for name in COLUMNS}
     least = 0.0
@@ -237,7 +264,8 @@ def _by_spectrum(flat: dict[str, Array], rows: NDArray[np.int64], found: dict[st
     }
     for name, column in smoothed(Channel(**values), given["aperture"]).items():
         found[name][rows] = column
-    found["tilt"][rows] = found["mean_slope"][rows] = 0.0
+    for name in ("tilt", *UNEVEN):
+        found[name][rows] = 0.0
     level = values["gyro"].real > 0
     if np.any(level):
         some = Channel(**{name: value[level] for name, value in values.items()})

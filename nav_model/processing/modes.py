@@ -17,8 +17,11 @@ from numpy.polynomial import legendre
 
 from nav_model.analytic.steady_state import Array
 
-_SINGLY = 4  # Legendre orders of the position error that figures name: 0 to 3
-_ALL = 7  # modes that reach them
+_SINGLY = 5  # Legendre orders of the position error that figures name: 0 to 4
+_ALL = 8  # modes that reach them
+_LEFT = 4  # the lowest order of what is left after order 3
+# Quadratics, by the coefficients of orders 0 to 4, of the error, of its turn, and of the square of its turn.
+_FUNCTIONALS = np.array([[0, 0, 3 / 2, 0, 0], [0, 1, 0, 9 / 14, 0], [1, 0, 11 / 14, 0, 2 / 7]])
 
 
 class Fixes(NamedTuple):
@@ -79,7 +82,7 @@ def _basis(modes: int) -> _Basis:
 
 @cache
 def _whole() -> tuple[Array, Array]:
-    """Covariance of the Legendre coefficients 0 to 3 by all modes of the accelerometer's noise, and of the gyro's."""
+    """Covariance of the Legendre coefficients 0 to 4 by all modes of the accelerometer's noise, and of the gyro's."""
     rows = _basis(_ALL).position[:_SINGLY, 3:]
     one, other = rows[:, :_ALL], rows[:, _ALL:]
     return one @ one.T, other @ other.T
@@ -166,19 +169,20 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
     solved = np.linalg.solve(whole, _turned(sides))[:, :plain]
     variance = np.einsum("nij,nji->ni", wanted, solved)
     unseen = np.sum(wanted[..., 3:] ** 2, axis=-1)  # what the modes have when nothing measures them
-    orders = np.arange(_SINGLY, modes + 3)
+    orders = np.arange(_LEFT, modes + 3)
     rest = (unseen - variance)[:, orders] / (2 * orders + 1)
     left_3 = a**2 / 6930 + w**2 / 540540 - rest.sum(axis=-1)  # [S-6] but for what the fixes see of it
     # the moment in the middle has a little of modes above those taken
     above = np.stack([a**2 / 24 + w**2 / 640, a**2 / 2 + w**2 / 24, w**2 / 2], axis=-1) - unseen[:, -3:]
     now = variance[:, -3:] + above
-    with_1, with_3 = (np.einsum("ni,ni->n", wanted[:, 1], solved[..., k]) for k in (0, 3))
+    named = wanted[:, :_SINGLY] @ solved[..., :_SINGLY]
     if modes < _ALL:  # and so have the orders that figures name
         from_a, from_w = _whole()
         noise = wanted[:, :_SINGLY, 3:]
         beyond = a[:, None, None] ** 2 * from_a + w[:, None, None] ** 2 * from_w - noise @ _turned(noise)
-        variance[:, :_SINGLY] += np.einsum("nii->ni", beyond)
-        with_1, with_3 = with_1 + beyond[:, 0, 1], with_3 + beyond[:, 1, 3]
+        named = named + beyond
+        variance[:, :_SINGLY] = np.einsum("nii->ni", named)
+    of_turn = _FUNCTIONALS @ named @ _FUNCTIONALS.T
     quadratic, cubic = variance[:, 2] * 9 / 4, variance[:, 3] * 25 / 4
     left_2 = left_3 + cubic * (4 / 25 / 7)
     found: dict[str, Any] = {
@@ -188,9 +192,13 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
         "left_2": left_2,
         "left_3": left_3,
         "slope": variance[:, 1] * 4 / t**2,
-        "turned": variance[:, 1] + with_3 * 9 / 7 + variance[:, 3] * 81 / 196,
+        "turned": of_turn[:, 1, 1],
+        "curved": of_turn[:, 2, 2],
+        "with_curved": of_turn[:, 0, 2],
         "mean": variance[:, 0],
-        "mean_slope": with_1 * 2 / t,
+        "mean_slope": named[:, 0, 1] * 2 / t,
+        "with_turned": of_turn[:, 0, 1],
+        "turned_curved": of_turn[:, 1, 2],
         "position": now[:, 0],
         "velocity": now[:, 1] / t**2,
         "tilt": now[:, 2] / t**4,

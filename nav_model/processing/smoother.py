@@ -14,7 +14,9 @@ from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 
 SPECTRUM, STATE_SPACE = "spectrum", "state space"
 
-_LONG = 6.0  # times 1/w0 of leg on each side: what is missing beyond is 0.1 % of the quadratic phase
+LONG = 6.0
+"""Times 1/w0 of leg on each side: what is missing beyond is 0.1 % of the quadratic phase."""
+
 _DENSE = 0.7  # w0 times the fix interval: sampled fixes act like the noise of their density to 0.02 %
 
 
@@ -31,7 +33,7 @@ def by_state_space(channel: Channel, leg: Leg) -> NDArray[np.bool_]:
     if channel.velocity_interval is not None:
         interval = np.maximum(interval, channel.velocity_interval.real)
     side = np.minimum(leg.before.real, leg.after.real)
-    where = (side * slowest < _LONG) | (interval * fastest > _DENSE) | (leg.gap.real > 0)
+    where = (side * slowest < LONG) | (interval * fastest > _DENSE) | (leg.gap.real > 0)
     return np.asarray(where)
 
 

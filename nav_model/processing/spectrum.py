@@ -15,8 +15,14 @@ import numpy as np
 from nav_model.analytic.steady_state import Array
 from nav_model.processing.aperture_filter import table
 
-FOCUS = ("quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity")
+FOCUS = (
+    "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "curved", "with_curved", "mean",
+    "position", "velocity",
+)  # fmt: skip
 """What `smoothed` finds of a channel; "tilt" too for one that has a gyro."""
+
+UNEVEN = ("mean_slope", "with_turned", "turned_curved")
+"""Covariances of what is even in time with what is odd: none in an error that has no beginning."""
 
 
 class Leg(NamedTuple):
@@ -117,7 +123,7 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
     w = made.nodes / half[..., None]
     drift, known = inverse_drift(channel, w), inverse_receiver(channel, w)
     found: dict[str, Array] = {}
-    focus = [name for name in names if name not in ("tilt", "mean_slope")]
+    focus = [name for name in names if name not in ("tilt", *UNEVEN)]
     if focus:
         columns = np.stack([made.weights * made.filters[_FILTER.get(name, name)] for name in focus], axis=-1)
         for column, name in enumerate(focus):
@@ -127,8 +133,7 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
         for column, name in enumerate(focus):
             scale = np.pi * half * (half**2 if name in ("slope", "velocity") else 1)
             found[name] = whole[..., column] / scale
-    if "mean_slope" in names:  # even and odd functions of time are independent in an error that has no beginning
-        found["mean_slope"] = np.zeros(())
+    found |= {name: np.zeros(()) for name in UNEVEN if name in names}
     if "tilt" in names:
         if channel.gyro is None:
             raise ValueError("tilt: the vertical channel has none")

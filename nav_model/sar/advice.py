@@ -31,7 +31,9 @@ _DONE = {
     "3": "the INS runs through the outage and the aperture",
     "5": "subtract the quadratic fitted to INS minus GNSS over the aperture",
     "5w": "subtract the fitted quadratic, weighted by its noise",
+    "9": "smooth the trajectory after the flight, with the fixes before, in and after the aperture",
 }
+_NEEDS = "It needs post-processing: the image is made after the flight, with the fixes of the leg after the aperture."
 LEFT = {1: "after linear detrend", 2: "after quadratic autofocus", 3: "after cubic autofocus"}
 """Order of the autofocus -> what its residual is called."""
 
@@ -52,6 +54,8 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
         f"By the formulas, use {NAMES[chosen]}: {_DONE[chosen]}. The residual is {_length(sigma[chosen])} rms "
         f"({np.degrees(phase * sigma[chosen]):.3g}° of phase) {LEFT[conditions.autofocus_order]}."
     )
+    if chosen == "9":
+        sentence += f" {_NEEDS}"
     fitted = np.isfinite(sigma["5"])
     because = f"{NAMES['2']}: {_length(sigma['2'])}"
     because += (
@@ -66,6 +70,10 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
         )
     if coast > 0:
         because += f" {NAMES['3']} ({coast:.4g} s without fixes): {_length(sigma['3'])}."
+    if "9" in sigma:
+        because += f" {NAMES['9']}: {_length(sigma['9'])}."
+        if not conditions.post_processed:
+            because += " It needs post-processing, so it cannot be chosen while the design is processed in real time."
     break_even = float(break_even_aperture(conditions))
     limit = _break_even_noise(conditions, sigma) if fitted else 0.0
     change = ""
@@ -85,6 +93,10 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
             f" {NAMES[chosen]} {verdict} the limit of {np.degrees(required_phase):.3g}° "
             f"by a factor of {max(ratio, 1 / ratio):.3g}."
         )
+        if "9" in sigma and chosen != "9":
+            smoothed = phase * sigma["9"] / required_phase
+            met = "would meet" if smoothed <= 1 else "would miss"
+            change += f" Post-processed, {NAMES['9']} {met} it by a factor of {max(smoothed, 1 / smoothed):.3g}."
     return Advice(chosen, sentence, because, change, sigma, break_even, limit)
 
 

@@ -12,6 +12,7 @@ named for the filter give matrices of three rows without it and four with it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,7 +31,9 @@ class AxisModel:
     ``accelerometer_noise`` [m/s/sqrt(s)], ``gyro_noise`` [rad/sqrt(s)], ``gnss_sigma`` [m] of one fix every
     ``fix_interval`` [s]; ``accelerometer_bias`` [m/s^2] and ``gyro_bias`` [rad/s] are 1 sigma of what the
     filter has not absorbed at the start of the aperture. ``slow_sigma`` [m] and ``slow_time`` [s] of the slow
-    error of the fixes, on top of their noise; zero for none.
+    error of the fixes, on top of their noise; zero for none. ``velocity_sigma`` [m/s] of the velocity that comes with
+    each fix; zero for none. ``leg_before`` and ``leg_after`` [s] with fixes on both sides of the aperture: what the
+    whole-leg smoother has.
     """
 
     accelerometer_noise: float
@@ -43,21 +46,32 @@ class AxisModel:
     horizontal: bool = True
     slow_sigma: float = 0.0
     slow_time: float = 300.0
+    velocity_sigma: float = 0.0
+    leg_before: float = math.inf
+    leg_after: float = math.inf
 
     def __post_init__(self) -> None:
         for name in ("accelerometer_noise", "gnss_sigma", "fix_interval", "gravity", "slow_time"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise ValueError(f"{name}: {value}; a positive, finite number is needed")
-        for name in ("gyro_noise", "accelerometer_bias", "gyro_bias", "slow_sigma"):
+        for name in ("gyro_noise", "accelerometer_bias", "gyro_bias", "slow_sigma", "velocity_sigma"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0):
                 raise ValueError(f"{name}: {value}; zero or a positive, finite number is needed")
+        for name in ("leg_before", "leg_after"):
+            if not getattr(self, name) >= 0:
+                raise ValueError(f"{name}: {getattr(self, name)}; zero or a positive number is needed")
 
     @property
     def tilt_noise(self) -> float:
         """Density of the noise that drives a: g sigma_w [m/s^2/sqrt(s)], zero on the vertical axis."""
         return self.gravity * self.gyro_noise if self.horizontal else 0.0
+
+    @property
+    def fix_sigmas(self) -> _FloatArray:
+        """Noise of what one fix measures: position [m], and velocity [m/s] where it has that."""
+        return np.array([self.gnss_sigma, self.velocity_sigma] if self.velocity_sigma else [self.gnss_sigma])
 
 
 class SteadyCovariance(NamedTuple):
@@ -116,21 +130,22 @@ def _with_slow(model: AxisModel, matrix: _FloatArray, slow: _FloatArray) -> _Flo
     return whole
 
 
-def fix_row(states: int) -> _FloatArray:
-    """What a fix measures of the filter's states: position, and with it the slow error of the fix."""
-    row = np.zeros(states)
-    row[0] = 1.0
-    row[3:] = 1.0
-    return row
+def fix_rows(model: AxisModel) -> _FloatArray:
+    """What a fix measures of the filter's states, (kinds, m): position with its slow error, and velocity."""
+    rows = np.zeros((len(model.fix_sigmas), 4 if model.slow_sigma else 3))
+    rows[0, 0] = 1.0
+    rows[0, 3:] = 1.0
+    rows[1:, 1] = 1.0
+    return rows
 
 
-def measure(prior: _FloatArray, gnss_sigma: float) -> tuple[_FloatArray, _FloatArray]:
-    """Gain (m,) and posterior covariance (m, m) of a fix (Joseph's form)."""
-    row = fix_row(len(prior))
-    cross = prior @ row
-    gain = cross / (cross @ row + gnss_sigma**2)
-    keep = np.eye(len(prior)) - np.outer(gain, row)
-    return gain, keep @ prior @ keep.T + np.outer(gain, gain) * gnss_sigma**2
+def measure(prior: _FloatArray, model: AxisModel) -> tuple[_FloatArray, _FloatArray]:
+    """Gain (m, kinds) and posterior covariance (m, m) of a fix (Joseph's form)."""
+    rows, noise = fix_rows(model), np.diag(model.fix_sigmas**2)
+    cross = prior @ rows.T
+    gain = np.asarray(np.linalg.solve(rows @ cross + noise, cross.T).T, float)
+    keep = np.eye(len(prior)) - gain @ rows
+    return gain, keep @ prior @ keep.T + gain @ noise @ gain.T
 
 
 def steady_covariance(model: AxisModel) -> SteadyCovariance:
@@ -143,8 +158,8 @@ def steady_covariance(model: AxisModel) -> SteadyCovariance:
     size, excited = len(kept), np.ix_(kept, kept)
     a = full[excited].T
     h = filter_noise(model, model.fix_interval)[excited]
-    row = fix_row(len(full))[kept]
-    g = np.outer(row, row) / model.gnss_sigma**2
+    rows = fix_rows(model)[:, kept]
+    g = (rows.T / model.fix_sigmas**2) @ rows
     for _ in range(60):
         keep = np.linalg.inv(np.eye(size) + g @ h)
         a, g, grown = a @ keep @ a, g + a @ keep @ g @ a.T, h + a.T @ h @ keep @ a
@@ -154,7 +169,7 @@ def steady_covariance(model: AxisModel) -> SteadyCovariance:
             break
     prior = np.zeros_like(full)
     prior[excited] = h
-    return SteadyCovariance(prior, measure(prior, model.gnss_sigma)[1])
+    return SteadyCovariance(prior, measure(prior, model)[1])
 
 
 def draw_state(covariance: _FloatArray, runs: int, random: np.random.Generator) -> _FloatArray:

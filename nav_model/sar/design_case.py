@@ -10,13 +10,21 @@ import numpy as np
 
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.budget import Budget
+from nav_model.budget.figures import channels
+from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.design import Design
+from nav_model.design.processing import POST_PROCESSED
 from nav_model.errors import InputError
+from nav_model.processing.smoother import smoothed_error
+from nav_model.processing.spectrum import Leg
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import ApertureFlight, flight_of
+from nav_model.sar.geometry import line_of_sight_weights
 from nav_model.sar.impulse_response import Window
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.strategies import NAMES
+from nav_model.sar.strategy_forms import QUADRATIC_MEAN_SQUARE
+from nav_model.sar.turning import TURNING, smoothed_bent_variance, turn_weights
 from nav_model.sar.winners import Conditions
 
 Engine = Literal["fast", "simulator"]
@@ -76,6 +84,7 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
         raise InputError("radar.squint_angle", str(error)) from error
     wanted = max(sar.aperture_time * _RATE_HZ, 8 * sar.aperture_time / interval)
     samples = min(max(math.ceil(wanted), _LEAST_SAMPLES), _MOST_SAMPLES)
+    velocities = _velocity_noises(design) or (0.0, 0.0)
     level, down = (
         AxisModel(
             accelerometer_noise=design.imu.velocity_random_walk * design.imu.vibration_factor,
@@ -88,8 +97,14 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
             horizontal=horizontal,
             slow_sigma=design.gnss.correlated_noise if design.gnss.correlated else 0.0,
             slow_time=design.gnss.correlation_time,
+            velocity_sigma=velocity,
+            leg_before=design.processing.leg_before,
+            leg_after=design.processing.leg_after,
         )
-        for noise, horizontal in ((design.gnss.position_noise, True), (_vertical_noise(design), False))
+        for noise, velocity, horizontal in (
+            (design.gnss.position_noise, velocities[0], True),
+            (_vertical_noise(design), velocities[1], False),
+        )
     )
     return DesignCase(
         models=(level, level, down),
@@ -110,12 +125,15 @@ def conditions(
     aperture_time: float | np.ndarray | None = None,
     gnss_factor: float | np.ndarray = 1.0,
     gyro_noise: float | np.ndarray | None = None,
+    *,
+    smoothed: bool = True,
 ) -> Conditions:
     """The closed forms' inputs for a design, or for a grid about it: arrays that broadcast together.
 
     The state at the last fix is that of the sampled filter just after it [T-8], for each fix noise
     (``gnss_factor`` times the design's, vertical with it) and each angle random walk [rad/s/sqrt(Hz)],
     the vibration factor applied to what is given too. A slow GNSS error that is switched on stays as it is.
+    ``smoothed``: whether the whole-leg smoother is wanted, too; on a grid it takes longer than all the others.
     """
     design = budget.design
     imu, gnss, flight = design.imu, design.gnss, design.flight
@@ -124,8 +142,15 @@ def conditions(
     level, upright = gnss.position_noise * np.asarray(gnss_factor), _vertical_noise(design) * np.asarray(gnss_factor)
     slow = SlowError(gnss.correlated_noise, gnss.correlation_time) if gnss.correlated else None
     settled = cycle(accelerometer, gyro, flight.gravity, gnss.interval, level, upright, slow)
+    span = budget.sar.aperture_time if aperture_time is None else aperture_time
+    changed = {
+        "radar.aperture_time": span,
+        "gnss.position_noise": level,
+        "gnss.vertical_position_noise": upright,
+        "imu.angle_random_walk": imu.angle_random_walk if gyro_noise is None else gyro_noise,
+    }
     return Conditions(
-        aperture_time=budget.sar.aperture_time if aperture_time is None else aperture_time,
+        aperture_time=span,
         gnss_sigma=level,
         fix_interval=gnss.interval,
         accelerometer_noise=accelerometer,
@@ -143,7 +168,29 @@ def conditions(
         squint_angle=design.radar.squint_angle,
         slow=slow,
         slow_with_tilt=settled.slow_with_tilt,
+        smoothed=_smoothed(inputs_of(design, changed)) if smoothed else None,
+        post_processed=design.processing.mode == POST_PROCESSED,
     )
+
+
+def _smoothed(x: Inputs) -> tuple[np.ndarray, np.ndarray]:
+    """Variances [m²] of the whole-leg smoother along the line of sight: quadratic, and after autofocus. [P-5], [S-2]
+
+    With fixes throughout, as every strategy but the INS after an outage.
+    """
+    left = f"left_{x.autofocus_order}"
+    leg = Leg(x.leg_before, x.leg_after, np.zeros(()))
+    level, upright = smoothed_error(channels(x), x.aperture, leg, ("quadratic", left, *TURNING))
+    wide, high = line_of_sight_weights(x.grazing_angle)
+    turn = turn_weights(x.grazing_angle, x.squint, x.speed / x.slant_range, x.aperture)
+    bent = sum(
+        smoothed_bent_variance(weights, part)
+        for weights, part in ((turn.along, level), (turn.across, level), (turn.down, upright))
+    )
+    focus = wide * level[left] + high * upright[left]
+    if x.autofocus_order == 1:
+        focus = focus + QUADRATIC_MEAN_SQUARE * bent
+    return np.asarray(wide * level["quadratic"] + high * upright["quadratic"] + bent), np.asarray(focus)
 
 
 def required_phase(design: Design) -> float | None:
@@ -154,14 +201,8 @@ def required_phase(design: Design) -> float | None:
 
 def study_cautions(budget: Budget) -> tuple[str, ...]:
     """What a careful reader of the strategies must know of this design."""
-    design = budget.design
-    smoothed = budget.post_processed.detrended * budget.sar.wavelength / (4 * math.pi)
+    design, processing = budget.design, budget.design.processing
     said = []
-    if design.gnss.velocity_noise is not None:
-        said.append(
-            "The strategies' formulas and error model use position fixes only. The simulator's flights also have the "
-            "velocity fixes."
-        )
     if design.gnss.correlated:
         said.append(
             "The slow GNSS error is on: the filter estimates it [T-8], and both quadratic fits follow it. The map "
@@ -175,7 +216,8 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     if design.coast.before_aperture > 0:
         said.append(
             f"Only {NAMES['3']} flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all "
-            f"others have fixes throughout. Without fixes {NAMES['3']} is the only option."
+            f"others have fixes throughout. Without fixes {NAMES['3']} is the only option in real time. The Budget "
+            f"page's post-processed figures count the outage; {NAMES['9']} here does not."
         )
     else:
         said.append(f"No outage before the aperture is set, so {NAMES['3']} equals {NAMES['2']}.")
@@ -185,8 +227,13 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     )
     said.append(
         f"{NAMES['8']} uses fixes up to the aperture's end, so it bounds what real-time and in-aperture methods can "
-        "do. Post-processing can also use the fixes of the leg after the aperture. Smoothed with the whole leg, the "
-        f"residual is {1e3 * smoothed:.3g} mm along the line of sight ({budget.post_processed.method}, [P-5])."
+        f"do. {NAMES['9']} needs post-processing: it also uses {processing.leg_before:.4g} s of fixes before the "
+        f"aperture and {processing.leg_after:.4g} s after it, and takes up constant biases. "
+        + (
+            "The design is post-processed, so it can be the best."
+            if processing.mode == POST_PROCESSED
+            else "The design is processed in real time, so it is shown but cannot be the best."
+        )
     )
     said.append(
         f"The formula of {NAMES['5']} assumes continuous fixes. With few fixes in the aperture its inertial part is "
@@ -217,6 +264,15 @@ def flight_cautions(budget: Budget) -> tuple[str, ...]:
     if abs(flown - coast) > 1e-6:
         said.append(f"The outage is rounded to whole fix intervals: {flown:.4g} s instead of {coast:.4g} s.")
     return tuple(said)
+
+
+def _velocity_noises(design: Design) -> tuple[float, float] | None:
+    """Velocity of each position fix, horizontal and vertical [m/s]: the density is that of the velocity fixes."""
+    gnss = design.gnss
+    if gnss.velocity_noise is None:
+        return None
+    ratio = math.sqrt((gnss.velocity_interval or gnss.interval) / gnss.interval)
+    return gnss.velocity_noise * ratio, (gnss.vertical_velocity_noise or gnss.velocity_noise) * ratio
 
 
 def _vertical_noise(design: Design) -> float:

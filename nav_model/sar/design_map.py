@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from nav_model.budget import Budget
 from nav_model.catalogue import catalogue
 from nav_model.constants import SPEED_OF_LIGHT
+from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.design_case import conditions
 from nav_model.sar.geometry import aperture_time
-from nav_model.sar.winners import MAP_STRATEGIES, WinnerMap, map_of_winners
+from nav_model.sar.winners import WinnerMap, map_of_winners
 
 _FloatArray = NDArray[np.float64]
 POINTS = 80
@@ -63,7 +64,7 @@ def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
                 )
             )  # fmt: skip
     span = _aperture_axis(budget, points)
-    result = map_of_winners(conditions(budget, span[None, :], gnss_factor=noise[:, None] / own))
+    result = _winners(budget, span[None, :], gnss_factor=noise[:, None] / own)
     return _made(budget, result, span, noise, own, tuple(names), np.array(spans), np.full(len(spans), own))
 
 
@@ -73,10 +74,16 @@ def arw_map(budget: Budget, points: int = POINTS) -> DesignMap:
     walk = _axis(own, _ARW_SPAN, points)
     known = [entry for entry in catalogue("imu").values() if "angle_random_walk" in entry.values]
     span = _aperture_axis(budget, points)
-    result = map_of_winners(conditions(budget, span[None, :], gyro_noise=walk[:, None]))
+    result = _winners(budget, span[None, :], gyro_noise=walk[:, None])
     values = np.array([entry.values["angle_random_walk"].value for entry in known])
     names = tuple(entry.name for entry in known)
     return _made(budget, result, span, walk, own, names, np.full(len(known), budget.sar.aperture_time), values)
+
+
+def _winners(budget: Budget, span: _FloatArray, **grid: _FloatArray) -> WinnerMap:
+    """The map over apertures; the whole-leg smoother is worked out where it may win."""
+    smoothed = budget.design.processing.mode == POST_PROCESSED
+    return map_of_winners(conditions(budget, span, **grid, smoothed=smoothed))
 
 
 def _made(
@@ -91,7 +98,7 @@ def _made(
 ) -> DesignMap:
     inside = (x >= span[0]) & (x <= span[-1]) & (y >= other[0]) & (y <= other[-1])
     return DesignMap(
-        strategies=MAP_STRATEGIES,
+        strategies=result.strategies,
         aperture_time=span,
         other=other,
         winner=result.winner,

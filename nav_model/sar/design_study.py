@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
+from nav_model.design.processing import POST_PROCESSED
 from nav_model.errors import InputError
 from nav_model.sar.advice import LEFT, Advice, advise
 from nav_model.sar.decomposition import Band, autofocus, band
@@ -30,14 +31,14 @@ from nav_model.sar.winners import MAP_STRATEGIES, WORTH, strategy_variances
 _FloatArray = NDArray[np.float64]
 _CHUNK: dict[Engine, int] = {"fast": 50, "simulator": 10}  # about a second of work
 MOST_RUNS = 20_000
-_SIMPLEST_FIRST = ("2", "4", "5", "5w", "8", "6", "7")  # reconstructions last
+_SIMPLEST_FIRST = ("2", "4", "5", "5w", "8", "9", "6", "7")  # reconstructions last
 # Quadratic phase beyond which 1024 aperture samples no longer carry the response: it fills the line.
 _NO_IMAGE_RAD = 800.0
 
 
 @dataclass(frozen=True)
 class ClosedForms:
-    """What follows the sliders: the advice, and for 2, 3, 5 and 5w the sigmas [m] along the line of sight.
+    """What follows the sliders: the advice, and for 2, 3, 5, 5w and 9 the sigmas [m] along the line of sight.
 
     ``quadratic``: of the coefficient at the aperture's ends; ``detrended``: rms over the aperture of what the
     autofocus leaves; None where fewer than three fixes determine no quadratic.
@@ -51,7 +52,7 @@ class ClosedForms:
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some of the runs: their measures, the residual of each only as its sum of squares (9, n)."""
+    """Some of the runs: their measures, the residual of each only as its sum of squares (10, n)."""
 
     measures: RunMeasures
     square: _FloatArray
@@ -60,12 +61,13 @@ class Chunk:
 
 @dataclass(frozen=True)
 class SarStudy:
-    """Nine strategies on one noise realisation a run; strategies first, metres of line of sight.
+    """Every strategy on one noise realisation a run; strategies first, metres of line of sight.
 
-    ``parts``, ``responses``: name -> band (9,); a response is NaN where there is no image. ``rms``: root mean
+    ``parts``, ``responses``: name -> band (10,); a response is NaN where there is no image. ``rms``: root mean
     square over the runs of the residual after autofocus, ``quadratic_rms`` of the quadratic coefficient: what a
     closed form is compared with; ``rms_error``, ``quadratic_rms_error`` their standard errors.
-    ``time`` (n,), ``typical`` (9, n): the run whose free INS is the median one; ``spread`` (9, n): rms over the runs.
+    ``time`` (n,), ``typical`` (10, n): the run whose free INS is the median one; ``spread`` (10, n): rms over the
+    runs.
     ``engine``: what the runs are of.
     """
 
@@ -97,13 +99,17 @@ class SarStudy:
         """The simplest strategy whose residual, rms over the runs, is within 5 % of the least; ``causal``: of those
         that work in real time.
 
-        Neither the ideal nor the INS after an outage, which nobody chooses where there are fixes, is one of them.
+        Neither the ideal nor the INS after an outage, which nobody chooses where there are fixes, is one of them; the
+        whole-leg smoother is where the design is post-processed.
         """
-        able = [key for key in _SIMPLEST_FIRST if not causal or STRATEGIES[STRATEGY_KEYS.index(key)].causal]
+        able = [one.key for one in map(_named, _SIMPLEST_FIRST) if one.causal or (not causal and self._allowed(one))]
         residual = {key: float(self.rms[STRATEGY_KEYS.index(key)]) for key in able}
         least = min(residual.values())
         chosen = next(key for key in able if residual[key] <= (1 + WORTH) * least)
-        return STRATEGIES[STRATEGY_KEYS.index(chosen)]
+        return _named(chosen)
+
+    def _allowed(self, strategy: Strategy) -> bool:
+        return strategy.timing != POST_PROCESSED or self.budget.design.processing.mode == POST_PROCESSED
 
     def residual(self, key: str) -> float:
         """Residual of a strategy after autofocus, rms over the runs [m]."""
@@ -112,22 +118,33 @@ class SarStudy:
     @property
     def sentence(self) -> str:
         """Which strategy the runs recommend, and how that fits the advice of the formulas."""
+        smoothed = self._allowed(_named("9"))
         best, now, advised = self.best(), self.best(causal=True), self.closed.advice.strategy
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
-        least = self.residual(best.key) <= min(map(self.residual, _SIMPLEST_FIRST))
+        least = self.residual(best.key) <= min(
+            self.residual(key) for key in _SIMPLEST_FIRST if key != "9" or smoothed
+        )
         why = "the least" if least else "the simplest within 5 % of the least"
         said = (
             f"Over {self.runs} {what}, {best.name} leaves {_millimetres(self.residual(best.key))} rms "
             f"{LEFT[self.budget.sar.autofocus_order]}, {why}."
         )
+        if best.timing == POST_PROCESSED:
+            said += " It needs post-processing."
         if now.key != best.key:
             said += f" The best in real time is {now.name} with {_millimetres(self.residual(now.key))}."
+        if not smoothed:
+            said += f" Post-processed, {NAMES['9']} leaves {_millimetres(self.residual('9'))}."
         if advised not in (best.key, now.key):
             said += (
-                f" The formulas, which cover four of the strategies, alone favour {NAMES[advised]} "
+                f" The formulas, which cover five of the strategies, alone favour {NAMES[advised]} "
                 f"({_millimetres(self.residual(advised))})."
             )
         return said
+
+
+def _named(key: str) -> Strategy:
+    return STRATEGIES[STRATEGY_KEYS.index(key)]
 
 
 def closed_forms(budget: Budget) -> ClosedForms:
@@ -175,7 +192,7 @@ def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
 
 
 def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int) -> _FloatArray:
-    """Residual (9, n) [m] of one run, simulated again from its chunk's seed."""
+    """Residual (10, n) [m] of one run, simulated again from its chunk's seed."""
     along, across, down = _simulated(case, tuning, seed, index, runs)
     one = (axis.error[:, within] for axis in (along, across, down))
     return autofocus(range_error(case.geometry, along.time, *one), case.autofocus_order)

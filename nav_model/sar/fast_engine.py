@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.discrete import SlowError
+from nav_model.sar.axis_filter import Fixes, carried, draw_fresh, filtered, filtered_in_leg, navigated, smoothed
 from nav_model.sar.axis_model import (
     AxisModel,
     draw_state,
     filter_noise,
     filter_transition,
-    fix_row,
+    fix_rows,
     measure,
     noise_path,
     process_noise,
@@ -19,7 +20,6 @@ from nav_model.sar.axis_model import (
     transition,
 )
 from nav_model.sar.fit_noise import slow_fit
-from nav_model.sar.smoother import rts_smooth, smoother_gain
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
 from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_variances, shrunk_weight
 
@@ -35,7 +35,7 @@ def simulate_axis(
     rate: float = 100.0,
     tuning: Tuning | None = None,
 ) -> StrategyErrors:
-    """Every strategy on `runs` realisations of one axis; arrays are (9, runs, n), n = T rate + 1.
+    """Every strategy on `runs` realisations of one axis; arrays are (10, runs, n), n = T rate + 1.
 
     The filter is in its steady state, the aperture starts just after a fix; the INS of strategy 3 leaves the
     same filter ``coast_time`` [s] earlier. What the filter has not absorbed of the biases joins each INS when
@@ -74,79 +74,49 @@ def simulate_histories(
     random = np.random.default_rng(seed)
     steady = steady_covariance(model)
     # Each source of randomness has its own stream, so a longer coast does not reshuffle the aperture.
-    streams = random.spawn(5)
+    streams = random.spawn(7)
     unabsorbed = streams[0].standard_normal((2, runs)) * np.array(
         [[model.accelerometer_bias], [model.gravity * model.gyro_bias * model.horizontal]]
     )
-    start, coasted, slow = _before_aperture(model, steady.posterior, coast_time, runs, streams[1], unabsorbed)
+    settled, coasted, slow = _before_aperture(model, steady.posterior, coast_time, runs, streams[1], unabsorbed)
+    start = settled.copy()
+    start[:, 2] += unabsorbed[0]
 
     samples = round(aperture_time * rate) + 1
     time: _FloatArray = np.linspace(0.0, aperture_time, samples)
     last_fix = int(np.floor(aperture_time / model.fix_interval + 1e-9))
     fix_time = np.arange(last_fix + 1, dtype=float) * model.fix_interval
     grid = _merged(time, fix_time[np.abs(time[_nearest(time, fix_time)] - fix_time) > 1e-9])
-    path = noise_path(model, grid, runs, streams[2])
-    path[2] += unabsorbed[1][:, None] * grid
-    path[1] += unabsorbed[1][:, None] * grid**2 / 2
-    path[0] += unabsorbed[1][:, None] * grid**3 / 6
-    sampled = path[:, :, _nearest(grid, time)]
-    at_fixes = path[:, :, _nearest(grid, fix_time)]
-    gnss_error = streams[3].standard_normal((runs, len(fix_time))) * model.gnss_sigma
+    noise = noise_path(model, grid, runs, streams[2])
+    path = noise + unabsorbed[1][:, None] * np.stack([grid**3 / 6, grid**2 / 2, grid])[:, None]
+    on_time, on_fixes = _nearest(grid, time), _nearest(grid, fix_time)
+    sampled = path[:, :, on_time]
+    white = streams[3].standard_normal((runs, len(fix_time))) * model.gnss_sigma
+    slow, fresh = _slow_path(model, slow, len(fix_time), streams[4])
+    noises = [white] + [streams[6].standard_normal(white.shape) * model.velocity_sigma] * bool(model.velocity_sigma)
+    fixes = Fixes(np.stack([noise.T for noise in noises], axis=-1), fresh)
 
-    ins = sampled + _carried(start[:, :3], time)
-    coasted_position = (sampled[0] + _carried(coasted, time)[0]) if coast_time > 0 else ins[0].copy()
-
-    priors, posteriors = [start], [start]
-    prior_covariances, covariances = [steady.prior], [steady.posterior]
-    phi, grown = filter_transition(model, model.fix_interval), filter_noise(model, model.fix_interval)
-    row, inertial = fix_row(len(phi)), transition(model.fix_interval)
-    gnss_error[:, 0] += slow
-    for k in range(1, len(fix_time)):
-        prior = posteriors[-1] @ phi.T
-        prior[:, :3] += at_fixes[:, :, k].T - at_fixes[:, :, k - 1].T @ inertial.T
-        prior_covariance = phi @ covariances[-1] @ phi.T + grown
-        gain, covariance = measure(prior_covariance, model.gnss_sigma)
-        slow = _moved(model, prior, slow, streams[4])
-        priors.append(prior)
-        posteriors.append(prior - np.outer(prior @ row - gnss_error[:, k], gain))
-        gnss_error[:, k] += slow
-        prior_covariances.append(prior_covariance)
-        covariances.append(covariance)
-    prior, posterior = np.stack(priors), np.stack(posteriors)
-    smoothed_at_fixes = rts_smooth(
-        posterior,
-        np.stack(covariances),
-        prior,
-        np.stack(prior_covariances),
-        np.broadcast_to(phi, (len(fix_time) - 1, *phi.shape)),
-    )
-
-    navigated = sampled.copy()
-    smoothed = np.empty_like(sampled[0])
-    interval = np.searchsorted(fix_time, time + 1e-9, side="right") - 1
-    for k in range(len(fix_time)):
-        inside = np.flatnonzero(interval == k)
-        span = slice(inside[0], inside[-1] + 1) if len(inside) else slice(0, 0)
-        age = time[span] - fix_time[k]
-        navigated[:, :, span] += _carried(posterior[k][:, :3] - at_fixes[:, :, k].T, age)
-        smoothed[:, span] = navigated[0][:, span]
-        if k + 1 < len(fix_time):
-            forward = filter_transition(model, age)
-            predicted = forward @ covariances[k] @ np.swapaxes(forward, 1, 2) + filter_noise(model, age)
-            onward = filter_transition(model, model.fix_interval - age)
-            gain_row = smoother_gain(predicted, onward, prior_covariances[k + 1])[:, 0, :]
-            smoothed[:, span] += (smoothed_at_fixes[k + 1] - prior[k + 1]) @ gain_row.T
+    ins = sampled + carried(start[:, :3], time)
+    coasted_position = (sampled[0] + carried(coasted, time)[0]) if coast_time > 0 else ins[0].copy()
+    done = filtered(model, start, steady.posterior, path[:, :, on_fixes], fixes)
+    output = navigated(done, path[:, :, on_fixes], sampled, time, fix_time)
+    # A smoother of the whole leg has taken up what is constant of the biases.
+    rest = (last_fix + 1) * model.fix_interval - aperture_time
+    unbiased = noise[:, :, on_fixes]
+    in_leg = filtered_in_leg(model, (settled, steady.posterior), (unbiased, noise[:, :, -1]), fixes, rest, streams[5])
+    leg_output = navigated(in_leg, unbiased, noise[:, :, on_time], time, fix_time)[0]
     return NavigationHistories(
         time=time,
         fix_time=fix_time,
         ins_position=ins[0],
         ins_velocity=ins[1],
         coasted_position=coasted_position,
-        filter_position=navigated[0],
-        filter_velocity=navigated[1],
-        filter_correction=(posterior - prior)[:, :, 0].T,
-        gnss_error=gnss_error,
-        smoothed_position=smoothed,
+        filter_position=output[0],
+        filter_velocity=output[1],
+        filter_correction=(done.posterior - done.prior)[:, :, 0].T,
+        gnss_error=white + slow,
+        smoothed_position=smoothed(model, done, output[0], time, fix_time),
+        leg_position=smoothed(model, in_leg, leg_output, time, fix_time),
     )
 
 
@@ -169,16 +139,16 @@ def _before_aperture(
     random: np.random.Generator,
     unabsorbed: _FloatArray,
 ) -> tuple[_FloatArray, _FloatArray, _FloatArray]:
-    """States at the start of the aperture: of the filter (runs, m), and of the INS that left it earlier (runs, 3);
-    and the slow error of the fixes there (runs,)."""
-    filtered = draw_state(posterior, runs, random)
-    coasted = filtered[:, :3].copy()
+    """States at the start of the aperture: of the filter (runs, m), what is unabsorbed left out, and of the INS that
+    left it earlier (runs, 3); and the slow error of the fixes there (runs,)."""
+    state = draw_state(posterior, runs, random)
+    coasted = state[:, :3].copy()
     coasted[:, 2] += unabsorbed[0]
     slow = np.zeros(runs)
     if model.slow_sigma:
         # The settled filter's estimate is independent of its error; the error is the estimate less the truth.
         estimated = np.sqrt(max(model.slow_sigma**2 - posterior[3, 3], 0.0))
-        slow = estimated * random.standard_normal(runs) - filtered[:, 3]
+        slow = estimated * random.standard_normal(runs) - state[:, 3]
     whole = int(np.floor(coast_time / model.fix_interval + 1e-9))
     rest = coast_time - whole * model.fix_interval
     covariance, drift = posterior, unabsorbed[1]
@@ -188,33 +158,26 @@ def _before_aperture(
         ramp = np.outer(drift, [step**3 / 6, step**2 / 2, step])
         coasted = coasted @ phi.T + noise + ramp
         forward = filter_transition(model, step)
-        filtered = filtered @ forward.T
-        filtered[:, :3] += noise
-        gain, covariance = measure(forward @ covariance @ forward.T + filter_noise(model, step), model.gnss_sigma)
-        slow = _moved(model, filtered, slow, random, step)
-        fix = random.standard_normal(runs) * model.gnss_sigma
-        filtered = filtered - np.outer(filtered @ fix_row(filtered.shape[1]) - fix, gain)
-    filtered[:, 2] += unabsorbed[0]
-    return filtered, coasted, slow
+        state = state @ forward.T
+        state[:, :3] += noise
+        gain, covariance = measure(forward @ covariance @ forward.T + filter_noise(model, step), model)
+        fresh = draw_fresh(model, runs, random, step)
+        slow = np.exp(-step / model.slow_time) * slow + fresh
+        state[:, 3:] -= fresh[:, None]
+        fix = random.standard_normal((runs, len(model.fix_sigmas))) * model.fix_sigmas
+        state = state - (state @ fix_rows(model).T - fix) @ gain.T
+    return state, coasted, slow
 
 
-def _moved(
-    model: AxisModel, prior: _FloatArray, slow: _FloatArray, random: np.random.Generator, step: float | None = None
-) -> _FloatArray:
-    """The slow error (runs,) a step (by default a fix interval) later; what is new in it is taken off the filter's
-    error in `prior`."""
-    if not model.slow_sigma:
-        return slow
-    step = model.fix_interval if step is None else step
-    fresh = model.slow_sigma * np.sqrt(-np.expm1(-2 * step / model.slow_time)) * random.standard_normal(len(slow))
-    prior[:, 3] -= fresh
-    return np.asarray(np.exp(-step / model.slow_time) * slow + fresh)
-
-
-def _carried(state: _FloatArray, age: _FloatArray) -> _FloatArray:
-    """A state (runs, 3) carried forward over ages (n,): (3, runs, n)."""
-    p, v, a = state.T[:, :, None]
-    return np.stack([p + v * age + a * (age**2 / 2), v + a * age, np.broadcast_to(a, (len(state), len(age)))])
+def _slow_path(
+    model: AxisModel, start: _FloatArray, fixes: int, random: np.random.Generator
+) -> tuple[_FloatArray, _FloatArray]:
+    """The slow error at each fix (runs, k), and what is new in it there (k, runs)."""
+    fresh, slow = [np.zeros_like(start)], [start]
+    for _ in range(1, fixes):
+        fresh.append(draw_fresh(model, len(start), random, model.fix_interval))
+        slow.append(np.exp(-model.fix_interval / model.slow_time) * slow[-1] + fresh[-1])
+    return np.stack(slow, axis=1), np.stack(fresh)
 
 
 def _merged(time: _FloatArray, more: _FloatArray) -> _FloatArray:

@@ -1,14 +1,14 @@
 """The second engine: full flights of the simulator, handed to the strategies as the fast engine hands its runs.
 
-A run is flown with fixes throughout; again, on the same instrument noise, with the fixes ended at the start of the
-aperture, which gives the free INS; and, for strategy 3, with the fixes ended before the coast. Errors are taken along
-the track, across it and down. The smoother is that of the simulator's own filter of nine states.
+A run is flown with fixes throughout, the leg after the aperture included; again, on the same instrument noise, with
+the fixes ended at the start of the aperture, which gives the free INS; and, for strategy 3, with the fixes ended
+before the coast. Errors are taken along the track, across it and down. The smoothers are those of the simulator's own
+filter of nine states.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -16,8 +16,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.budget.figures import channels
+from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.errors import InputError
+from nav_model.processing.smoother import LONG
+from nav_model.processing.spectrum import rates
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.fast_engine import weight_of
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
@@ -35,7 +39,8 @@ _MOST_SAMPLES = 2_000_000  # of the instrument in one flight: a minute of a proc
 class ApertureFlight(NamedTuple):
     """What is flown: with fixes throughout, without from the aperture's start, and without from the coast's.
 
-    ``start`` [s] of the aperture, at a fix; ``first``: which fix of the flight that is, counted from 0.
+    ``start`` [s] of the aperture, at a fix; ``first``: which fix of the flight that is, counted from 0; ``begin``:
+    that of the leg's beginning, None where the filter has settled before, so that an earlier one tells nothing more.
     """
 
     aided: SimulationSpec
@@ -43,10 +48,12 @@ class ApertureFlight(NamedTuple):
     coasted: SimulationSpec | None
     start: float
     first: int
+    begin: int | None
 
 
 def flight_of(design: Design, aperture_time: float, coast_time: float) -> ApertureFlight:
-    """The flight of a design: straight and level, until its filter has settled, then the coast, then the aperture.
+    """The flight of a design: straight and level, until its filter has settled, then the coast, then the aperture and
+    the leg after it, as far as that tells of the aperture.
 
     The coast is rounded to whole fix intervals.
 
@@ -58,21 +65,27 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Apertu
     interval, rate = design.gnss.interval, design.imu.rate
     before = settling(design)
     count = math.ceil((before + coast_time) / interval)
-    length = count * interval + aperture_time + 2 / rate
+    of_aperture = count * interval + aperture_time + 2 / rate
+    enough = max(LONG / float(rates(axis)[1]) for axis in channels(inputs_of(design)))
+    length = of_aperture + min(design.processing.leg_after, enough)
     if length * rate > _MOST_SAMPLES:
         raise InputError(
             "imu.rate",
-            f"{rate:g} Hz over {length:.4g} s, in which the filter settles ({before:.4g} s), are more than the "
-            f"simulator flies for a strategy; at most {_MOST_SAMPLES / length:.4g} Hz go, or the fast engine",
+            f"{rate:g} Hz over {length:.4g} s, in which the filter settles ({before:.4g} s) and the leg after the "
+            f"aperture follows ({length - of_aperture:.4g} s), are more than the simulator flies for a strategy; at "
+            f"most {_MOST_SAMPLES / length:.4g} Hz go, or the fast engine",
         )
     start = round(count * interval * rate) / rate
+    held = math.floor(design.processing.leg_before / interval + 1e-9)
+    begin = count - 1 - held if held * interval < before else None
     aided = replace(
-        specification(design, trajectory="straight", runs=1, duration=length, every=1 / rate), record_from=start
+        specification(design, trajectory="straight", runs=1, duration=length, every=1 / rate),
+        record_from=start if begin is None else round((begin + 1) * interval * rate) / rate,
     )
     coast = round(coast_time / interval) * interval
-    free = replace(aided, outages=((start, length),))
-    coasted = replace(aided, outages=((start - coast, length),)) if coast > 0 else None
-    return ApertureFlight(aided, free, coasted, start, count - 1)
+    free = replace(aided, record_from=start, duration=of_aperture, outages=((start, of_aperture),))
+    coasted = replace(free, outages=((start - coast, of_aperture),)) if coast > 0 else None
+    return ApertureFlight(aided, free, coasted, start, count - 1, begin)
 
 
 def fly_axes(
@@ -106,53 +119,69 @@ def histories(
     from nav_model.simulation.schedule import plan
     from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly
 
-    numbers = range(first_run, first_run + runs)
-    schedule = plan(flight.aided)
-    instants = schedule.outputs.time_s[1:]
-    all_fixes = schedule.fixes.time_s
-    within = np.flatnonzero(
-        (all_fixes >= flight.start - _JUST_BEFORE)
-        & (all_fixes <= flight.start + aperture_time + 0.5 / flight.aided.imu.rate)
-    )
-    at = 1 + np.rint((all_fixes[within] - instants[0]) * flight.aided.imu.rate).astype(int)
+    spec = flight.aided
+    schedule = plan(spec)
+    recorded, all_fixes = schedule.outputs.time_s[1:], schedule.fixes.time_s
+    end = int(np.searchsorted(all_fixes, flight.start + aperture_time + 0.5 / spec.imu.rate))
+    within = slice(flight.first, end)
+    kept = flight.first if flight.begin is None else flight.begin
+    at = 1 + np.rint((all_fixes[kept:] - recorded[0]) * spec.imu.rate).astype(int)
     time = np.linspace(0.0, aperture_time, round(aperture_time * rate) + 1)
-    heading = flight.aided.trajectory.heading
+    heading = spec.trajectory.heading
     turn = np.array(
         [[math.cos(heading), math.sin(heading), 0], [-math.sin(heading), math.cos(heading), 0], [0, 0, 1]]
     )
     # The record has roll, pitch and yaw; the filter's covariance is of its own small angles.
     own_angles = np.linalg.inv(schedule.error_map[at])
 
-    # Just before a fix and at it: nothing may be interpolated across the filter's jump.
-    both = np.column_stack([instants - _JUST_BEFORE, instants]).ravel()
-
-    def sampled(values: _FloatArray) -> _FloatArray:
+    def sampled(values: _FloatArray, instants: _FloatArray) -> _FloatArray:
         """(2, outputs, 3), before and after, north, east, down -> (3, n), the aircraft's axes."""
+        # Just before a fix and at it: nothing may be interpolated across the filter's jump.
+        both = np.column_stack([instants - _JUST_BEFORE, instants]).ravel()
         level = np.swapaxes(values[:, 1:] @ turn.T, 0, 1).reshape(-1, 3)
         return np.stack([np.interp(flight.start + time, both, column) for column in level.T])
 
+    def unaided(one: SimulationSpec) -> tuple[_FloatArray, _FloatArray]:
+        """Position and velocity errors (3, runs, n) of the flights without fixes."""
+        instants = plan(one).outputs.time_s[1:]
+        errors = [fly(replace(one, seed=seed), run).error for run in numbers]
+        position, velocity = (
+            np.stack([sampled(error[..., part], instants) for error in errors], axis=1)
+            for part in (slice(0, 3), slice(3, 6))
+        )
+        return position, velocity
+
+    numbers = range(first_run, first_run + runs)
     aided: list[_FloatArray] = []
     speed: list[_FloatArray] = []
     before: list[_FloatArray] = []
     after: list[_FloatArray] = []
     fix_errors: list[_FloatArray] = []
     for run in numbers:
-        record = fly(replace(flight.aided, seed=seed), run)
-        aided.append(sampled(record.error[..., :3]))
-        speed.append(sampled(record.error[..., 3:6]))
-        for kept, phase in ((before, PRIOR), (after, POSTERIOR)):
+        record = fly(replace(spec, seed=seed), run)
+        aided.append(sampled(record.error[..., :3], recorded))
+        speed.append(sampled(record.error[..., 3:6], recorded))
+        for states, phase in ((before, PRIOR), (after, POSTERIOR)):
             state = record.error[phase, at].copy()
             state[:, 6:9] = np.einsum("kij,kj->ki", own_angles, state[:, 6:9])
-            kept.append(state)
+            states.append(state)
         fix_errors.append(record.fix_error[within] @ turn.T)
-    free, free_speed = _unaided(flight.free, seed, numbers, sampled)
-    coasted = free if flight.coasted is None else _unaided(flight.coasted, seed, numbers, sampled)[0]
+    free, free_speed = unaided(flight.free)
+    coasted = free if flight.coasted is None else unaided(flight.coasted)[0]
 
     prior, posterior = np.stack(before, axis=1), np.stack(after, axis=1)
-    smoother = _smoother(flight.aided, tuple(all_fixes[: within[-1] + 1]), int(within[0]))
-    added = smoother.correction(flight.start + time, prior, posterior) @ turn.T
+    fixes = tuple(all_fixes)
+    smoother = _smoother(spec, fixes, kept, flight.first, end, False)
+    known, moments = end - kept, flight.start + time
+    added = smoother.until(known).correction(moments, prior[:known], posterior[:known])
+    if flight.begin is None:
+        in_leg = smoother.correction(moments, prior, posterior)
+    else:
+        limited = _smoother(spec, fixes, kept, flight.first, end, True)
+        own = limited.started_here(smoother, prior, posterior, np.random.default_rng([seed, 2, first_run]))
+        in_leg = limited.correction(moments, prior, posterior, own)
     position, velocity, errors = np.stack(aided, axis=1), np.stack(speed, axis=1), np.stack(fix_errors)
-    jump = (posterior - prior)[:, :, :3] @ turn.T
+    jump = (posterior - prior)[flight.first - kept : known, :, :3] @ turn.T
     jump[0] = 0.0  # the aperture starts just after its first fix
     return [
         NavigationHistories(
@@ -165,28 +194,18 @@ def histories(
             filter_velocity=velocity[axis],
             filter_correction=jump[:, :, axis].T,
             gnss_error=errors[:, :, axis],
-            smoothed_position=position[axis] + added[:, :, axis],
+            smoothed_position=position[axis] + (added @ turn.T)[:, :, axis],
+            leg_position=position[axis] + (in_leg @ turn.T)[:, :, axis],
         )
         for axis in range(3)
     ]
 
 
-def _unaided(
-    spec: SimulationSpec, seed: int, numbers: range, sampled: Callable[[_FloatArray], _FloatArray]
-) -> tuple[_FloatArray, _FloatArray]:
-    """Position and velocity errors (3, runs, n) of the flights without fixes."""
-    from nav_model.simulation.single_run import fly
-
-    position, velocity = [], []
-    for run in numbers:
-        error = fly(replace(spec, seed=seed), run).error
-        position.append(sampled(error[..., :3]))
-        velocity.append(sampled(error[..., 3:6]))
-    return np.stack(position, axis=1), np.stack(velocity, axis=1)
-
-
 @lru_cache(maxsize=2)
-def _smoother(spec: SimulationSpec, fix_times: tuple[float, ...], first: int) -> FlownSmoother:
+def _smoother(
+    spec: SimulationSpec, fix_times: tuple[float, ...], kept: int, first: int, end: int, blind: bool
+) -> FlownSmoother:
     from nav_model.sar.flown_smoother import flown_smoother
 
-    return flown_smoother(spec, np.array(fix_times), first)
+    fixes = np.array(fix_times)
+    return flown_smoother(spec, fixes, kept, (first, min(end, len(fixes) - 1)), blind=blind)

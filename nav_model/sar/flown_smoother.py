@@ -6,7 +6,9 @@ serves a whole ensemble; the smoother then works on the errors of each run, to w
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,36 +21,63 @@ from nav_model.simulation.truth import specific_force_and_rate, true_states
 
 _FloatArray = NDArray[np.float64]
 _STATES = 9
+_NOTHING_KNOWN = 1e6  # times the variance of a settled filter
 _BETWEEN_FIXES = 16  # moments a fix interval at which gains are taken; between them corrections are interpolated
 
 
 @dataclass(frozen=True)
 class FlownSmoother:
-    """Gains over an aperture that begins with a fix.
+    """Gains from one fix on.
 
-    ``prior``, ``posterior`` (k, 9, 9) at its k fixes, ``transition`` (k - 1, 9, 9) between them; ``node_time`` (m,)
-    [s in the flight], ``node_gain`` (m, 3, 9): what of a correction at the next fix reaches the position, and
-    ``node_fix`` (m,): which fix that is. After the last fix there is nothing to correct.
+    ``prior``, ``posterior`` (k, 9, 9) at its k fixes, ``transition`` (k - 1, 9, 9) between them; ``noise``: variance
+    of each state that a fix measures, position and then velocity. ``node_time`` (m,) [s in the flight], ``node_fix``
+    (m,): which is the next fix; ``node_gain`` (m, 3, 9): what of a correction there reaches the position, and
+    ``node_back`` (m, 3, 9): the position that leads to an error there. Nothing is corrected after the last fix.
     """
 
     prior: _FloatArray
     posterior: _FloatArray
     transition: _FloatArray
+    noise: _FloatArray
     node_time: _FloatArray
-    node_gain: _FloatArray
     node_fix: NDArray[np.intp]
+    node_gain: _FloatArray
+    node_back: _FloatArray
 
-    def correction(self, time: _FloatArray, before: _FloatArray, after: _FloatArray) -> _FloatArray:
-        """What to add to the filter's position error (runs, n, 3) at ``time`` (n,) [s in the flight].
+    def until(self, fixes: int) -> FlownSmoother:
+        """The smoother that has only the first `fixes` of its fixes."""
+        has = self.node_fix < fixes
+        nodes = (self.node_time[has], self.node_fix[has], self.node_gain[has], self.node_back[has])
+        return FlownSmoother(
+            self.prior[:fixes], self.posterior[:fixes], self.transition[: fixes - 1], self.noise, *nodes
+        )
+
+    def correction(
+        self,
+        time: _FloatArray,
+        before: _FloatArray,
+        after: _FloatArray,
+        own: tuple[_FloatArray, _FloatArray] | None = None,
+    ) -> _FloatArray:
+        """What to add to the flown filter's position error (runs, n, 3) at ``time`` (n,) [s in the flight].
 
         At a fix the error just after it is meant.
-        ``before``, ``after`` (k, runs, 9): the filter's errors just before and just after each fix.
+
+        Parameters
+        ----------
+        time : array
+        before, after : array (k, runs, 9)
+            Errors of the filter that flew, just before and just after each fix.
+        own : pair of array, optional
+            The same of the filter that is smoothed, where it is another: `started_here`.
         """
-        smoothed = rts_smooth(after, self.posterior, before, self.prior, self.transition)
-        change = smoothed - before
+        prior, posterior = own or (before, after)
+        change = rts_smooth(posterior, self.posterior, prior, self.prior, self.transition) - prior
         corrected = np.einsum("mij,mrj->rmi", self.node_gain, change[self.node_fix])
+        if own is not None:
+            corrected += np.einsum("mij,mrj->rmi", self.node_back, (prior - before)[self.node_fix])
         added = np.zeros((before.shape[1], len(time), 3))
-        for fix in range(1, len(before)):
+        for fix in np.unique(self.node_fix):
             nodes = np.flatnonzero(self.node_fix == fix)
             inside = np.flatnonzero(
                 (time >= self.node_time[nodes[0]] - 1e-9) & (time < self.node_time[nodes[-1]] - 1e-9)
@@ -60,16 +89,60 @@ class FlownSmoother:
             added[:, inside] = of_fix[:, low] * (1 - part) + of_fix[:, low + 1] * part
         return added
 
+    def started_here(
+        self, flown: FlownSmoother, before: _FloatArray, after: _FloatArray, random: np.random.Generator
+    ) -> tuple[_FloatArray, _FloatArray]:
+        """Errors (k, runs, 9) just before and just after each fix of the filter with these gains, which knows as much
+        before the first one as ``prior`` says.
 
-def flown_smoother(spec: SimulationSpec, fix_times: _FloatArray, first: int) -> FlownSmoother:
-    """Carry the covariance along the true path; ``fix_times`` [s] of the flight, from ``first`` on the aperture's."""
-    nodes = [
-        np.linspace(one, other, _BETWEEN_FIXES + 1)
-        for one, other in zip(fix_times[first:-1], fix_times[first + 1 :], strict=True)
-    ]
-    step = 1 / spec.filter.propagation_rate
-    early = np.arange(step, fix_times[first], step)
-    moments = np.unique(np.concatenate([early, fix_times, *nodes]).round(9))
+        The filter that flew, `flown` with its errors ``before`` and ``after``, tells what each fix measured and what
+        noise came between two; everything is linear.
+        """
+        seen = len(self.noise)
+        ours = [random.standard_normal(before.shape[1:]) * np.sqrt(np.diagonal(self.prior[0]))]
+        updated = []
+        for k, (gain, flown_gain) in enumerate(zip(self._gains, flown._gains, strict=True)):
+            innovation = np.linalg.solve(flown_gain[:seen], (before[k] - after[k])[:, :seen].T)
+            updated.append(ours[k] - (innovation.T + (ours[k] - before[k])[:, :seen]) @ gain.T)
+            if k < len(self.transition):
+                ours.append(before[k + 1] + (updated[k] - after[k]) @ self.transition[k].T)
+        return np.stack(ours), np.stack(updated)
+
+    @property
+    def _gains(self) -> _FloatArray:
+        return np.asarray(self.posterior[:, :, : len(self.noise)] / self.noise)
+
+
+def flown_smoother(
+    spec: SimulationSpec,
+    fix_times: _FloatArray,
+    first: int,
+    nodes: tuple[int, int] | None = None,
+    *,
+    blind: bool = False,
+) -> FlownSmoother:
+    """Carry the covariance along the true path.
+
+    Parameters
+    ----------
+    spec : SimulationSpec
+    fix_times : array
+        Of the flight, s.
+    first : int
+        The fix from which on gains are kept.
+    nodes : pair of int, optional
+        Fixes after which, up to the next one, positions are wanted: from the one to just before the other. Without it
+        after every fix from ``first`` on.
+    blind : bool
+        Whether the filter knows nothing before the first fix.
+    """
+    wanted = range(*(nodes or (first, len(fix_times) - 1)))
+    within = fix_times[wanted.start : wanted.stop + 1]
+    dense = [np.linspace(one, other, _BETWEEN_FIXES + 1) for one, other in pairwise(within)]
+    rate = spec.filter.propagation_rate
+    steps = np.arange(1, math.floor(fix_times[-1] * rate) + 1) / rate
+    outside = steps[(steps < within[0]) | (steps > within[-1])]
+    moments = np.unique(np.concatenate([outside[outside < fix_times[-1]], fix_times, *dense]).round(9))
     trajectory = plan_trajectory(spec.trajectory, spec.duration)
     middle = (moments + np.concatenate([[0.0], moments[:-1]])) / 2
     path = true_states(trajectory, middle)
@@ -85,52 +158,53 @@ def flown_smoother(spec: SimulationSpec, fix_times: _FloatArray, first: int) -> 
         spec.imu.accelerometer.random_walk * spec.imu.vibration_factor,
         spec.imu.gyro.random_walk * spec.imu.vibration_factor,
     )
+    velocity = spec.gnss.velocity_noise
+    noise = np.array([*spec.gnss.axis_noise, *([] if velocity is None else [velocity] * 3)]) ** 2
     prior, posterior, transitions = [], [], []
     at, gathered, since = [], [], []  # nodes since the last fix: time, covariance, transition from the fix
-    node_time, node_gain, node_fix = [], [], []
+    node_time, node_fix, node_gain, node_back = [], [], [], []
     forward, before, fix = np.eye(_STATES), 0.0, 0
     for moment, place, f, matrix in zip(moments, state, force, path.matrix, strict=True):
         elapsed, before = moment - before, moment
         error_dynamics(place, f, matrix, dynamics)
         propagate(covariance, dynamics, f, elapsed, *densities, none, none, work)
-        inside = fix > first
-        if inside:
+        if fix > first:
             grown = dynamics * elapsed
             forward = (np.eye(_STATES) + grown + grown @ grown / 2 + grown @ grown @ grown / 6) @ forward
-        falls = fix < len(fix_times) and abs(moment - fix_times[fix]) < 1e-8
-        if inside:
+        if fix - 1 in wanted:
             at.append(moment)
             gathered.append(covariance.copy())
             since.append(forward.copy())
-        if not falls:
+        if fix == len(fix_times) or abs(moment - fix_times[fix]) > 1e-8:
             continue
-        if inside:
-            onward = np.stack([forward @ np.linalg.inv(one) for one in since])
-            gains = smoother_gain(np.stack(gathered), onward, covariance)
+        if fix == first and blind:
+            covariance = np.diag(np.diagonal(covariance) * _NOTHING_KNOWN)
+        if at:
+            from_fix = np.stack(since)
             node_time += at
-            node_gain += list(gains[:, :3])
             node_fix += [fix - first] * len(at)
+            node_gain += list(smoother_gain(np.stack(gathered), forward @ np.linalg.inv(from_fix), covariance)[:, :3])
+            node_back += list((from_fix @ np.linalg.inv(forward))[:, :3])
+        if fix > first:
             transitions.append(forward)
         if fix >= first:
             prior.append(covariance.copy())
-        for axis, noise in enumerate(spec.gnss.axis_noise):
+        for seen, variance in enumerate(noise):
             row = np.zeros(_STATES)
-            row[axis] = 1.0
-            update(covariance, row, 0.0, noise**2, np.zeros(_STATES), work)
-        for axis in range(3) if spec.gnss.velocity_noise else ():
-            row = np.zeros(_STATES)
-            row[3 + axis] = 1.0
-            update(covariance, row, 0.0, float(spec.gnss.velocity_noise or 0.0) ** 2, np.zeros(_STATES), work)
+            row[seen] = 1.0
+            update(covariance, row, 0.0, variance, np.zeros(_STATES), work)
         if fix >= first:
             posterior.append(covariance.copy())
-            forward = np.eye(_STATES)
-            at, gathered, since = [moment], [covariance.copy()], [forward.copy()]
+        forward = np.eye(_STATES)
+        at, gathered, since = ([moment], [covariance.copy()], [forward]) if fix in wanted else ([], [], [])
         fix += 1
     return FlownSmoother(
         np.stack(prior),
         np.stack(posterior),
         np.stack(transitions) if transitions else np.empty((0, _STATES, _STATES)),
+        noise,
         np.array(node_time),
-        np.array(node_gain).reshape(-1, 3, _STATES),
         np.array(node_fix, int),
+        np.array(node_gain).reshape(-1, 3, _STATES),
+        np.array(node_back).reshape(-1, 3, _STATES),
     )

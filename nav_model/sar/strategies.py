@@ -4,8 +4,8 @@ Two engines feed the same strategies: the per-axis error model (`fast_engine.sim
 the simulator, which hand over their error histories as plain arrays (`NavigationHistories`). All are
 navigation errors of one axis, [m] and [m/s], with the runs on any leading axes and time on the last.
 
-None uses a fix from after the aperture. So the RTS smoother is the bound for causal and in-aperture methods only, not
-for post-processing, which also has the fixes of the leg after the aperture: `nav_model.processing`.
+Only the last, the whole-leg smoother, uses fixes from after the aperture: it is what post-processing reaches
+(`nav_model.processing`). The RTS smoother stops at the aperture's end and bounds causal and in-aperture methods only.
 """
 
 from __future__ import annotations
@@ -16,34 +16,43 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+
 _FloatArray = NDArray[np.float64]
 
 
+AFTER_APERTURE = "after the aperture"
+
+
 class Strategy(NamedTuple):
-    """What a strategy is called and what may be said of it."""
+    """What a strategy is called and what may be said of it.
+
+    ``timing``: when its output is there: in real time, when the last fix of the aperture has come, or post-processed.
+    """
 
     key: str
     name: str
-    causal: bool
+    timing: str
     reconstruction: bool
     source: str
 
     @property
-    def timing(self) -> str:
-        """When its output is there: at once, or when the last fix of the aperture has come."""
-        return "real time" if self.causal else "after the aperture"
+    def causal(self) -> bool:
+        """Whether its output is there at once."""
+        return self.timing == REAL_TIME
 
 
 STRATEGIES: tuple[Strategy, ...] = (
-    Strategy("1", "Ideal", False, False, "reference without error"),
-    Strategy("2", "INS from filter", True, False, "formula [T-15], [S-5]"),
-    Strategy("3", "INS after outage", True, False, "formula [T-15], [S-5] with T_c"),
-    Strategy("4", "Filter output", True, False, "runs only"),
-    Strategy("5", "Quadratic fit", False, False, "INS minus a quadratic fitted to INS - GNSS, formula [T-16], [S-7]"),
-    Strategy("5w", "Quadratic fit, noise-weighted", False, False, "optimal linear weight [S-5], [S-7]"),
-    Strategy("6", "Tracking filter", True, True, "after Kim, Fellerhoff and Kohler 2001"),
-    Strategy("7", "Damping loop", True, True, "after Song et al. 2015, 2017"),
-    Strategy("8", "RTS smoother", False, False, "Rauch, Tung and Striebel 1965"),
+    Strategy("1", "Ideal", AFTER_APERTURE, False, "reference without error"),
+    Strategy("2", "INS from filter", REAL_TIME, False, "formula [T-15], [S-5]"),
+    Strategy("3", "INS after outage", REAL_TIME, False, "formula [T-15], [S-5] with T_c"),
+    Strategy("4", "Filter output", REAL_TIME, False, "runs only"),
+    Strategy("5", "Quadratic fit", AFTER_APERTURE, False, "INS less a quadratic fitted to INS - GNSS [T-16], [S-7]"),
+    Strategy("5w", "Quadratic fit, noise-weighted", AFTER_APERTURE, False, "optimal linear weight [S-5], [S-7]"),
+    Strategy("6", "Tracking filter", REAL_TIME, True, "after Kim, Fellerhoff and Kohler 2001"),
+    Strategy("7", "Damping loop", REAL_TIME, True, "after Song et al. 2015, 2017"),
+    Strategy("8", "RTS smoother", AFTER_APERTURE, False, "Rauch, Tung and Striebel 1965"),
+    Strategy("9", "Whole-leg smoother", POST_PROCESSED, False, "formula [P-3], [P-5]: fixes before, in and after"),
 )
 STRATEGY_KEYS: tuple[str, ...] = tuple(strategy.key for strategy in STRATEGIES)
 NAMES: dict[str, str] = {strategy.key: strategy.name for strategy in STRATEGIES}
@@ -79,7 +88,8 @@ class NavigationHistories:
     ``ins_position``, ``ins_velocity`` (..., n): free INS started by the filter at t = 0.
     ``coasted_position``: INS started earlier. ``filter_position``, ``filter_velocity``: the filter's output.
     ``filter_correction`` (..., k): what each fix adds to the filter's position error (zero for the fix at the
-    start). ``gnss_error`` (..., k): error of each fix. ``smoothed_position`` (..., n): RTS.
+    start). ``gnss_error`` (..., k): error of each fix. ``smoothed_position`` (..., n): RTS up to the aperture's
+    end, ``leg_position`` (..., n): with the fixes of the whole leg.
     """
 
     time: _FloatArray
@@ -92,6 +102,7 @@ class NavigationHistories:
     filter_correction: _FloatArray
     gnss_error: _FloatArray
     smoothed_position: _FloatArray
+    leg_position: _FloatArray
 
     def __post_init__(self) -> None:
         samples, fixes = len(self.time), len(self.fix_time)
@@ -106,7 +117,7 @@ class NavigationHistories:
 
 @dataclass(frozen=True)
 class StrategyErrors:
-    """Position error of every strategy, (9, ..., n) [m] in the order of STRATEGIES, and what made it."""
+    """Position error of every strategy, (10, ..., n) [m] in the order of STRATEGIES, and what made it."""
 
     time: _FloatArray
     error: _FloatArray
@@ -196,7 +207,7 @@ def damping_loop(
 
 
 def apply_strategies(histories: NavigationHistories, weight: float, tuning: Tuning | None = None) -> StrategyErrors:
-    """All nine strategies on the same histories; `weight` is that of 5w (`strategy_forms.shrunk_weight`).
+    """Every strategy on the same histories; `weight` is that of 5w (`strategy_forms.shrunk_weight`).
 
     With fewer than three fixes in the aperture there is no quadratic to fit: 5 and 5w are then the same as 2
     (the result's ``fixes`` tells).
@@ -220,6 +231,7 @@ def apply_strategies(histories: NavigationHistories, weight: float, tuning: Tuni
             tracking_filter(h.time, h.ins_velocity, h.filter_position, h.filter_velocity, tuning),
             damping_loop(h.time, h.filter_position, h.fix_time, h.filter_correction, tuning),
             h.smoothed_position,
+            h.leg_position,
         ]
     )
     jumps = h.filter_correction[..., 1:]

@@ -39,9 +39,9 @@ _INTEGRAL_PARTS = (0.0, 0.5)
 class RunMeasures:
     """The measures of each run, strategies first; metres of line of sight.
 
-    ``residual`` (9, runs, n). ``parts`` and ``responses``: name -> (9, runs), the signed coefficients by their
+    ``residual`` (10, runs, n). ``parts`` and ``responses``: name -> (10, runs), the signed coefficients by their
     magnitude. ``jump_rms`` (runs,): of the filter's jumps at the fixes, along the line of sight of mid-aperture.
-    ``fix_harmonics`` (9, runs, h): the ripple's amplitude at 1, 2, 3 times the fix rate, fewer where half the
+    ``fix_harmonics`` (10, runs, h): the ripple's amplitude at 1, 2, 3 times the fix rate, fewer where half the
     sampling rate cuts them off. ``fixes``: in the aperture; below three 5 and 5w are the same as 2. ``tuning`` of
     6 and 7.
     """
@@ -106,7 +106,7 @@ def measure_runs(
 
 
 def typical_run(detrended_rms: _FloatArray) -> int:
-    """The run (of (9, runs)) whose free INS, strategy 2, is the median one."""
+    """The run (of (10, runs)) whose free INS, strategy 2, is the median one."""
     free = detrended_rms[1]
     return int(np.argsort(free)[len(free) // 2])
 

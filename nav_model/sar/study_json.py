@@ -38,6 +38,11 @@ def to_json(study: SarStudy, beside: SarStudy | None = None) -> dict[str, Any]:
         "cell_length_m": sar.cell_length,
         "coast_before_aperture_s": budget.design.coast.before_aperture,
         "squint_rad": budget.design.radar.squint_angle,
+        "processing": {
+            "mode": budget.design.processing.mode,
+            "leg_before_s": budget.design.processing.leg_before,
+            "leg_after_s": budget.design.processing.leg_after,
+        },
         "autofocus_order": sar.autofocus_order,
         "window": sar.window,
         "fixes_in_aperture": study.fixes,
@@ -101,6 +106,7 @@ def _strategy(study: SarStudy, index: int) -> dict[str, Any]:
         "key": key,
         "name": strategy.name,
         "causal": strategy.causal,
+        "timing": strategy.timing,
         "reconstruction": strategy.reconstruction,
         "source": strategy.source,
         "closed_form": {

@@ -12,6 +12,7 @@ symbolically). Higher orders that the turn makes are left out.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,9 @@ _GYRO = np.array(
         [4475 / 576576, 421 / 37632, 46523 / 4484480],
     ]
 )
+
+TURNING = ("turned", "curved", "with_turned", "with_curved", "turned_curved")
+"""Covariances of the three functionals, but for the first one's variance, as `nav_model.processing` calls them."""
 
 
 class Turn(NamedTuple):
@@ -112,3 +116,11 @@ def bent_variance(
     free = (start, accelerometer_noise, tilt_noise, aperture_time, coast_time, jerk)
     still = np.asarray(weights * np.array([1.0, 0.0, 0.0]))
     return np.asarray(free_quadratic_variance(weights, *free) - free_quadratic_variance(still, *free))
+
+
+def smoothed_bent_variance(weights: _FloatArray, found: Mapping[str, _FloatArray]) -> _FloatArray:
+    """The same of a smoothed error: from the covariances of `TURNING` [m²] of one axis."""
+    q, v, p = np.moveaxis(weights, -1, 0)
+    own = v**2 * found["turned"] + p**2 * found["curved"]
+    shared = q * v * found["with_turned"] + q * p * found["with_curved"] + v * p * found["turned_curved"]
+    return np.asarray(own + 2 * shared)

@@ -1,8 +1,9 @@
-"""Which way of navigating through the aperture wins: strategies 2, 3, 5 and 5w along the line of sight.
+"""Which way of navigating through the aperture wins: strategies 2, 3, 5, 5w and 9 along the line of sight.
 
 Axes are put together with the weights of [S-1]. To the errors along the line of sight comes what its turning makes
 of velocity and position errors ([S-2], `turning`), under squint too. A slow GNSS error enters the fits (`fit_noise`)
-and, through ``start``, the state at the last fix.
+and, through ``start``, the state at the last fix. The whole-leg smoother's figures come from `nav_model.processing`
+(`Conditions.smoothed`). It can win only where post-processing is chosen: in real time its fixes have not come.
 """
 
 from __future__ import annotations
@@ -30,7 +31,10 @@ from nav_model.sar.turning import Turn, bent_variance, turn_weights
 
 _FloatArray = NDArray[np.float64]
 
-MAP_STRATEGIES: tuple[str, ...] = ("2", "3", "5", "5w")
+IN_APERTURE: tuple[str, ...] = ("2", "3", "5", "5w")
+"""Those whose closed forms need no fix after the aperture, simplest first."""
+
+MAP_STRATEGIES: tuple[str, ...] = (*IN_APERTURE, "9")
 """Those that have a closed form, simplest first."""
 WORTH = 0.05
 """A simpler strategy is chosen if its residual is within this fraction of the least."""
@@ -47,7 +51,8 @@ class Conditions:
     ``vertical_gnss_sigma``: as the horizontal one unless given. ``turn_rate`` [rad/s]: V / R. ``fixes``: in the
     aperture, floor(T / dt) + 1 unless given. Only strategy 3 carries ``coast_time``. ``slow``: of the fixes, numbers;
     ``start`` is then that of the filter that estimates it, and ``slow_with_tilt`` [m rad] the covariance of its
-    tilt error with the slow error itself.
+    tilt error with the slow error itself. ``smoothed``: of the whole-leg smoother, quadratic and detrended [m²].
+    ``post_processed``: whether the image is made after the flight.
     """
 
     aperture_time: ArrayLike
@@ -69,10 +74,12 @@ class Conditions:
     start_vertical: Vertical = _AT_REST
     slow: SlowError | None = None
     slow_with_tilt: ArrayLike = 0.0
+    smoothed: tuple[ArrayLike, ArrayLike] | None = None
+    post_processed: bool = False
 
 
 class StrategyVariances(NamedTuple):
-    """Line-of-sight variances [m^2], shape (4, ...) in the order of `MAP_STRATEGIES`.
+    """Line-of-sight variances [m^2], in the order of `MAP_STRATEGIES`; without ``smoothed``, of `IN_APERTURE`.
 
     ``quadratic``: of the coefficient of x^2 over the aperture. ``detrended``: mean over the aperture of what
     the autofocus leaves. Infinite for 5 where fewer than three fixes determine no quadratic.
@@ -121,10 +128,11 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     else:
         determined = np.where(n > 2, rest, np.inf)
         detrended = [free.detrended, coasted.detrended, determined, rest]
-    return StrategyVariances(
-        np.stack(np.broadcast_arrays(*(q + turned for q, turned in zip(quadratic, along, strict=True)))),
-        np.stack(np.broadcast_arrays(*detrended)),
-    )
+    ends = [q + turned for q, turned in zip(quadratic, along, strict=True)]
+    if c.smoothed is not None:
+        ends.append(np.asarray(c.smoothed[0]))
+        detrended.append(np.asarray(c.smoothed[1]))
+    return StrategyVariances(np.stack(np.broadcast_arrays(*ends)), np.stack(np.broadcast_arrays(*detrended)))
 
 
 def _bent_by_the_turn(
@@ -175,7 +183,7 @@ def _of_acceleration(c: Conditions) -> tuple[_FloatArray, _FloatArray]:
 
 
 class WinnerMap(NamedTuple):
-    """Which strategy to use at each point: index into `strategies`, and sigma (4, ...) [m] of each."""
+    """Which strategy to use at each point: index into `strategies`, and sigma (strategies, ...) [m] of each."""
 
     strategies: tuple[str, ...]
     winner: NDArray[np.intp]
@@ -184,7 +192,8 @@ class WinnerMap(NamedTuple):
 
 
 def map_of_winners(conditions: Conditions, worth: float = WORTH) -> WinnerMap:
-    """The strategy that wins among those with a closed form, by detrended sigma along the line of sight.
+    """The strategy that wins among those with a closed form, by detrended sigma along the line of sight: in real time
+    among those that need no fix after the aperture.
 
     On one axis 5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in
     the order of `MAP_STRATEGIES`) within the fraction ``worth`` of the best is the one named. Along the line of
@@ -195,9 +204,10 @@ def map_of_winners(conditions: Conditions, worth: float = WORTH) -> WinnerMap:
     if not 0 <= worth < 1:
         raise ValueError(f"worth: {worth}; a fraction from 0 to below 1 is needed")
     sigma = np.sqrt(strategy_variances(conditions).detrended)
-    winner = (sigma <= sigma.min(axis=0) * (1 + worth)).argmax(axis=0)
+    able = sigma if conditions.post_processed else sigma[: len(IN_APERTURE)]
+    winner = (able <= able.min(axis=0) * (1 + worth)).argmax(axis=0)
     named = np.take_along_axis(sigma, winner[None], axis=0)[0]
-    return WinnerMap(MAP_STRATEGIES, winner, sigma, named)
+    return WinnerMap(MAP_STRATEGIES[: len(sigma)], winner, sigma, named)
 
 
 def break_even_aperture(conditions: Conditions) -> _FloatArray:
@@ -208,7 +218,7 @@ def break_even_aperture(conditions: Conditions) -> _FloatArray:
     The aperture time and the autofocus of the conditions do not enter.
     """
     dt = np.asarray(conditions.fix_interval, float)
-    first = replace(conditions, autofocus_order=1, aperture_time=2 * dt, fixes=3.0)
+    first = replace(conditions, autofocus_order=1, aperture_time=2 * dt, fixes=3.0, smoothed=None)
     dt = np.broadcast_to(dt, strategy_variances(first).detrended.shape[1:])
     low, high = np.log(2.0 * dt), np.log(1e6 * dt)
     part = np.linspace(0, 1, _SECTIONS).reshape(-1, *[1] * dt.ndim)

@@ -31,7 +31,7 @@ def test_what_decides_is_on_one_screen_without_a_warning(visit: Visit, page: Pag
         until(
             lambda width=width, height=height: _seen_at_once(page, width, height), f"all of it in {width} x {height}"
         )
-    assert page.get_by_role("rowheader").count() == 8
+    assert page.get_by_role("rowheader").count() == 9
     assert not warnings, warnings
 
 

@@ -12,6 +12,7 @@ from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart,
 from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
 from nav_model.budget import Budget
+from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.advice import LEFT
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
@@ -22,8 +23,9 @@ from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS
 from nav_model.units import from_si
 
 _INERTIAL = ("2", "3", "5", "5w")
-_FILTERED = ("4", "6", "7", "8")
+_FILTERED = ("4", "6", "7", "8", "9")
 _DEG = 180 / math.pi
+_COUNT = {4: "four", 5: "five"}
 
 
 def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: str) -> Chart:
@@ -80,7 +82,7 @@ def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) 
         f"residual phase {LEFT[budget.sar.autofocus_order]}, rms [°]", budget,
         closed.detrended, study, "rms", "residual_rms", limit,
         "Formulas [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]; the Budget "
-        "page uses the average between fixes [T-3].",
+        f"page uses the average between fixes [T-3]. {NAMES['9']}: [P-3], [P-5]. {_chosen(budget)}",
     )  # fmt: skip
 
 
@@ -91,8 +93,19 @@ def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None)
     return _dot_chart(
         "sar-quadratic", "Strategies ranked by quadratic phase", "quadratic phase at the aperture's ends [°]", budget,
         closed.quadratic, study, "quadratic_rms", "quadratic", limit,
-        "Formulas [S-5], [S-7] with the along-track part [S-2]; before autofocus.",
+        f"Formulas [S-5], [S-7] with the along-track part [S-2], {NAMES['9']} [P-5]; before autofocus. "
+        f"{_chosen(budget)}",
     )  # fmt: skip
+
+
+def _chosen(budget: Budget) -> str:
+    """Whether the whole-leg smoother competes."""
+    if budget.design.processing.mode == POST_PROCESSED:
+        return f"The design is post-processed, so {NAMES['9']} can be the best."
+    return (
+        f"{NAMES['9']} needs post-processing. The design is processed in real time, so it is shown but cannot be the "
+        "best."
+    )
 
 
 def _dot_chart(
@@ -236,14 +249,15 @@ def _winner_chart(
         knowledge=(
             "Formulas at every point [T-15], [T-16], [S-7], [S-1], [S-2], each with its own settled filter [T-8], "
             "this design's squint and its slow GNSS error. The map names the simplest strategy within 5 % of the "
-            "least residual, of the four that have a formula. "
+            f"least residual, of the {_COUNT[len(drawn.strategies)]} that have a formula and that the processing "
+            f"allows. {_chosen(budget)} "
             + ("Set a limit on the residual phase to see where it is met." if limit is None else
                f"The limit of {degrees(limit)}° at 1σ is met towards shorter apertures.")
         ),
     )  # fmt: skip
 
 
-_GROUPS = ((_INERTIAL, "INS and corrected INS", "ins"), (_FILTERED, "filters and smoother", "filter"))
+_GROUPS = ((_INERTIAL, "INS and corrected INS", "ins"), (_FILTERED, "filters and smoothers", "filter"))
 
 STRATEGY_CHARTS: tuple[Callable[[Budget, ClosedForms, SarStudy | None], DotChart], ...] = (
     residual_chart,

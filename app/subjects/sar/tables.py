@@ -16,6 +16,7 @@ from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Tex
 from app.document.numbers import NONE, hundredths, number
 from app.document.ranks_html import ranks_html
 from nav_model.budget import Budget
+from nav_model.design.processing import REAL_TIME
 from nav_model.sar.advice import LEFT
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
@@ -40,12 +41,17 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
     """
     advice = closed.advice
     if study is None:
-        name, sigma, note = NAMES[advice.strategy], advice.sigma[advice.strategy], "The runs also cover the others."
+        key, sigma, smoothed = advice.strategy, advice.sigma[advice.strategy], advice.sigma["9"]
+        note = "The runs also cover the others."
     else:
         best, now = study.best(), study.best(causal=True)
-        name, sigma, note = best.name, study.residual(best.key), ""
-        if now.key != best.key:
+        key, sigma, smoothed, note = best.key, study.residual(best.key), study.residual("9"), ""
+        if now.key != key:
             note = f"Best in real time: {now.name}, {_degrees(study.residual(now.key), budget)}°."
+    if key == "9":
+        note = f"It needs post-processing. {note}"
+    elif budget.design.processing.mode == REAL_TIME:
+        note = f"{note} Post-processed, {NAMES['9']}: {_degrees(smoothed, budget)}°."
     mark, tone, limit = "", "open", ""
     if closed.required_phase is not None:
         met = float(metres_to_phase(sigma, budget.sar.wavelength)) <= closed.required_phase
@@ -53,7 +59,7 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
         limit = f"; the limit is {number(math.degrees(closed.required_phase))}°"
     said = f"It leaves {_degrees(sigma, budget)}° rms of phase {LEFT[budget.sar.autofocus_order]}{limit}."
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
-    return Answer(f"{mark}Use {name}", tone, (said, note) if note else (said,)), (
+    return Answer(f"{mark}Use {NAMES[key]}", tone, (said, note.strip()) if note else (said,)), (
         *runs,
         Text(advice.sentence),
         Text(f"Why: {advice.because}"),
@@ -109,8 +115,8 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
             ),
         ),
         tuple(rows),
-        f"{runs}Formulas [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]. "
-        "Degrees are two-way phase [T-13].",
+        f"{runs}Formulas [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]; "
+        f"{NAMES['9']} [P-3], [P-5]. Degrees are two-way phase [T-13].",
     )  # fmt: skip
 
 

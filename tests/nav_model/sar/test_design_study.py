@@ -56,7 +56,7 @@ MORE = {
 
 
 def residuals(case, runs, seed):
-    """Detrended rms and quadratic coefficient (9, runs) [m], without impulse responses."""
+    """Detrended rms and quadratic coefficient (10, runs) [m], without impulse responses."""
     parts = []
     for index in range(runs // 500):
         axes = simulate_axes(
@@ -74,7 +74,7 @@ def test_closed_forms_hold_along_the_line_of_sight(name):
     budget = analyse((THREE | MORE)[name])
     closed = closed_forms(budget)
     rms, quadratic = residuals(design_case(budget), 2000, 5)
-    for key in ("2", "3", "5", "5w"):
+    for key in ("2", "3", "5", "5w", "9"):
         for value, expected in ((rms, closed.detrended[key]), (quadratic, closed.quadratic[key])):
             if key in ("5", "5w") and value is quadratic:
                 continue  # their quadratic has inertial parts that [S-7] leaves out
@@ -219,19 +219,16 @@ def test_a_smeared_response_is_no_response():
 
 def test_the_sentence_names_the_best_of_the_runs(study):
     causal, best = study.best(causal=True), study.best()
-    choices = [i for i, key in enumerate(STRATEGY_KEYS) if key not in ("1", "3")]
+    choices = [i for i, key in enumerate(STRATEGY_KEYS) if key not in ("1", "3", "9")]
     least = min(study.rms[choices])
     assert causal.causal
     assert study.residual(best.key) <= 1.05 * least
     assert f"{best.name} leaves {1000 * study.residual(best.key):.3g} mm rms after linear detrend" in study.sentence
     assert ("The best in real time is" in study.sentence) == (causal.key != best.key)
-    cautions = " ".join(to_json(study)["cautions"])
-    smoothed = study.budget.post_processed.detrended * study.budget.sar.wavelength / (4 * np.pi)
-    assert f"Smoothed with the whole leg, the residual is {1e3 * smoothed:.3g} mm" in cautions
     other = next(key for key in ("2", "5") if key not in (best.key, causal.key))
     advised = replace(study.closed.advice, strategy=other)
     alone = replace(study, closed=replace(study.closed, advice=advised)).sentence
-    assert "The formulas, which cover four of the strategies, alone favour" in alone
+    assert "The formulas, which cover five of the strategies, alone favour" in alone
     # A simpler strategy that is as good but for a few per cent is taken; one that is worse by more is not.
     rms = np.full(len(STRATEGY_KEYS), 2e-3)
     rms[STRATEGY_KEYS.index("8")] = 1.93e-3

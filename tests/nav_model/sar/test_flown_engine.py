@@ -110,7 +110,7 @@ def test_engines_agree_and_the_document_says_so(compared):
     found = agreement(flown, fast)
     assert [one.key for one in found] == list(STRATEGY_KEYS[1:])
     compared(
-        "Residuals of eight strategies, error model",
+        "Residuals of nine strategies, error model",
         "T-15",
         "our own derivation",
         "60 full flights of our own simulator",

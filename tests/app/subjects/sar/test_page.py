@@ -90,7 +90,7 @@ def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPa
     assert names(sar)[:4] == ["INS from filter", "INS after outage", "Quadratic fit, noise-weighted", "Quadratic fit"]
     assert sar._ranks.object.count("after the runs") == 4
     assert "reconstruction" in sar._ranks.object
-    assert sar._images.object.count('class="blank"') == 9
+    assert sar._images.object.count('class="blank"') == 10
     assert not sar._follow
     assert (
         "Appears when the strategies have been run"
@@ -110,7 +110,7 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     best = re.search(r'<tr class="best"><th scope="row">([^<]+)', sar._ranks.object)
     assert best is not None
     assert best[1] == study.best().name
-    assert sar._images.object.count("<img") == 9 + 1  # and the scale
+    assert sar._images.object.count("<img") == 10 + 1  # and the scale
     tables = part(sar, "Parts of the error, impulse response in figures")
     assert tables.object.count("<table") == 3
     reasons = part(sar, "Why, and what would change it")
@@ -270,7 +270,7 @@ def test_sar_command_writes_the_study(
     path.write_text(format_design(first_design()), encoding="utf-8")
     assert main(["sar", str(path), "--runs", "20", "--seed", "3", "-o", str(out)]) == 0
     data = json.loads(out.read_text(encoding="utf-8"))
-    assert (data["runs"], data["seed"], len(data["strategies"])) == (20, 3, 9)
+    assert (data["runs"], data["seed"], len(data["strategies"])) == (20, 3, 10)
     assert data["aperture_time_s"] == analyse(first_design()).sar.aperture_time
     assert main(["sar", str(path), "--runs", "20", "--seed", "3"]) == 0
     assert json.loads(capsys.readouterr().out) == data
@@ -326,7 +326,7 @@ def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.Mon
     point.chart = sar._points
     scene.chart = scene_picture(asyncio.run(scene_of(sar._result.study)))
     with np.load(point._npz()) as packed:
-        assert packed["power_db"].shape == (9, 61, 121)
+        assert packed["power_db"].shape == (10, 61, 121)
         np.testing.assert_array_equal(packed["power_db"], shown.power_db)
         assert packed["names"][0] == "Ideal"
     table = np.loadtxt(asyncio.run(point._csv()), delimiter=",", skiprows=1)
@@ -335,7 +335,7 @@ def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.Mon
     assert table[row, :2] == pytest.approx([shown.x[40], shown.y[17]], rel=1e-4)
     assert table[row, 4] == pytest.approx(shown.power_db[2, 17, 40], rel=1e-4)
     drawn = asyncio.run(scene._svg()).getvalue().decode("utf-8")
-    assert drawn.count("<image") >= 9
+    assert drawn.count("<image") >= 10
     assert "RTS smoother" in drawn
     assert "azimuth [m]" in drawn
     document = json.load(asyncio.run(sar._json()))
@@ -351,7 +351,7 @@ def test_sar_command_flies_the_simulator(tmp_path: Any, capsys: pytest.CaptureFi
     told = capsys.readouterr()
     data = json.loads(told.out)
     assert data["engine"] == "simulator"
-    assert len(data["agreement"]["strategies"]) == 8
+    assert len(data["agreement"]["strategies"]) == 9
     assert "20 of 20 runs" in told.err
     assert main([*options, "--workers", "0"]) == 2
     assert "--workers" in capsys.readouterr().err

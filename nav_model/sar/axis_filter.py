@@ -1,0 +1,188 @@
+"""The filter of one axis over the aperture and its smoothers, on the errors of many runs at once.
+
+The filter works on errors, so its gains are the same for every run. A smoother with the whole leg needs no fix of the
+legs one by one: those before the aperture and those after it are information about the states there
+(`nav_model.processing.leg`), and what that information has of error is drawn from its own covariance, which is exact.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.processing.leg import known_at_ends
+from nav_model.processing.spectrum import Channel, Leg
+from nav_model.sar.axis_model import (
+    AxisModel,
+    draw_state,
+    filter_noise,
+    filter_transition,
+    fix_rows,
+    measure,
+    process_noise,
+    transition,
+)
+from nav_model.sar.smoother import rts_smooth, smoother_gain
+
+_FloatArray = NDArray[np.float64]
+
+
+class Filtered(NamedTuple):
+    """Errors (k, runs, m) just before and just after each fix, and their covariances (k, m, m)."""
+
+    prior: _FloatArray
+    posterior: _FloatArray
+    prior_covariance: _FloatArray
+    covariance: _FloatArray
+
+
+class Fixes(NamedTuple):
+    """Fixes of the aperture: their noise (k, runs, kinds), and what is new in the slow error at each (k, runs)."""
+
+    noise: _FloatArray
+    fresh: _FloatArray
+
+
+def filtered(
+    model: AxisModel, start: _FloatArray, covariance: _FloatArray, at_fixes: _FloatArray, fixes: Fixes
+) -> Filtered:
+    """From the error ``start`` (runs, m) just after the first fix; ``at_fixes`` (3, runs, k) is the noise path."""
+    priors, posteriors, prior_covariances, covariances = [start], [start], [covariance], [covariance]
+    phi, grown = filter_transition(model, model.fix_interval), filter_noise(model, model.fix_interval)
+    rows, inertial = fix_rows(model), transition(model.fix_interval)
+    for k in range(1, len(fixes.noise)):
+        prior = posteriors[-1] @ phi.T
+        prior[:, :3] += at_fixes[:, :, k].T - at_fixes[:, :, k - 1].T @ inertial.T
+        prior[:, 3:] -= fixes.fresh[k][:, None]
+        prior_covariance = phi @ covariances[-1] @ phi.T + grown
+        gain, covariance = measure(prior_covariance, model)
+        priors.append(prior)
+        posteriors.append(prior - (prior @ rows.T - fixes.noise[k]) @ gain.T)
+        prior_covariances.append(prior_covariance)
+        covariances.append(covariance)
+    return Filtered(*(np.stack(part) for part in (priors, posteriors, prior_covariances, covariances)))
+
+
+def filtered_in_leg(
+    model: AxisModel,
+    settled: tuple[_FloatArray, _FloatArray],
+    path: tuple[_FloatArray, _FloatArray],
+    fixes: Fixes,
+    rest: float,
+    random: np.random.Generator,
+) -> Filtered:
+    """The filter that starts with the leg, up to the first fix after the aperture and with what all later ones tell.
+
+    Parameters
+    ----------
+    model : AxisModel
+    settled : pair of array
+        Error (runs, m) just after the first fix of the filter that has flown for ever, and its covariance.
+    path : pair of array
+        Noise path at the fixes of the aperture (3, runs, k), and at its end (3, runs).
+    fixes : Fixes
+        Of the aperture.
+    rest : float
+        Seconds from the aperture's end to the next fix.
+    random : Generator
+    """
+    runs, count = len(settled[0]), len(fixes.noise)
+    before, after = _legs(model, count * model.fix_interval, rest)
+    covariance = _inverse(before)
+    # The estimate that knows less errs by something more that is independent of the error of the one that knows more.
+    start = settled[0] + draw_state(covariance - settled[1], runs, random)
+    gathered = draw_state(process_noise(model, rest), runs, random)
+    onward = path[1].T @ transition(rest).T + gathered
+    fresh = draw_fresh(model, runs, random, model.fix_interval)
+    more = Fixes(
+        np.concatenate([fixes.noise, np.zeros_like(fixes.noise[:1])]), np.concatenate([fixes.fresh, fresh[None]])
+    )
+    found = filtered(model, start, covariance, np.concatenate([path[0], onward.T[:, :, None]], axis=2), more)
+    prior = found.prior_covariance[-1]
+    known = prior @ after
+    drawn = random.standard_normal((runs, len(prior))) @ _root(after).T
+    joined = np.linalg.solve(np.eye(len(prior)) + known, (found.prior[-1] + drawn @ prior).T).T
+    return found._replace(posterior=np.concatenate([found.posterior[:-1], joined[None]]))
+
+
+def navigated(
+    done: Filtered, at_fixes: _FloatArray, sampled: _FloatArray, time: _FloatArray, fix_time: _FloatArray
+) -> _FloatArray:
+    """The filter's error (3, runs, n) between the fixes, from the noise path at the fixes and at the times."""
+    found = sampled.copy()
+    for k, span in _stretches(time, fix_time):
+        found[:, :, span] += carried(done.posterior[k][:, :3] - at_fixes[:, :, k].T, time[span] - fix_time[k])
+    return found
+
+
+def smoothed(
+    model: AxisModel, done: Filtered, position: _FloatArray, time: _FloatArray, fix_time: _FloatArray
+) -> _FloatArray:
+    """Position error (runs, n) of the smoother that has all fixes of `done`, from the filter's between the fixes."""
+    phi = filter_transition(model, model.fix_interval)
+    every = np.broadcast_to(phi, (len(done.prior) - 1, *phi.shape))
+    at_fixes = rts_smooth(done.posterior, done.covariance, done.prior, done.prior_covariance, every)
+    found = position.copy()
+    for k, span in _stretches(time, fix_time):
+        if k + 1 < len(done.prior):
+            age = time[span] - fix_time[k]
+            forward = filter_transition(model, age)
+            predicted = forward @ done.covariance[k] @ np.swapaxes(forward, 1, 2) + filter_noise(model, age)
+            onward = filter_transition(model, model.fix_interval - age)
+            gain_row = smoother_gain(predicted, onward, done.prior_covariance[k + 1])[:, 0, :]
+            found[:, span] += (at_fixes[k + 1] - done.prior[k + 1]) @ gain_row.T
+    return found
+
+
+def carried(state: _FloatArray, age: _FloatArray) -> _FloatArray:
+    """A state (runs, 3) carried forward over ages (n,): (3, runs, n)."""
+    p, v, a = state.T[:, :, None]
+    return np.stack([p + v * age + a * (age**2 / 2), v + a * age, np.broadcast_to(a, (len(state), len(age)))])
+
+
+def draw_fresh(model: AxisModel, runs: int, random: np.random.Generator, step: float) -> _FloatArray:
+    """What is new in the slow error of the fixes after a step [s], (runs,)."""
+    if not model.slow_sigma:
+        return np.zeros(runs)
+    return model.slow_sigma * math.sqrt(-math.expm1(-2 * step / model.slow_time)) * random.standard_normal(runs)
+
+
+def _stretches(time: _FloatArray, fix_time: _FloatArray) -> list[tuple[int, slice]]:
+    """Which of the times lie between each fix and the next."""
+    edges = np.searchsorted(time, [*(fix_time - 1e-9), np.inf])
+    return [(k, slice(a, b)) for k, (a, b) in enumerate(pairwise(edges))]
+
+
+def _legs(model: AxisModel, span: float, rest: float) -> tuple[_FloatArray, _FloatArray]:
+    """Information of the fixes up to the aperture's first, and of those from the first after the aperture on."""
+    velocity = model.velocity_sigma or None
+    slow = (model.slow_sigma, model.slow_time) if model.slow_sigma else (None, None)
+    values = (
+        model.accelerometer_noise, model.tilt_noise or None, model.gnss_sigma, model.fix_interval,
+        velocity, velocity and model.fix_interval, *slow,
+    )  # fmt: skip
+    channel = Channel(*(None if value is None else np.array(value) for value in values))  # type: ignore[arg-type]
+    leg = Leg(*(np.array(value) for value in (model.leg_before, model.leg_after - rest, 0.0)))
+    return known_at_ends(channel, np.array(span), leg)
+
+
+def _scale(matrix: _FloatArray) -> _FloatArray:
+    """One over the roots of the diagonal: states differ by many orders of magnitude."""
+    diagonal = np.diagonal(matrix)
+    return np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 1.0)
+
+
+def _inverse(matrix: _FloatArray) -> _FloatArray:
+    by = _scale(matrix)
+    return np.asarray(np.linalg.inv(matrix * by[:, None] * by) * by[:, None] * by)
+
+
+def _root(matrix: _FloatArray) -> _FloatArray:
+    """A matrix whose product with its own transpose is the one given."""
+    by = _scale(matrix)
+    values, vectors = np.linalg.eigh(matrix * by[:, None] * by)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) / by[:, None])
