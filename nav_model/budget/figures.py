@@ -54,10 +54,8 @@ FIGURES: Mapping[str, str] = MappingProxyType(
 
 def sampled(x: Inputs, slow: bool = True) -> Cycle:
     """Prior and posterior of the filter as it is built, with the slow error of its fixes or without. [T-8]"""
-    velocity = None
-    if (densities := x.velocity_densities) is not None:  # taken with the position fixes, at noise of the same density
-        velocity = densities[0] / np.sqrt(x.interval), densities[1] / np.sqrt(x.interval)
-    return cycle(x.sigma_a, x.sigma_w, x.g, x.interval, x.fix, x.fix_vertical, x.slow if slow else None, velocity)
+    noises = x.sigma_a, x.sigma_w, x.g, x.interval, x.fix, x.fix_vertical
+    return cycle(*noises, x.slow if slow else None, x.velocity_of_fix)
 
 
 def settled(x: Inputs) -> Sawtooth:

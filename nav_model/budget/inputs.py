@@ -104,6 +104,13 @@ class Inputs:
         root = np.sqrt(self.velocity_interval)
         return self.velocity * root, self.velocity_vertical * root
 
+    @property
+    def velocity_of_fix(self) -> tuple[Array, Array] | None:
+        """Velocity that comes with each position fix, 1σ at the same density, horizontal and vertical, m/s."""
+        if (densities := self.velocity_densities) is None:
+            return None
+        return densities[0] / np.sqrt(self.interval), densities[1] / np.sqrt(self.interval)
+
 
 def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) -> Inputs:
     """The inputs of a design, some of them replaced.

@@ -84,7 +84,7 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
         raise InputError("radar.squint_angle", str(error)) from error
     wanted = max(sar.aperture_time * _RATE_HZ, 8 * sar.aperture_time / interval)
     samples = min(max(math.ceil(wanted), _LEAST_SAMPLES), _MOST_SAMPLES)
-    velocities = _velocity_noises(design) or (0.0, 0.0)
+    velocities = [float(noise) for noise in inputs_of(design).velocity_of_fix or (0.0, 0.0)]
     level, down = (
         AxisModel(
             accelerometer_noise=design.imu.velocity_random_walk * design.imu.vibration_factor,
@@ -141,7 +141,8 @@ def conditions(
     gyro = (imu.angle_random_walk if gyro_noise is None else np.asarray(gyro_noise)) * imu.vibration_factor
     level, upright = gnss.position_noise * np.asarray(gnss_factor), _vertical_noise(design) * np.asarray(gnss_factor)
     slow = SlowError(gnss.correlated_noise, gnss.correlation_time) if gnss.correlated else None
-    settled = cycle(accelerometer, gyro, flight.gravity, gnss.interval, level, upright, slow)
+    velocities = inputs_of(design).velocity_of_fix
+    settled = cycle(accelerometer, gyro, flight.gravity, gnss.interval, level, upright, slow, velocities)
     span = budget.sar.aperture_time if aperture_time is None else aperture_time
     changed = {
         "radar.aperture_time": span,
@@ -203,6 +204,11 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     """What a careful reader of the strategies must know of this design."""
     design, processing = budget.design, budget.design.processing
     said = []
+    if design.gnss.velocity_noise is not None:
+        said.append(
+            "Velocity fixes are in the filter and in both smoothers, one with each position fix at noise of the same "
+            "density. Both quadratic fits use the position fixes alone. The map varies the position noise alone."
+        )
     if design.gnss.correlated:
         said.append(
             "The slow GNSS error is on: the filter estimates it [T-8], and both quadratic fits follow it. The map "
@@ -255,6 +261,9 @@ def flight_cautions(budget: Budget) -> tuple[str, ...]:
             "Its residual biases act from take-off and the filter does not estimate them. Tilt absorbs most of an "
             "accelerometer bias, so the image suffers less than the formulas and the error model predict."
         )
+    gnss = design.gnss
+    if gnss.velocity_noise is not None and gnss.vertical_velocity_noise not in (None, gnss.velocity_noise):
+        said.append("Its velocity fixes have the horizontal noise on all axes.")
     if design.gnss.correlated:
         said.append(
             "Its fixes carry the slow error, which its filter of nine states does not estimate; the error model's "
@@ -264,15 +273,6 @@ def flight_cautions(budget: Budget) -> tuple[str, ...]:
     if abs(flown - coast) > 1e-6:
         said.append(f"The outage is rounded to whole fix intervals: {flown:.4g} s instead of {coast:.4g} s.")
     return tuple(said)
-
-
-def _velocity_noises(design: Design) -> tuple[float, float] | None:
-    """Velocity of each position fix, horizontal and vertical [m/s]: the density is that of the velocity fixes."""
-    gnss = design.gnss
-    if gnss.velocity_noise is None:
-        return None
-    ratio = math.sqrt((gnss.velocity_interval or gnss.interval) / gnss.interval)
-    return gnss.velocity_noise * ratio, (gnss.vertical_velocity_noise or gnss.velocity_noise) * ratio
 
 
 def _vertical_noise(design: Design) -> float:

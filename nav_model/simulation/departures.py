@@ -79,13 +79,20 @@ class Chain:
 
     bare: the closed form without residual biases. fixes: discrete fixes, flat Earth [T-8]. earth: the
     simulator's filter with the design's white noises, flown straight and level. flight: the same along the
-    study's flight.
+    study's flight. velocity: of one fix, that the closed form has, as `velocity_told`.
     """
 
     bare: FloatArray
     fixes: FloatArray
     earth: FloatArray
     flight: FloatArray
+    velocity: float | None
+
+
+def velocity_told(design: Design) -> float | None:
+    """Velocity noise of one fix, horizontal [m/s], that the closed form has; None without velocity fixes."""
+    own = inputs_of(design).velocity_of_fix
+    return None if own is None else float(own[0])
 
 
 def chain(design: Design, spec: SimulationSpec) -> Chain:
@@ -105,6 +112,7 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
         upright = growth.vertical_growth(start.vertical, x.sigma_a, coast_s)
         variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]
         flat.append(np.stack([*map(np.sqrt, (*variances, level.tilt, level.tilt)), yaw], axis=1))
+    velocity = velocity_told(design)
     plain = replace(
         spec,
         imu=ImuModel(
@@ -113,13 +121,15 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
             spec.imu.rate,
             spec.imu.vibration_factor,
         ),
-        gnss=GnssModel(spec.gnss.position_noise, spec.gnss.vertical_position_noise, spec.gnss.interval),
+        gnss=GnssModel(
+            spec.gnss.position_noise, spec.gnss.vertical_position_noise, spec.gnss.interval, velocity_noise=velocity
+        ),
         filter=FilterModel(states=9),
     )
     earth, flight = (
         fly_without_errors(one).filter_sigma[POSTERIOR] for one in (replace(plain, trajectory=_straight(spec)), plain)
     )
-    return Chain(flat[0], flat[1], earth, flight)
+    return Chain(flat[0], flat[1], earth, flight, velocity)
 
 
 def _straight(spec: SimulationSpec) -> TrajectorySpec:
@@ -188,7 +198,7 @@ def departures(
                     float(ratio[worst]),
                     float(ratio[worst]) * off,
                     named,
-                    in_words(named, result.spec),
+                    in_words(named, result.spec, links.velocity),
                 )
             )
     return found
@@ -200,18 +210,18 @@ def _that_matter(steps: list[tuple[str, float]]) -> tuple[tuple[str, float], ...
     return tuple((key, factor) for key, factor in steps if abs(math.log(factor)) >= least)
 
 
-def in_words(steps: tuple[tuple[str, float], ...], spec: SimulationSpec) -> str:
+def in_words(steps: tuple[tuple[str, float], ...], spec: SimulationSpec, velocity: float | None) -> str:
     """The steps as a sentence: each cause with its factor, and what in this study is behind it."""
-    return "; ".join(f"{cause_in_words(key, spec)} (×{factor:.2f})" for key, factor in steps) or SMALL
+    return "; ".join(f"{cause_in_words(key, spec, velocity)} (×{factor:.2f})" for key, factor in steps) or SMALL
 
 
-def cause_in_words(key: str, spec: SimulationSpec) -> str:
-    """A key of `CAUSES` in words, with what in this study is behind it."""
-    behind = {"filter": instruments_beside(spec), "errors": untold(spec)}.get(key, [])
+def cause_in_words(key: str, spec: SimulationSpec, velocity: float | None) -> str:
+    """A key of `CAUSES` in words, with what in this study is behind it; ``velocity`` as `velocity_told`."""
+    behind = {"filter": instruments_beside(spec, velocity), "errors": untold(spec)}.get(key, [])
     return CAUSES[key] + (f": {', '.join(behind)}" if behind else "")
 
 
-def instruments_beside(spec: SimulationSpec) -> list[str]:
+def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str]:
     """What the filter is told that the closed form knows nothing of."""
     gyro, accelerometer, tuning = spec.imu.gyro, spec.imu.accelerometer, spec.filter
     moving = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in (gyro, accelerometer))
@@ -222,7 +232,7 @@ def instruments_beside(spec: SimulationSpec) -> list[str]:
         ),
         (tuning.process_noise_scale != 1.0, f"process noise setting ×{tuning.process_noise_scale:g}"),
         (tuning.gnss_noise_scale != 1.0, f"fix noise setting ×{tuning.gnss_noise_scale:g}"),
-        (spec.gnss.velocity_noise is not None, "velocity fixes"),
+        (spec.gnss.velocity_noise != velocity, "velocity fixes"),
     )
     return [words for holds, words in cases if holds]
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import yaw_variance
 from nav_model.budget import analyse
+from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.simulation.specification import (
@@ -111,10 +112,9 @@ def specification(
 
 def _velocity_noise(design: Design, more: SimulationInputs) -> float | None:
     """Of one fix that comes with the position, at the density of the design's, unless the study gives another."""
-    gnss, other = design.gnss, more["receiver.velocity_noise"]
-    if other is not None or gnss.velocity_noise is None:
-        return other
-    return float(gnss.velocity_noise * math.sqrt((gnss.velocity_interval or gnss.interval) / gnss.interval))
+    own = inputs_of(design).velocity_of_fix
+    other: float | None = more["receiver.velocity_noise"]
+    return other if other is not None or own is None else float(own[0])
 
 
 def _flight(design: Design, kind: str) -> TrajectorySpec:

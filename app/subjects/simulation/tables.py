@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
 from app.document.numbers import NONE, number
-from nav_model.simulation.departures import SMALL, Departure, cause_in_words
+from nav_model.simulation.departures import SMALL, Departure, cause_in_words, velocity_told
 from nav_model.simulation.design_study import SimulationStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
@@ -171,8 +171,9 @@ def _when(found: Sequence[Departure]) -> str:
 
 
 def _why(found: Sequence[Departure], study: SimulationStudy) -> str:
+    velocity = velocity_told(study.design)
     said = [
-        f"{cause_in_words(cause, study.result.spec)} (×{_range(d.steps[place][1] for d in found)})"
+        f"{cause_in_words(cause, study.result.spec, velocity)} (×{_range(d.steps[place][1] for d in found)})"
         for place, (cause, _) in enumerate(found[0].steps)
     ]
     text = "; ".join(said) or SMALL

@@ -52,6 +52,19 @@ SLOW = {"gnss__correlated": True, "gnss__correlated_noise": 0.5, "gnss__correlat
 MORE = {
     "squinted": design(radar__squint_angle=-0.8, radar__slant_range=4000.0, coast__before_aperture=60.0),
     "slow": design(radar__aperture_time=15.0, radar__slant_range=4000.0, **SLOW),
+    "velocity": design(
+        gnss__position_noise=0.5,
+        gnss__velocity_noise=0.02,
+        gnss__vertical_velocity_noise=0.05,
+        gnss__velocity_interval=0.5,
+        coast__before_aperture=20.0,
+    ),
+    "velocity and slow": design(
+        radar__aperture_time=10.0,
+        radar__squint_angle=0.3,
+        gnss__velocity_noise=0.03,
+        **SLOW,
+    ),
 }
 
 

@@ -106,6 +106,16 @@ def test_a_cause_put_in_is_found_and_named(options, added, cause, words) -> None
     assert words in reasons
 
 
+def test_velocity_fixes_of_the_design_part_nothing_and_others_do() -> None:
+    """The formula has those of the design; those that the study adds are the filter's alone."""
+    with_velocity = PAPER.replace({"gnss.velocity_noise": 0.02})
+    found = study(with_velocity)
+    assert "filter" not in causes(found)
+    assert not [d.reason for d in found.departures if d.phase == "aided"]
+    added = study(added={"receiver.velocity_noise": "0.02 m/s"})
+    assert "velocity fixes" in " ".join(d.reason for d in added.departures)
+
+
 def test_errors_the_filter_does_not_expect_are_found_though_the_filter_agrees_with_the_closed_form() -> None:
     """The slow GNSS error passes straight into position: 1 m on 0.47 m, and the filter knows nothing of it."""
     found = study(PAPER.replace({"gnss.correlated": True, "gnss.correlated_noise": 1.0}))

@@ -87,7 +87,8 @@ def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPa
     assert "✗ Use INS from filter" in said(sar)
     assert "the limit is 20°" in said(sar)
     assert "Formulas only so far." in sar._bar.state.object
-    assert names(sar)[:4] == ["INS from filter", "INS after outage", "Quadratic fit, noise-weighted", "Quadratic fit"]
+    formulas = ("Whole-leg smoother", "INS from filter", "INS after outage", "Quadratic fit, noise-weighted")
+    assert names(sar)[:5] == [*formulas, "Quadratic fit"]
     assert sar._ranks.object.count("after the runs") == 4
     assert "reconstruction" in sar._ranks.object
     assert sar._images.object.count('class="blank"') == 10
@@ -330,7 +331,7 @@ def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.Mon
         np.testing.assert_array_equal(packed["power_db"], shown.power_db)
         assert packed["names"][0] == "Ideal"
     table = np.loadtxt(asyncio.run(point._csv()), delimiter=",", skiprows=1)
-    assert table.shape == (61 * 121, 2 + 9)
+    assert table.shape == (61 * 121, 2 + 10)
     row = 17 * 121 + 40
     assert table[row, :2] == pytest.approx([shown.x[40], shown.y[17]], rel=1e-4)
     assert table[row, 4] == pytest.approx(shown.power_db[2, 17, 40], rel=1e-4)
