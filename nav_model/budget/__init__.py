@@ -127,7 +127,7 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
 
 
 def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares]]) -> Placement:
-    ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error)
+    ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
     return Placement(
         range=sized["range_shift"][0],
         azimuth=sized["azimuth_shift"][0],

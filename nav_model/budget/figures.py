@@ -135,7 +135,27 @@ def _line(part: Mapping[str, Array]) -> Line:
 
 def free_shifts(x: Inputs, start: Sawtooth) -> Shifts:
     """Shift of an image that a free INS from the last fix focuses. [P-7]"""
-    return shifts(*free_lines(x, start), x.grazing_angle, x.slant_range, x.speed, x.squint)
+    return with_fast(x, shifts(*free_lines(x, start), x.grazing_angle, x.slant_range, x.speed, x.squint))
+
+
+def with_fast(x: Inputs, moved: Shifts) -> Shifts:
+    """The image's shift with what vibration, unsensed motion and oscillator add along the line of sight. [P-7]"""
+    if not x.fast:
+        return moved
+    return moved._replace(
+        range=moved.range + sum(made.mean for made in x.fast.values()),
+        azimuth=moved.azimuth + _lever(x) ** 2 * _fast_slope(x),
+    )
+
+
+def _lever(x: Inputs) -> Array:
+    """Azimuth shift of a metre a second along the line of sight, s."""
+    return np.asarray(x.slant_range / (x.speed * np.cos(x.squint)))
+
+
+def _fast_slope(x: Inputs) -> Array:
+    """Variance of the slope over the aperture of what vibrates and of the oscillator, m²/s²."""
+    return np.asarray(sum(made.slope for made in x.fast.values()) * 4 / x.aperture**2)
 
 
 def placing(x: Inputs, moved: Shifts, names: Collection[str] = PLACING) -> dict[str, Array]:
@@ -146,7 +166,7 @@ def placing(x: Inputs, moved: Shifts, names: Collection[str] = PLACING) -> dict[
     if "range_shift" in names:
         found["range_shift"] = np.sqrt(moved.range)
     if "ce90" in names:
-        found["ce90"] = circular_error(*ground_covariance(moved, x.grazing_angle, x.scene_height_error))
+        found["ce90"] = circular_error(*ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint))
     if "le90" in names:
         found["le90"] = NINETY * np.sqrt(moved.height + x.scene_height_error**2)
     return found
@@ -229,11 +249,10 @@ def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, A
         turn = x.speed * np.cos(x.squint) ** 2 * x.aperture / (2 * x.slant_range)
         found["along_track_quadratic_phase"] = to_phase * turn * np.sqrt(h["turned"])
     if "slope_shift" in wanted:
-        lever = x.slant_range / (x.speed * np.cos(x.squint))
-        found["slope_shift"] = lever * np.sqrt(wide * h["slope"] + high * v["slope"])
+        found["slope_shift"] = _lever(x) * np.sqrt(wide * h["slope"] + high * v["slope"] + _fast_slope(x))
     moved = None
     if wanted & set(PLACING):
-        moved = shifts(_line(h), _line(v), x.grazing_angle, x.slant_range, x.speed, x.squint)
+        moved = with_fast(x, shifts(_line(h), _line(v), x.grazing_angle, x.slant_range, x.speed, x.squint))
         found |= placing(x, moved, wanted)
     for name, part, column in (
         ("horizontal_position", h, "position"), ("vertical_position", v, "position"),

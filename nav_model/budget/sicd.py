@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
-from nav_model.budget.figures import begun, free_lines, smoothed_lines
+from nav_model.budget.figures import begun, free_lines, smoothed_lines, with_fast
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.processing.geolocation import shifts
@@ -44,7 +44,7 @@ def error_statistics(design: Design) -> ErrorStatistics:
     """
     x = inputs_of(design)
     level, upright = smoothed_lines(x) if x.post_processed else free_lines(x, begun(x))
-    moved = shifts(level, upright, x.grazing_angle, x.slant_range, x.speed, x.squint)
+    moved = with_fast(x, shifts(level, upright, x.grazing_angle, x.slant_range, x.speed, x.squint))
     trajectory = np.zeros((6, 6))
     for axis, line in enumerate((upright, level, level)):
         trajectory[axis, axis], trajectory[axis + 3, axis + 3] = line.mean, line.slope

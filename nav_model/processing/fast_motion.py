@@ -20,7 +20,7 @@ from nav_model.processing.compensation import power_left
 NEAR_CELLS = 11.0
 """Null distances from the peak to the end of the ten beyond the main lobe."""
 
-_FOCUS = ("quadratic", "cubic", "left_1", "left_2", "left_3")
+_FILTERS = ("quadratic", "cubic", "left_1", "left_2", "left_3", "mean", "slope")
 _STEPS_X = (1.0, 2.0, 3.5, 5.0, *np.linspace(7.5, OSCILLATING, 14))  # as many as the filters' oscillation needs
 _STEPS_DELAY = np.linspace(0, compensation.OSCILLATING, 21)[1:]
 _RISE = 4.0  # between the ends of a panel, where nothing oscillates
@@ -85,6 +85,8 @@ class Fast:
     left_1: Array
     left_2: Array
     left_3: Array
+    mean: Array
+    slope: Array
     scattered: Array
     near: Array
     frequency: Array
@@ -92,7 +94,7 @@ class Fast:
 
     def scaled(self, factor: Array) -> Fast:
         """The same source, its amplitudes multiplied."""
-        changed = {name: getattr(self, name) * factor**2 for name in (*_FOCUS, "scattered", "near")}
+        changed = {name: getattr(self, name) * factor**2 for name in (*_FILTERS, "scattered", "near")}
         return replace(self, amplitude=self.amplitude * np.asarray(factor)[..., None], **changed)
 
 
@@ -107,7 +109,7 @@ def through_aperture(source: Source, aperture: Array, lobe: float) -> Fast:
     lobe : float
         Cells from the peak of the response to its first null: slower errors blur, faster ones scatter.
     """
-    found = dict.fromkeys((*_FOCUS, "scattered", "near"), 0 * aperture)
+    found = dict.fromkeys((*_FILTERS, "scattered", "near"), 0 * aperture)
     w = 2 * np.pi * source.frequency
     left = 1.0 if source.delay is None else power_left(
         w, source.delay[..., None], None if source.bandwidth is None else source.bandwidth[..., None]
@@ -115,7 +117,7 @@ def through_aperture(source: Source, aperture: Array, lobe: float) -> Fast:
     amplitude = source.amplitude * np.sqrt(left + _NEVER) + 0 * aperture[..., None]
     if len(w):
         through = filters(w / 2 * aperture[..., None])
-        for name in _FOCUS:
+        for name in _FILTERS:
             found[name] = found[name] + np.sum(amplitude**2 / 2 * through[name], axis=-1)
     for curve, power in ((source.accelerations, 4), (source.displacements, 0)):
         if curve is not None:
@@ -171,14 +173,14 @@ def _rows(curve: Curve, power: int, source: Source, rows: Array, lobe: float) ->
         )
     x = w / 2 * aperture[row, None]
     quick = np.pi * middle * aperture[row].real > OSCILLATING
-    through = {name: np.empty_like(x) for name in _FOCUS}
+    through = {name: np.empty_like(x) for name in _FILTERS}
     for where, made in ((quick, averages), (~quick, filters)):
         values = made(x[where])
-        for name in _FOCUS:
+        for name in _FILTERS:
             through[name][where] = values[name]
     cells = middle * aperture[row].real
     beyond = [(cells > lobe)[:, None], ((cells > lobe) & (cells < NEAR_CELLS * lobe))[:, None]]
-    found = np.zeros((len(rows), len(_FOCUS) + 2), density.dtype)
+    found = np.zeros((len(rows), len(_FILTERS) + 2), density.dtype)
     for column, seen in enumerate([*through.values(), *beyond]):
         np.add.at(found[:, column], row, np.sum(density * seen, axis=1))
     return found

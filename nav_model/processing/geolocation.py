@@ -21,6 +21,7 @@ from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numb
 _ANGLES = 96  # of a quarter turn: the integrand is smooth for every ratio of the axes
 _STEPS = 12
 _DEGREE = 28
+_LEAST_SIDE = 1e-12
 NINETY = 1.6448536269514722
 """Sigmas that hold 90 % of a normal error on both sides."""
 
@@ -97,26 +98,37 @@ def shifts(
 ) -> Shifts:
     """Shift of the image from the lines in the errors of a horizontal axis and of the vertical. [P-7]
 
+    Range is along the line of sight, azimuth across it in the slant plane: along the track where there is no squint.
     The two horizontal axes err alike and independently. What moves the image away from the radar moves it, growing,
-    back along the track: hence the sign of the covariance. Broadside; under squint the slope counts by one over its
-    cosine, across the line of sight.
+    back along the track: hence the sign of the covariance.
     """
     psi, r, v, squint = (as_numbers(x) for x in (grazing, slant_range, speed, squint))
     wide, high = np.cos(psi) ** 2, np.sin(psi) ** 2
     sight = Line(*(wide * h + high * z for h, z in zip(level, upright, strict=True)))
     lever = r / (v * np.cos(squint))
-    return Shifts(sight.mean, level.mean + lever**2 * sight.slope, -lever * sight.both, upright.mean)
+    up = np.tan(squint) * np.sin(psi)  # of the azimuth's direction, the line of sight going down by the grazing angle
+    apart = Line(*(-up * np.sin(psi) * (z - h) for h, z in zip(level, upright, strict=True)))
+    azimuth = level.mean * (1 - up**2) + upright.mean * up**2 - 2 * lever * apart.both + lever**2 * sight.slope
+    return Shifts(sight.mean, azimuth, apart.mean - lever * sight.both, upright.mean)
 
 
-def ground_covariance(moved: Shifts, grazing: ArrayLike, height_error: ArrayLike) -> tuple[Array, Array, Array]:
-    """Variances in azimuth and in ground range, and their covariance, m². [P-7]
+def ground_covariance(
+    moved: Shifts, grazing: ArrayLike, height_error: ArrayLike, squint: ArrayLike = 0.0
+) -> tuple[Array, Array, Array]:
+    """Variances along the track and across it on the ground, and their covariance, m². [P-7]
 
-    Range becomes ground range by the cosine of the grazing angle; an error of the scene's height moves the image by
-    its tangent.
+    Broadside, range becomes ground range by the cosine of the grazing angle, and an error of the scene's height moves
+    the image by its tangent. Under squint both directions of the slant plane have a part in both on the ground.
     """
-    psi, height = as_numbers(grazing), as_numbers(height_error)
-    across = moved.range / np.cos(psi) ** 2 + (np.tan(psi) * height) ** 2
-    return moved.azimuth, across, moved.both / np.cos(psi) + 0.0  # a zero has no sign
+    psi, height, squint = as_numbers(grazing), as_numbers(height_error), as_numbers(squint)
+    s, k = np.sin(squint), np.cos(squint)
+    side = np.cos(psi) ** 2 - s**2  # squared part of the line of sight across the track
+    side = np.where(side.real > _LEAST_SIDE, side, _LEAST_SIDE)
+    along = s**2 * moved.range + k**2 * moved.azimuth + 2 * s * k * moved.both
+    across = k**4 * moved.range + (s * k) ** 2 * moved.azimuth - 2 * s * k**3 * moved.both
+    across = (across + (np.sin(psi) * height) ** 2) / side
+    both = (k**2 * s * (moved.range - moved.azimuth) + k * (k**2 - s**2) * moved.both) / np.sqrt(side)
+    return along, across, both + 0.0  # a zero has no sign
 
 
 def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: float = 0.9) -> Array:

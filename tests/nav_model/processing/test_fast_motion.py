@@ -7,6 +7,7 @@ import pytest
 from scipy.special import jv, spherical_jn
 
 from nav_model.analytic.steady_state import Array
+from nav_model.budget import analyse
 from nav_model.processing.compensation import power_left
 from nav_model.processing.fast_motion import Curve, Source, through_aperture
 from nav_model.processing.paired_echo import NOTHING, echo, highest_echo, scatter_exponent, scattered_ratio
@@ -196,3 +197,61 @@ def test_oscillator_filter():
     """4 sin² of half the phase that turns on the way to the target and back."""
     w, way = 2 * np.pi * np.geomspace(0.1, 1e6, 50), np.array(2 * 7000.0 / 299792458)
     np.testing.assert_allclose(power_left(w, way), (2 * np.sin(w * 7000.0 / 299792458)) ** 2, rtol=1e-9)
+
+
+def _line_fitted(f: Array, aperture: float) -> tuple[Array, Array]:
+    """Mean squares, over their phase, of the mean and the slope of sinusoids of one metre: a least squares line."""
+    t = (np.arange(4000) + 0.5) / 4000 * aperture - aperture / 2
+    turning = np.exp(2j * np.pi * f[:, None] * t)
+    slope = turning @ t / (t @ t)
+    return np.abs(turning.mean(axis=1)) ** 2 / 2, np.abs(slope) ** 2 / 2
+
+
+def test_what_vibrates_shifts_the_image(open_design):
+    """Range and azimuth of a line and of a spectrum that the IMU does not feel, by a line fitted to sinusoids."""
+    rows = ((0.1, 1e-6, "length density"), (5.0, 1e-8, "length density"))
+    design = open_design.replace(
+        {"motion.unsensed_lines": ((0.15, 2e-3, "length"),), "motion.unsensed_spectrum": rows}
+    )
+    plain, moved = analyse(open_design), analyse(design)
+    aperture = plain.sar.aperture_time
+    one = _line_fitted(np.array([0.15]), aperture)
+    f = np.geomspace(0.1, 5.0, 4000)
+    density = 2 * np.exp(np.interp(np.log(f), np.log([0.1, 5.0]), np.log([1e-6, 1e-8])))
+    mean, slope = (
+        4e-6 * float(of_line[0]) + np.trapezoid(density * of_all, f)
+        for of_line, of_all in zip(one, _line_fitted(f, aperture), strict=True)
+    )
+    lever = design.radar.slant_range / design.flight.speed
+    for before, after in (
+        (plain.placement, moved.placement), (plain.post_processed_placement, moved.post_processed_placement),
+    ):  # fmt: skip
+        assert after.range**2 - before.range**2 == pytest.approx(mean, rel=1e-4)
+        assert after.azimuth**2 - before.azimuth**2 == pytest.approx(lever**2 * slope, rel=1e-4)
+        assert after.shares["azimuth_shift"]["unsensed motion"] == pytest.approx(
+            lever**2 * slope / after.azimuth**2, rel=1e-4
+        )
+    more = moved.post_processed.azimuth_shift**2 - plain.post_processed.azimuth_shift**2
+    assert more == pytest.approx(lever**2 * slope, rel=1e-4)
+
+
+@pytest.mark.parametrize("variance", [1.5, 3.0])
+def test_islr_of_large_random_phase(variance):
+    """Above 1 rad² most energy scatters: 400 histories, what varies from one to the next over what all of them have.
+
+    In the response of one history speckle lies on the target too, more of it the narrower the spectrum.
+    """
+    samples, runs, cells = 1024, 400, 200.0
+    rng = np.random.default_rng(5)
+    f = np.arange(2, int(cells) + 1)  # cells, beyond the main lobe
+    x = np.arange(samples) / samples
+    amplitude = np.sqrt(variance / len(f))
+    drawn = rng.standard_normal((2, runs, len(f))) * amplitude
+    turns = 2 * np.pi * np.outer(f, x)
+    phase = drawn[0] @ np.cos(turns) + drawn[1] @ np.sin(turns)
+    field = np.exp(1j * phase)
+    at_target = np.mean(field, axis=1)
+    left = np.abs(at_target.mean()) ** 2
+    scattered = np.mean(np.abs(field - at_target.mean()) ** 2)
+    formula = 20 * math.log10(float(scattered_ratio(np.array(variance))))
+    assert formula == pytest.approx(10 * math.log10(scattered / left), abs=0.3)

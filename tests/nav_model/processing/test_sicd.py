@@ -73,16 +73,19 @@ def covariance(level, upright):
 
 
 def test_ground_covariance_of_five_hundred_geometries(compared):
+    """Half of them broadside, half with a squint of up to 30 degrees forward or backward."""
     rng = np.random.default_rng(2)
     off = []
-    for _ in range(500):
+    for number in range(500):
         right = bool(rng.integers(2))
         place = rng.uniform(-1.4, 1.4), rng.uniform(-3, 3)
         heading, grazing = rng.uniform(0, 2 * math.pi), rng.uniform(0.1, 1.4)
         distance, speed = np.exp(rng.uniform(math.log(500), math.log(1e5))), rng.uniform(20, 250)
         height = np.exp(rng.uniform(math.log(0.01), math.log(30)))
         level, upright = random_lines(rng)
-        given, axes = metadata(place, heading, right, grazing, distance, speed)
+        most = min(math.radians(30), 0.9 * (math.pi / 2 - grazing))
+        squint = (number % 2) * rng.uniform(-most, most)
+        given, axes = metadata(place, heading, right, grazing, distance, speed, squint)
         sensitive = projection.compute_sensitivity_matrices(given)
         located, *_ = projection.scene_to_image(given, given.SCP)
         sets = projection.compute_projection_sets(given, located)
@@ -90,8 +93,8 @@ def test_ground_covariance_of_five_hundred_geometries(compared):
         slant = projection.compute_composite_error_no_apo_mono(sets, sensitive, stat)
         point = projection.compute_i2s_error(slant, np.zeros((2, 2)), height**2, sensitive)
         ground = np.stack(axes[:2]) @ point @ np.stack(axes[:2]).T
-        moved = shifts(level, upright, grazing, distance, speed)
-        ours = ground_covariance(moved, grazing, height)
+        moved = shifts(level, upright, grazing, distance, speed, squint)
+        ours = ground_covariance(moved, grazing, height, squint)
         sign = 1 if right else -1
         scale = math.sqrt(ground[0, 0] * ground[1, 1])
         off += [float(ours[0]) / ground[0, 0] - 1, float(ours[1]) / ground[1, 1] - 1]
