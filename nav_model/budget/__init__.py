@@ -333,6 +333,7 @@ def _spectral(x: Inputs, cell: float) -> Spectral:
         FrozenMapping({name: float(value) for name, value in values.items()}),
         float(stays(x.fast.values(), x.to_phase, x.aperture, x.window)[0]),
         FrozenMapping({name: _of(x.fast, shares) for name, (_, shares) in sized.items()}),
+        float(x.to_phase**2 * sum(made.scattered for made in x.fast.values())),
     )
 
 

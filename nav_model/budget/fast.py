@@ -12,8 +12,8 @@ from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.design import Design
 from nav_model.design.rows import Row
 from nav_model.processing import paired_echo
-from nav_model.processing.fast_motion import Curve, Fast, Source, through_aperture
-from nav_model.sar.impulse_response import ideal_null_cells
+from nav_model.processing.fast_motion import Curve, Fast, Source, density_of, through_aperture
+from nav_model.sar.impulse_response import aperture_positions, as_taper, ideal_null_cells
 
 VIBRATION, UNSENSED, OSCILLATOR = "vibration", "unsensed motion", "oscillator"
 """Names of the sources in every budget."""
@@ -29,6 +29,44 @@ def fast_sources(design: Design, value: Value, wavelength: Array, aperture: Arra
 
     `value` gives an input's number or array under its dotted key, and `wavelength` is in m.
     """
+    sources = _sources(design, value, wavelength)
+    lobe = ideal_null_cells(design.radar.window) if sources else 1.0
+    return {name: through_aperture(source, aperture, lobe) for name, source in sources.items()}
+
+
+def scattered_floor(design: Design, cells: Array, wavelength: float, aperture: float, exponent: float) -> Array:
+    """Mean power that the spectra scatter to places of the azimuth response, over the error-free peak. [P-11]
+
+    Zero within the main lobe; a spectrum is taken as even over the width of the lobe.
+
+    Parameters
+    ----------
+    design : Design
+    cells : array
+        Places in cells from the target.
+    wavelength, aperture : float
+        m, s.
+    exponent : float
+        Variance of the phase that is scattered, rad².
+
+    Returns
+    -------
+    array
+        As `cells`.
+    """
+    away = np.abs(cells)
+    beside = away > ideal_null_cells(design.radar.window)
+    frequency = np.where(beside, away, 1.0) / aperture
+    sources = _sources(design, lambda key: np.asarray(design[key], float), np.asarray(wavelength))
+    density = sum((density_of(source, frequency) for source in sources.values()), start=0 * cells)
+    weights = as_taper(design.radar.window).weights(aperture_positions(1024))
+    wide = np.mean(weights**2) / np.mean(weights) ** 2  # energy of the lobe over its peak, cells
+    share = -math.expm1(-exponent) / exponent if exponent else 1.0
+    one_side = (4 * math.pi / wavelength) ** 2 * density / 2 / aperture
+    return np.where(beside, share * wide * one_side, 0.0)
+
+
+def _sources(design: Design, value: Value, wavelength: Array) -> dict[str, Source]:
     motion, oscillator = design.motion, design.oscillator
     none = np.zeros(0)
     sources: dict[str, Source] = {}
@@ -57,8 +95,7 @@ def fast_sources(design: Design, value: Value, wavelength: Array, aperture: Arra
             delay=None if oscillator.bistatic else 2 * value("radar.slant_range") / SPEED_OF_LIGHT,
             scale=times * wavelength / (4 * math.pi),
         )
-    lobe = ideal_null_cells(design.radar.window) if sources else 1.0
-    return {name: through_aperture(source, aperture, lobe) for name, source in sources.items()}
+    return sources
 
 
 def rectified(design: Design, value: Value) -> Array | None:

@@ -166,13 +166,15 @@ class Spectral:
 
     ``levels`` holds "paired_echo", the highest echo, and "islr", the root of the scattered energy over the target's:
     amplitudes, 1e-15 where there is nothing. ``stays`` is the power that stays at the target, 1 without sources.
-    ``shares`` gives, for both, the share of each source.
+    ``shares`` gives, for both, the share of each source. ``random`` is the variance of the phase [rad²] that spectra
+    scatter beyond the main lobe.
     """
 
     echoes: tuple[Echo, ...]
     levels: Mapping[str, float]
     stays: float
     shares: Mapping[str, Shares]
+    random: float = 0.0
 
     def phase(self, x: Array, aperture: float) -> Array:
         """Phase of the lines [rad] at places x in [-1, 1] of an aperture [s], as far as its samples resolve them."""

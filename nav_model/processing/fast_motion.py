@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import Array, as_numbers
 from nav_model.processing import compensation
@@ -48,7 +49,7 @@ class Curve:
     def _slopes(self) -> Array:
         return np.diff(np.log(self.density)) / np.diff(np.log(self.frequency))
 
-    def at(self, place: Array, logarithm: Array) -> Array:
+    def at(self, place: NDArray[np.intp], logarithm: Array) -> Array:
         """Density at frequencies given by their logarithm, each in the interval that begins at `place`."""
         away = logarithm - np.log(self.frequency)[place]
         return np.asarray(np.exp(np.log(self.density)[place] + self._slopes[place] * away))
@@ -127,6 +128,36 @@ def through_aperture(source: Source, aperture: Array, lobe: float) -> Fast:
     return made if source.scale is None else made.scaled(source.scale)
 
 
+def density_of(source: Source, frequency: Array) -> Array:
+    """One-sided density of the spectra of a source, with what is taken off, of one design; zero outside them. [P-8]
+
+    Parameters
+    ----------
+    source : Source
+    frequency : array
+        Hz, above zero.
+
+    Returns
+    -------
+    array
+        m²/Hz.
+    """
+    w: Array = 2 * np.pi * frequency
+    total: Array = 0 * frequency
+    for curve, power in ((source.accelerations, 4), (source.displacements, 0)):
+        if curve is not None:
+            inside = (frequency >= curve.frequency[0]) & (frequency <= curve.frequency[-1])
+            found = curve.at(_interval(curve, frequency), np.log(frequency))
+            total = total + np.where(inside, found, 0.0) / w**power
+    left = 1.0 if source.delay is None else power_left(w, source.delay, source.bandwidth)
+    return np.asarray(total * left * (1.0 if source.scale is None else source.scale**2))
+
+
+def _interval(curve: Curve, frequency: Array) -> NDArray[np.intp]:
+    """In which interval of the table frequencies lie, from 0."""
+    return np.clip(np.searchsorted(curve.frequency, frequency) - 1, 0, len(curve.frequency) - 2)
+
+
 def _integrals(curve: Curve, power: int, source: Source, aperture: Array, lobe: float) -> Sequence[Array]:
     """Integrals of a curve over w to this power, less what is taken off, against each filter of `Fast`."""
     zero = np.zeros(())
@@ -162,7 +193,7 @@ def _rows(curve: Curve, power: int, source: Source, rows: Array, lobe: float) ->
     f = np.exp(logarithm)
     weight = ((last - first) / 2)[:, None] * _WEIGHTS * f
     middle = np.exp(((first + last) / 2).real)
-    place = np.clip(np.searchsorted(curve.frequency, middle) - 1, 0, len(curve.frequency) - 2)
+    place = _interval(curve, middle)
     w = 2 * np.pi * f
     density = weight * curve.at(place[:, None], logarithm) / w**power
     if source.delay is not None:

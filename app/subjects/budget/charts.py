@@ -14,6 +14,7 @@ from app.document.wording import DETRENDED
 from app.subjects.budget.tables import ALONG_TRACK
 from nav_model.analytic import regime
 from nav_model.budget import Budget
+from nav_model.budget.fast import scattered_floor
 from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance
 from nav_model.sar.geometry import phase_to_metres
 from nav_model.sar.impulse_response import aperture_positions, response_curve
@@ -349,7 +350,7 @@ def regime_chart(budget: Budget) -> Chart:
 
 def response_chart(budget: Budget) -> Chart:
     """Azimuth impulse response: without error, with the 1σ quadratic, with quadratic and cubic."""
-    sar, image = budget.sar, budget.smoothed or budget.sar
+    sar, image, random = budget.sar, budget.smoothed or budget.sar, budget.spectral.random
     x = aperture_positions(1024)
     quadratic = image.quadratic * x**2 + budget.spectral.phase(x, sar.aperture_time)
     phases = np.stack((0 * x, quadratic, quadratic + image.cubic * x**3))
@@ -359,6 +360,9 @@ def response_chart(budget: Budget) -> Chart:
         cells, power = np.array([0.0]), np.full((3, 1), np.nan)
     else:
         cells, power = response_curve(np.exp(1j * phases), sar.window, extent_cells=6.0)  # type: ignore[arg-type]
+        if random > 0:
+            floor = scattered_floor(budget.design, cells, sar.wavelength, sar.aperture_time, random)
+            power[1:] = 10 * np.log10(10 ** (power[1:] / 10) * math.exp(-random) + floor)
     response = image.impulse_response
     said = (
         "No image: more than 1000 rad of quadratic phase."
@@ -391,7 +395,8 @@ def response_chart(budget: Budget) -> Chart:
             )
         ),
         y_range=(-45.0, 2.0),
-        knowledge=f"{said} Before autofocus.{' With the paired echoes [P-9].' if budget.spectral.echoes else ''}",
+        knowledge=f"{said} Before autofocus.{' With the paired echoes [P-9].' if budget.spectral.echoes else ''}"
+        + (" The floor is the mean power of what random motion and oscillator scatter [P-11]." if random > 0 else ""),
     )
 
 

@@ -8,6 +8,7 @@ from scipy.special import jv, spherical_jn
 
 from nav_model.analytic.steady_state import Array
 from nav_model.budget import analyse
+from nav_model.budget.fast import scattered_floor
 from nav_model.processing.compensation import power_left
 from nav_model.processing.fast_motion import Curve, Source, through_aperture
 from nav_model.processing.paired_echo import NOTHING, echo, highest_echo, scatter_exponent, scattered_ratio
@@ -255,3 +256,30 @@ def test_islr_of_large_random_phase(variance):
     scattered = np.mean(np.abs(field - at_target.mean()) ** 2)
     formula = 20 * math.log10(float(scattered_ratio(np.array(variance))))
     assert formula == pytest.approx(10 * math.log10(scattered / left), abs=0.3)
+
+
+@pytest.mark.parametrize("window", ["uniform", "taylor"])
+def test_the_floor_of_the_response_is_the_mean_of_random_histories(open_design, window):
+    """300 histories of an unsensed motion in the response with the target's own peak, 8 to 40 cells away: 0.5 dB."""
+    rows = ((0.5, 4e-8, "length density"), (40.0, 1e-8, "length density"))
+    design = open_design.replace({"motion.unsensed_spectrum": rows, "radar.window": window})
+    budget = analyse(design)
+    aperture, wavelength = budget.sar.aperture_time, budget.sar.wavelength
+    rng = np.random.default_rng(8)
+    step = 1 / (16 * aperture)
+    f = np.arange(0.5, 40.0, step)
+    density = np.exp(np.interp(np.log(f), np.log([0.5, 40.0]), np.log([4e-8, 1e-8])))
+    amplitude = 4 * math.pi / wavelength * np.sqrt(density * step)
+    t = (aperture_positions(1024) + 1) / 2 * aperture
+    drawn = rng.standard_normal((2, 300, len(f))) * amplitude
+    phase = drawn[0] @ np.cos(2 * np.pi * np.outer(f, t)) + drawn[1] @ np.sin(2 * np.pi * np.outer(f, t))
+    beyond = f * aperture > ideal_null_cells(window)
+    assert budget.spectral.random == pytest.approx(np.sum(amplitude[beyond] ** 2), rel=0.02)
+    _, power = response_curve(np.exp(1j * phase), window, extent_cells=41.0)
+    cells, own = response_curve(np.ones((1, 1024), complex), window, extent_cells=41.0)
+    mean = np.mean(10 ** (power / 10), axis=0) - 10 ** (own[0] / 10) * math.exp(-np.sum(amplitude**2))
+    floor = scattered_floor(design, cells, wavelength, aperture, budget.spectral.random)
+    for low, high in ((8, 12), (20, 40)):
+        there = (np.abs(cells) > low) & (np.abs(cells) < high)
+        assert 10 * math.log10(mean[there].mean() / floor[there].mean()) == pytest.approx(0.0, abs=0.5)
+    assert np.all(floor[np.abs(cells) < 0.9] == 0)
