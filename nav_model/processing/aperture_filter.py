@@ -44,16 +44,14 @@ def spherical_bessel(x: Array, highest: int = 3) -> Array:
     near = x.real < _SERIES_BELOW
     found = np.empty((highest + 1, *x.shape), x.dtype)
     small, large = x[near], x[~near]
-    found[:, near] = (small[:, None] ** np.arange(highest + 1) * (_powers(small) @ _series()[:, : highest + 1])).T
-    before, now = np.sin(large) / large, np.sin(large) / large**2 - np.cos(large) / large
+    sums = np.vander(-(small**2) / 2, _TERMS, increasing=True) @ _series()[:, : highest + 1]
+    found[:, near] = (np.vander(small, highest + 1, increasing=True) * sums).T
+    before = np.sin(large) / large
+    now = (before - np.cos(large)) / large
     for m in range(highest + 1):
         found[m, ~near] = before
         before, now = now, (2 * m + 3) / large * now - before
     return found
-
-
-def _powers(x: Array) -> Array:
-    return np.asarray((-(x[:, None] ** 2) / 2) ** np.arange(_TERMS))
 
 
 @cache
@@ -80,8 +78,8 @@ def _left(x: Array, taken: Array) -> dict[str, Array]:
     return {"left_3": rest, "left_2": rest + taken[3], "left_1": rest + taken[3] + taken[2]}
 
 
-def filters(x: Array) -> dict[str, Array]:
-    """Each filter at x = w T/2.
+def filters(x: Array, *, turning: bool = True) -> dict[str, Array]:
+    """Each filter at x = w T/2; without ``turning`` those of the turning line of sight are left out.
 
     ``quadratic`` and ``cubic`` are of the coefficients of x² and x³ (as in `nav_model.sar.phase`), ``left_1`` to
     ``left_3`` of the mean square after autofocus to that order, ``slope`` of half the aperture times the slope
@@ -91,34 +89,35 @@ def filters(x: Array) -> dict[str, Array]:
     error itself.
     """
     x = as_numbers(x)
-    j0, j1, j2, j3, j4 = spherical_bessel(x, 4)
-    curved = j0 - 55 / 14 * j2 + 18 / 7 * j4
-    return _left(x, np.stack([j0**2, 3 * j1**2, 5 * j2**2, 7 * j3**2])) | {
-        "quadratic": 9 / 4 * 25 * j2**2,
-        "cubic": 25 / 4 * 49 * j3**2,
-        "slope": 9 * j1**2,
-        "turned": (3 * j1 - 9 / 2 * j3) ** 2,
-        "curved": curved**2,
-        "with_curved": -15 / 2 * j2 * curved,
-        "mean": j0**2,
+    j0, j1, j2, j3, *more = spherical_bessel(x, 4 if turning else 3)
+    square = np.stack([j0**2, 3 * j1**2, 5 * j2**2, 7 * j3**2])
+    found = _left(x, square) | {
+        "quadratic": 9 / 4 * 5 * square[2],
+        "cubic": 25 / 4 * 7 * square[3],
+        "slope": 3 * square[1],
+        "mean": square[0],
         "whole": np.ones_like(x),
     }
+    if turning:
+        curved = j0 - 55 / 14 * j2 + 18 / 7 * more[0]
+        found |= {
+            "turned": (3 * j1 - 9 / 2 * j3) ** 2,
+            "curved": curved**2,
+            "with_curved": -15 / 2 * j2 * curved,
+        }
+    return found
 
 
-# Mean of each filter over its oscillation, times x²; beyond `OSCILLATING`, a multiple of pi/2, where what
-# oscillates integrates to nothing in first order.
-_AVERAGE = MappingProxyType(
+AVERAGES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
-        "quadratic": 9 / 8 * 25, "cubic": 25 / 8 * 49, "slope": 9 / 2, "turned": (3 + 9 / 2) ** 2 / 2, "mean": 1 / 2,
-        "curved": (15 / 2) ** 2 / 2, "with_curved": (15 / 2) ** 2 / 2,
+        "quadratic": (0.0, 9 / 8 * 25), "cubic": (0.0, 25 / 8 * 49), "slope": (0.0, 9 / 2), "mean": (0.0, 1 / 2),
+        "turned": (0.0, (3 + 9 / 2) ** 2 / 2), "curved": (0.0, (15 / 2) ** 2 / 2),
+        "with_curved": (0.0, (15 / 2) ** 2 / 2), "whole": (1.0, 0.0),
+        **{f"left_{n}": (1.0, -sum((2 * m + 1) / 2 for m in range(n + 1))) for n in (1, 2, 3)},
     }
 )  # fmt: skip
-
-
-def averages(x: Array) -> dict[str, Array]:
-    """Each filter far above x = 1, without its oscillation."""
-    found = {name: mean / x**2 for name, mean in _AVERAGE.items()} | {"whole": np.ones_like(x)}
-    return found | {f"left_{n}": 1 - sum((2 * m + 1) / 2 for m in range(n + 1)) / x**2 for n in (1, 2, 3)}
+"""Each filter far above x = 1 without its oscillation: the one plus the other over x². Beyond `OSCILLATING`, a
+multiple of pi/2, what oscillates integrates to nothing in first order."""
 
 
 @cache
@@ -134,7 +133,7 @@ def table() -> Table:
     far = np.geomspace(OSCILLATING, _FARTHEST, 10)
     near_x, near_w = _panels(edges, np.where(edges[1:] <= 1.0, 1, 0), 10)
     far_x, far_w = _panels(far, np.ones(len(far) - 1), 10)
-    near, beyond = filters(near_x), averages(far_x)
+    near, beyond = filters(near_x), {name: a + b / far_x**2 for name, (a, b) in AVERAGES.items()}
     return Table(
         np.concatenate([near_x, far_x]),
         np.concatenate([near_w, far_w]),

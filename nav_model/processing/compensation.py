@@ -37,4 +37,6 @@ def power_left(w: Array, delay: Array, bandwidth: Array | None = None, mean: boo
     slow = 0 * w if bandwidth is None else w / (2 * np.pi * bandwidth)
     if mean:
         return np.asarray((2 + slow**2) / (1 + slow**2))
-    return np.asarray((4 * np.sin(angle / 2) ** 4 + (slow + np.sin(angle)) ** 2) / (1 + slow**2))
+    half = np.sin(angle / 2)
+    square = half**2  # products, as a power of four is slow
+    return np.asarray((4 * square**2 + (slow + 2 * half * np.cos(angle / 2)) ** 2) / (1 + slow**2))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import Array, as_numbers
 from nav_model.processing import compensation
-from nav_model.processing.aperture_filter import OSCILLATING, averages, filters
+from nav_model.processing.aperture_filter import AVERAGES, OSCILLATING, filters
 from nav_model.processing.compensation import power_left
 
 NEAR_CELLS = 11.0
@@ -117,7 +117,7 @@ def through_aperture(source: Source, aperture: Array, lobe: float) -> Fast:
     )  # fmt: skip
     amplitude = source.amplitude * np.sqrt(left + _NEVER) + 0 * aperture[..., None]
     if len(w):
-        through = filters(w / 2 * aperture[..., None])
+        through = filters(w / 2 * aperture[..., None], turning=False)
         for name in _FILTERS:
             found[name] = found[name] + np.sum(amplitude**2 / 2 * through[name], axis=-1)
     for curve, power in ((source.accelerations, 4), (source.displacements, 0)):
@@ -195,23 +195,29 @@ def _rows(curve: Curve, power: int, source: Source, rows: Array, lobe: float) ->
     middle = np.exp(((first + last) / 2).real)
     place = _interval(curve, middle)
     w = 2 * np.pi * f
-    density = weight * curve.at(place[:, None], logarithm) / w**power
+    density = weight * curve.at(place[:, None], logarithm)
+    if power:
+        density /= (w**2) ** (power // 2)
     if source.delay is not None:
         wide = None if source.bandwidth is None else bandwidth[row, None]
-        settled = (2 * np.pi * middle * delay[row].real > compensation.OSCILLATING)[:, None]
-        density = density * np.where(
-            settled, power_left(w, delay[row, None], wide, mean=True), power_left(w, delay[row, None], wide)
-        )
+        settled = 2 * np.pi * middle * delay[row].real > compensation.OSCILLATING
+        for where, mean in ((settled, True), (~settled, False)):
+            density[where] *= power_left(
+                w[where], delay[row[where], None], None if wide is None else wide[where], mean=mean
+            )
+    # Far above the oscillation a filter is a constant and a part that falls with x²: two sums serve them all.
     x = w / 2 * aperture[row, None]
-    quick = np.pi * middle * aperture[row].real > OSCILLATING
-    through = {name: np.empty_like(x) for name in _FILTERS}
-    for where, made in ((quick, averages), (~quick, filters)):
-        values = made(x[where])
-        for name in _FILTERS:
-            through[name][where] = values[name]
+    far = np.pi * middle * aperture[row].real > OSCILLATING
+    whole, falling = density.sum(axis=1), np.sum(density[far] / x[far] ** 2, axis=1)
+    close, near = density[~far], filters(x[~far], turning=False)
     cells = middle * aperture[row].real
-    beyond = [(cells > lobe)[:, None], ((cells > lobe) & (cells < NEAR_CELLS * lobe))[:, None]]
     found = np.zeros((len(rows), len(_FILTERS) + 2), density.dtype)
-    for column, seen in enumerate([*through.values(), *beyond]):
-        np.add.at(found[:, column], row, np.sum(density * seen, axis=1))
+    part = np.empty_like(whole)
+    for column, name in enumerate(_FILTERS):
+        constant, fall = AVERAGES[name]
+        part[far] = constant * whole[far] + fall * falling
+        part[~far] = np.einsum("ij,ij->i", close, near[name])
+        np.add.at(found[:, column], row, part)
+    for column, seen in enumerate((cells > lobe, (cells > lobe) & (cells < NEAR_CELLS * lobe)), len(_FILTERS)):
+        np.add.at(found[:, column], row, whole * seen)
     return found
