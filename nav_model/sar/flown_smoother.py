@@ -134,7 +134,7 @@ def flown_smoother(
         Fixes after which, up to the next one, positions are wanted: from the one to just before the other. Without it
         after every fix from ``first`` on.
     blind : bool
-        Whether the filter knows nothing before the first fix.
+        Whether the filter knows nothing but the heading before the first fix.
     """
     wanted = range(*(nodes or (first, len(fix_times) - 1)))
     within = fix_times[wanted.start : wanted.stop + 1]
@@ -178,7 +178,9 @@ def flown_smoother(
         if fix == len(fix_times) or abs(moment - fix_times[fix]) > 1e-8:
             continue
         if fix == first and blind:
-            covariance = np.diag(np.diagonal(covariance) * _NOTHING_KNOWN)
+            unknown = np.full(_STATES, _NOTHING_KNOWN)
+            unknown[8] = 1.0  # heading no fix of a short leg tells, and no flight begins without it
+            covariance = np.diag(np.diagonal(covariance) * unknown)
         if at:
             from_fix = np.stack(since)
             node_time += at

@@ -75,7 +75,7 @@ def flown(design, runs):
 
 def test_a_few_flights_in_a_short_leg(open_design):
     """Twenty flights whose smoother starts 20 s before the aperture and ends 10 s after it: within 60 %."""
-    design = open_design.replace(SHORT | VELOCITY | {"imu.rate": 20.0})
+    design = open_design.replace(SHORT | {"imu.rate": 20.0})
     agree(design, flown(design, 20), 20)
 
 
