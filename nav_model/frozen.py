@@ -1,8 +1,9 @@
-"""A mapping that cannot be changed and that travels between processes."""
+"""Mappings that cannot be changed and that travel between processes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
 from typing import TypeVar
 
 _K = TypeVar("_K")
@@ -37,3 +38,43 @@ class FrozenMapping(Mapping[_K, _V]):
 
     def __repr__(self) -> str:
         return f"FrozenMapping({self._content!r})"
+
+
+class Later(Mapping[_K, _V]):
+    """A mapping that is worked out when it is first looked into; it travels as what was found.
+
+    Parameters
+    ----------
+    work_out : callable
+        To the content; called once at most.
+
+    Examples
+    --------
+    >>> shares = Later(lambda: {"gyro noise": 1.0})
+    >>> shares["gyro noise"]
+    1.0
+    >>> shares == {"gyro noise": 1.0}
+    True
+    """
+
+    def __init__(self, work_out: Callable[[], Mapping[_K, _V]]) -> None:
+        self._work_out = work_out
+
+    @cached_property
+    def _content(self) -> FrozenMapping[_K, _V]:
+        return FrozenMapping(self._work_out())
+
+    def __getitem__(self, key: _K) -> _V:
+        return self._content[key]
+
+    def __iter__(self) -> Iterator[_K]:
+        return iter(self._content)
+
+    def __len__(self) -> int:
+        return len(self._content)
+
+    def __repr__(self) -> str:
+        return repr(self._content)
+
+    def __reduce__(self) -> tuple[type[FrozenMapping[_K, _V]], tuple[dict[_K, _V]]]:
+        return FrozenMapping, (dict(self),)

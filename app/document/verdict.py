@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import NamedTuple
 
 from app.document.blocks import Answer, Cell
@@ -12,6 +13,7 @@ from nav_model.budget.result import Check
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.errors import InputError
 from nav_model.processing.paired_echo import NOTHING
 
 
@@ -97,10 +99,14 @@ def verdict_strip(budget: Budget) -> Answer:
 
 def verdicts_in_short(budget: Budget) -> dict[str, str]:
     """Real time and post-processed, each with its mark and its least margin, as a switch names them -> the mode."""
-    both = {verdict.processing: verdict for verdict in (budget.verdict, budget.other_verdict)}
+    both = {budget.verdict.processing: budget.verdict}
+    with suppress(InputError):  # no figures come of it; the design in force has some
+        both[budget.other_verdict.processing] = budget.other_verdict
 
     def said(mode: str) -> str:
-        tightest, name = both[mode].tightest, mode[:1].upper() + mode[1:]
-        return f"{name} {'✓' if both[mode].closes else '✗'} {whole_percent(tightest.margin)}" if tightest else name
+        name, verdict = mode[:1].upper() + mode[1:], both.get(mode)
+        if verdict is None or verdict.tightest is None:
+            return name
+        return f"{name} {'✓' if verdict.closes else '✗'} {whole_percent(verdict.tightest.margin)}"
 
     return {said(mode): mode for mode in (REAL_TIME, POST_PROCESSED)}

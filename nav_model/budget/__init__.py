@@ -7,7 +7,9 @@ which pages, reports and JSON read. A figure here is a standard deviation that a
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +20,7 @@ from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.steady_state import Array, Horizontal
 from nav_model.budget.fast import LEVELS, levels, stays
 from nav_model.budget.figures import (
+    COASTING,
     PLACING,
     SETTLED,
     SMOOTHED,
@@ -34,6 +37,7 @@ from nav_model.budget.figures import (
 )
 from nav_model.budget.inputs import LONGEST_APERTURE, Inputs, inputs_of
 from nav_model.budget.result import (
+    AfterFlight,
     Budget,
     Echo,
     Outage,
@@ -49,7 +53,7 @@ from nav_model.budget.shares import Shares, coast_shares, shares_by_step, steady
 from nav_model.budget.verdict import judge
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.frozen import FrozenMapping
+from nav_model.frozen import FrozenMapping, Later
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 from nav_model.processing.smoother import SPECTRUM, STATE_SPACE
@@ -91,8 +95,17 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     >>> budget.verdict.closes
     True
     """
+    with _refused(design):
+        budget = _analyse(design, times)
+        assert budget.verdict  # after flight it is worked out here, and refused if it must be
+        return budget
+
+
+@contextmanager
+def _refused(design: Design) -> Iterator[None]:
+    """Refuse a design whose values are too far apart for double precision."""
     try:
-        return _analyse(design, times)
+        yield
     except ArithmeticError as error:
         key = "gnss.correlated_noise" if design.gnss.correlated else "imu.angle_random_walk"
         reason = f"{design[key]:.3g} (SI) gives no figure beside the other noises: {error}"
@@ -111,31 +124,53 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     steady_state = _steady_state(inputs, closed, moments, white)
     coast = _coast(inputs, closed, moments.posterior, white.posterior, time)
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
-    start = closed.horizontal if inputs.slow is None else moments.posterior.horizontal
-    sar = _sar(design, inputs, closed.horizontal, start, steady_state.shares["tilt"])
-    sized = shares_by_step(inputs, lambda x: placing(x, free_shifts(x, begun(x))))
-    placement = _placement(inputs, free_shifts(inputs, begun(inputs)), sized)
-    with np.errstate(invalid="raise", divide="raise"):  # what no number comes of is refused, not shown
-        smoothed, smoothed_placement = _post_processed(inputs)
-    spectral = _spectral(inputs, sar.cell_length)
-    verdicts = (
-        judge(design, steady_state, coast, sar, placement, spectral),
-        judge(design, steady_state, coast, sar, smoothed_placement, spectral, smoothed),
+    start = closed if inputs.slow is None else moments.posterior
+    sar = _sar(design, inputs, closed.horizontal, start.horizontal, steady_state.shares["tilt"])
+    placement = _placement(
+        inputs,
+        free_shifts(inputs, start),
+        _each(PLACING, lambda: _shares_of(shares_by_step(inputs, lambda x: placing(x, free_shifts(x, begun(x)))))),
     )
-    chosen, other = verdicts[::-1] if inputs.post_processed else verdicts
-    return Budget(design, steady_state, coast, sar, placement, smoothed, smoothed_placement, spectral, chosen, other)
+    spectral = _spectral(inputs, sar.cell_length)
+    verdict = judge(design, steady_state, coast, sar, placement, spectral)
+    later = partial(_after_flight, design, inputs, steady_state, coast, sar, spectral)
+    return Budget(design, steady_state, coast, sar, placement, spectral, verdict, later)
 
 
-def _placement(x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares]]) -> Placement:
+def _after_flight(
+    design: Design, inputs: Inputs, steady_state: SteadyState, coast: Outage, sar: Sar, spectral: Spectral
+) -> AfterFlight:
+    # What no number comes of is refused, not shown.
+    with _refused(design), np.errstate(invalid="raise", divide="raise"):
+        smoothed, placement = _post_processed(inputs)
+    return AfterFlight(smoothed, placement, judge(design, steady_state, coast, sar, placement, spectral, smoothed))
+
+
+def _each(names: Iterable[str], work_out: Callable[[], Mapping[str, Shares]]) -> Mapping[str, Shares]:
+    """Shares of each figure, all worked out when one of them is first looked at."""
+    found = cache(work_out)
+
+    def of(name: str) -> Shares:
+        return found()[name]
+
+    return FrozenMapping({name: Later(partial(of, name)) for name in names})
+
+
+def _shares_of(sized: Mapping[str, tuple[float, Shares]]) -> dict[str, Shares]:
+    return {name: shares for name, (_, shares) in sized.items()}
+
+
+def _placement(x: Inputs, moved: Shifts, shares: Mapping[str, Shares]) -> Placement:
     ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
+    placed = {name: float(value) for name, value in placing(x, moved).items()}
     return Placement(
-        range=sized["range_shift"][0],
-        azimuth=sized["azimuth_shift"][0],
+        range=placed["range_shift"],
+        azimuth=placed["azimuth_shift"],
         ground=(float(ground[0]), float(ground[1]), float(ground[2])),
-        ce90=sized["ce90"][0],
+        ce90=placed["ce90"],
         cep=float(circular_error(*ground, share=0.5)),
-        le90=sized["le90"][0],
-        shares=FrozenMapping({name: sized[name][1] for name in PLACING}),
+        le90=placed["le90"],
+        shares=shares,
     )
 
 
@@ -151,7 +186,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
     value = {name: value for name, (value, _) in sized.items()}
     if not all(map(math.isfinite, value.values())):
         raise FloatingPointError("the smoothed figures are beyond double precision")
-    shares = {name: part for name, (_, part) in sized.items()}
+    shares = _shares_of(sized)
     shares["detrended_phase"] = shares[f"detrended_phase_{x.autofocus_order}"]
     by_order = value["detrended_phase_1"], value["detrended_phase_2"], value["detrended_phase_3"]
     smoothed = PostProcessed(
@@ -168,7 +203,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
     )
     assert moved[0] is not None
     shifts = Shifts(*(np.atleast_1d(value.real)[0] for value in moved[0]))  # the shares' steps are imaginary
-    return smoothed, _placement(x, shifts, sized)
+    return smoothed, _placement(x, shifts, FrozenMapping({name: shares[name] for name in PLACING}))
 
 
 def _refuse_hidden_target(squint: float, grazing: float) -> None:
@@ -226,7 +261,7 @@ def _steady_state(inputs: Inputs, closed: Sawtooth, moments: Cycle, white: Cycle
         gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
-        shares=steady_shares(x, closed, moments.prior, white.prior),
+        shares=_each(SETTLED, lambda: steady_shares(x, closed, moments.prior, white.prior)),
     )
 
 
@@ -240,7 +275,7 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, ti
     bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, g, time)
     drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, g, time)
     perfect = growth.perfect_start(a, w, g, time)
-    shares = coast_shares(x, posterior, white, duration)
+    shares = _each(COASTING, lambda: dict(zip(COASTING, coast_shares(x, posterior, white, duration), strict=True)))
     curves = {
         "time": time,
         "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
@@ -259,8 +294,8 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, ti
         duration=duration,
         end_refined_horizontal=float(refined_horizontal[-1]),
         end_refined_vertical=float(refined_vertical[-1]),
-        shares_horizontal=shares[0],
-        shares_vertical=shares[1],
+        shares_horizontal=shares[COASTING[0]],
+        shares_vertical=shares[COASTING[1]],
         **curves,
     )
 
@@ -300,7 +335,7 @@ def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_share
         along_track_quadratic=float(along_track_phase(x, start)),
         lines=lines,
         tilt_shares=tilt_shares,
-        velocity_shares=velocity_shares(x, p, start),
+        velocity_shares=Later(lambda: velocity_shares(x, p, start)),
         impulse_response=response,
         after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, x),
     )

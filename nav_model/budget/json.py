@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any
 
 from nav_model.budget.provenance import cautions, provenance
@@ -137,9 +137,15 @@ def _placement(placement: Placement) -> dict[str, Any]:
     }
 
 
+_CHECK = (
+    *(item.name for item in fields(Check) if item.name not in ("shares", "tilt_shares")),
+    *("dominant", "dominant_share", "sensor", "sensor_share"),
+)
+
+
 def _check(check: Check) -> dict[str, Any]:
     """A check under the names of before, among which its basis is the "figure"; levels in decibels."""
-    said = {"figure" if name == "basis" else name: value for name, value in asdict(check).items()}
+    said: dict[str, Any] = {"figure" if name == "basis" else name: getattr(check, name) for name in _CHECK}
     if check.dimension == "level":
         said |= {name: _decibels(said[name]) for name in ("value", "sigma", "limit")}
     return said

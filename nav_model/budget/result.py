@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from nav_model.analytic.steady_state import Array
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
+from nav_model.frozen import FrozenMapping
 from nav_model.processing.paired_echo import NOTHING
 from nav_model.sar.impulse_response import ImpulseResponse
 
@@ -206,9 +208,8 @@ class Check:
 
     ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
     over, 1 - value/limit, negative when the requirement is not met. ``basis`` says which of the model's
-    results was taken (prior, refined, closed form ...), ``equation`` where it comes from. ``dominant`` is the
-    budget line with the largest share of the variance; ``sensor`` is the largest once an initial tilt is charged
-    to the noises that cause it.
+    results was taken (prior, refined, closed form ...), ``equation`` where it comes from. ``shares`` are those of the
+    budget's lines in the variance, ``tilt_shares`` those of the noises in an initial tilt.
     """
 
     name: str
@@ -221,10 +222,41 @@ class Check:
     met: bool
     basis: str
     equation: str
-    dominant: str
-    dominant_share: float
-    sensor: str
-    sensor_share: float
+    shares: Shares
+    tilt_shares: Shares
+
+    @property
+    def dominant(self) -> str:
+        """The source with the largest share of the variance."""
+        return max(self.shares, key=lambda source: self.shares[source])
+
+    @property
+    def dominant_share(self) -> float:
+        """Its share."""
+        return self.shares[self.dominant]
+
+    @property
+    def sensor(self) -> str:
+        """What answers for the largest share."""
+        return max(self.by_sensor, key=lambda source: self.by_sensor[source])
+
+    @property
+    def sensor_share(self) -> float:
+        """Its share."""
+        return self.by_sensor[self.sensor]
+
+    @cached_property
+    def by_sensor(self) -> Shares:
+        """Shares charged to what can be bought: initial tilt to its makers, coast to the gyros. [T-18]"""
+        charged: dict[str, float] = {}
+        makers: dict[str, Shares] = {
+            "initial tilt": self.tilt_shares,
+            "coast before aperture": FrozenMapping({"gyro noise": 1.0}),
+        }
+        for source, share in self.shares.items():
+            for sensor, part in makers.get(source, {source: 1.0}).items():
+                charged[sensor] = charged.get(sensor, 0.0) + share * part
+        return FrozenMapping(charged)
 
 
 @dataclass(frozen=True)
@@ -242,12 +274,24 @@ class Verdict:
 
 
 @dataclass(frozen=True)
+class AfterFlight:
+    """What post-processing makes of a design: its figures, where its image lies, and its verdict."""
+
+    figures: PostProcessed
+    placement: Placement
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
 class Budget:
     """Everything known about a design, immutable, in SI.
 
     ``steady_state``, ``coast``, ``sar`` and ``placement`` are those of real time, ``spectral`` holds for both
     processings. ``verdict`` is that of the design's processing and decides; ``other_verdict`` holds the same
     requirements against the other one.
+
+    What post-processing makes of a design in real time is worked out when it is first looked at; an `InputError` says
+    then that double precision cannot hold the design's values together.
 
     `nav_model.budget.provenance` says which equation each number comes from.
     """
@@ -257,11 +301,37 @@ class Budget:
     coast: Outage
     sar: Sar
     placement: Placement
-    post_processed: PostProcessed
-    post_processed_placement: Placement
     spectral: Spectral
-    verdict: Verdict
-    other_verdict: Verdict
+    real_time_verdict: Verdict
+    work_out: Callable[[], AfterFlight] = field(repr=False, compare=False)
+
+    @cached_property
+    def _after_flight(self) -> AfterFlight:
+        return self.work_out()
+
+    @property
+    def post_processed(self) -> PostProcessed:
+        """Figures of post-processing."""
+        return self._after_flight.figures
+
+    @property
+    def post_processed_placement(self) -> Placement:
+        """Where the image lies after post-processing."""
+        return self._after_flight.placement
+
+    @property
+    def _decides_after_flight(self) -> bool:
+        return bool(self.design.processing.mode == POST_PROCESSED)
+
+    @property
+    def verdict(self) -> Verdict:
+        """That of the design's processing, which decides."""
+        return self._after_flight.verdict if self._decides_after_flight else self.real_time_verdict
+
+    @property
+    def other_verdict(self) -> Verdict:
+        """The same requirements against the other processing."""
+        return self.real_time_verdict if self._decides_after_flight else self._after_flight.verdict
 
     @property
     def has_fast_sources(self) -> bool:
@@ -271,4 +341,4 @@ class Budget:
     @property
     def smoothed(self) -> PostProcessed | None:
         """The post-processed figures where they decide, None where those of real time do."""
-        return self.post_processed if self.verdict.processing == POST_PROCESSED else None
+        return self.post_processed if self._decides_after_flight else None

@@ -50,7 +50,6 @@ def judge(
     figures = _figures(design, steady_state, coast, sar, placement) | _levels(spectral)
     if smoothed is not None:
         figures |= _smoothed(design, smoothed, placement)
-    tilt_shares = sar.tilt_shares
     checks = []
     for name in checked(design):
         figure, limit_key = figures[name], FIGURES[name]
@@ -58,9 +57,6 @@ def judge(
         declaration = design.requirements.param[limit_key]
         value = confidence_of(design, name) * figure.sigma
         margin = 1 - value / limit
-        dominant = max(figure.shares, key=lambda source: figure.shares[source])
-        by_sensor = _by_sensor(figure.shares, tilt_shares)
-        sensor = max(by_sensor, key=lambda source: by_sensor[source])
         label = str(declaration.label) if name == limit_key else "Along-track quadratic phase"
         checks.append(
             Check(
@@ -74,26 +70,14 @@ def judge(
                 met=value <= limit,
                 basis=figure.basis,
                 equation=figure.equation,
-                dominant=dominant,
-                dominant_share=figure.shares[dominant],
-                sensor=sensor,
-                sensor_share=by_sensor[sensor],
+                shares=figure.shares,
+                tilt_shares=sar.tilt_shares,
             )
         )
     tightest = min(checks, key=lambda check: check.margin, default=None)
     processing = REAL_TIME if smoothed is None else POST_PROCESSED
     closes = all(check.met for check in checks)
     return Verdict(processing, closes, design.requirements.confidence, tuple(checks), tightest)
-
-
-def _by_sensor(shares: Shares, tilt_shares: Shares) -> dict[str, float]:
-    """Shares charged to what can be bought: initial tilt to its makers, coast to the gyros. [T-18]"""
-    charged: dict[str, float] = {}
-    for source, share in shares.items():
-        split = {"initial tilt": tilt_shares, "coast before aperture": {"gyro noise": 1.0}}.get(source, {source: 1.0})
-        for sensor, part in split.items():
-            charged[sensor] = charged.get(sensor, 0.0) + share * part
-    return charged
 
 
 def _smoothed(design: Design, smoothed: PostProcessed, placement: Placement) -> dict[str, _Figure]:

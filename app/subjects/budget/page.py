@@ -130,9 +130,6 @@ class BudgetPage(pn.viewable.Viewer):
         self._tell_soon()
         if self._close.label != _ask(budget):
             self._close.label = _ask(budget)
-        modes = verdicts_in_short(budget)
-        if self._mode.options != modes or self._mode.value != budget.verdict.processing:
-            self._mode.param.update(options=modes, value=budget.verdict.processing)
         if self._panel.visible:
             self._find_ways()
         for follow in self._follow:
@@ -140,7 +137,8 @@ class BudgetPage(pn.viewable.Viewer):
 
     def _choose(self, event: Any) -> None:
         if event.new != self.session.budget.verdict.processing:
-            self.session.change({"processing.mode": event.new})
+            if self.session.change({"processing.mode": event.new}):  # no figures come of it: back to the one in force
+                self._offer_modes()
 
     @param.depends("session.invalid", watch=True)
     def _warn(self) -> None:
@@ -170,7 +168,9 @@ class BudgetPage(pn.viewable.Viewer):
         _put(self._phase, bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
 
     def _tell(self) -> None:
-        """The lines above the charts: source, method and, for who cannot see them, what they show."""
+        """What waits for a slider to rest: the other processing's verdict, and the lines above the charts: source,
+        method and, for who cannot see them, what they show."""
+        self._offer_modes()
         budget, spread = self.session.budget, self._display.named()
         told = "" if spread == "1σ" else f", {spread}, limits scaled"
         phase = charts.phase_chart(budget)
@@ -178,6 +178,12 @@ class BudgetPage(pn.viewable.Viewer):
         knowledge = charts.position_chart(budget).knowledge
         _put(self._phase_head, head_html(f"{phase.title}{told}", phase.knowledge))
         _put(self._stack_head, head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
+
+    def _offer_modes(self) -> None:
+        budget = self.session.budget
+        modes, chosen = verdicts_in_short(budget), budget.verdict.processing
+        if self._mode.options != modes or self._mode.value != chosen:
+            self._mode.param.update(options=modes, value=chosen)
 
     # --- what would close it ---------------------------------------------------------------------------------
 
