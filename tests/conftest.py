@@ -37,6 +37,7 @@ LONG = (
     "app/serving/test_end.py",
     "app/serving/test_hostile_messages.py",
     "app/serving/test_limits.py",
+    "app/serving/test_newest_wins.py",
     "app/serving/test_oauth.py",
     "app/serving/test_pages_go.py",
     "app/serving/test_supervisor.py",

@@ -74,8 +74,11 @@ class Toolbar(pn.viewable.Viewer):
 
     @param.depends("session.findings", "session.budget", "session.running", watch=True)
     def _offer(self) -> None:
-        if not self._report.running:
-            self.bar.param.update(studies=self._choice.offered(), left_out=self._choice.lacking())
+        if self._report.running:
+            return
+        studies, left_out = self._choice.offered(), self._choice.lacking()
+        if (self.bar.studies, self.bar.left_out) != (studies, left_out):
+            self.bar.param.update(studies=studies, left_out=left_out)
 
     def _renamed(self, event: Any) -> None:
         if event.new != self.session.design.name:

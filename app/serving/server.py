@@ -33,7 +33,7 @@ from app.session import Session, link_parts
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
-from app.upstream import one_write, writes
+from app.upstream import known_models, one_write, writes
 from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.ask_first import ask_first
 from app.upstream.browser import HEAD_SCRIPT
@@ -122,6 +122,7 @@ def serve_on(
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
     writes.repair()
     one_write.repair()
+    known_models.repair()
     read_any_address()
     remember_defaults()
     workers.use(rules.workers, row.board.processes)

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import panel.io.document as panel_document
+from bokeh.protocol.message import Message
 from tornado.iostream import StreamClosedError
 from tornado.websocket import WebSocketClosedError
 
@@ -39,15 +40,34 @@ def _dispatch(connection: Any, events: Sequence[Any] | None = None, msg: Any = N
     websocket = connection._socket.ws_connection
     if websocket is None or websocket.is_closing() or not (events or msg):
         return []
-    message = msg or connection.protocol.create("PATCH-DOC", events)
+    whole = _whole(msg or connection.protocol.create("PATCH-DOC", events))
+    try:
+        return [asyncio.ensure_future(_written(websocket.stream.write(whole)))]
+    except StreamClosedError:
+        raise WebSocketClosedError from None
+
+
+def _whole(message: Any) -> bytes:
+    """Every frame of a message, one after the other."""
     texts = (message.header_json, message.metadata_json, message.content_json)
     frames = [_frame(_TEXT, text.encode()) for text in texts]
     for buffer in message._buffers:
         frames += _frame(_TEXT, json.dumps(buffer.ref).encode()), _frame(_BINARY, bytes(buffer.to_bytes()))
-    try:
-        return [asyncio.ensure_future(_written(websocket.stream.write(b"".join(frames))))]
-    except StreamClosedError:
-        raise WebSocketClosedError from None
+    return b"".join(frames)
+
+
+async def _answer(message: Any, socket: Any) -> int:
+    """As Bokeh's ``Message.send``: write what answers a message of the page; bytes written."""
+    whole = _whole(message)
+    with await socket.write_lock.acquire():
+        websocket = socket.ws_connection
+        if websocket is None or websocket.is_closing():
+            raise WebSocketClosedError
+        try:
+            await _written(websocket.stream.write(whole))
+        except StreamClosedError:
+            raise WebSocketClosedError from None
+    return len(whole)
 
 
 async def _written(outcome: asyncio.Future[None]) -> None:
@@ -60,3 +80,4 @@ async def _written(outcome: asyncio.Future[None]) -> None:
 def repair() -> None:
     """Put it in place; the server calls it once, before it serves."""
     panel_document.dispatch_tornado = _dispatch
+    Message.send = _answer

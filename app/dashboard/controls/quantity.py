@@ -9,6 +9,7 @@ import param
 
 from app.session import Session
 from app.ui.input_box import InputBox, slider_of
+from app.upstream.prompt_input import PromptInput
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
@@ -49,7 +50,7 @@ class QuantityControl(InputBox):
         assert isinstance(declaration, BaseQuantity)
         self._session = session
         self._declaration = declaration
-        box = pmui.TextInput(
+        box = PromptInput(
             label=str(declaration.label),
             placeholder=_EMPTY.get(key, "not checked" if declaration.allow_None else ""),
             margin=(10, 4, 0, 10),

@@ -21,6 +21,7 @@ from nav_model.sar.impulse_response import aperture_positions, response_curve
 
 _LEAD = 0.2  # of the outage shown: steady state to the left of zero
 _DEG = 180 / math.pi
+_RESPONSE_SAMPLES, _RESPONSE_CELLS = 1024, 6.0  # of the aperture; shown on each side of the target
 
 
 def _limit(budget: Budget, name: str, scale: float = 1.0) -> float:
@@ -348,18 +349,25 @@ def regime_chart(budget: Budget) -> Chart:
     )  # fmt: skip
 
 
+@cache
+def _ideal_response(window: str) -> Array:
+    """Power [dB] of an aperture without error."""
+    return response_curve(np.ones(_RESPONSE_SAMPLES), window, _RESPONSE_CELLS)[1]  # type: ignore[arg-type]
+
+
 def response_chart(budget: Budget) -> Chart:
     """Azimuth impulse response: without error, with the 1σ quadratic, with quadratic and cubic."""
     sar, image, random = budget.sar, budget.smoothed or budget.sar, budget.spectral.random
-    x = aperture_positions(1024)
+    x = aperture_positions(_RESPONSE_SAMPLES)
     quadratic = image.quadratic * x**2 + budget.spectral.phase(x, sar.aperture_time)
-    phases = np.stack((0 * x, quadratic, quadratic + image.cubic * x**3))
+    phases = np.stack((quadratic, quadratic + image.cubic * x**3))
     keys = ("ideal", "quadratic", "cubic")
     labels = ("no error", "1σ quadratic", "with cubic")
     if image.impulse_response is None:
         cells, power = np.array([0.0]), np.full((3, 1), np.nan)
     else:
-        cells, power = response_curve(np.exp(1j * phases), sar.window, extent_cells=6.0)  # type: ignore[arg-type]
+        cells, spread = response_curve(np.exp(1j * phases), sar.window, _RESPONSE_CELLS)  # type: ignore[arg-type]
+        power = np.vstack((_ideal_response(sar.window), spread))
         if random > 0:
             floor = scattered_floor(budget.design, cells, sar.wavelength, sar.aperture_time, random)
             power[1:] = 10 * np.log10(10 ** (power[1:] / 10) * math.exp(-random) + floor)

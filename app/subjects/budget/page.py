@@ -120,6 +120,8 @@ class BudgetPage(pn.viewable.Viewer):
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
+        if self.session.compared is not self._compared:
+            self._hold()
         self._strip.show(verdict_strip(budget), _invalid(self.session.invalid))
         self._stack.feed(self._timelines(budget))
         if self._shown != self.session.shown:
@@ -136,9 +138,9 @@ class BudgetPage(pn.viewable.Viewer):
             follow(budget)
 
     def _choose(self, event: Any) -> None:
-        if event.new != self.session.budget.verdict.processing:
-            if self.session.change({"processing.mode": event.new}):  # no figures come of it: back to the one in force
-                self._offer_modes()
+        changes = {"processing.mode": event.new}
+        if event.new != self.session.budget.verdict.processing and self.session.change(changes):
+            self._offer_modes()  # no figures come of it: back to the one in force
 
     @param.depends("session.invalid", watch=True)
     def _warn(self) -> None:
@@ -147,22 +149,21 @@ class BudgetPage(pn.viewable.Viewer):
     @param.depends("session.compared", watch=True)
     def _compare(self) -> None:
         """Hold the page against what is compared; a change of the budget that comes with it shows it anyway."""
-        compared = self.session.compared
-        if compared is self._compared:
-            return
-        self._compared = compared
-        with pn.io.hold():
-            self._hold()
-            self._feed(self.session.budget)
+        if self.session.budget is self._shown_budget and self.session.compared is not self._compared:
+            with pn.io.hold():
+                self._hold()
+                self._feed(self.session.budget)
 
     def _hold(self) -> None:
         """Work out what the page is held against, as figures are told now."""
+        self._compared = self.session.compared
         was, display = self._compared.budget if self._compared else None, self._display
         self._was = (key_figures(was, display), display.bars(charts.phase_chart(was))) if was else (None, None)
         self._stack.compare(self._timelines(was) if was else None)
 
     def _feed(self, budget: Budget) -> None:
         """Tiles and bars, whose text goes only when it is another."""
+        self._shown_budget = budget
         figures, bars = self._was
         _put(self._tiles, tiles_html(key_figures(budget, self._display), figures))
         _put(self._phase, bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))

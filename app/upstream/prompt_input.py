@@ -1,0 +1,26 @@
+"""A box follows a value without lifting the write protection of every parameter it has.
+
+panel-material-ui copies "value" to "value_input", which it protects, and to do so makes all fifty parameters writable
+and protects them again: a twentieth of a slider's step.
+
+Written for: panel-material-ui 0.16.6
+Upstream: none found, searched 2026-11-23
+Needless when: tests/app/upstream/test_prompt_input.py::test_as_shipped_every_parameter_is_touched fails
+"""
+
+from __future__ import annotations
+
+import panel_material_ui as pmui
+import param
+
+
+class PromptInput(pmui.TextInput):
+    """A box for text that a slider beside it may change."""
+
+    value_input = param.String(
+        default="", allow_None=True, readonly=False, constant=False, doc="The text as it is typed."
+    )
+
+    @param.depends("value", watch=True, on_init=True)
+    def _sync_value_input(self) -> None:
+        self.value_input = self.value

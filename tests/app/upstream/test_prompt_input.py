@@ -1,0 +1,36 @@
+"""A box's text is shown as it was, without touching what it does not change."""
+
+from __future__ import annotations
+
+import panel_material_ui as pmui
+import pytest
+
+from app.upstream.prompt_input import PromptInput
+
+
+def _touched(box: pmui.TextInput, monkeypatch: pytest.MonkeyPatch) -> int:
+    """How many other parameters are written to when the text changes."""
+    seen: set[str] = set()
+    with monkeypatch.context() as patch:
+        for name in ("label", "width", "margin"):
+            kind = type(box.param[name])
+            shipped = kind.__setattr__
+
+            def noted(parameter: object, attribute: str, value: object, shipped: object = shipped) -> None:
+                if attribute == "readonly":
+                    seen.add(str(getattr(parameter, "name", "")))
+                shipped(parameter, attribute, value)  # type: ignore[operator]
+
+            patch.setattr(kind, "__setattr__", noted)
+        box.value = "1 m"
+    return len(seen - {"value", "value_input"})
+
+
+def test_as_shipped_every_parameter_is_touched(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert _touched(pmui.TextInput(), monkeypatch) > 10
+
+
+def test_none_is_and_the_text_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    box = PromptInput()
+    assert _touched(box, monkeypatch) == 0
+    assert box.value_input == "1 m"
