@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,12 +18,14 @@ _TOKEN = re.compile(r'"token":"([^"]+)"')
 
 @dataclass
 class Tab:
-    """One open page; ``errors`` are what the server said of its own fault, or that it hung up."""
+    """One open page; ``errors`` are what the server said of its own fault, or that it hung up; ``heard`` is called
+    with each change that arrives."""
 
     server: str
     connection: WebSocketClientConnection
     objects: list[dict[str, Any]] = field(default_factory=list)
     errors: list[str] = field(default_factory=list)
+    heard: Callable[[str], None] | None = None
     _sent: int = 0
     _closing: bool = False
     _waiting: set[str] = field(default_factory=set)
@@ -138,7 +140,11 @@ class Tab:
                 self._greeted.set()
             elif kind == "PULL-DOC-REPLY" and self._reply is not None:
                 self._reply.set_result(str(content))
-            elif kind == "PATCH-DOC" and self._waiting:
+            elif kind == "PATCH-DOC":
+                if self.heard is not None:
+                    self.heard(str(content))
+                if not self._waiting:
+                    continue
                 self._waiting -= {model for model in self._waiting if f'"{model}"' in str(content)}
                 if not self._waiting and self._answered is not None and not self._answered.done():
                     self._answered.set_result(None)
