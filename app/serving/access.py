@@ -119,17 +119,19 @@ class PasswordProvider(BasicAuthProvider):
         panels = super().get_user  # counts who is connected
 
         def get_user(handler: Any) -> str | None:
-            signed = handler.get_secure_cookie("user", max_age_days=config.oauth_expiry)
-            secret = handler.get_secure_cookie(_LOGIN, max_age_days=config.oauth_expiry)
-            if signed is None or secret is None:
-                return None
-            name = signed.decode("utf-8")
-            mark = self._passwords.mark(name)
-            if mark is None or not self._logins.holds(secret.decode("utf-8"), name, mark):
-                return None
-            return str(panels(handler))
+            return str(panels(handler)) if self.still_in(handler) else None
 
         return get_user
+
+    def still_in(self, handler: Any) -> bool:
+        """Whether the login that a request came with holds."""
+        signed = handler.get_secure_cookie("user", max_age_days=config.oauth_expiry)
+        secret = handler.get_secure_cookie(_LOGIN, max_age_days=config.oauth_expiry)
+        if signed is None or secret is None:
+            return False
+        name = signed.decode("utf-8")
+        mark = self._passwords.mark(name)
+        return mark is not None and self._logins.holds(secret.decode("utf-8"), name, mark)
 
     @property
     def login_handler(self) -> type[PasswordLogin]:

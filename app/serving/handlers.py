@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -65,6 +66,8 @@ class Surroundings:
     """Called with every message of a page."""
     admits: Callable[[str], bool]
     """Whether somebody who is logged in may enter."""
+    still_in: Callable[[Any], bool]
+    """Whether the login that a connection was made with holds; asked in a thread."""
     stopping: bool = False
 
     def full(self, own_sessions: int) -> bool:
@@ -83,6 +86,14 @@ def being_sent() -> bool:
     """Whether a page has not yet taken all that was sent to it."""
     streams = (own.ws_connection.stream for own in _connections if own.ws_connection is not None)
     return any(stream is not None and stream.writing() for stream in streams)
+
+
+async def hang_up_on_ended_logins() -> None:
+    """Close every page whose login has been ended, here or through another process."""
+    pages = list(_connections)
+    ended = await asyncio.to_thread(lambda: [page for page in pages if not _here.still_in(page)])
+    for page in ended:
+        page.close(1008, "logged out")
 
 
 def close_door() -> None:

@@ -20,11 +20,11 @@ from panel.io.state import set_curdoc
 from app.dashboard.frame import Frame, is_review_link
 from app.dashboard.opening import OPENING_SCRIPT
 from app.document.display import display_of
-from app.serving.access import provider_of
+from app.serving.access import PasswordProvider, provider_of
 from app.serving.address import announce, listen, origins
 from app.serving.board import Board, Row
 from app.serving.collector import Collector, settle
-from app.serving.handlers import Surroundings, around, being_sent, close_door
+from app.serving.handlers import Surroundings, around, being_sent, close_door, hang_up_on_ended_logins
 from app.serving.hosts import Hosts, first_rules
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
@@ -128,9 +128,12 @@ def serve_on(
     workers.use(rules.workers, row.board.processes)
     began, collector = time.monotonic(), Collector()
     listen_on(listening, port)
+    access = provider_of(rules)
+    provider = access.get("auth_provider")
     here = Surroundings(
         row, rules.max_sessions, page=opening_page(), heard=collector.heard,
         admits=rules.oauth.admits if rules.oauth else lambda _: True,
+        still_in=provider.still_in if isinstance(provider, PasswordProvider) else lambda _: True,
     )  # fmt: skip
     metrics = ServerMetrics(row.board, rules.max_sessions, lambda: time.monotonic() - began)
     server = pn.serve(
@@ -150,7 +153,7 @@ def serve_on(
         unused_session_lifetime_milliseconds=round(1000 * rules.session_lifetime),
         check_unused_sessions_milliseconds=min(10_000, round(500 * rules.session_lifetime)),
         log_function=request_done,
-        **provider_of(rules),
+        **access,
         **around(rules, here, metrics),
     )
     ask_first(server, first_rules(Hosts(rules.address, rules.allow_origin)))
@@ -232,8 +235,10 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
 
 
 async def _tell(server: Any, row: Row) -> None:
-    """Keep what the other processes and the operator know of this one up to date, until cancelled."""
+    """Keep what the other processes and the operator know of this one up to date, and hang up on those who have
+    logged out, until cancelled."""
     while True:
         row.put("sessions", len(server.get_sessions()))
         row.put("heavy", workers.under_way())
+        await hang_up_on_ended_logins()
         await asyncio.sleep(_TELL)

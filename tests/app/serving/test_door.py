@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 import urllib.parse
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import pytest
 from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id
 from tornado.web import create_signed_value
+from waiting import PATIENCE
 
 from app.serving.hosts import Hosts
 from app.serving.logins import Logins
@@ -155,6 +157,25 @@ def test_logout(visitor: Any) -> None:
     assert "http" not in text
     visitor.cookies = {name: value for name, value in visitor.cookies.items() if value != '""'}
     assert visitor.ask("/")[0] == 302
+
+
+def test_logging_out_closes_the_pages_of_this_login_and_no_others(visitor: Any) -> None:
+    other = type(visitor)(visitor.process, visitor.port)
+    for one in (visitor, other):
+        one.log_in("ada", PASSWORD)
+
+    async def run() -> None:
+        leaving, staying = await visitor.connect(visitor.token()), await other.connect(other.token())
+        assert "ACK" in str(await leaving.read_message())
+        await asyncio.to_thread(visitor.ask, "/logout")
+        async with asyncio.timeout(PATIENCE):
+            while await leaving.read_message() is not None:
+                pass
+        assert leaving.close_reason == "logged out"
+        assert "ACK" in str(await staying.read_message())
+        await other.hang_up(staying)
+
+    asyncio.run(run())
 
 
 def test_guessing_is_slowed(tmp_path: Path) -> None:
