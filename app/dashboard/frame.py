@@ -230,7 +230,7 @@ class Frame(pn.viewable.Viewer):
                     self._notice,
                     self._examples,
                     *self._places,
-                    Tour(margin=0, width=0, height=0),
+                    Tour(margin=0, sizing_mode="stretch_width"),
                     Repairs(margin=0, width=0, height=0),
                     self._lifeline,
                     Remembered(DISPLAY_COOKIE, self.session.param.shown),

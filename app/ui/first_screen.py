@@ -8,13 +8,11 @@ from typing import Any
 
 import panel as pn
 
-from app.ui.theme import FRAME
+from app.ui.theme import FRAME, NARROW
 
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _VIEWS = Path(__file__).with_name("screen_of_views.css").read_text("utf-8")
 
-_NARROW = "@media (max-width: 1000px) { div { flex: none !important; height: auto !important; } }"
-"""Sheet of a part: on a narrow window what is in it is as high as it wants."""
 _ABOUT = 800  # pixels
 
 
@@ -48,7 +46,7 @@ def first_screen(
                     styles=where | FRAME,
                     sizing_mode="stretch_both",
                     css_classes=["half" if span == 1 else "whole"],
-                    stylesheets=[_NARROW],
+                    stylesheets=[NARROW],
                 )
             )
     if bottom is not None:
@@ -62,4 +60,4 @@ def first_screen(
 
 def screen_of_views(strip: Any, views: Any, *below: Any) -> pn.Column:
     """A page whose views take turns: the answer, the switch, the view chosen in the rest of the window, and tools."""
-    return pn.Column(strip, views, *below, height=_ABOUT, stylesheets=[_VIEWS])
+    return pn.Column(strip, views, *below, height=_ABOUT, stylesheets=[_VIEWS, NARROW])

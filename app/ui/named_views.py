@@ -9,7 +9,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.ui.theme import PRINT_NOTHING, SWITCH
+from app.ui.theme import NARROW, PRINT_NOTHING, SWITCH
 
 
 class NamedViews(pn.viewable.Viewer):
@@ -35,13 +35,19 @@ class NamedViews(pn.viewable.Viewer):
     def __init__(self, label: str, views: Mapping[str, Callable[[], Any]]) -> None:
         super().__init__(chosen=next(iter(views)))
         self._views = dict(views)
-        self._places = {name: pn.Column(visible=False, sizing_mode="stretch_both") for name in views}
+        self._places = {
+            name: pn.Column(visible=False, sizing_mode="stretch_both", stylesheets=[NARROW]) for name in views
+        }
         self._switch = pmui.RadioButtonGroup(
             label=label, options=list(views), value=self.chosen, margin=(6, 10), stylesheets=[PRINT_NOTHING, SWITCH]
         )
         self._switch.param.watch(lambda event: self.param.update(chosen=event.new), "value")
         self._view = pn.Column(
-            self._switch, *self._places.values(), sizing_mode="stretch_both", styles={"min-height": "0"}
+            self._switch,
+            *self._places.values(),
+            sizing_mode="stretch_both",
+            styles={"min-height": "0"},
+            stylesheets=[NARROW],
         )
         self._show()
 

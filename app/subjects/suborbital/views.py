@@ -33,6 +33,7 @@ from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import SortableTable
+from app.ui.theme import NARROW
 from nav_model.suborbital.errors import CLASSES, SOURCES
 from nav_model.suborbital.study import GRAVITY_ROW
 from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
@@ -145,7 +146,7 @@ class StudyViews(pn.viewable.Viewer):
 
     def _place(self, view: View) -> pn.Column:
         """Where a view stands; it is filled with the first answer."""
-        self._places[view.name] = pn.Column(sizing_mode="stretch_both")
+        self._places[view.name] = pn.Column(sizing_mode="stretch_both", stylesheets=[NARROW])
         return self._places[view.name]
 
     @param.depends("shown", watch=True)
