@@ -220,7 +220,9 @@ def from_si(value: float, unit: str, dimension: str) -> float:
     return float(DIMENSIONS[dimension].number(Fraction(value), unit))
 
 
-def format_quantity(value: float, unit: str, dimension: str, digits: int | None = None) -> str:
+def format_quantity(
+    value: float, unit: str, dimension: str, digits: int | None = None, *, zeros: bool = False
+) -> str:
     """Print a value in SI as a quantity string in `unit`.
 
     Parameters
@@ -233,6 +235,8 @@ def format_quantity(value: float, unit: str, dimension: str, digits: int | None 
         Key of `DIMENSIONS`.
     digits : int, optional
         Significant digits. Without it, the fewest that read back as exactly the same float.
+    zeros : bool
+        Whether zeros at the end count as digits: ``"0.500 °/√h"``.
 
     Returns
     -------
@@ -244,7 +248,7 @@ def format_quantity(value: float, unit: str, dimension: str, digits: int | None 
     if digits is None:
         number = shortest_decimal(exact, lambda decimal: float(kind.amount(decimal, unit)) == value)
     else:
-        number = plain_number(float(exact), digits)
+        number = plain_number(float(exact), digits, zeros=zeros)
     return join_quantity(number, unit)
 
 
@@ -263,17 +267,19 @@ def shortest_decimal(exact: Fraction, reads_back: Callable[[Fraction], bool]) ->
         rounded = Context(prec=digits).plus(quotient)
         if reads_back(Fraction(rounded)):
             break
+    return _plain_decimal(rounded.normalize())
+
+
+def plain_number(number: float, digits: int, *, zeros: bool = False) -> str:
+    """Decimal text of `number` with `digits` significant digits; `zeros`: those at the end too, but for a zero."""
+    rounded = Context(prec=digits).create_decimal_from_float(number).normalize()
+    if zeros and rounded.is_finite() and rounded and len(rounded.as_tuple().digits) < digits:
+        rounded = rounded.quantize(Decimal(1).scaleb(rounded.adjusted() - digits + 1))
     return _plain_decimal(rounded)
 
 
-def plain_number(number: float, digits: int) -> str:
-    """Decimal text of `number` with `digits` significant digits, without trailing zeros."""
-    return _plain_decimal(Context(prec=digits).create_decimal_from_float(number))
-
-
 def _plain_decimal(number: Decimal) -> str:
-    """Positional where a reader expects it (1e-5 to 1e9), scientific outside, no trailing zeros."""
-    number = number.normalize()
+    """Positional where a reader expects it (1e-5 to 1e9), scientific outside."""
     if not number:
         return "0"
     if -5 <= number.adjusted() <= 9:

@@ -12,8 +12,9 @@ from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
 
 
 def legend_html(chart: AnyChart) -> str:
-    """One entry for each series that has something to show."""
-    items = "".join(f"<li>{swatch} {escape(label)}</li>" for swatch, label in _ENTRIES[type(chart)](chart))
+    """One entry for each name; curves of one name, such as the two parts of one, share the first one's."""
+    entries = {label: swatch for swatch, label in reversed(_ENTRIES[type(chart)](chart))}
+    items = "".join(f"<li>{swatch} {escape(label)}</li>" for label, swatch in reversed(entries.items()))
     return f'<ul class="legend" aria-label="Legend">{items}</ul>'
 
 

@@ -54,7 +54,7 @@ def _about(budget: Budget) -> str:
         ("Unit and radar", f"{preset_name(design, 'imu')}, {preset_name(design, 'radar')}"),
         ("Quadratic phase", show(budget.sar.quadratic, "angle")),
         (
-            f"Position after {show(budget.coast.duration, 'time')}",
+            f"Position after {show(budget.coast.duration, 'time', given=True)}",
             show(budget.coast.end_refined_horizontal, "length"),
         ),
         ("Tightest", f"{tightest.label}, margin {signed_percent(tightest.margin)}"),

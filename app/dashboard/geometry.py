@@ -22,8 +22,8 @@ def geometry_sketch(budget: Budget) -> str:
     x, y = _TARGET - length * math.cos(angle), _GROUND - length * math.sin(angle)
     half = 0.5 * length * min(max(float(sar.aperture_length) / float(radar.slant_range), 0.05), 0.5)
     dx, dy = 0.94 * half, 0.34 * half  # the track goes into the picture
-    degrees = f"{number(math.degrees(angle))}°"
-    slant, aperture = show(float(radar.slant_range), "length"), show(float(sar.aperture_length), "length")
+    degrees = f"{number(math.degrees(angle), given=True)}°"
+    slant, aperture = show(float(radar.slant_range), "length", given=True), show(float(sar.aperture_length), "length")
     time = show(float(sar.aperture_time), "time")
     said = (
         f"Geometry: an aperture of {aperture}, flown in {time}; a line of sight of {slant} slant range to the scene; "

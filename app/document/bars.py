@@ -67,7 +67,7 @@ class _Scale:
         if total and math.isfinite(self._limit):
             limit = (
                 f'<u style="left:{self._share(self._limit)}"></u><em style="left:{self._share(self._limit)}">'
-                f"limit {number(self._limit)}°</em>"
+                f"limit {number(self._limit, given=True)}°</em>"
             )
         reach = max(length, self._length(was)) if was else length
         place = f"left:min({self._share(reach)}, 100% - 44px)"
@@ -77,7 +77,8 @@ class _Scale:
         )
 
     def axis(self) -> str:
-        return f"<div><span>0</span><span>{number(self._most / 2)}</span><span>{number(self._most)}°</span></div>"
+        half, most = (number(length, given=True) for length in (self._most / 2, self._most))
+        return f"<div><span>0</span><span>{half}</span><span>{most}°</span></div>"
 
 
 def _round_up(most: float) -> float:

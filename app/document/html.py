@@ -145,11 +145,11 @@ def _data_rows(chart: AnyChart) -> list[tuple[str, ...]]:
     for line in chart.lines:
         seen = [i for i, y in enumerate(line.y) if y == y]
         step = max(1, (len(seen) - 1) // (_TABLE_ROWS - 1))
-        rows += [(line.label, number(line.x[i]), number(line.y[i])) for i in seen[::step]]
+        rows += [(line.label, number(line.x[i], given=True), number(line.y[i])) for i in seen[::step]]
     for points in chart.points:
         rows += [(name, number(x), number(y)) for name, x, y in zip(points.names, points.x, points.y, strict=True)]
     rows += [
-        (x.label, f"{number(x.start)} to {number(x.stop)}", number(x.level))
+        (x.label, f"{number(x.start, given=True)} to {number(x.stop, given=True)}", number(x.level, given=True))
         for x in chart.limits
         if x.level == x.level
     ]

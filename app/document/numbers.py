@@ -1,4 +1,8 @@
-"""One digit rule for page, report and command: three significant digits, and the unit that keeps them near one."""
+"""One digit rule for page, report and command: three significant digits, and the unit that keeps them near one.
+
+A computed figure shows all its digits, zeros too: 0.150 says more than 0.15. What a person gave, such as a limit or
+an outage, is shown as it was given: a limit of 2 m is not one of 2.00 m.
+"""
 
 from __future__ import annotations
 
@@ -24,20 +28,20 @@ _LEAST = {
 _SMALL_ANGLE = math.radians(0.001)
 
 
-def number(value: float, digits: int = DIGITS) -> str:
-    """A number to `digits` significant digits, with a minus sign as typeset.
+def number(value: float, digits: int = DIGITS, *, given: bool = False) -> str:
+    """A number to `digits` significant digits, with a minus sign as typeset; ``given``: without zeros at its end.
 
-    >>> number(-0.0123456)
-    '−0.0123'
+    >>> number(-0.0123456), number(0.15), number(0.15, given=True)
+    ('−0.0123', '0.150', '0.15')
     """
-    return _signed(plain_number(float(value), digits))
+    return _signed(plain_number(float(value), digits, zeros=not given))
 
 
-def show(value: float, dimension: str, digits: int = DIGITS) -> str:
+def show(value: float, dimension: str, *, given: bool = False) -> str:
     """A value [SI] with the unit of its dimension that puts it at or above one, or the smallest unit.
 
-    >>> show(0.0474565, "length")
-    '4.75 cm'
+    >>> show(0.0474565, "length"), show(100.0, "time"), show(50.0, "time", given=True)
+    ('4.75 cm', '100 s', '50 s')
     """
     ladder = _LADDERS[dimension]
     if dimension == "angle":
@@ -46,12 +50,12 @@ def show(value: float, dimension: str, digits: int = DIGITS) -> str:
         unit = next((unit for least, unit in _LEAST[dimension] if abs(value) >= least), ladder[0])
         if value == 0:
             unit = ladder[-2] if dimension == "length" else ladder[-1]
-    return f"{number(from_si(value, unit, dimension), digits)}{'' if unit == '°' else ' '}{unit}"
+    return f"{number(from_si(value, unit, dimension), given=given)}{'' if unit == '°' else ' '}{unit}"
 
 
-def show_in(value: float, unit: str, dimension: str) -> str:
-    """A value [SI] in a given unit of its dimension."""
-    return _signed(format_quantity(value, unit, dimension, DIGITS))
+def show_in(value: float, unit: str, dimension: str, *, given: bool = False) -> str:
+    """A value [SI] in a unit of its dimension."""
+    return _signed(format_quantity(value, unit, dimension, DIGITS, zeros=not given))
 
 
 def percent(share: float) -> str:

@@ -28,7 +28,8 @@ class CheckWords(NamedTuple):
 
 def check_words(design: Design, check: Check) -> CheckWords:
     """A check of a design's budget in words."""
-    value, limit = (requirement_quantity(design, check.name, x) for x in (check.value, check.limit))
+    value = requirement_quantity(design, check.name, check.value)
+    limit = requirement_quantity(design, check.name, check.limit, given=True)
     return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share))
 
 
@@ -37,7 +38,7 @@ def met_cell(check: Check) -> Cell:
     return Cell("✓ met", tone="good") if check.met else Cell("✗ not met", tone="bad")
 
 
-def requirement_quantity(design: Design, check: str, value: float) -> str:
+def requirement_quantity(design: Design, check: str, value: float, *, given: bool = False) -> str:
     """A value [SI] of a check in the unit its requirement is written in.
 
     The along-track phase has the unit of the quadratic phase, whose limit it is held against.
@@ -45,7 +46,7 @@ def requirement_quantity(design: Design, check: str, value: float) -> str:
     key = f"requirements.{FIGURES[check]}"
     if declaration_of(key).dimension == "level" and value <= NOTHING:
         return "none"
-    return show_in(value, design.unit(key), declaration_of(key).dimension)
+    return show_in(value, design.unit(key), declaration_of(key).dimension, given=given)
 
 
 def verdict_of(budget: Budget) -> Answer:

@@ -38,13 +38,14 @@ def assumption_list(budget: Budget) -> Bullets:
             "over the outage and the aperture.",
             f"GNSS measures {measured}, per axis, {noise}.",
             f"Requirements are held against the {held}. Real time: a free INS from the last fix before the aperture. "
-            f"Post-processed: a smoother with the fixes in the aperture, {number(processing.leg_before)} s before it "
-            f"and {number(processing.leg_after)} s after it, by {budget.post_processed.method} [P-3].",
+            "Post-processed: a smoother with the fixes in the aperture, "
+            f"{number(processing.leg_before, given=True)} s before it and "
+            f"{number(processing.leg_after, given=True)} s after it, by {budget.post_processed.method} [P-3].",
             "In real time, requirements in steady state are held against the figure "
             f"{_FIGURES[requirements.steady_state]} [T-8], after the last fix against the refined curve [T-17].",
             f"Each figure is held at {requirements.confidence:g}σ.",
             "Broadside strip map; the inertial unit alone carries the aperture, which starts "
-            f"{number(budget.design.coast.before_aperture)} s after the last fix [S-1], [S-5].",
+            f"{number(budget.design.coast.before_aperture, given=True)} s after the last fix [S-1], [S-5].",
             "Lever arm, timing, atmosphere and range migration are not part of the budget.",
         ),
         "Assumptions",

@@ -150,7 +150,8 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
         handles.append(area_entry(band.label, pale))
     for line in chart.lines:
         axes.plot(line.x, line.y, **pen(STYLES[line.style]))
-        handles.append(line_entry(line.label, pen(STYLES[line.style])))
+        if line.label not in [handle.get_label() for handle in handles]:
+            handles.append(line_entry(line.label, pen(STYLES[line.style])))
     for points in chart.points:
         mark = {"color": STYLES[points.style].colour, "marker": MARKERS[points.marker]}
         look: dict[str, Any] = {**mark, "linestyle": "none", "markersize": 4.5}

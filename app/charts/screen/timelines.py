@@ -21,12 +21,13 @@ from bokeh.models import Line as LineGlyph
 from bokeh.models import Span as Rule
 from bokeh.plotting import figure
 
-from app.charts.kinds import Chart, Limit
+from app.charts.kinds import Chart, Limit, Line
 from app.charts.screen.figures import TEXT_SIZE, add_glyph, same, unit_of
 from app.charts.screen.log_axis import mark_in_powers
 from app.charts.styles import DASHES, GREY, STYLES
 
 _LEFT = 72  # pixels left of every frame, so that the frames stand under one another
+_HEIGHT = 190  # pixels of a frame on the usual screen
 _NEAR = 0.13  # of the height: nearer labels would touch, and the lower one goes below its curve
 _FAINT: dict[str, Any] = {"line_alpha": 0.4, "line_width": 1.4}
 _STEPS = (1.0, 2.0, 5.0, 10.0)
@@ -201,7 +202,7 @@ def _labels(chart: Chart, last: bool) -> dict[str, Any]:
     offsets = [-4.0] * len(ends)
     for i, (upper, lower) in enumerate(pairwise(ends), 1):
         if _place(chart, upper[1]) - _place(chart, lower[1]) < _NEAR * (high - low):
-            offsets[i] = 17.0
+            offsets[i] = 17.0 + _HEIGHT * min(_fall(chart, lower[2]) / (high - low), _NEAR)
     rows: list[tuple[Any, ...]] = [
         (x, y, line.end or line.label, STYLES[line.style].colour, offset, -2.0, 0.0, "right")
         for (x, y, line), offset in zip(ends, offsets, strict=True)
@@ -215,6 +216,13 @@ def _labels(chart: Chart, last: bool) -> dict[str, Any]:
         ]
     names = ("x", "y", "text", "colour", "offset", "shift", "angle", "align")
     return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+
+
+def _fall(chart: Chart, line: Line) -> float:
+    """How much lower a curve is where the name below its end begins: that has to be below all of it."""
+    begins = line.x[-1] - 0.18 * (line.x[-1] - line.x[0])
+    at_start, at_end = (_place(chart, float(np.interp(x, line.x, line.y))) for x in (begins, line.x[-1]))
+    return max(at_end - at_start, 0.0)
 
 
 def _place(chart: Chart, value: float) -> float:

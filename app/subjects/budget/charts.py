@@ -129,7 +129,7 @@ def position_chart(budget: Budget) -> Chart:
         knowledge=(
             f"Curves [T-3], [T-4], [T-9], [T-10] in closed form; band [T-8]: {_cycle_method(budget)}, "
             f"{_validity(budget)}; refined [T-17] is {number(ratio)} (horizontal) and {number(ratio_v)} (vertical) "
-            f"times the polynomial at {number(end)} s.{slow}"
+            f"times the polynomial at {number(end, given=True)} s.{slow}"
         ),
     )
 

@@ -49,7 +49,10 @@ def _values(design: Design) -> tuple[Way, ...]:
         unit = design.unit(key) if dimension else ""
         shown = round_down(from_si(value, unit, dimension) if dimension else value)
         taken = to_si(shown, unit, dimension) if dimension else shown
-        said = [show_in(size, unit, dimension) if dimension else number(size) for size in (taken, solution.current)]
+        said = [
+            show_in(x, unit, dimension, given=given) if dimension else number(x, given=given)
+            for x, given in ((taken, False), (solution.current, True))
+        ]
         found.append(
             Way(
                 {key: taken},

@@ -88,7 +88,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
         (
             *(settled(*names) for names in fields),
             figure(
-                f"Position after {show(coast.duration, 'time')}",
+                f"Position after {show(coast.duration, 'time', given=True)}",
                 coast.end_refined_horizontal,
                 "length",
                 f"horizontal, without fixes, in real time [T-17]; "
@@ -237,7 +237,7 @@ def outage_table(budget: Budget, key: str) -> Table:
         "Standard deviations after the last fix, 1σ",
         (Column("Time [s]", numeric=True), *(Column(title, numeric=True, width=1) for title, _ in columns)),
         tuple(
-            (Cell(number(time)), *(Cell(number(curve[i])) for _, curve in columns))
+            (Cell(number(time, given=True)), *(Cell(number(curve[i])) for _, curve in columns))
             for i, time in enumerate(coast.time)
         ),
         "Residual biases in quadrature. Requirements after the last fix are held against the refined curve.",
@@ -312,7 +312,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
         tuple(
             (
                 Cell(echo.source),
-                Cell(number(echo.frequency)),
+                Cell(number(echo.frequency, given=True)),
                 Cell(degrees(echo.phase)),
                 Cell(millimetres(echo.phase, wavelength)),
                 Cell(level(echo.level)),

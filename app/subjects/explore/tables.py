@@ -53,7 +53,7 @@ def shown(design: Design, key: str, value: float, down: bool = False) -> str:
     dimension = quantity(key).dimension
     unit = design.unit(key) if dimension else ""
     scaled = from_si(value, unit, dimension) if dimension else value
-    text = number(round_down(scaled) if down else scaled)
+    text = number(round_down(scaled) if down else scaled, given=not down)
     return join_quantity(text, unit) if unit else f"{text} ×"
 
 

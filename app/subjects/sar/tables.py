@@ -56,7 +56,7 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
     if closed.required_phase is not None:
         met = float(metres_to_phase(sigma, budget.sar.wavelength)) <= closed.required_phase
         mark, tone = ("✓ ", "good") if met else ("✗ ", "bad")
-        limit = f"; the limit is {number(math.degrees(closed.required_phase))}°"
+        limit = f"; the limit is {number(math.degrees(closed.required_phase), given=True)}°"
     said = f"It leaves {_degrees(sigma, budget)}° rms of phase {LEFT[budget.sar.autofocus_order]}{limit}."
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
     return Answer(f"{mark}Use {NAMES[key]}", tone, (said, note.strip()) if note else (said,)), (

@@ -63,7 +63,9 @@ def _value(item: SourcedValue | None, dimension: str, unit: str) -> Cell:
     if item is None:
         return Cell("not given", tone="quiet", sort="")
     printed = "" if item.unit == unit else f"printed {item.text}"
-    text = "\n".join(filter(None, (number(from_si(item.value, unit, dimension), _DIGITS), printed, item.kind)))
+    text = "\n".join(
+        filter(None, (number(from_si(item.value, unit, dimension), _DIGITS, given=True), printed, item.kind))
+    )
     return Cell(text, "" if item.confirmed else f"⚠ {item.status}", "" if item.confirmed else "warn", item.value)
 
 

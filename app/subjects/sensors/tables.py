@@ -47,7 +47,7 @@ def _origin_row(design: Design, key: str) -> tuple[Cell, ...]:
     value = design[key]
     assert isinstance(value, float | int)
     dimension = declaration.dimension
-    shown = show_in(value, design.unit(key), dimension) if dimension else number(value)
+    shown = show_in(value, design.unit(key), dimension, given=True) if dimension else number(value, given=True)
     return Cell(str(declaration.label)), Cell(shown), _origin(design, key)
 
 
@@ -67,13 +67,17 @@ def _origin(design: Design, key: str) -> Cell:
 def provenance_text(provenance: Provenance) -> Text:
     """File, digest, rate, duration, and how the file was understood."""
     return Text(
-        f"{provenance.file_name}: {provenance.samples} samples at {number(provenance.rate_hz, 6)} Hz, "
+        f"{provenance.file_name}: {provenance.samples} samples at {number(provenance.rate_hz, 6, given=True)} Hz, "
         f"{_duration(provenance.duration_s)}. Read as: {'; '.join(provenance.reading)}. SHA-256 {provenance.sha256}."
     )
 
 
 def _duration(seconds: float) -> str:
-    return f"{number(seconds, 4)} s" if seconds < 600 else f"{seconds:.0f} s ({number(seconds / 3600)} h)"
+    return (
+        f"{number(seconds, 4, given=True)} s"
+        if seconds < 600
+        else f"{seconds:.0f} s ({number(seconds / 3600, given=True)} h)"
+    )
 
 
 def offer(result: LogAnalysis) -> Answer:

@@ -114,6 +114,8 @@ def _errors(
 ) -> Chart:  # fmt: skip
     scale = _UNITS[STATES[other][2]][1]
     (first, second), form = names, "formula, average between fixes"
+    usual = ("simulated", "simulated, second axis")
+    styles = ("simulated, tilt", "simulated, yaw") if key == "attitude" else usual
 
     def line(name: str, label: str, values: Callable[..., Array], columns: tuple[int, ...], style: str, source: str,
              end: str = "") -> Line:  # fmt: skip
@@ -126,10 +128,10 @@ def _errors(
         x_label=_TIME,
         y_label=y_label,
         lines=(
-            line("rms 1", f"{first}, simulated", _rms, level, "simulated", _SIMULATED, first),
+            line("rms 1", f"{first}, simulated", _rms, level, styles[0], _SIMULATED, first),
             line("filter 1", f"{first}, filter", _sigma, level, "filter", _FILTER),
             line("closed 1", f"{first}, formula", _closed, level[:1], "closed form", form),
-            line("rms 2", f"{second}, simulated", _rms, (other,), "simulated, second axis", _SIMULATED, second),
+            line("rms 2", f"{second}, simulated", _rms, (other,), styles[1], _SIMULATED, second),
             line("closed 2", f"{second}, formula", _closed, (other,), "closed form, second axis", form),
         ),
         spans=_outages(study),
@@ -209,7 +211,7 @@ def outage_chart(study: SimulationStudy) -> Chart:
         share = result.tilt_share_m[rows, 0][-1] / result.rms[POSTERIOR, rows, 0][-1]
         knowledge = (
             f"{_runs(study)}. The tilt at the last fix alone (simulated rms × g t²/2 [T-12]) makes {percent(share)} "
-            f"of the simulated northern error at {number(time[-1], 4)} s."
+            f"of the simulated northern error at {number(time[-1], 4, given=True)} s."
         )
     return Chart(
         key="sim-outage",

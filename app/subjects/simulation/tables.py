@@ -67,7 +67,7 @@ def run_table(study: SimulationStudy, key: str) -> Table:
     """What was flown."""
     spec = study.result.spec
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
-    hours = number(spec.runs * spec.duration / 3600)
+    hours = number(spec.runs * spec.duration / 3600, given=True)
     rows = (
         ("Flight", _FLIGHTS[spec.trajectory.kind]),
         ("Runs, seed", f"{spec.runs}, {spec.seed}; the same seed gives the same errors again"),

@@ -58,7 +58,7 @@ class NumberTable:
         if isinstance(entry, str):
             return Cell(entry)
         small = 0 < abs(entry) < _LEAST
-        return Cell(f"< {number(_LEAST)}" if small else number(entry, self.digits), sort=abs(entry))
+        return Cell(f"< {number(_LEAST, given=True)}" if small else number(entry, self.digits), sort=abs(entry))
 
 
 _LEAST = 1e-3  # in the units of the columns: what is smaller is rounding of the integration
@@ -90,7 +90,10 @@ def _paper(name: str) -> tuple[Entry, ...]:
     if found is None:
         return (None, None, None)
     pairs = (found[axis] for axis in ("x", "y", "height"))
-    return tuple(float(low) if low == high else f"{number(low)} to {number(high)}" for low, high in pairs)
+    return tuple(
+        float(low) if low == high else f"{number(low, given=True)} to {number(high, given=True)}"
+        for low, high in pairs
+    )
 
 
 def paper_tables(shown: Shown) -> tuple[NumberTable, ...]:
@@ -219,8 +222,9 @@ def method_table(shown: Shown) -> NumberTable:
             (s.method, s.mean_error_rad / ARCSECOND, *(rms / ARCSECOND for rms in s.axis_rms_rad), s.mean_nees)
             for s in shown.survey.scores
         ),
-        f"The same images of this flight for all five, one a second, centroid noise {number(sigma)} arcsec per axis; "
-        f"{shown.survey.scenes_refused} refused by the gate. Covariances [B-9]. TRIAD uses only two stars, the "
+        "The same images of this flight for all five, one a second, centroid noise "
+        f"{number(sigma, given=True)} arcsec per axis; {shown.survey.scenes_refused} refused by the gate. "
+        "Covariances [B-9]. TRIAD uses only two stars, the "
         "brightest: its error is large where these are close together, so a few scenes decide its mean. Over 1000 "
         "random scenes of five stars at 10 arcsec, twenty seeds give means of 207 to 362 arcsec; the optimal methods "
         "give 72 to 78.",

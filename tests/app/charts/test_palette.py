@@ -16,6 +16,7 @@ from nav_model.budget import analyse
 # What stands in one chart together: the budget's and the comparison's charts say it themselves below.
 TOGETHER = {
     "simulation": ("simulated", "simulated, second axis", "filter", "closed form", "closed form, second axis"),
+    "attitude": ("simulated, tilt", "simulated, yaw", "filter", "closed form", "closed form, second axis"),
     "outage": ("simulated", "simulated, second axis", "filter", "closed form", "refined", "worst run",
                "worst run, second axis"),
     "consistency": ("x", "y", "initial tilt", "z", "reference"),
@@ -24,8 +25,10 @@ TOGETHER = {
     "strategies, INS": ("strategy 1", "strategy 2", "strategy 3", "strategy 5", "strategy 5w"),
     "strategies, filters": ("strategy 1", "strategy 4", "strategy 6", "strategy 7", "strategy 8",
                             "strategy 9"),
-    "suborbital sources": ("accelerometer bias", "accelerometer instability", "gyro bias", "gyro instability",
-                           "initial position and velocity", "initial attitude", "everything"),
+    "suborbital sources": ("accelerometers", "gyros", "initial position and velocity", "initial attitude",
+                           "everything"),
+    "accelerometer errors": ("accelerometer bias", "accelerometer instability", "everything"),
+    "gyro errors": ("gyro bias", "gyro instability", "everything"),
     "suborbital channel": ("INS alone", "INS with tracker", "decoupled, holds", "decoupled, fails",
                            "closed form, holds", "closed form, fails", "reference"),
     "suborbital, aided": ("INS alone", "INS with tracker", "INS alone, ensemble", "INS with tracker, ensemble"),

@@ -69,8 +69,8 @@ def star_chart(shown: Shown) -> Chart:
     ra, dec = math.degrees(frame.boresight_ra_rad) / 15.0, math.degrees(frame.boresight_dec_rad)
     verdict = "used" if frame.used else f"not used: {frame.reason}"
     margin = 0.04 * camera.pixels
-    focal_length = show_in(camera.focal_length_m, "mm", "length")
-    lens = f"field {show(camera.field_of_view_rad, 'angle')}, focal length {focal_length}"
+    focal_length = show_in(camera.focal_length_m, "mm", "length", given=True)
+    lens = f"field {show(camera.field_of_view_rad, 'angle', given=True)}, focal length {focal_length}"
     return Chart(
         key="star-frame",
         title=f"Star frame at {frame.time_s:.0f} s",
@@ -109,7 +109,8 @@ def star_count_chart(shown: Shown) -> Chart:
             Line("used", "taken for the attitude", x, used, "axis y", "brightest, frames through the gate"),
         ),
         y_range=(0.0, float(np.max(field)) * 1.1 + 1.0),
-        knowledge=f"Every {number(STAR_FRAME_SPACING_S)} s; {len(settings.sky())} stars at Hp ≤ "
-        f"{number(settings['sky.magnitude_limit'])}, mean {number(np.mean(field))} in the field; {refused} of "
-        f"{len(frames)} frames gated (fewer than {settings.camera().least_stars} stars, or roll too uncertain).",
+        knowledge=f"Every {number(STAR_FRAME_SPACING_S, given=True)} s; {len(settings.sky())} stars at Hp ≤ "
+        f"{number(settings['sky.magnitude_limit'], given=True)}, mean {number(np.mean(field))} in the field; "
+        f"{refused} of {len(frames)} frames gated (fewer than {settings.camera().least_stars} "
+        "stars, or roll too uncertain).",
     )

@@ -46,7 +46,7 @@ def camera_noise_answer(swept: CameraNoise, now_rad: float) -> Answer:
     worse = np.flatnonzero(swept.total_m > swept.alone_m)
     arcsec = swept.centroid_rad / ARCSECOND
     left = f"{show(_at(swept, now_rad), 'length')} with tracker and {show(swept.alone_m, 'length')} without"
-    said = [f"At {number(now_rad / ARCSECOND)} arcsec, noise leaves {left}."]
+    said = [f"At {number(now_rad / ARCSECOND, given=True)} arcsec, noise leaves {left}."]
     if len(worse):
         said.append(f"Above {number(arcsec[worse[0]], 2)} arcsec the tracker adds more noise than it removes.")
     if not len(over):

@@ -25,13 +25,13 @@ def source_chart(shown: Shown, channel: int) -> Chart:
         x_label=TIME,
         y_label=f"{_LABELS[channel]} [km]",
         lines=tuple(
-            Line(name, "everything" if name == "all" else name, x,
-                 km(shown.position_m(shown.aided_sources, name, channel)),
-                 "everything" if name == "all" else name, "integrated INS [B-3]")
-            for name in SHOWN_SOURCES
+            Line(name, label, x, km(shown.position_m(shown.aided_sources, name, channel)), label,
+                 "integrated INS [B-3]")
+            for name, label in SHOWN_SOURCES.items()
         ),
         spans=boost(study),
-        knowledge=f"{shown.how}. Each source runs alone; the parts add up to everything to second order.",
+        knowledge=f"{shown.how}. Each source runs alone, a sensor with all its errors; the parts add up to "
+        "everything to second order.",
     )  # fmt: skip
 
 
@@ -85,7 +85,7 @@ def growth_chart(shown: Shown) -> Chart:
     closed_holds, closed_fails, closed_said = _split(x, closed, truth)
     slope = _slope(study, ins) if channel == 2 else np.full(len(x), np.nan)
     slow = ", ".join(
-        f"{show(float(height_e_folding_time(h)), 'time')} at {show_in(h, 'km', 'length')}"
+        f"{show(float(height_e_folding_time(h)), 'time')} at {show_in(h, 'km', 'length', given=True)}"
         for h in (0.0, study.flight.apogee[1])
     )
     why = f" Slope 1/k for explanation only: e-folding time {slow} [B-6]." if channel == 2 else ""
@@ -97,10 +97,10 @@ def growth_chart(shown: Shown) -> Chart:
         lines=(
             Line("ins", "INS alone", x, _log(ins), "INS alone", "integrated INS [B-3]"),
             Line("aided", "INS with tracker", x, _log(aided), "INS with tracker", "integrated INS [B-7]"),
-            Line("holds", "decoupled channel, where it holds", x, holds, "decoupled, holds", "[B-5]"),
-            Line("fails", "decoupled channel, where it fails", x, fails, "decoupled, fails", "[B-5]"),
-            Line("closed", "closed form, where it holds", x, closed_holds, "closed form, holds", "[B-6]"),
-            Line("closed-fails", "closed form, where it fails", x, closed_fails, "closed form, fails", "[B-6]"),
+            Line("holds", "decoupled channel (dotted: fails)", x, holds, "decoupled, holds", "[B-5]"),
+            Line("fails", "decoupled channel (dotted: fails)", x, fails, "decoupled, fails", "[B-5]"),
+            Line("closed", "formula (dotted: fails)", x, closed_holds, "closed form, holds", "[B-6]"),
+            Line("closed-fails", "formula (dotted: fails)", x, closed_fails, "closed form, fails", "[B-6]"),
             Line("slope", "slope 1/k of the unstable height", x, slope, "reference", "[B-6]"),
         ),
         spans=boost(study),

@@ -18,15 +18,14 @@ CHANNELS = ("north", "east", "height")
 TRACK_CHANNELS = ("down-range", "cross-range", "height")
 SENSORS = ("accelerometer", "gyro")
 SENSOR_CLASSES = ("bias", "instability", "total")
-SHOWN_SOURCES = (
-    "accelerometer bias",
-    "accelerometer instability",
-    "gyro bias",
-    "gyro instability",
-    "initial position and velocity",
-    "initial attitude",
-    "all",
-)
+SHOWN_SOURCES = {
+    "accelerometer total": "accelerometers",
+    "gyro total": "gyros",
+    "initial position and velocity": "initial position and velocity",
+    "initial attitude": "initial attitude",
+    "all": "everything",
+}
+"""Cases of the chart by source, each with its label, which is its style too: the parts of everything."""
 TIME = "time since lift-off [s]"
 
 
@@ -56,10 +55,8 @@ class Shown:
     @property
     def how(self) -> str:
         """Which answer the curves are."""
-        step = self.study.flight.step_s
-        run = (
-            f"Integrated INS [B-3] with sensor errors [B-1], RK4 at {show_in(step, 's', 'time')}; with tracker [B-7]"
-        )
+        every = show_in(self.study.flight.step_s, "s", "time", given=True)
+        run = f"Integrated INS [B-3] with sensor errors [B-1], RK4 at {every}; with tracker [B-7]"
         return run if self.exact else f"{run}; then moved by the linear sensitivity matrix [B-4]"
 
     def position_m(self, aided: bool, case: str, channel: int) -> Array:
