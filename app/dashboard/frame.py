@@ -17,7 +17,7 @@ from app.dashboard.opening import index_of, opening
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.declared import held
-from app.document.display import display_of
+from app.document.display import ONE_SIGMA, display_of
 from app.session import Lineage, Session, link_parts
 from app.subjects import SUBJECTS
 from app.ui.faults import tell_here
@@ -39,6 +39,8 @@ _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"
 """Sheet of what stands only where the sidebar is a drawer over the page."""
 _SEEN = 0.02  # seconds in which a page's empty place reaches the browser, before the work of filling it begins
+_ONE_SIGMA_ONLY = {"simulation", "sar", "suborbital", "explore"}
+_SAID_OTHERWISE = "This page shows 1σ in the units of data sheets. Budget and report show {}."
 _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
 
 
@@ -71,6 +73,8 @@ class Frame(pn.viewable.Viewer):
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
         )
+        self._told = html_pane("", margin=(4, 14, 0, 14))
+        self._told.visible = False
         self._lifeline = Lifeline(
             self._come_back, link=session.link, who=str(pn.state.user or ""), margin=0, width=0, height=0
         )
@@ -107,6 +111,7 @@ class Frame(pn.viewable.Viewer):
     @param.depends("session.shown", watch=True)
     def _tell_otherwise(self) -> None:
         self._toolbar.bar.shown = self.session.shown
+        self._say_width()
         self._show()
         self._keep_soon()
 
@@ -152,11 +157,19 @@ class Frame(pn.viewable.Viewer):
         """Leave the screen to the decision at hand, and come back."""
         self._shell.sidebar_open = not self.session.presenting
 
+    def _say_width(self) -> None:
+        """Where figures do not follow the choice of how to show them, say so."""
+        page, display = SUBJECTS[self._toolbar.bar.active], display_of(self.session.shown)
+        self._told.visible = display != ONE_SIGMA and page.key in _ONE_SIGMA_ONLY
+        if self._told.visible:
+            self._told.object = f'<p class="quiet">{_SAID_OTHERWISE.format(display.said)}</p>'
+
     def _turned(self, event: Any) -> None:
         """Show the page's place at once, and fill it in the next turn: nobody looks at another page meanwhile."""
         if leave := getattr(self._pages.get(event.old), "leave", None):
             leave()
         with pn.io.hold():
+            self._say_width()
             for index, place in enumerate(self._places):
                 place.visible = index == event.new
             if event.new not in self._pages:
@@ -229,6 +242,7 @@ class Frame(pn.viewable.Viewer):
                 pn.Column(
                     self._notice,
                     self._examples,
+                    self._told,
                     *self._places,
                     Tour(margin=0, sizing_mode="stretch_width"),
                     Repairs(margin=0, width=0, height=0),

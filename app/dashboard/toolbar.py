@@ -138,10 +138,10 @@ class Toolbar(pn.viewable.Viewer):
         """Write a report in a worker, say so meanwhile, and hand it to the browser."""
 
         async def write() -> bytes:
-            budget, findings = self.session.budget, self._choice.chosen()
+            budget, findings, shown = self.session.budget, self._choice.chosen(), self.session.shown
             # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
             study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
-            return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study])
+            return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study], None, shown)
 
         name = f"{_slug(self.session.design.name)}.{suffix}"
         self.bar.writing = f"{suffix.upper()} report"

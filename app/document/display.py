@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from app.charts.kinds import BarChart, Chart, Line
+from app.charts.kinds import BarChart, Chart
 from app.document.numbers import number, show
 from nav_model.errors import InputError
 
@@ -61,18 +61,26 @@ class Display:
         turned = self.units == SI and chart.y_label.endswith("[°]")
         unit = math.radians(1) if turned else 1.0
 
-        def of(line: Line) -> Line:
-            return replace(line, y=line.y * unit * self.factor(pair=line.label == "horizontal"))
+        def of(label: str) -> float:
+            return unit * self.factor(pair="horizontal" in label)
 
-        limits = tuple(
-            replace(limit, level=limit.level * unit * self.factor(pair="horizontal" in limit.key))
-            for limit in chart.limits
-        )
-        told = dict.fromkeys(self.named(pair=line.label == "horizontal") for line in chart.lines)
+        limits = tuple(replace(limit, level=limit.level * of(limit.key)) for limit in chart.limits)
+        told = dict.fromkeys(self.named(pair="horizontal" in line.label) for line in chart.lines)
         label = chart.y_label.replace("1σ", " and ".join(told))
         if turned:
             label = label.replace("[°]", "[rad]")
-        return replace(chart, lines=tuple(map(of, chart.lines)), limits=limits, y_label=label)
+        low, high = chart.y_range or (math.nan, math.nan)
+        factors = [of(line.label) for line in chart.lines]
+        return replace(
+            chart,
+            lines=tuple(replace(line, y=line.y * of(line.label)) for line in chart.lines),
+            bands=tuple(
+                replace(band, low=band.low * of(band.label), high=band.high * of(band.label)) for band in chart.bands
+            ),
+            limits=limits,
+            y_label=label,
+            y_range=(low * min(factors), high * max(factors)) if chart.y_range else None,
+        )
 
     def bars(self, chart: BarChart) -> BarChart:
         """Phases by source as they are told, in degrees; limits scaled with them."""
@@ -93,6 +101,11 @@ class Display:
             first_limit=k * chart.first_limit,
             second_limit=k * chart.second_limit,
         )
+
+    @property
+    def said(self) -> str:
+        """The choice in words, such as "95 %, SI units"."""
+        return f"{self.spread}, {'SI units' if self.units == SI else 'units as on data sheets'}"
 
     @property
     def word(self) -> str:

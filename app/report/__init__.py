@@ -21,15 +21,18 @@ def report_bytes(
     added: Sequence[Section] = (),
     studies: Sequence[Sequence[Section]] = (),
     front: Chapter | None = None,
+    shown: str = "",
 ) -> bytes:
     """The report as the bytes of a file of `kind`, one of `SUFFIXES`; pages have it made in a worker process.
 
     Sections `added` come before the shared ones; `studies` are `app.report.studies.study_sections` for each budget,
-    which go into its chapter; ``front`` is the first page.
+    which go into its chapter; ``front`` is the first page; ``shown`` how figures of
+    the budget are told, as a link says it (`app.document.display`).
     """
+    from app.document.display import display_of
     from app.report.content import report_of
 
-    report = report_of(budgets, now, added, studies, front)
+    report = report_of(budgets, now, added, studies, front, display_of(shown))
     if kind == ".pdf":
         from app.document.pdf import to_pdf
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.files import whole_file
+from app.document.display import display_of
 from app.document.wording import chapter_key, design_labels
 from app.report import kind_of, report_bytes
 from app.subjects import STUDIES
@@ -24,6 +25,8 @@ def add_to(commands: Any) -> None:
     add("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
     add("--with", dest="studies", default="", metavar="STUDY,...",
         help=f"run these and tell their results in each design's chapter: {', '.join(STUDIES)}")  # fmt: skip
+    add("--show", default="", metavar="HOW",
+        help="figures of the budget: 1s (1σ, the default), 2s, 95 or cep; 95.si is 95 %% in SI units")  # fmt: skip
     add = report.add_argument_group("the studies of --with").add_argument
     add("--runs", type=int, metavar="N", help="of simulation and SAR (default 100 and 200)")
     add("--seed", type=int, default=1, metavar="S", help="of every study (default 1)")
@@ -40,6 +43,7 @@ def _report(options: argparse.Namespace) -> int:
     """Write the report; progress of its studies on standard error."""
     from app.report.studies import study_sections
 
+    display_of(options.show)  # refused now, not after the studies
     paths = paths_of(options)
     designs = [read_design(path, options.changes) for path in paths]
     kind, wanted = kind_of(options.output), _wanted(options.studies)
@@ -49,7 +53,7 @@ def _report(options: argparse.Namespace) -> int:
         for design, label in zip(designs, design_labels(len(designs)), strict=True):
             findings = {key: STUDIES[key].load("report").study(design, options) for key in wanted}
             studies.append(study_sections(findings, design, chapter_key(label)))
-        file.write(report_bytes(budgets, kind, studies=studies))
+        file.write(report_bytes(budgets, kind, studies=studies, shown=options.show))
     print(f"wrote {options.output}", file=sys.stderr)
     return 0
 

@@ -8,6 +8,7 @@ from importlib.metadata import version
 
 from app.document.blocks import Approval, Bullets, Chapter, Equations, Report, Section, Symbols
 from app.document.citations import marks_in
+from app.document.display import ONE_SIGMA, Display
 from app.document.verdict import verdict_of
 from app.document.wording import chapter_key, design_labels, labelled, printable, shortened, title_of
 from app.report.cautions import assumption_list, caution_list
@@ -27,6 +28,7 @@ def report_of(
     added: Sequence[Section] = (),
     studies: Sequence[Sequence[Section]] = (),
     front: Chapter | None = None,
+    display: Display = ONE_SIGMA,
 ) -> Report:
     """The report of some budgets; several make a comparison and a chapter each.
 
@@ -42,13 +44,16 @@ def report_of(
         What `app.report.studies` found for each budget, in order; empty for none.
     front : Chapter, optional
         The first page, such as the outcome of a review; its title becomes the report's.
+    display : Display
+        How figures of the budget are told; studies and comparisons stay at 1σ.
     """
     studies = studies or [()] * len(budgets)
     now = (now or datetime.now(UTC)).astimezone(UTC)
     facts = (("Written", f"{now:%d %B %Y, %H:%M} UTC"), ("Program", f"NavBudget {version('navbudget')}"))
     labels = design_labels(len(budgets))
     chapters = tuple(
-        _chapter(budget, label, facts, found) for budget, label, found in zip(budgets, labels, studies, strict=True)
+        _chapter(budget, label, facts, found, display)
+        for budget, label, found in zip(budgets, labels, studies, strict=True)
     )
     if len(budgets) > 1:
         chapters = (comparison_chapter(budgets, labels, facts), *chapters)
@@ -62,10 +67,13 @@ def report_of(
     return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), chapters, shared)
 
 
-def _chapter(budget: Budget, label: str, facts: tuple[tuple[str, str], ...], studies: Sequence[Section]) -> Chapter:
+def _chapter(
+    budget: Budget, label: str, facts: tuple[tuple[str, str], ...], studies: Sequence[Section], display: Display
+) -> Chapter:
     design = budget.design
     name = labelled(label, title_of(design))
     key = chapter_key(label)
+    told = () if display == ONE_SIGMA else (("Figures of the budget", f"{display.said}; all others 1σ"),)
     return Chapter(
         key=key,
         kind=_REPORT,
@@ -77,9 +85,10 @@ def _chapter(budget: Budget, label: str, facts: tuple[tuple[str, str], ...], stu
             ("Design", design.content_hash[:12]),
             *facts,
             ("Content hash (SHA-256)", design.content_hash),
+            *told,
         ),
         sections=(
-            *BY_KEY["budget"].load("report").sections(budget, key),
+            *BY_KEY["budget"].load("report").sections(budget, key, display),
             *studies,
             Section(f"{key}-inputs", "Inputs", (input_table(design, budget.sar.aperture_time, key),)),
             Section(f"{key}-cautions", "Assumptions and cautions", (caution_list(budget), assumption_list(budget))),

@@ -14,7 +14,7 @@ from nav_model.design.rows import Rows
 
 _MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
-    "unconfirmed: from memory, no source reached. changed: not the value of the preset. noted: the design says "
+    "unconfirmed: no source found. changed: not the value of the preset. noted: the design says "
     "where it comes from, such as a log. Biases and platform figures "
     "of the catalogue fill no input; they stand here for information."
 )

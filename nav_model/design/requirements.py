@@ -170,8 +170,8 @@ class Requirements(Part):
         "rch",
         1e7,
         (1e-2, 1e4),
-        "Coast horizontal position",
-        "At the end of the outage, per axis.",
+        "Horizontal position at end of outage",
+        "Free INS, per axis, when the outage ends.",
         f"after 60 s, {_REACHED}navigation 0.4 to 1, tactical 3 to 13, MEMS 7 to 25 m",
     )
     coast_vertical_position: Any = _limit(
@@ -180,7 +180,7 @@ class Requirements(Part):
         "rcv",
         1e7,
         (1e-2, 1e4),
-        "Coast vertical position",
-        "At the end of the outage.",
+        "Vertical position at end of outage",
+        "Free INS, when the outage ends.",
         f"after 60 s, {_REACHED}navigation 0.1 to 0.6, tactical 0.2 to 0.8, MEMS 0.4 to 2 m",
     )

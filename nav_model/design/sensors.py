@@ -78,7 +78,7 @@ class Imu(Part):
         label="Vibration factor",
         doc="Multiplies both random walks: noise in motion over noise on the bench.",
         datasheet="Not on data sheets. From a log taken in the aircraft; 1 is the bench.",
-        typical="real drives show errors 8 to 35 times those bench noise predicts",
+        typical="in road tests, errors were 8 to 35 times what bench noise predicts",
     )
     rate = Quantity(
         default=100.0,

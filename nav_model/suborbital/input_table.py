@@ -80,7 +80,7 @@ def _sensor(
         period("bias_period", "bias period", "Period T of the oscillating bias.", defaults.bias_period_s),
         ratios("scale_factor", "scale factor, constant", "Of the x, y and z axes.", diagonal(constant)),
         ratios("misalignment", "misalignment, constant",
-               "What an axis feels of the others: x of y, x of z, y of x, y of z, z of x, z of y.",
+               "Cross-axis coupling, in the order xy, xz, yx, yz, zx, zy.",
                off_diagonal(constant)),
         ratios("scale_factor_instability", "scale factor, oscillating", "Amplitude of the slow part on each axis.",
                diagonal(slow)),

@@ -391,7 +391,7 @@ def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit, acce
     for title in ("Flight", "Coast", "Radar", "Requirements"):
         section(page, title)
     box(page, "Grazing angle").wait_for()
-    box(page, "Coast vertical position").wait_for()
+    box(page, "Vertical position at end of outage").wait_for()
     accessible(page, "light")
     page.get_by_role("button", name="theme").click()
     accessible(page, "dark")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.document.blocks import Section
 from app.document.chart_block import chart_block
+from app.document.display import ONE_SIGMA, Display
 from app.subjects.budget import charts
 from app.subjects.budget.tables import (
     echo_table,
@@ -18,16 +19,22 @@ from app.subjects.budget.tables import (
 from nav_model.budget import Budget
 
 
-def sections(budget: Budget, key: str) -> tuple[Section, ...]:
-    """Key figures and requirements, steady state, outage, phase and image, regime."""
-    position, velocity, attitude, phase, response, regime = (
-        chart_block(draw(budget), key) for draw in charts.BUDGET_CHARTS
-    )
+def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Section, ...]:
+    """Key figures and requirements, steady state, outage, phase and image, regime.
+
+    Key figures, the table of the steady state, the curves against time and the phases by source are told as chosen.
+    """
+    over_time = (charts.position_chart, charts.velocity_chart, charts.attitude_chart)
+    position, velocity, attitude = (chart_block(display.timeline(draw(budget)), key) for draw in over_time)
+    phase = chart_block(display.bars(charts.phase_chart(budget)), key)
+    response, regime = (chart_block(draw(budget), key) for draw in (charts.response_chart, charts.regime_chart))
     echoes = (echo_table(budget, key),) if budget.has_fast_sources else ()
     return (
-        Section(f"{key}-requirements", "Requirements", (key_figures(budget), requirement_table(budget, key))),
+        Section(
+            f"{key}-requirements", "Requirements", (key_figures(budget, display), requirement_table(budget, key))
+        ),
         Section(f"{key}-processing", "Processing", (processing_table(budget, key),)),
-        Section(f"{key}-steady", "Steady state", (steady_table(budget, key),)),
+        Section(f"{key}-steady", "Steady state", (steady_table(budget, key, display),)),
         Section(f"{key}-growth", "Errors against time", (position, outage_table(budget, key), velocity, attitude)),
         Section(
             f"{key}-phase",

@@ -127,7 +127,7 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
             Column("Limit", numeric=True),
             Column("Margin", numeric=True),
             Column("Verdict"),
-            Column("Figure checked", width=1.25),
+            Column("Figure", width=1.25),
             Column("Dominant sensor", width=1.25),
         ),
         tuple(map(row, verdict.checks)),

@@ -27,7 +27,7 @@ _CAPTIONS: dict[Kind, str] = {"imu": "Inertial units of the catalogue", "radar":
 _DIGITS = 4  # as many as data sheets print
 _STATUS = (
     "Every value was read in the source beside it. ⚠ secondary: read where another quotes the maker. ⚠ assumed: a "
-    "typical value chosen here. ⚠ unconfirmed: from memory, not verified. Press a heading to sort."
+    "typical value chosen here. ⚠ unconfirmed: no source found. Press a heading to sort."
 )
 
 

@@ -13,9 +13,10 @@ def add_to(commands: Any) -> None:
     """Declare the command."""
     simulate = commands.add_parser(
         "simulate",
-        help="Monte Carlo of a design against the closed forms",
-        description="Flies the design as a strapdown INS with a Kalman filter, many times over. --set takes keys of "
-        "the design and sensor errors, receiver and tuning beyond it, e.g. --set gyro.bias_instability='25 °/h'.",
+        help="Monte Carlo of a design against the formulas",
+        description="Runs a Monte Carlo of the design, a strapdown INS with a Kalman filter, and compares the errors "
+        "with the filter covariance and the formulas. --set also takes sensor errors, receiver and filter tuning, "
+        "e.g. --set gyro.bias_instability='25 °/h'.",
     )
     design_arguments(simulate, one=True)
     add = simulate.add_argument

@@ -43,6 +43,19 @@ def test_a_run_begins_without_a_walk_through_the_document(monkeypatch: pytest.Mo
     assert root.data not in walked
 
 
+def test_pages_that_stay_at_one_sigma_say_so():
+    session = Session(first_design())
+    frame = Frame(session)
+    session.shown = "95.si"
+    assert not frame._told.visible  # the Budget page follows
+    frame._go_to("explore")
+    assert frame._told.visible
+    assert "This page shows 1σ" in frame._told.object
+    assert "95 %, SI units" in frame._told.object
+    session.shown = ""
+    assert not frame._told.visible
+
+
 def test_what_comes_back_from_a_page_loaded_again_is_taken_whole_or_not_at_all():
     session = Session(first_design())
     frame = Frame(session)

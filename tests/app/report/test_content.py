@@ -6,9 +6,12 @@ import math
 import re
 from datetime import UTC, datetime
 
+import numpy as np
 import pytest
+from scipy import stats
 
 from app.document.blocks import Bullets, Report, Table, Text
+from app.document.display import Display
 from app.report.content import report_of
 from nav_model.budget import analyse
 from nav_model.design import Design
@@ -46,6 +49,21 @@ def test_every_requirement_and_every_input_is_there(mems):
     for names in INPUTS.values():
         for declaration in names.values():
             assert declaration.label in named
+
+
+def test_figures_of_the_budget_follow_the_display_and_the_verdict_does_not(mems):
+    """A percentage of a horizontal pair against SciPy's Rayleigh distribution, of one axis against the normal one."""
+    plain, told = report_of([mems], NOW), report_of([mems], NOW, display=Display("95 %", "SI"))
+    pair, axis = stats.rayleigh.ppf(0.95), stats.norm.ppf(0.975)
+    before, after = ({block.chart.key: block.chart for block in each.charts()} for each in (plain, told))
+    for key in ("position", "velocity"):
+        for was, now in zip(before[key].lines, after[key].lines, strict=True):
+            np.testing.assert_allclose(now.y, was.y * (pair if "horizontal" in was.label else axis), rtol=1e-12)
+        assert after[key].y_label.startswith(f"{key}, 95 % [")
+    assert after["phase"].first_limit == pytest.approx(axis * before["phase"].first_limit)
+    assert told.chapters[0].verdict == plain.chapters[0].verdict
+    assert table(told, "d-verdict") == table(plain, "d-verdict")
+    assert ("Figures of the budget", "95 %, SI units; all others 1σ") in told.chapters[0].facts
 
 
 def test_the_verdict_sentence_stands_first_and_names_margin_and_sensor(mems, three):
