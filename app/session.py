@@ -26,6 +26,7 @@ from nav_model.units import format_quantity
 WATCHED = tuple(f"{section}.{name}" for section, inputs in INPUTS.items() for name in inputs)
 """Every input that a person can set, by its dotted key."""
 _SHOWN = "show="
+_MOST_TO_SHARE = 2000  # characters that every mail program and chat keeps whole
 _MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
 _HISTORY = 200
 
@@ -137,8 +138,10 @@ class Session(param.Parameterized):
 
     @property
     def short_link(self) -> str:
-        """The same without the design's description, to give to others."""
-        return "&".join(part for part in self.link.split("&") if not part.startswith("description="))
+        """The same to give to others: a long one without the design's description."""
+        parts = self.link.split("&")
+        long = len(self.link) > _MOST_TO_SHARE
+        return "&".join(part for part in parts if not (long and part.startswith("description=")))
 
     def take_studies(self, link: str) -> None:
         """Take what a link says of the studies beside the design (the second part of `split_link`)."""

@@ -21,6 +21,15 @@ from nav_model.explore.trade_map import MapPoint, TradeMap
 Array = NDArray[np.float64]
 
 
+def spread_of(axis: str) -> str:
+    """How wide the figures of an axis are, as its label says.
+
+    >>> spread_of("position, 95 % [m]"), spread_of("height [m]")
+    ('95 %', '1σ')
+    """
+    return axis.rpartition(" [")[0].rpartition(", ")[2] if ", " in axis else "1σ"
+
+
 @dataclass(frozen=True)
 class Line:
     """A curve. ``source`` says where it comes from: equation and method, shown on hover and in print; ``end``: its
@@ -134,6 +143,11 @@ class Bar:
     first_mm: float
     second_mm: float
     source: str
+
+    @property
+    def shows(self) -> bool:
+        """Whether there is anything of this source."""
+        return any(math.isfinite(length) and length > 0 for length in (self.first, self.second))
 
 
 @dataclass(frozen=True)

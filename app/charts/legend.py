@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from html import escape
 
-from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart
+from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, spread_of
 from app.charts.region import middle_of
 from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
 
@@ -46,7 +46,7 @@ def _entries(chart: Chart) -> list[tuple[str, str]]:
     entries += [(_box(STYLES[band.style], 0.3), band.label) for band in chart.bands]
     entries += [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
     if any(not math.isnan(limit.level) for limit in chart.limits):
-        entries.append((_line(STYLES["limit"]), "limit (scaled to 1σ)"))
+        entries.append((_line(STYLES["limit"]), f"limit (scaled to {spread_of(chart.y_label)})"))
     return entries
 
 
@@ -57,7 +57,9 @@ def _bar_entries(chart: BarChart) -> list[tuple[str, str]]:
         entries.append((_box(STYLES[style], 0.3 if hatch else 0.9, hatched=hatch), label))
         if not math.isnan(limit):
             red = STYLES["limit"]
-            entries.append((_line(Style(red.colour, limit_dash, red.width)), f"limit on {label}, at 1σ"))
+            entries.append(
+                (_line(Style(red.colour, limit_dash, red.width)), f"limit on {label}, at {spread_of(chart.x_label)}")
+            )
     return entries
 
 

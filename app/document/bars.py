@@ -25,7 +25,7 @@ def bars_html(chart: BarChart, total: str, was: BarChart | None = None) -> str:
         f"{first.cell(bar, old.get(bar.label), bar.label == total)}"
         f"{second.cell(bar, old.get(bar.label), bar.label == total)}</tr>"
         for bar in chart.bars
-        if _shown(bar) or (bar.label in old and _shown(old[bar.label]))
+        if bar.shows or (bar.label in old and old[bar.label].shows)
     )
     heads = "".join(f'<th scope="col">{escape(label)}</th>' for label in (chart.first_label, chart.second_label))
     return (
@@ -33,10 +33,6 @@ def bars_html(chart: BarChart, total: str, was: BarChart | None = None) -> str:
         f"<thead><tr><td></td>{heads}</tr></thead><tbody>{rows}</tbody>"
         f'<tfoot aria-hidden="true"><tr><td></td><td>{first.axis()}</td><td>{second.axis()}</td></tr></tfoot></table>'
     )
-
-
-def _shown(bar: Bar) -> bool:
-    return any(math.isfinite(length) and length > 0 for length in (bar.first, bar.second))
 
 
 def _class(bar: Bar, total: str) -> str:

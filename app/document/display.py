@@ -64,7 +64,14 @@ class Display:
         def of(label: str) -> float:
             return unit * self.factor(pair="horizontal" in label)
 
-        limits = tuple(replace(limit, level=limit.level * of(limit.key)) for limit in chart.limits)
+        limits = tuple(
+            replace(
+                limit,
+                level=limit.level * of(limit.key),
+                label=limit.label.replace("1σ", self.named(pair="horizontal" in limit.key)),
+            )
+            for limit in chart.limits
+        )
         told = dict.fromkeys(self.named(pair="horizontal" in line.label) for line in chart.lines)
         label = chart.y_label.replace("1σ", " and ".join(told))
         if turned:

@@ -1,4 +1,4 @@
-"""The page on paper: without tools, black on white, charts as wide as the sheet.
+"""The page on paper: design, date and version on top, without tools, black on white, charts as wide as the sheet.
 
 A figure is drawn for the screen and keeps its width when the sheet is narrower, so it is made smaller as a whole
 just before printing. The rest is style: each part's own sheet says what it does on paper (`app.ui.theme`).
@@ -6,6 +6,7 @@ just before printing. The rest is style: each part's own sheet says what it does
 
 from __future__ import annotations
 
+from importlib.metadata import version
 from pathlib import Path
 
 from bokeh.document import Document
@@ -15,6 +16,7 @@ from bokeh.models import CustomJS
 _WIDTH = 690  # CSS pixels of an A4 sheet between its margins, less a frame's
 
 _SCRIPT = Path(__file__).with_suffix(".js").read_text("utf-8").replace("WIDTH", str(_WIDTH))
+_SCRIPT = _SCRIPT.replace("VERSION", version("navbudget"))
 
 
 def fit_to_paper(document: Document) -> None:

@@ -51,7 +51,7 @@ FRAME = {
 }
 """Around a chart; follows the page's text colour, so it holds in the dark."""
 
-NARROW = "@media (max-width: 1000px) { div { flex: none !important; height: auto !important; } }"
+NARROW = "@media screen and (max-width: 1000px) { div { flex: none !important; height: auto !important; } }"
 """Sheet of a part: on a narrow window what is in it is as high as it wants."""
 
 PRINT_NOTHING = _sheet("print_nothing")

@@ -6,8 +6,9 @@ import time
 
 import pytest
 
-from app.session import Session
+from app.session import Session, link_parts
 from nav_model.design import Design
+from nav_model.design.link import from_query
 
 
 @pytest.fixture
@@ -123,3 +124,12 @@ def test_a_lineage_holds_for_a_designs_changes_and_comes_back_with_undo(session:
     assert session.lineage is theirs
     assert session.change({"imu.nothing": 1.0}) is not None
     assert session.lineage is theirs
+
+
+def test_a_link_to_share_keeps_a_description_unless_that_makes_it_long() -> None:
+    session = Session(Design({"name": "Pod", "description": "Flown over the coast."}))
+    assert from_query(link_parts(session.short_link)[0]).description == "Flown over the coast."
+    session.change({"description": "x" * 3000})
+    assert len(session.short_link) < 2000
+    assert "description" not in session.short_link
+    assert "description" in session.link

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from app.charts.kinds import BarChart, Chart, DotChart, Drawing, MapChart, Points
+from app.charts.kinds import BarChart, Chart, DotChart, Drawing, MapChart, Points, spread_of
 from app.charts.print.grid import ROW_HEIGHT, draw_dots, draw_map, draw_pictures, pictures_height
 from app.charts.print.look import (
     LINE_SCALE,
@@ -165,7 +165,7 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
     for limit in drawn:
         axes.plot([limit.start, limit.stop], [limit.level] * 2, **pen(STYLES["limit"]))
     if drawn:
-        handles.append(line_entry("limit (scaled to 1σ)", pen(STYLES["limit"])))
+        handles.append(line_entry(f"limit (scaled to {spread_of(chart.y_label)})", pen(STYLES["limit"])))
     if chart.x_range is not None:
         axes.set_xlim(*chart.x_range)
     if chart.square:
@@ -188,10 +188,11 @@ def _bars(axes: Any, chart: BarChart) -> list[Any]:
     plain(axes)
     axes.grid(visible=True, axis="x")
     axes.set_xlabel(chart.x_label)
-    rows = range(len(chart.bars))
+    bars = [bar for bar in chart.bars if bar.shows]
+    rows = range(len(bars))
     handles: list[Any] = []
     for kind, colour, offset, hatch, dash in _BAR_KINDS:
-        lengths = [getattr(bar, kind) for bar in chart.bars]
+        lengths = [getattr(bar, kind) for bar in bars]
         face = "white" if hatch else colour
         look: dict[str, Any] = {"facecolor": face, "edgecolor": colour, "linewidth": 0.6, "hatch": hatch or None}
         axes.barh([row + offset for row in rows], lengths, height=0.34, **look)
@@ -200,9 +201,9 @@ def _bars(axes: Any, chart: BarChart) -> list[Any]:
         limit = getattr(chart, f"{kind}_limit")
         if not math.isnan(limit):
             axes.axvline(limit, **pen(STYLES["limit"], dash))
-            handles.append(line_entry(f"limit on {label}, at 1σ", pen(STYLES["limit"], dash)))
-    axes.set_yticks(list(rows), [bar.label for bar in chart.bars])
-    axes.set_ylim(len(chart.bars) - 0.5, -0.5)  # a last row without a second bar stays whole
+            handles.append(line_entry(f"limit on {label}, at {spread_of(chart.x_label)}", pen(STYLES["limit"], dash)))
+    axes.set_yticks(list(rows), [bar.label for bar in bars])
+    axes.set_ylim(len(bars) - 0.5, -0.5)  # a last row without a second bar stays whole
     axes.set_xlim(left=0)
     axes.tick_params(axis="y", length=0)
     return handles

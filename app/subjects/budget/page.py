@@ -43,7 +43,7 @@ from nav_model.budget.sicd import error_statistics
 _KEY = '<span class="quiet fine">red: limit · grey: aperture · faint: compared</span>'
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
-_NARROW = "@media (max-width: 1000px) { .bk-Figure { flex: none !important; height: 190px !important; } }"
+_NARROW = "@media screen and (max-width: 1000px) { .bk-Figure { flex: none !important; height: 190px !important; } }"
 """Sheet of the curves on a narrow window: as high as the name of their axis."""
 _OVER = {
     "position": "absolute", "top": "100%", "z-index": "20", "max-height": "60vh", "overflow-y": "auto",

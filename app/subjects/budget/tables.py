@@ -278,6 +278,7 @@ def phase_table(budget: Budget, key: str) -> Table:
             *(
                 row(x.source, x.quadratic, percent(x.share), x.detrended, percent(x.detrended_share))
                 for x in sar.lines
+                if x.quadratic > 0 or x.detrended > 0
             ),
             row("total in quadrature", sar.quadratic, "100 %", sar.detrended, "100 %"),
             row(ALONG_TRACK, sar.along_track_quadratic, NONE, math.nan, NONE),

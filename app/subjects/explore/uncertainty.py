@@ -87,7 +87,10 @@ class RangeRow(pn.viewable.Viewer):
         kind = self.kind.value
         if kind != _AS_SET and not self.boxes:
             values = self._values or (_as_text(self._design(), self.key), "")  # before a browser has the boxes
-            self.boxes = [pmui.TextInput(value=text, width=130, margin=(9, 4, 0, 4), size="small") for text in values]
+            self.boxes = [  # labelled from the start: a label given later is not tied to its box
+                pmui.TextInput(label=label, value=text, width=130, margin=(9, 4, 0, 4), size="small")
+                for label, text in zip(_LABELS[kind], values, strict=True)
+            ]
             for box in self.boxes:
                 box.param.watch(lambda _: self._read(), "value")
             self._view.extend(self.boxes)
