@@ -45,7 +45,6 @@ def first_screen(
                     part,
                     styles=where | FRAME,
                     sizing_mode="stretch_both",
-                    css_classes=["half" if span == 1 else "whole"],
                     stylesheets=[NARROW],
                 )
             )
@@ -55,7 +54,7 @@ def first_screen(
     sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height)
     sheet = sheet.replace("FLEX", "1 1 0" if within else "none").replace("OVERFLOW", "clip" if within else "visible")
     # With a height the page around it stays as high as its content, and scrolls; the sheet says how high this is.
-    return pn.Column(*parts, height=None if within else _ABOUT, stylesheets=[sheet])
+    return pn.Column(*parts, height=None if within else _ABOUT, stylesheets=[sheet], css_classes=["first-screen"])
 
 
 def screen_of_views(strip: Any, views: Any, *below: Any) -> pn.Column:

@@ -149,7 +149,7 @@ def test_charts_say_what_they_show(visit: Visit) -> None:
 def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page], None], dark: bool) -> None:
     page = visit()
     page.get_by_role("button", name="Requirements and cautions").click()
-    page.wait_for_function(_IDLE)
+    expect(page.get_by_text("Dominant sensor")).to_be_visible()
     if dark:
         page.get_by_role("button", name="theme").click()
         page.mouse.move(700, 500)

@@ -37,7 +37,8 @@ def test_the_runs_on_the_sar_page_are_in_the_report_while_the_design_stays(visit
     assert sentence.partition(" [")[0] in report  # equations are links there
     page.get_by_role("slider", name="Angle random walk").focus()
     page.keyboard.press("PageDown")
-    page.get_by_role("button", name="Report", exact=True).click()
+    if page.get_by_role("button", name="HTML report").is_hidden():
+        page.get_by_role("button", name="Report", exact=True).click()
     expect(page.get_by_text("Not in the report, of another design: SAR.")).to_be_visible()
     report = downloaded(page)
     assert "SAR: which strategy to use" not in report

@@ -274,6 +274,7 @@ class SarPage(pn.viewable.Viewer):
 
         def make() -> pn.FlexBox:
             points = PicturePanel("Point target", "sar-point")
+            points.chart = self._points
             self._follow.append(lambda: setattr(points, "chart", self._points))
             drawn: list[list[Any]] = [
                 *(takes(of_strategies(draw), study_of) for draw in STRATEGY_CHARTS),
