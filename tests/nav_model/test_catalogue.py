@@ -129,7 +129,7 @@ def test_every_value_has_a_unit_a_source_and_an_honest_status(kind):
             assert value.confirmed == (value.status == "confirmed")
             if where in FROM_MEMORY:
                 assert value.status == "unconfirmed", where
-                assert "memory" in value.source
+                assert value.source == "unverified"
             elif where in ASSUMED:
                 assert value.status == "assumed", where
             else:
