@@ -1,249 +1,24 @@
-"""The charts of a budget, as plain data. Each takes a `Budget` and draws what is in it; none computes."""
+"""The charts of a budget, as plain data: phase by source, point target, regime; `BUDGET_CHARTS` has all of them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from functools import cache
 
 import numpy as np
 
-from app.charts.kinds import Array, Band, Bar, BarChart, Chart, Limit, Line, Points, Span
+from app.charts.kinds import Array, Bar, BarChart, Chart, Line, Points
 from app.document.numbers import decibels, number, percent, show
 from app.document.wording import DETRENDED
 from app.subjects.budget.tables import ALONG_TRACK
+from app.subjects.budget.timelines import DEGREES, attitude_chart, limit_at_sigma, position_chart, velocity_chart
 from nav_model.analytic import regime
 from nav_model.budget import Budget
 from nav_model.budget.fast import scattered_floor
-from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance
 from nav_model.sar.geometry import phase_to_metres
 from nav_model.sar.impulse_response import aperture_positions, response_curve
 
-_LEAD = 0.2  # of the outage shown: steady state to the left of zero
-_DEG = 180 / math.pi
 _RESPONSE_SAMPLES, _RESPONSE_CELLS = 1024, 6.0  # of the aperture; shown on each side of the target
-
-
-def _limit(budget: Budget, name: str, scale: float = 1.0) -> float:
-    """A requirement's limit brought to one sigma, NaN when it is not given."""
-    limit = getattr(budget.design.requirements, name)
-    return math.nan if limit is None else scale * float(limit) / budget.design.requirements.confidence
-
-
-def _limits(budget: Budget, spans: Iterable[tuple[str, float, float]], scale: float = 1.0) -> tuple[Limit, ...]:
-    return tuple(
-        Limit(name, f"limit on {name.replace('_', ' ')}, at 1σ", start, stop, _limit(budget, name, scale))
-        for name, start, stop in spans
-    )
-
-
-def _grid(budget: Budget) -> Array:
-    """The time axis of a timeline: two points of steady state, then the outage."""
-    return np.concatenate(([-_LEAD * budget.coast.duration, 0.0], budget.coast.time))
-
-
-def _held(level: float, curve: Array) -> Array:
-    """A curve after zero, its steady-state level before."""
-    return np.concatenate(([level, level], curve))
-
-
-def _after(curve: Array) -> Array:
-    """A curve that has no steady state; its zero at the last fix cannot stand on a log axis."""
-    return np.concatenate(([np.nan, np.nan], np.where(curve > 0, curve, np.nan)))
-
-
-def _cycle_band(budget: Budget, key: str, label: str, field: str, style: str, scale: float = 1.0) -> Band:
-    prior, posterior = (
-        scale * getattr(moment, field) for moment in (budget.steady_state.prior, budget.steady_state.posterior)
-    )
-    x = np.array([-_LEAD * budget.coast.duration, 0.0])
-    source = f"{_cycle_method(budget)} [T-8]"
-    return Band(key, label, x, np.full(2, posterior), np.full(2, prior), style, source)
-
-
-def _cycle_method(budget: Budget) -> str:
-    return provenance(budget)["steady_state.discrete.prior"].method
-
-
-def _aperture_span(budget: Budget) -> Span:
-    start = budget.design.coast.before_aperture
-    return Span("aperture", "aperture", start, start + budget.sar.aperture_time)
-
-
-def _validity(budget: Budget) -> str:
-    value = budget.steady_state.lambda_dt
-    word = "wide sawtooth: read the band" if value > WIDE_SAWTOOTH else "narrow sawtooth"
-    return f"λ·dt = {number(value)} ({word})"
-
-
-def position_chart(budget: Budget) -> Chart:
-    """Position sigma against time: steady state, then outage."""
-    steady, coast = budget.steady_state, budget.coast
-    lead, end = -_LEAD * coast.duration, coast.duration
-    ratio = coast.end_refined_horizontal / coast.position_horizontal[-1]
-    ratio_v = coast.end_refined_vertical / coast.position_vertical[-1]
-    slow = " A slow GNSS error enters the band and the refined curves only." if budget.design.gnss.correlated else ""
-    x = _grid(budget)
-    curves = (
-        ("ch", "horizontal", _held(steady.closed.position_horizontal, coast.position_horizontal),
-         "horizontal", "closed form [T-3], [T-9]"),
-        ("rh", "horizontal, refined", _after(coast.refined_horizontal),
-         "horizontal refined", "linear covariance propagation [T-17]"),
-        ("cv", "vertical", _held(steady.closed.position_vertical, coast.position_vertical),
-         "vertical", "closed form [T-4], [T-10]"),
-        ("rv", "vertical, refined", _after(coast.refined_vertical),
-         "vertical refined", "linear covariance propagation [T-17]"),
-        ("ph", "horizontal, perfect start", _after(coast.perfect_start_horizontal),
-         "perfect start", "closed form [T-11]"),
-        ("th", "horizontal, initial tilt alone", _after(coast.initial_tilt),
-         "initial tilt", "closed form [T-12]"),
-    )  # fmt: skip
-    lines = tuple(Line(key, label, x, y, style, source) for key, label, y, style, source in curves)
-    limits = _limits(
-        budget,
-        (
-            ("horizontal_position", lead, 0.0),
-            ("vertical_position", lead, 0.0),
-            ("coast_horizontal_position", 0.0, end),
-            ("coast_vertical_position", 0.0, end),
-        ),
-    )
-    floor = 0.3 * min(
-        steady.posterior.position_horizontal, steady.posterior.position_vertical, steady.closed.position_vertical
-    )
-    top = max(*(np.nanmax(line.y) for line in lines[:4]), *(0 if math.isnan(x.level) else x.level for x in limits))
-    return Chart(
-        key="position",
-        title="Position sigma",
-        x_label="time since the last fix [s]",
-        y_label="position, 1σ [m]",
-        lines=lines,
-        bands=(
-            _cycle_band(budget, "bh", "horizontal, before/after fix", "position_horizontal", "horizontal"),
-            _cycle_band(budget, "bv", "vertical, before/after fix", "position_vertical", "vertical"),
-        ),
-        limits=limits,
-        spans=(_aperture_span(budget),),
-        y_log=True,
-        y_range=(floor, 2 * top),
-        knowledge=(
-            f"Curves [T-3], [T-4], [T-9], [T-10] in closed form; band [T-8]: {_cycle_method(budget)}, "
-            f"{_validity(budget)}; refined [T-17] is {number(ratio)} (horizontal) and {number(ratio_v)} (vertical) "
-            f"times the polynomial at {number(end, given=True)} s.{slow}"
-        ),
-    )
-
-
-def velocity_chart(budget: Budget) -> Chart:
-    """Velocity sigma against time."""
-    steady, coast = budget.steady_state, budget.coast
-    lead = -_LEAD * coast.duration
-    x = _grid(budget)
-    return Chart(
-        key="velocity",
-        title="Velocity sigma",
-        x_label="time since the last fix [s]",
-        y_label="velocity, 1σ [m/s]",
-        lines=(
-            Line("ch", "horizontal", x, _held(steady.closed.velocity_horizontal, coast.velocity_horizontal),
-                 "horizontal", "closed form [T-3], [T-9]"),
-            Line("cv", "vertical", x, _held(steady.closed.velocity_vertical, coast.velocity_vertical),
-                 "vertical", "closed form [T-4], [T-10]"),
-        ),
-        bands=(
-            _cycle_band(budget, "bh", "horizontal, before/after fix", "velocity_horizontal", "horizontal"),
-            _cycle_band(budget, "bv", "vertical, before/after fix", "velocity_vertical", "vertical"),
-        ),
-        limits=_limits(budget, (("horizontal_velocity", lead, 0.0), ("vertical_velocity", lead, 0.0))),
-        spans=(_aperture_span(budget),),
-        y_log=True,
-        knowledge=f"Closed forms [T-3], [T-4], [T-9], [T-10]; band [T-8], {_validity(budget)}.",
-    )  # fmt: skip
-
-
-def attitude_chart(budget: Budget) -> Chart:
-    """Tilt sigma and yaw growth against time."""
-    steady, coast = budget.steady_state, budget.coast
-    lead = -_LEAD * coast.duration
-    x = _grid(budget)
-    return Chart(
-        key="attitude",
-        title="Attitude sigma",
-        x_label="time since the last fix [s]",
-        y_label="attitude, 1σ [°]",
-        lines=(
-            Line("tilt", "roll and pitch, each", x, _held(steady.closed.tilt * _DEG, coast.tilt * _DEG),
-                 "tilt", "closed form [T-3], [T-9]"),
-            Line("yaw", "yaw, growth alone", x, _after(coast.yaw_growth * _DEG), "yaw", "closed form [T-5]"),
-        ),
-        bands=(_cycle_band(budget, "bt", "tilt, before/after fix", "tilt", "tilt", _DEG),),
-        limits=_limits(budget, (("tilt", lead, 0.0),), _DEG),
-        spans=(_aperture_span(budget),),
-        y_log=True,
-        knowledge=(
-            f"Tilt [T-3], [T-9] in closed form, band [T-8], {_validity(budget)}. "
-            "Yaw is unobservable on a straight path: only its growth [T-5] is shown."
-        ),
-    )  # fmt: skip
-
-
-def timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
-    """Position, velocity and attitude on one time axis, as the page shows them together.
-
-    Before the last fix each curve has the level that its requirement is held against, the tile's; after it, in real
-    time whatever the processing, position is the refined curve [T-17], velocity and attitude the formulas [T-9],
-    [T-10], [T-5].
-    """
-    coast, x = budget.coast, _grid(budget)
-    chosen = getattr(budget.steady_state, budget.design.requirements.steady_state)
-    settled = budget.smoothed.sigmas if budget.smoothed else chosen
-    lead, end = float(x[0]), coast.duration
-    span = (_aperture_span(budget),)
-
-    def chart(
-        key: str, quantity: str, unit: str, curves: tuple[tuple[str, str, Array], ...], *limits: Limit
-    ) -> Chart:
-        lines = tuple(Line(label, label, x, y, style) for label, style, y in curves)
-        return Chart(
-            key, f"{quantity} sigma", "time since the last fix [s]", f"{quantity}, 1σ [{unit}]", lines,
-            limits=limits, spans=span, y_log=True,
-        )  # fmt: skip
-
-    return (
-        chart(
-            "position", "position", "m",
-            (
-                ("horizontal", "horizontal", _held(settled.position_horizontal, coast.refined_horizontal)),
-                ("vertical", "vertical", _held(settled.position_vertical, coast.refined_vertical)),
-            ),
-            *_limits(
-                budget,
-                (
-                    ("horizontal_position", lead, 0.0),
-                    ("vertical_position", lead, 0.0),
-                    ("coast_horizontal_position", 0.0, end),
-                    ("coast_vertical_position", 0.0, end),
-                ),
-            ),
-        ),
-        chart(
-            "velocity", "velocity", "m/s",
-            (
-                ("horizontal", "horizontal", _held(settled.velocity_horizontal, coast.velocity_horizontal)),
-                ("vertical", "vertical", _held(settled.velocity_vertical, coast.velocity_vertical)),
-            ),
-            *_limits(budget, (("horizontal_velocity", lead, 0.0), ("vertical_velocity", lead, 0.0))),
-        ),
-        chart(
-            "attitude", "attitude", "°",
-            (
-                ("roll, pitch", "tilt", _held(settled.tilt * _DEG, coast.tilt * _DEG)),
-                ("yaw growth", "yaw", _after(coast.yaw_growth * _DEG)),
-            ),
-            *_limits(budget, (("tilt", lead, 0.0),), _DEG),
-        ),
-    )  # fmt: skip
-
 
 TOTAL = "total"
 """What the sum of the sources in quadrature is called beside them."""
@@ -268,7 +43,7 @@ def phase_chart(budget: Budget) -> BarChart:
 
     def bar(label: str, quadratic: float, detrended: float, source: str) -> Bar:
         first, second = map(float, 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength))
-        return Bar(label, quadratic * _DEG, detrended * _DEG, first, second, source)
+        return Bar(label, quadratic * DEGREES, detrended * DEGREES, first, second, source)
 
     if smoothed is None:
         bars = [bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS[x.source]) for x in sar.lines]
@@ -306,8 +81,8 @@ def phase_chart(budget: Budget) -> BarChart:
             bar(TOTAL, image.quadratic, image.detrended, marks),
             bar(ALONG_TRACK, image.along_track_quadratic, math.nan, along),
         ),
-        first_limit=_limit(budget, "quadratic_phase", _DEG),
-        second_limit=_limit(budget, "detrended_phase", _DEG),
+        first_limit=limit_at_sigma(budget, "quadratic_phase", DEGREES),
+        second_limit=limit_at_sigma(budget, "detrended_phase", DEGREES),
         knowledge=knowledge,
     )
 

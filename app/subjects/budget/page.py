@@ -22,7 +22,7 @@ from app.document.sicd import sicd_xml
 from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
-from app.subjects.budget import charts
+from app.subjects.budget import charts, timelines
 from app.subjects.budget.closing import Way, ways, ways_block
 from app.subjects.budget.tables import echo_table, key_figures, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
@@ -118,7 +118,7 @@ class BudgetPage(pn.viewable.Viewer):
         return display_of(self.session.shown)
 
     def _timelines(self, budget: Budget) -> list[Chart]:
-        return [self._display.timeline(chart) for chart in charts.timelines(budget)]
+        return [self._display.timeline(chart) for chart in timelines.together(budget)]
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
@@ -178,7 +178,7 @@ class BudgetPage(pn.viewable.Viewer):
         told = "" if spread == "1σ" else f", {spread}, limits scaled"
         phase = charts.phase_chart(budget)
         said = "".join(described(line) for line in self._timelines(budget))
-        knowledge = charts.position_chart(budget).knowledge
+        knowledge = timelines.position_chart(budget).knowledge
         _put(self._phase_head, head_html(f"{phase.title}{told}", phase.knowledge))
         _put(self._stack_head, head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
 
@@ -255,7 +255,7 @@ class BudgetPage(pn.viewable.Viewer):
         return self._chart(charts.regime_chart)
 
     def _growth(self) -> Any:
-        return self._chart(charts.position_chart)
+        return self._chart(timelines.position_chart)
 
     def _chart(self, describe: Callable[[Budget], Any]) -> Any:
         chart = ChartView(describe, self.session, 340)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.document.blocks import Section
 from app.document.chart_block import chart_block
 from app.document.display import ONE_SIGMA, Display
-from app.subjects.budget import charts
+from app.subjects.budget import charts, timelines
 from app.subjects.budget.tables import (
     echo_table,
     image_table,
@@ -24,7 +24,7 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
 
     Key figures, the table of the steady state, the curves against time and the phases by source are told as chosen.
     """
-    over_time = (charts.position_chart, charts.velocity_chart, charts.attitude_chart)
+    over_time = (timelines.position_chart, timelines.velocity_chart, timelines.attitude_chart)
     position, velocity, attitude = (chart_block(display.timeline(draw(budget)), key) for draw in over_time)
     phase = chart_block(display.bars(charts.phase_chart(budget)), key)
     response, regime = (chart_block(draw(budget), key) for draw in (charts.response_chart, charts.regime_chart))

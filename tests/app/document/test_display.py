@@ -12,9 +12,10 @@ from app.document.display import SPREADS, Display, display_of
 from app.document.verdict import verdict_strip
 from app.serving.server import first_design
 from app.session import Session, link_parts
-from app.subjects.budget.charts import phase_chart, timelines
+from app.subjects.budget.charts import phase_chart
 from app.subjects.budget.page import BudgetPage
 from app.subjects.budget.tables import key_figures
+from app.subjects.budget.timelines import together
 from nav_model.budget import analyse
 from nav_model.errors import InputError
 
@@ -45,7 +46,7 @@ def test_the_verdict_never_follows_and_curves_cross_their_limits_where_they_did(
     budget = analyse(first_design())
     for spread in SPREADS:
         display = Display(spread, "SI")
-        for was, told in zip(timelines(budget), map(display.timeline, timelines(budget)), strict=True):
+        for was, told in zip(together(budget), map(display.timeline, together(budget)), strict=True):
             for limit, now in zip(was.limits, told.limits, strict=True):
                 kind = "vertical" if "vertical" in limit.key else "horizontal"
                 pairs = [(a.y, b.y) for a, b in zip(was.lines, told.lines, strict=True) if a.label == kind]
