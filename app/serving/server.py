@@ -9,6 +9,7 @@ import signal
 import socket
 import time
 from collections.abc import Callable
+from importlib import import_module
 from importlib.resources import files
 from typing import Any
 
@@ -48,6 +49,9 @@ from nav_model.design.link import from_query
 from nav_model.errors import InputError
 
 _TITLE = "NavBudget"
+COMPONENTS = ("app.ui.anchored_text", "app.ui.decision_table", "app.ui.sortable_table", "app.upstream.file_input")
+"""Modules with parts for the browser that pages load late. They are imported before anybody comes: Panel makes a part
+that one visitor's tab is the first to import known to one open page, and every other page breaks on it."""
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
 _MAX_HEADER = 65_536  # a design as a link is far shorter
 _TELL = 0.5  # seconds
@@ -125,6 +129,8 @@ def serve_on(
     known_models.repair()
     read_any_address()
     remember_defaults()
+    for name in COMPONENTS:
+        import_module(name)
     workers.use(rules.workers, row.board.processes)
     began, collector = time.monotonic(), Collector()
     listen_on(listening, port)

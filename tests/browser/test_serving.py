@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Browser, Page, expect
 from waiting import PATIENCE, until
 
 from app.library.store import Library
@@ -220,3 +220,23 @@ def test_a_fault_of_ours_is_told_with_its_number_in_the_log_and_the_page_goes_on
         finally:
             process.terminate()
             assert process.wait(PATIENCE) == 0
+
+
+@pytest.mark.slow
+def test_what_one_visitor_opens_first_another_can_open_too(browser: Browser, tmp_path: Path) -> None:
+    """Both pages were open before either part was looked at, on a server that has just begun."""
+    with _serving(tmp_path / "library.db") as (server, _):
+        failed: list[str] = []
+        pages = [browser.new_page() for _ in range(2)]
+        for page in pages:
+            page.on("pageerror", lambda error: failed.append(str(error)))
+            page.goto(server)
+            page.wait_for_function(_IDLE)
+        for page in pages:
+            page.get_by_role("tab", name="Sensors", exact=True).click()
+            expect(page.get_by_role("button", name="Choose a log")).to_be_visible()
+            page.get_by_role("tab", name="Theory", exact=True).click()
+            expect(page.locator("section.equation math").first).to_be_attached()
+        for page in pages:
+            page.close()
+        assert not failed
