@@ -34,9 +34,26 @@ _SLIDERS = {
 }
 _EMPTY: dict[str, str] = {
     "gnss.vertical_position_noise": "as horizontal",
+    "gnss.velocity_noise": "no velocity",
+    "gnss.vertical_velocity_noise": "as horizontal",
+    "gnss.velocity_interval": "with each fix",
     "radar.aperture_time": "from the resolution",
     "motion.imu_bandwidth": "no limit",
     "oscillator.frequency": "at the carrier",
+}
+
+# The label stands on the box's edge, whole, whether the box is empty or not: within an empty one it would be cut.
+_LABEL = {
+    "& .MuiInputLabel-root": {
+        "transform": "translate(14px, -9px) scale(0.75)",
+        "maxWidth": "calc(133% - 20px)",
+        "fontSize": "0.875rem",
+    },
+    "& fieldset": {"fontSize": "0.875rem"},
+    "& fieldset legend": {"maxWidth": "100%"},
+    "& label[data-shrink=false] + .MuiInputBase-formControl .MuiInputBase-input::placeholder": {
+        "opacity": "0.75 !important",
+    },
 }
 
 
@@ -56,7 +73,7 @@ class QuantityControl(InputBox):
             margin=(10, 4, 0, 10),
             sizing_mode="stretch_width",
             # Help may run on under the unit chooser: the box alone is too narrow to read in.
-            sx={"& .MuiFormHelperText-root": {"marginRight": "-100px" if declaration.dimension else "0"}},
+            sx={"& .MuiFormHelperText-root": {"marginRight": "-100px" if declaration.dimension else "0"}, **_LABEL},
         )
         slider, value = None, session.design[key]
         if key in _SLIDERS:

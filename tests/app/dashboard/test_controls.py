@@ -35,6 +35,15 @@ def session() -> Session:
     return Session(Design())
 
 
+def test_an_empty_box_says_what_holds_instead(session: Session) -> None:
+    """Only a requirement that is left empty is not checked."""
+    said = {
+        key: QuantityControl(session, key).box.placeholder for key in QUANTITIES if declaration_of(key).allow_None
+    }
+    assert {key.partition(".")[0] for key, text in said.items() if text == "not checked"} == {"requirements"}
+    assert all(said.values())
+
+
 @pytest.mark.parametrize("key", QUANTITIES)
 def test_refused_text_is_said_at_the_field_and_changes_nothing(session: Session, key: str) -> None:
     control = QuantityControl(session, key)
