@@ -42,7 +42,7 @@ _EMPTY: dict[str, str] = {
     "oscillator.frequency": "at the carrier",
 }
 
-# The label stands on the box's edge, whole, whether the box is empty or not: within an empty one it would be cut.
+# The whole label is at the edge of the box, whether the box is empty or not: within an empty one it would be cut.
 _LABEL = {
     "& .MuiInputLabel-root": {
         "transform": "translate(14px, -9px) scale(0.75)",

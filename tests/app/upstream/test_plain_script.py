@@ -16,7 +16,7 @@ def test_as_shipped_a_script_is_compiled_in_the_browser() -> None:
     assert Shipped().get_root().bundle is None
 
 
-def test_ours_are_bundles_each_with_a_name_of_its_own() -> None:
+def test_ours_are_bundles_with_different_names() -> None:
     tour, text = Tour().get_root(), AnchoredText().get_root()
     assert tour.bundle
     assert text.bundle
