@@ -72,8 +72,8 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Apertu
         raise InputError(
             "imu.rate",
             f"{rate:g} Hz over {length:.4g} s, in which the filter settles ({before:.4g} s) and the leg after the "
-            f"aperture follows ({length - of_aperture:.4g} s), are more than the simulator flies for a strategy; at "
-            f"most {_MOST_SAMPLES / length:.4g} Hz go, or the fast engine",
+            f"aperture follows ({length - of_aperture:.4g} s), are more than the simulator flies for a strategy; "
+            f"give at most {_MOST_SAMPLES / length:.4g} Hz, or use the error model",
         )
     start = round(count * interval * rate) / rate
     held = math.floor(design.processing.leg_before / interval + 1e-9)
