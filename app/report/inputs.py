@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import number
-from app.document.wording import preset_name, printable
+from app.document.wording import preset_name, printable, when_empty
 from nav_model.catalogue import Entry, SourcedValue
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
@@ -128,10 +128,6 @@ def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_
 
 
 def _absent(key: str, aperture_time: float) -> str:
-    if key == "gnss.vertical_position_noise":
-        return "as the position noise"
     if key == "radar.aperture_time":
         return f"{number(aperture_time)} s, from range, speed, resolution and window [S-3]"
-    if key.startswith(("motion.", "oscillator.")):
-        return {"motion.imu_bandwidth": "no limit", "oscillator.frequency": "as the carrier"}.get(key, "none")
-    return "not checked"
+    return when_empty(key)

@@ -7,6 +7,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.document.wording import when_empty
 from app.session import Session
 from app.ui.input_box import InputBox, slider_of
 from app.upstream.prompt_input import PromptInput
@@ -31,15 +32,6 @@ _SLIDERS = {
     "coast.before_aperture",
     "radar.slant_range",
     "radar.azimuth_resolution",
-}
-_EMPTY: dict[str, str] = {
-    "gnss.vertical_position_noise": "as horizontal",
-    "gnss.velocity_noise": "no velocity",
-    "gnss.vertical_velocity_noise": "as horizontal",
-    "gnss.velocity_interval": "with each fix",
-    "radar.aperture_time": "from the resolution",
-    "motion.imu_bandwidth": "no limit",
-    "oscillator.frequency": "at the carrier",
 }
 
 # The whole label is at the edge of the box, whether the box is empty or not: within an empty one it would be cut.
@@ -69,7 +61,7 @@ class QuantityControl(InputBox):
         self._declaration = declaration
         box = PromptInput(
             label=str(declaration.label),
-            placeholder=_EMPTY.get(key, "not checked" if declaration.allow_None else ""),
+            placeholder=when_empty(key) if declaration.allow_None else "",
             margin=(10, 4, 0, 10),
             sizing_mode="stretch_width",
             # Help may run on under the unit chooser: the box alone is too narrow to read in.
