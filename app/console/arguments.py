@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from app.console.files import put_file
+from app.console.files import whole_file
 from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, parse_design, read_bytes
 
@@ -45,12 +45,16 @@ def content_of(path: str, most: int) -> tuple[bytes, str]:
     return read_bytes(path, most), path
 
 
-def put_json(data: Any, output: Path | None = None) -> int:
-    """To standard output, or whole into a file."""
-    text = json.dumps(data, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+def put_json(work: Callable[[], Any], output: Path | None = None) -> int:
+    """What the work makes, to standard output or whole into a file, which is refused before the work begins."""
+
+    def text() -> str:
+        return json.dumps(work(), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+
     if output is None:
-        sys.stdout.write(text)
+        sys.stdout.write(text())
         return 0
-    put_file(output, text.encode("utf-8"))
+    with whole_file(output) as file:
+        file.write(text().encode("utf-8"))
     print(f"wrote {output}", file=sys.stderr)
     return 0

@@ -29,7 +29,8 @@ def show_progress() -> Iterator[Callable[[str, float], None]]:
             return
         said = now
         line = clock.progress(what, share).words
-        print(f"\r\x1b[K{line}" if terminal else line, end="" if terminal else "\n", file=sys.stderr, flush=True)
+        # One piece: a command that is stopped says so on a line of its own.
+        print(f"\r\x1b[K{line}" if terminal else f"{line}\n", end="", file=sys.stderr, flush=True)
 
     try:
         yield show

@@ -13,6 +13,7 @@ from importlib.resources import files
 from urllib.parse import quote
 
 import typst
+from bokeh.document import Document
 from bokeh.embed import components
 from bokeh.resources import Resources
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -49,6 +50,10 @@ def to_html(report: Report) -> str:
         else:
             plots[block.key] = to_bokeh(block.chart, _height(block.chart)).plot
             plots[block.key].name = block.key
+    document = Document()
+    with document.models.freeze():  # looks through all charts once, and not again with every one that is added
+        for plot in plots.values():
+            document.add_root(plot)
     script, places = components(plots)
     equations = {item.mark for block in report.blocks() if isinstance(block, Equations) for item in block.items}
 

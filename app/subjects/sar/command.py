@@ -33,7 +33,8 @@ def add_to(commands: Any) -> None:
 
 def _sar(options: argparse.Namespace) -> int:
     (path,) = paths_of(options)
-    return put_json(_study(read_design(path, options.changes), options), options.output)
+    design = read_design(path, options.changes)
+    return put_json(lambda: _study(design, options), options.output)
 
 
 def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
@@ -44,6 +45,7 @@ def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
     InputError
         Naming the option or the key of the design that cannot be run.
     """
+    from app.console.progress import count_runs
     from nav_model.sar.agreement import LEAST_BESIDE
     from nav_model.sar.design_study import chunks, design_study
     from nav_model.sar.study_json import to_json
@@ -57,7 +59,8 @@ def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
     except InputError as error:
         raise error.under("--runs") from error
     if options.engine == "fast":
-        return to_json(design_study(design, options.runs, options.seed))
+        with count_runs() as progress:
+            return to_json(design_study(design, options.runs, options.seed, progress))
     flown = _flown(design, options)
     return to_json(flown, design_study(design, max(options.runs, LEAST_BESIDE), options.seed))
 

@@ -48,9 +48,12 @@ def _allan(options: argparse.Namespace) -> int:
             _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
         ),
     )
-    with show_progress() as progress:
-        study = study_log(request, lambda share, what: progress(what, share))
-    return put_json(study_to_json(study), options.output)
+
+    def work() -> Any:
+        with show_progress() as progress:
+            return study_to_json(study_log(request, lambda share, what: progress(what, share)))
+
+    return put_json(work, options.output)
 
 
 def _bench(option: str, key: str, text: str | None) -> float | None:

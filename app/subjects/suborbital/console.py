@@ -77,4 +77,4 @@ def run(
         raise
     except ValueError as error:
         raise InputError("suborbital", str(error)) from error
-    return put_json(answer)
+    return put_json(lambda: answer)

@@ -14,11 +14,10 @@ from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.result import to_arrays
 from nav_model.simulation.specification import SimulationSpec
 
-distributed = pytest.importorskip("distributed", reason="needs the cluster extra")
-
 
 @pytest.mark.slow
 def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):
+    distributed = pytest.importorskip("distributed", reason="needs the cluster extra")
     spec = SimulationSpec(paper_imu, runs=240, duration=100.0, every=10.0, keep_runs=True)
     killed = []
     with (
@@ -45,6 +44,7 @@ def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):
 
 
 def test_a_scheduler_that_is_not_there_is_named():
+    pytest.importorskip("distributed", reason="needs the cluster extra")
     with (
         refusing_port() as port,
         pytest.raises(ValueError, match=rf"scheduler: no Dask scheduler answers at 'tcp://127\.0\.0\.1:{port}'"),
