@@ -83,9 +83,7 @@ class Frame(pn.viewable.Viewer):
         self._toolbar = Toolbar(session, self._say, self._examples)
         self._toolbar.bar.active = first
         self._open_page(first)
-        self._close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 10), stylesheets=[_NARROW])
         self._shell = self._make_shell()
-        self._close.on_click(lambda _: self._shell.param.update(sidebar_open=False))
         self._toolbar.bar.param.watch(self._turned, "active")
         if pn.state.curdoc:
             fit_to_paper(pn.state.curdoc)
@@ -233,11 +231,13 @@ class Frame(pn.viewable.Viewer):
             self._places[index].objects = [page]
 
     def _make_shell(self) -> pmui.Page:
-        dark = self._opening.dark
+        dark, narrow = self._opening.dark, self._opening.narrow
+        close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 10), stylesheets=[_NARROW])
+        close.on_click(lambda _: page.param.update(sidebar_open=False))
         page = OwnMarkPage(
             meta_title="NavBudget",
             header=[self._toolbar],
-            sidebar=[self._close, *self._sidebar.parts],
+            sidebar=[*([close] if narrow else []), *self._sidebar.parts],
             main=[
                 pn.Column(
                     self._notice,
@@ -252,7 +252,7 @@ class Frame(pn.viewable.Viewer):
                 )
             ],
             dark_theme=dark,
-            sidebar_open=not self._opening.narrow,
+            sidebar_open=not narrow,
             sidebar_width=300,
             sidebar_resizable=False,
             theme_config={"light": LIGHT, "dark": DARK},
