@@ -30,7 +30,6 @@ from app.ui.turns import in_turns, once_quiet
 from app.upstream.browser import Repairs
 from app.upstream.busy_line import follow_own_work
 from app.upstream.full_height import FULL_HEIGHT
-from app.upstream.page_marks import OwnMarkPage
 from nav_model.budget import Budget
 from nav_model.design.link import from_query
 from nav_model.errors import InputError
@@ -234,7 +233,7 @@ class Frame(pn.viewable.Viewer):
         dark, narrow = self._opening.dark, self._opening.narrow
         close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 10), stylesheets=[_NARROW])
         close.on_click(lambda _: page.param.update(sidebar_open=False))
-        page = OwnMarkPage(
+        page = pmui.Page(
             meta_title="NavBudget",
             header=[self._toolbar],
             sidebar=[*([close] if narrow else []), *self._sidebar.parts],

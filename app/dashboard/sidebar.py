@@ -17,6 +17,8 @@ from app.declared import held
 from app.session import Session
 from app.ui.html_pane import html_pane
 from app.ui.input_box import InputBox
+from app.ui.turns import once_loaded
+from app.upstream.plain_titles import WordedAccordion
 from app.upstream.text_pane import TextPane
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -51,7 +53,7 @@ class Sidebar(pn.viewable.Viewer):
         self._shown: Design = session.design
         self._sections = [pn.Column() for _ in INPUTS]
         self._comparison = ComparisonChoice(session)
-        self._accordion = accordion = pmui.Accordion(
+        self._accordion = accordion = WordedAccordion(
             *zip((SECTION_TITLES[section] for section in INPUTS), self._sections, strict=True),
             active=list(_FIRST_OPEN),
             toggle=False,
@@ -61,7 +63,7 @@ class Sidebar(pn.viewable.Viewer):
             margin=0,
         )
         self._fill(_FIRST_OPEN[0])
-        pn.state.onload(lambda: self._fill(_FIRST_OPEN[1]))
+        once_loaded(lambda: self._fill(_FIRST_OPEN[1]))
         accordion.param.watch(self._opened, "active")
         self.parts = [
             html_pane('<h2 class="hidden">Design</h2>', margin=0),

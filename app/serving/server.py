@@ -38,9 +38,12 @@ from app.upstream import known_models, one_write, writes
 from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.ask_first import ask_first
 from app.upstream.browser import HEAD_SCRIPT
+from app.upstream.class_parameters import copy_none
 from app.upstream.defaults import remember_defaults
 from app.upstream.given_socket import listen_on
+from app.upstream.given_values import look_at_what_was_given
 from app.upstream.late_session import page_of, sheets_from_here
+from app.upstream.page_marks import mark_own_part
 from app.upstream.request_location import read_any_address
 from app.work import pool as workers
 from nav_model.design import Design
@@ -124,11 +127,15 @@ def serve_on(
     pn.extension(exception_handler=caught)
     set_defaults()
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
+    settings.perform_document_validation = False  # warns of empty layouts, at each look at a document
     writes.repair()
     one_write.repair()
     known_models.repair()
     read_any_address()
     remember_defaults()
+    look_at_what_was_given()
+    copy_none()
+    mark_own_part()
     for name in COMPONENTS:
         import_module(name)
     workers.use(rules.workers, row.board.processes)

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
-import panel_material_ui as pmui
+
+from app.upstream.plain_titles import WordedAccordion
 
 
 class Folded(pn.viewable.Viewer):
@@ -27,7 +28,7 @@ class Folded(pn.viewable.Viewer):
         super().__init__()
         self._parts = tuple(parts)
         self._places = [pn.Column() for _ in parts]
-        self._view = pmui.Accordion(
+        self._view = WordedAccordion(
             *((title, place) for (title, _), place in zip(parts, self._places, strict=True)),
             active=[],
             toggle=False,
@@ -38,7 +39,7 @@ class Folded(pn.viewable.Viewer):
         )
         self._view.param.watch(self._opened, "active")
 
-    def __panel__(self) -> pmui.Accordion:
+    def __panel__(self) -> WordedAccordion:
         return self._view
 
     def open(self, title: str) -> None:

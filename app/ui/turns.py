@@ -1,5 +1,5 @@
-"""Work of a page that waits: large parts made piece by piece, between which everybody else's sliders move, and what
-need not follow every step of a slider."""
+"""Work of a page that waits: large parts made piece by piece, between which everybody else's sliders move, what is
+below the first screen, and what need not follow every step of a slider."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from weakref import WeakKeyDictionary
 
 import panel as pn
+from bokeh.document import Document
 
 from app.upstream.frozen_models import frozen_models
 
@@ -40,6 +42,31 @@ def in_turns(pieces: Iterable[Callable[[], None]], after: float = 0.0) -> None:
             await asyncio.sleep(_BETWEEN)
 
     pn.state.execute(run)
+
+
+_below: WeakKeyDictionary[Document, list[Callable[[], object]]] = WeakKeyDictionary()
+"""What is to be made once a page's first screen has reached its browser."""
+
+
+def once_loaded(work: Callable[[], object]) -> None:
+    """Have the work done when the first screen has reached the browser; all that waits for that is one change.
+
+    At once if it has, and in a script or a test, where there is no page.
+    """
+    document = pn.state.curdoc
+    if document is None or pn.state.loaded:
+        work()
+    elif document in _below:
+        _below[document].append(work)
+    else:
+        _below[document] = [work]
+        pn.state.onload(lambda: _complete(document))
+
+
+def _complete(document: Document) -> None:
+    with pn.io.hold(), frozen_models(document):
+        for work in _below.pop(document):
+            pn.state.execute(work, schedule=False)  # a fault in one is told, the others are made
 
 
 def once_quiet(work: Callable[[], None]) -> Callable[[], None]:

@@ -2,7 +2,7 @@
 
 Each look at a property that nobody has set copies and checks its default anew, which is half of the work of sending a
 page and a third of finding what a change of its parts has added. Values that could change are left alone: each model
-has its own.
+has its own. That of an empty list or dict is a new one, unchecked.
 
 Written for: Bokeh 3.9.2
 Upstream: bokeh/bokeh#13174 (merged: less of it, not none)
@@ -14,21 +14,32 @@ from __future__ import annotations
 from typing import Any
 
 from bokeh.core.property.descriptors import PropertyDescriptor
+from bokeh.core.property.wrappers import PropertyValueContainer
 
 _shipped = PropertyDescriptor._get_default
 _known: dict[tuple[type, str], Any] = {}
+_empty: dict[tuple[type, str], type[PropertyValueContainer]] = {}
 
 
 def _get_default(descriptor: PropertyDescriptor[Any], model: Any) -> Any:
-    key = (model.__class__, descriptor.name)
-    if key in _known:
-        themed = model.themed_values()
-        if themed is None or descriptor.name not in themed:
-            return _known[key]
-    default = _shipped(descriptor, model)
+    name = descriptor.name
+    key = (model.__class__, name)
     themed = model.themed_values()
-    if (themed is None or descriptor.name not in themed) and not descriptor.has_unstable_default(model):
-        _known[key] = default
+    if themed is None or name not in themed:
+        if key in _known:
+            return _known[key]
+        own = model._unstable_default_values
+        if key in _empty and name not in own:
+            own[name] = new = _empty[key]()
+            new._register_owner(model, descriptor)
+            return new
+    first = name not in model._unstable_default_values
+    default = _shipped(descriptor, model)
+    if themed is None or name not in themed:
+        if not descriptor.has_unstable_default(model):
+            _known[key] = default
+        elif first and isinstance(default, PropertyValueContainer) and not default:
+            _empty[key] = type(default)
     return default
 
 

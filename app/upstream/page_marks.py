@@ -1,8 +1,8 @@
-"""A change of the page's frame costs no walk through the whole document.
+"""A component marks itself as belonging to its page, and walks through nothing for it.
 
-Each time anything of a component with parts changes, Panel marks everything below it as belonging to its page. For
-the page itself that is the whole document, for a line that comes and goes; but each part has marked itself when it
-was made.
+When a component is made, and each time anything of one with parts changes, Panel marks everything below it as
+belonging to its page: at each level again, and for the page's frame the whole document. But each part has marked
+itself when it was made.
 
 Written for: Panel 1.9.4, panel-material-ui 0.16.6
 Upstream: none found, searched 2026-11-22
@@ -13,13 +13,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import panel_material_ui as pmui
+from panel.reactive import ReactiveCustomBase
 
 
-class OwnMarkPage(pmui.Page):
-    """The page as shipped, marking itself alone."""
+def _mark(_: type[ReactiveCustomBase], props: Any, ref: str) -> None:
+    if (mark := f"__ref:{ref}") not in props.tags:
+        props.tags.append(mark)
 
-    @classmethod
-    def _patch_datamodel_ref(cls, props: Any, ref: str) -> None:
-        if (mark := f"__ref:{ref}") not in props.tags:
-            props.tags.append(mark)
+
+def mark_own_part() -> None:
+    """Put it in place; the server calls it once, before it serves."""
+    ReactiveCustomBase._patch_datamodel_ref = classmethod(_mark)

@@ -34,7 +34,7 @@ from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, SWITCH
 from app.ui.tiles import tiles_html
-from app.ui.turns import once_quiet
+from app.ui.turns import once_loaded, once_quiet
 from app.upstream.text_pane import TextPane
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
@@ -108,7 +108,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._shown = session.shown
         self._feed(budget)
         self._tell()
-        pn.state.onload(self._add_details)
+        once_loaded(self._add_details)
 
     def __panel__(self) -> pn.Column:
         return self._view

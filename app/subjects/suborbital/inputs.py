@@ -19,6 +19,7 @@ from app.subjects.suborbital.controls import InputControl
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from app.upstream.file_input import LimitedFileInput
+from app.upstream.plain_titles import WordedAccordion
 from app.work.pool import elsewhere
 from nav_model.design import Design
 from nav_model.design.link import MAX_QUERY
@@ -87,7 +88,7 @@ class InputPanel(pn.viewable.Viewer):
         scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
         halves = []
         for first, some in ((0, parts[:half]), (half, parts[half:])):
-            accordion = pmui.Accordion(
+            accordion = WordedAccordion(
                 *some, active=[_OPEN - first] if 0 <= _OPEN - first < len(some) else [], **look
             )
             accordion.param.watch(lambda event, first=first: self._fill([first + i for i in event.new]), "active")

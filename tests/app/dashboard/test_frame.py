@@ -7,13 +7,21 @@ from typing import Any
 
 import pytest
 from bokeh.model import DataModel, Model
+from panel.reactive import ReactiveCustomBase
 
 from app.dashboard.frame import Frame
 from app.serving.server import first_design
 from app.session import Session
+from app.upstream.page_marks import mark_own_part
 
 # The Material download button passes both names of one argument to its own base class.
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+
+
+@pytest.fixture(autouse=True)
+def as_served(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ReactiveCustomBase, "_patch_datamodel_ref", ReactiveCustomBase._patch_datamodel_ref)
+    mark_own_part()
 
 
 def _models(root: Model) -> list[DataModel]:

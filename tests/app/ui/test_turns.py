@@ -17,7 +17,7 @@ from tornado.ioloop import IOLoop
 from waiting import soon
 
 from app.ui import turns
-from app.ui.turns import in_turns
+from app.ui.turns import in_turns, once_loaded
 
 
 class _Clock:
@@ -107,3 +107,29 @@ def test_without_a_server_all_is_done_at_once() -> None:
     done: list[int] = []
     in_turns([lambda n=n: done.append(n) for n in range(3)])
     assert done == [0, 1, 2]
+
+
+def test_what_waits_for_the_first_screen_is_one_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[BaseException] = []
+    monkeypatch.setattr(pn.config, "exception_handler", told.append)
+    document, place = Document(), pn.Column()
+    looked: list[int] = []
+
+    def fail() -> None:
+        raise ZeroDivisionError
+
+    with set_curdoc(document):
+        pn.state._loaded[document] = False  # as in a session
+        document.add_root(place.get_root(document))
+        for work in (lambda: place.append(pn.pane.HTML("a")), fail, lambda: place.append(pn.pane.HTML("b"))):
+            once_loaded(work)
+        assert not place.objects
+        recompute = document.models.recompute
+        monkeypatch.setattr(document.models, "recompute", lambda: looked.append(1) or recompute())
+        pn.state._on_load(document)
+        assert [part.object for part in place.objects] == ["a", "b"]
+        assert sum(model.__class__.__name__ == "HTML" for model in document.models) == 2
+        assert len(looked) == 1
+        assert [type(fault) for fault in told] == [ZeroDivisionError]
+        once_loaded(lambda: place.append(pn.pane.HTML("c")))
+        assert len(place.objects) == 3

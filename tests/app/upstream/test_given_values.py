@@ -1,0 +1,129 @@
+"""What a model was given is all that its page and its neighbours need to know of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import bokeh.model.util
+import pytest
+from bokeh.core.has_props import HasProps
+from bokeh.core.property.descriptors import PropertyDescriptor, UnsetValueError
+from bokeh.core.serialization import Serializer
+from bokeh.document import Document
+from bokeh.model import Model
+from bokeh.models import ColumnDataSource, Div, LinearAxis, Title
+from bokeh.plotting import figure
+from bokeh.themes import Theme
+
+from app.upstream.given_values import look_at_what_was_given
+
+_PLACES = (
+    (HasProps, "__init__"), (HasProps, "themed_values"), (HasProps, "query_properties_with_values"),
+    (bokeh.model.util, "visit_immediate_value_references"),
+)  # fmt: skip
+_AS_SHIPPED = [getattr(*place) for place in _PLACES]
+
+
+def _as_shipped() -> None:
+    for (holder, name), shipped in zip(_PLACES, _AS_SHIPPED, strict=True):
+        setattr(holder, name, shipped)
+
+
+@pytest.fixture(autouse=True)
+def in_place() -> Iterator[None]:
+    look_at_what_was_given()
+    yield
+    _as_shipped()
+
+
+def _told(model: Model) -> dict[str, Any]:
+    """A model in words, without the numbers of models."""
+
+    def plain(part: Any) -> Any:
+        if isinstance(part, dict):
+            return {key: plain(value) for key, value in part.items() if key != "id"}
+        return [plain(value) for value in part] if isinstance(part, list) else part
+
+    told = plain(Serializer().encode(model))
+    assert isinstance(told, dict)
+    return told
+
+
+@pytest.mark.filterwarnings("ignore::bokeh.util.warnings.BokehDeprecationWarning")
+def test_every_model_is_told_and_searched_as_before() -> None:
+    import panel_material_ui  # noqa: F401  (its models are among them)
+
+    def found(kind: type[Model]) -> Any:
+        model = kind()
+        return _told(model), sorted(type(each).__name__ for each in model.references())
+
+    compared = 0
+    for kind in list(Model.model_class_reverse_map.values()):
+        if not issubclass(kind, Model) or kind.__name__ == "IPyWidget":  # which wants a bundle
+            continue
+        _as_shipped()
+        try:
+            expected = found(kind)
+        except UnsetValueError:  # it cannot stand by itself
+            continue
+        finally:
+            look_at_what_was_given()
+        assert found(kind) == expected, kind
+        compared += 1
+    assert compared > 400
+
+
+def _page() -> Document:
+    plot = figure(x_axis_label="t", title="a")
+    plot.line("x", "y", source=ColumnDataSource({"x": [1.0], "y": [2.0]}, name="data"))
+    document = Document(theme=Theme(json={"attrs": {"Title": {"text_font_size": "99px"}}}))
+    document.add_root(plot)
+    document.add_root(Div(text="b", tags=["mark"]))
+    return document
+
+
+def test_a_page_is_told_and_searched_as_before() -> None:
+    def plain(document: Document) -> tuple[Any, Any]:
+        return [_told(root) for root in document.roots], sorted(type(model).__name__ for model in document.models)
+
+    ours = plain(_page())
+    _as_shipped()
+    assert ours == plain(_page())
+
+
+def test_what_is_put_into_an_empty_container_later_is_told() -> None:
+    div = Div()
+    div.tags.append("mark")
+    source = ColumnDataSource()
+    source.data["x"] = [1]
+    assert _told(div)["attributes"]["tags"] == ["mark"]
+    assert "x" in str(_told(source)["attributes"]["data"])
+    axis = LinearAxis()
+    document = Document()
+    plot = figure()
+    document.add_root(plot)
+    plot.add_layout(axis, "above")  # a list that nobody had looked at
+    assert axis.document is document
+
+
+def test_as_shipped_every_property_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    shipped = PropertyDescriptor._get
+
+    def counted(descriptor: PropertyDescriptor[Any], model: Any) -> Any:
+        asked.append(descriptor.name)
+        return shipped(descriptor, model)
+
+    Title()  # what is found out once for a kind
+    monkeypatch.setattr(PropertyDescriptor, "_get", counted)
+    counts = []
+    for put in (_as_shipped, look_at_what_was_given):
+        put()
+        asked.clear()
+        title = Title(text="a")
+        title.references()
+        _told(title)
+        counts.append(len(asked))
+    assert counts[0] > len(Title.properties())
+    assert counts[1] < 5
