@@ -233,7 +233,7 @@ class Frame(pn.viewable.Viewer):
         dark, narrow = self._opening.dark, self._opening.narrow
         close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 10), stylesheets=[_NARROW])
         close.on_click(lambda _: page.param.update(sidebar_open=False))
-        page = pmui.Page(
+        page: pmui.Page = pmui.Page(
             meta_title="NavBudget",
             header=[self._toolbar],
             sidebar=[*([close] if narrow else []), *self._sidebar.parts],

@@ -37,7 +37,7 @@ from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream import known_models, one_write, writes
 from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.ask_first import ask_first
-from app.upstream.browser import HEAD_SCRIPT
+from app.upstream.browser import head_script
 from app.upstream.class_parameters import copy_none
 from app.upstream.defaults import remember_defaults
 from app.upstream.given_socket import listen_on
@@ -185,7 +185,8 @@ def opening_page() -> Callable[[str, bool], str]:
 
     def page(token: str, dark: bool) -> str:
         scheme = '<meta name="color-scheme" content="dark">' if dark else ""  # dark while it loads
-        return light(token).replace("<head>", f"<head>{scheme}<script>{OPENING_SCRIPT}{HEAD_SCRIPT}</script>", 1)
+        first = f"<head>{scheme}<script>{OPENING_SCRIPT}{head_script(token)}</script>"
+        return light(token).replace("<head>", first, 1)
 
     return page
 

@@ -13,8 +13,12 @@ def _script(name: str) -> str:
     return Path(__file__).with_name(f"{name}.js").read_text(encoding="utf-8")
 
 
-HEAD_SCRIPT = _script("native_modules")
-"""For the head of the page: what must come before the libraries."""
+_HEAD = _script("native_modules") + _script("early_connection")
+
+
+def head_script(token: str) -> str:
+    """For the head of a page, which is given the token of its session: what must come before the libraries."""
+    return _HEAD.replace("TOKEN", token)
 
 
 class Repairs(PlainScript):

@@ -49,13 +49,14 @@ _ASKED = """() => {
 
 
 @pytest.fixture(scope="module")
-def shipped(browser: Browser) -> Iterator[Page]:
+def shipped(browser: Browser, connections: str) -> Iterator[Page]:
     """The page of `as_shipped_page`, opened."""
     program = Path(__file__).with_name("as_shipped_page.py")
     with subprocess.Popen([sys.executable, str(program)], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         page = browser.new_page()
         page.set_default_timeout(1e3 * PATIENCE)
+        page.add_init_script(connections)
         page.goto(f"http://127.0.0.1:{int(process.stdout.readline())}/")
         page.wait_for_function(_IDLE)
         page.get_by_role("combobox", name="choice").wait_for()
@@ -125,3 +126,11 @@ def test_modules_are_fetched_and_rewritten(shipped: Page) -> None:
 
 def test_ours_are_imported_by_the_browser(plain: Page) -> None:
     assert plain.evaluate(_HOW) == ["script"]
+
+
+def test_a_page_connects_when_all_is_loaded(shipped: Page) -> None:
+    assert shipped.evaluate("() => connections") == [True]
+
+
+def test_ours_connects_before_and_once(plain: Page) -> None:
+    assert plain.evaluate("() => connections") == [False]

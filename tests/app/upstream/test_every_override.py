@@ -11,7 +11,7 @@ import pytest
 import app.upstream
 import nav_model.compiled
 import nav_model.numba_typing
-from app.upstream.browser import HEAD_SCRIPT, Repairs
+from app.upstream.browser import Repairs, head_script
 
 ROOT = Path(__file__).parents[3]
 ROOM = Path(app.upstream.__file__).parent
@@ -41,4 +41,4 @@ def test_it_says_version_source_and_end(path: Path) -> None:
 
 
 def test_every_script_reaches_the_browser() -> None:
-    assert all(path.read_text(encoding="utf-8") in Repairs._esm + HEAD_SCRIPT for path in SCRIPTS)
+    assert all(path.read_text(encoding="utf-8") in Repairs._esm + head_script("TOKEN") for path in SCRIPTS)
