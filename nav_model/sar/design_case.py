@@ -28,7 +28,6 @@ from nav_model.sar.turning import TURNING, smoothed_bent_variance, turn_weights
 from nav_model.sar.winners import Conditions
 
 Engine = Literal["fast", "simulator"]
-ENGINES: tuple[Engine, ...] = ("fast", "simulator")
 """The per-axis error model, and full flights of the simulator."""
 
 _RATE_HZ = 100.0
