@@ -91,21 +91,18 @@ def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None =
     beyond : array, (n, n, kinds, rows), optional
         What is known of the last state.
     """
-    shape = *unit.info.shape[:2], *counts.shape
-    known = np.zeros(shape, np.result_type(*unit)) if beyond is None else beyond.astype(np.result_type(beyond, *unit))
-    left = counts
-    while np.any(left):
+    known = np.zeros((*unit.info.shape[:2], *counts.shape), np.result_type(*unit)) if beyond is None else beyond
+    left, fresh = counts, beyond is None
+    while True:
         odd = left % 2 == 1
         if np.any(odd):
-            row = np.nonzero(odd)[1]
-            last = known[:, :, odd]
-            if np.any(last):
-                last = before(last, unit.through[..., row], unit.noise[..., row])
-            known[:, :, odd] = unit.info[..., row] + last
+            info, through, noise = (part[:, :, None] for part in unit)
+            known = np.where(odd, info + (0.0 if fresh else before(known, through, noise)), known)
+            fresh = False
         left = left // 2
-        if np.any(left):
-            unit = twice(unit)
-    return known
+        if not np.any(left):
+            return known
+        unit = twice(unit)
 
 
 def settled(unit: Segment) -> Array:
