@@ -24,7 +24,7 @@ def times(*factors: Array) -> Array:
 
 def turned(matrix: Array) -> Array:
     """Transposes."""
-    return np.swapaxes(matrix, 0, 1)
+    return matrix.swapaxes(0, 1)
 
 
 def even(matrix: Array) -> Array:

@@ -174,16 +174,17 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
         Inputs to figures, one sigma each, which broadcasts.
     """
     names, stepped = _stepped(x)
-    found: dict[str, tuple[float, Shares]] = {}
-    for figure, value in of(stepped).items():
-        whole = np.broadcast_to(value, len(names))
-        parts = np.maximum(whole.imag / (whole.real * _STEP), 0)
-        if not np.any(
-            parts > 0
-        ):  # values so far apart that rounding hides every slope: nothing is known of whose it is
-            parts = np.ones(len(names))
-        found[figure] = float(whole.real[0]), _normalised(dict(zip(names, parts, strict=True)))
-    return found
+    figures = of(stepped)
+    table = np.empty((len(figures), len(names)), complex)
+    for row, value in zip(table, figures.values(), strict=True):
+        row[:] = value
+    parts = np.maximum(table.imag / (table.real * _STEP), 0)
+    # Values so far apart that rounding hides every slope: nothing is known of whose it is.
+    parts[~np.any(parts > 0, axis=1)] = 1.0
+    return {
+        figure: (size, _normalised(dict(zip(names, row, strict=True))))
+        for figure, size, row in zip(figures, table.real[:, 0].tolist(), parts.tolist(), strict=True)
+    }
 
 
 def _stepped(x: Inputs) -> tuple[list[str], Inputs]:

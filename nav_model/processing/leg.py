@@ -58,13 +58,10 @@ class _Row:
     slow: Array | None
     slow_time: Array | None
 
-    def of(self, rows: NDArray[np.int64]) -> _Row:
-        return replace(self, **{name: value[rows] for name, value in vars(self).items() if value is not None})
+    kind: np.dtype[Any]  # of the numbers: complex where one is
 
-    @property
-    def kind(self) -> np.dtype[Any]:
-        """Of the numbers: complex where one is."""
-        return np.result_type(*(value for value in vars(self).values() if value is not None))
+    def of(self, rows: NDArray[np.int64]) -> _Row:
+        return replace(self, **{name: value[rows] for name, value in vars(self).items() if isinstance(value, np.ndarray)})
 
 
 def _count(span: Array, step: Array) -> NDArray[np.int64]:
@@ -208,9 +205,10 @@ def _rows(channel: Channel, aperture: Array, leg: Leg) -> tuple[_Row, dict[str, 
         "slow": None if slow is None else slow**2, "slow_time": channel.slow_time,
     }  # fmt: skip
     given = {name: np.asarray(value) for name, value in squared.items() if value is not None}
-    shape = np.broadcast_shapes(*(value.shape for value in given.values()))
-    flat = {name: np.broadcast_to(value, shape).ravel() for name, value in given.items()}
-    return _Row(**dict.fromkeys(squared) | flat), flat, shape  # type: ignore[arg-type]
+    even = np.zeros(np.broadcast_shapes(*(value.shape for value in given.values())))
+    flat = {name: (value + even).ravel() for name, value in given.items()}
+    kind = np.result_type(*flat.values())
+    return _Row(**dict.fromkeys(squared) | flat, kind=kind), flat, even.shape  # type: ignore[arg-type]
 
 
 def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array]:
