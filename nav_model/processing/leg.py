@@ -61,7 +61,10 @@ class _Row:
     kind: np.dtype[Any]  # of the numbers: complex where one is
 
     def of(self, rows: NDArray[np.int64]) -> _Row:
-        return replace(self, **{name: value[rows] for name, value in vars(self).items() if isinstance(value, np.ndarray)})
+        taken: dict[str, Any] = {
+            key: value[rows] for key, value in vars(self).items() if isinstance(value, np.ndarray)
+        }
+        return replace(self, **taken)
 
 
 def _count(span: Array, step: Array) -> NDArray[np.int64]:
@@ -182,8 +185,7 @@ def _gauss(points: int) -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(points)
 
 
-def _solved(x: _Row, ends: tuple[Array, Array], modes: int) -> dict[str, Array]:
-    start, end = ends
+def _solved(x: _Row, start: Array, end: Array, modes: int) -> dict[str, Array]:
     velocity = None
     if x.velocity is not None and x.velocity_interval is not None:
         velocity = _inside(x, x.velocity, x.velocity_interval, modes + 3)
@@ -267,8 +269,10 @@ def _by_modes(x: _Row, places: NDArray[np.int64], held: Array, found: dict[str, 
         least = most
         size = (2 * modes + _POINTS) * (2 * modes + 8)
         for batch in np.array_split(rows, max(1, len(rows) * size // _AT_ONCE)) if len(rows) else ():
-            some, known = (x, ends) if len(batch) == len(held) else (x.of(batch), tuple(end[..., batch] for end in ends))
-            for name, values in _solved(some, known, modes).items():
+            some, start, end = (
+                (x, *ends) if len(batch) == len(held) else (x.of(batch), *(p[..., batch] for p in ends))
+            )
+            for name, values in _solved(some, start, end, modes).items():
                 found[name][places[batch]] = values
 
 
