@@ -71,11 +71,11 @@ def twice(one: Segment) -> Segment:
     """Two equal segments in a row."""
     both = np.concatenate([one.through, times(one.noise, turned(one.through))], axis=1)
     onward = solved(plus_one(times(one.noise, one.info)), both)
-    onward, spread = onward[:, : len(both)], onward[:, len(both) :]
+    ahead, size = times(one.through, onward), len(both)
     return Segment(
-        one.info + even(times(turned(one.through), one.info, onward)),
-        times(one.through, onward),
-        one.noise + even(times(one.through, spread)),
+        one.info + even(times(turned(one.through), one.info, onward[:, :size])),
+        ahead[:, :size],
+        one.noise + even(ahead[:, size:]),
     )
 
 

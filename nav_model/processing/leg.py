@@ -263,16 +263,14 @@ def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Ar
 
 def _by_modes(x: _Row, places: NDArray[np.int64], held: Array, found: dict[str, Array]) -> None:
     """Put the figures of these rows into `found`, at their places: each by as many modes as its aperture needs."""
-    ends, least = _ends(x), 0.0
+    (start, end), least = _ends(x), 0.0
     for most, modes in _MODES:
         rows = np.flatnonzero((held >= least) & (held < most))
         least = most
         size = (2 * modes + _POINTS) * (2 * modes + 8)
         for batch in np.array_split(rows, max(1, len(rows) * size // _AT_ONCE)) if len(rows) else ():
-            some, start, end = (
-                (x, *ends) if len(batch) == len(held) else (x.of(batch), *(p[..., batch] for p in ends))
-            )
-            for name, values in _solved(some, start, end, modes).items():
+            taken = _solved(x.of(batch), start[..., batch], end[..., batch], modes)
+            for name, values in taken.items():
                 found[name][places[batch]] = values
 
 
