@@ -56,6 +56,8 @@ def smoothed_error(
     list of dict
         For each channel: name -> variances, an array that broadcasts to the shape of all inputs together.
     """
+    if not names:
+        return [{} for _ in channels]
     found: list[dict[str, Array]] = []
     short: list[NDArray[np.bool_]] = []
     for channel in channels:
