@@ -205,6 +205,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         detrended=by_order[x.autofocus_order - 1],
         by_order=by_order,
         along_track_quadratic=value["along_track_quadratic_phase"],
+        turning_quadratic=value["turning_quadratic_phase"],
         azimuth_shift=value["slope_shift"],
         impulse_response=_response(value["quadratic_phase"], x),
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
@@ -315,8 +316,7 @@ def _sar(design: Design, x: Inputs, parts: Parts, p: Horizontal, start: Horizont
     budget = phase_sources(x, start)
     whole = phase.total(budget)
     to_phase = 4 * math.pi / wavelength
-    quadratic = to_phase * math.sqrt(float(whole.quadratic))
-    cubic = to_phase * math.sqrt(float(whole.cubic))
+    quadratic, cubic = (to_phase * math.sqrt(float(part)) for part in (whole.quadratic, whole.cubic))
     lines = tuple(
         PhaseLine(
             source,
