@@ -163,8 +163,8 @@ def cautions(budget: Budget) -> tuple[str, ...]:
         if abs(change) > _TURN_SAID:
             said.append(
                 "The line of sight turns over the aperture. The along-track phase [S-2] counts what that makes of "
-                f"the velocity; what it makes of the position {'raises' if change > 0 else 'lowers'} both by "
-                f"{100 * abs(change):.2g} %, which neither the figures nor the verdict have [P-5]."
+                f"the velocity; what it makes of the position {'raises' if change > 0 else 'lowers'} quadratic and "
+                f"along-track phase together by {100 * abs(change):.2g} %, which the verdict leaves out [P-5]."
             )
     said += [sentence for holds, sentence in _STANDING if holds(design)]
     return tuple(said)
