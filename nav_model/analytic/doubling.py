@@ -95,9 +95,14 @@ def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None =
     left, fresh = counts, beyond is None
     while True:
         odd = left % 2 == 1
-        if np.any(odd):
+        if np.all(odd) and not fresh:
             info, through, noise = (part[:, :, None] for part in unit)
-            known = np.where(odd, info + (0.0 if fresh else before(known, through, noise)), known)
+            known = info + before(known, through, noise)
+        elif np.any(odd):  # the others' rows may have gone on so far that there is no number for them
+            row = np.nonzero(odd)[1]
+            last = 0.0 if fresh else before(known[:, :, odd], unit.through[..., row], unit.noise[..., row])
+            known = known.copy()
+            known[:, :, odd] = unit.info[..., row] + last
             fresh = False
         left = left // 2
         if not np.any(left):

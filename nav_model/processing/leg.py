@@ -131,7 +131,7 @@ def _legs(x: _Row, pace: _Pace, reach: Array, between: Segment) -> tuple[Array, 
     rest = _count(reach - first - whole * pace.seldom, pace.often) + 1
     known = information(between, np.where(whole < 0, 0, rest)) + pace.sparse[:, :, None] * (whole >= 0)
     known = information(_unit(x, pace), np.maximum(whole, 0), known)
-    lead = np.asarray(np.rint(((first - sooner) / pace.often).real), np.int64)
+    lead = np.asarray(np.rint(np.maximum(((first - sooner) / pace.often).real, 0.0)), np.int64)
     return information(between, np.clip(_count(reach - sooner, pace.often) + 1, 0, lead), known), soon
 
 
