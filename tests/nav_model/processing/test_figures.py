@@ -216,12 +216,18 @@ def test_a_map_over_apertures_is_designs_side_by_side(named, aperture, across):
     spans = np.array([1.0, 3.0, 9.0]) * (1.0 if aperture == "radar.aperture_time" else 2000.0)
     noises = np.array([0.01, 0.1, 1.0, 3.0])
     shape = [(1, -1), (-1, 1)]
-    changes = {aperture: spans.reshape(shape[not across]), "gnss.position_noise": noises.reshape(shape[across])}
+    walks = np.array([1e-6, 1e-5, 1e-4])  # along the same axis
+    changes = {
+        aperture: spans.reshape(shape[not across]), "imu.angle_random_walk": walks.reshape(shape[not across]),
+        "gnss.position_noise": noises.reshape(shape[across]),
+    }  # fmt: skip
     grid = smoothed_figures(inputs_of(design, changes), SMOOTHED)
     for i, span in enumerate(spans):
         for j, noise in enumerate(noises):
-            values = {aperture: float(span), "gnss.position_noise": float(noise)}
-            one = smoothed_figures(inputs_of(design.replace(values)), SMOOTHED)
+            values = {aperture: float(span), "imu.angle_random_walk": float(walks[i])}
+            one = smoothed_figures(
+                inputs_of(design.replace(values | {"gnss.position_noise": float(noise)})), SMOOTHED
+            )
             for name, values in grid.items():
                 whole = np.broadcast_to(values, (4, 3) if across else (3, 4))
                 assert whole[(j, i) if across else (i, j)] == pytest.approx(float(one[name]), rel=1e-9), name
