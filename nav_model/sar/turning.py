@@ -122,7 +122,7 @@ def bent_variance(
 
 def smoothed_bent_variance(weights: _FloatArray, found: Mapping[str, _FloatArray]) -> _FloatArray:
     """The same of a smoothed error: from the covariances of `TURNING` [m²] of one axis."""
-    q, v, p = np.moveaxis(weights, -1, 0)
+    q, v, p = (weights[..., k] for k in range(3))
     own = v**2 * found["turned"] + p**2 * found["curved"]
     shared = q * v * found["with_turned"] + q * p * found["with_curved"] + v * p * found["turned_curved"]
     return np.asarray(own + 2 * shared)
