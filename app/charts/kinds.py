@@ -111,7 +111,6 @@ class Chart:
     y_range: tuple[float, float] | None = None
     x_range: tuple[float, float] | None = None
     square: bool = False
-    legend_columns: int = 3
     knowledge: str = ""
 
     def rows(self) -> Iterator[tuple[str, ...]]:

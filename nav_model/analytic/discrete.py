@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from nav_model.analytic.sampled_filter import horizontal_cycle, vertical_cycle
 from nav_model.analytic.slow_error_filter import horizontal_cycle_slow, vertical_cycle_slow
 from nav_model.analytic.steady_state import Horizontal, Vertical
-from nav_model.analytic.velocity_filter import horizontal_cycle_with_velocity, vertical_cycle_with_velocity
+from nav_model.analytic.velocity_filter import cycle_with_velocity
 
 
 class Sawtooth(NamedTuple):
@@ -72,13 +72,13 @@ def cycle(
         Velocity of one fix, 1σ [m/s], horizontal and vertical.
     """
     if velocity is not None:
-        ends = horizontal_cycle_with_velocity(sigma_a, sigma_w, g, interval, sigma_fix, velocity[0], slow)
-        ends_v = vertical_cycle_with_velocity(sigma_a, interval, sigma_fix_vertical, velocity[1], slow)
-        return Cycle(Sawtooth(ends[0], ends_v[0]), Sawtooth(ends[1], ends_v[1]), ends[2])
+        fixes = (sigma_fix, sigma_fix_vertical)
+        before, after, with_slow = cycle_with_velocity(sigma_a, sigma_w, g, interval, fixes, velocity, slow)
+        return Cycle(Sawtooth(*before), Sawtooth(*after), with_slow)
     if slow is None:
         horizontal_ends = horizontal_cycle(sigma_a, sigma_w, g, interval, sigma_fix)
         vertical_ends = vertical_cycle(sigma_a, interval, sigma_fix_vertical)
         return Cycle(*(Sawtooth(*ends) for ends in zip(horizontal_ends, vertical_ends, strict=True)))
-    before, after, slow_with_tilt = horizontal_cycle_slow(sigma_a, sigma_w, g, interval, sigma_fix, *slow)
-    before_v, after_v = vertical_cycle_slow(sigma_a, interval, sigma_fix_vertical, *slow)
-    return Cycle(Sawtooth(before, before_v), Sawtooth(after, after_v), slow_with_tilt)
+    level, level_after, slow_with_tilt = horizontal_cycle_slow(sigma_a, sigma_w, g, interval, sigma_fix, *slow)
+    upright, upright_after = vertical_cycle_slow(sigma_a, interval, sigma_fix_vertical, *slow)
+    return Cycle(Sawtooth(level, upright), Sawtooth(level_after, upright_after), slow_with_tilt)

@@ -71,11 +71,11 @@ def twice(one: Segment) -> Segment:
     """Two equal segments in a row."""
     both = np.concatenate([one.through, times(one.noise, turned(one.through))], axis=1)
     onward = solved(plus_one(times(one.noise, one.info)), both)
-    onward, spread = onward[:, : len(both)], onward[:, len(both) :]
+    ahead, size = times(one.through, onward), len(both)
     return Segment(
-        one.info + even(times(turned(one.through), one.info, onward)),
-        times(one.through, onward),
-        one.noise + even(times(one.through, spread)),
+        one.info + even(times(turned(one.through), one.info, onward[:, :size])),
+        ahead[:, :size],
+        one.noise + even(ahead[:, size:]),
     )
 
 
@@ -91,21 +91,23 @@ def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None =
     beyond : array, (n, n, kinds, rows), optional
         What is known of the last state.
     """
-    shape = *unit.info.shape[:2], *counts.shape
-    known = np.zeros(shape, np.result_type(*unit)) if beyond is None else beyond.astype(np.result_type(beyond, *unit))
-    left = counts
-    while np.any(left):
+    known = np.zeros((*unit.info.shape[:2], *counts.shape), np.result_type(*unit)) if beyond is None else beyond
+    left, fresh = counts, beyond is None
+    while True:
         odd = left % 2 == 1
-        if np.any(odd):
+        if np.all(odd) and not fresh:
+            info, through, noise = (part[:, :, None] for part in unit)
+            known = info + before(known, through, noise)
+        elif np.any(odd):  # the others' rows may have gone on so far that there is no number for them
             row = np.nonzero(odd)[1]
-            last = known[:, :, odd]
-            if np.any(last):
-                last = before(last, unit.through[..., row], unit.noise[..., row])
+            last = 0.0 if fresh else before(known[:, :, odd], unit.through[..., row], unit.noise[..., row])
+            known = known.copy()
             known[:, :, odd] = unit.info[..., row] + last
+            fresh = False
         left = left // 2
-        if np.any(left):
-            unit = twice(unit)
-    return known
+        if not np.any(left):
+            return known
+        unit = twice(unit)
 
 
 def settled(unit: Segment) -> Array:

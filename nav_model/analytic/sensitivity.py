@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, horizontal, vertical
+from nav_model.analytic.steady_state import Horizontal, Vertical, horizontal, vertical
 
 
 class LogDerivatives(NamedTuple):
@@ -61,37 +61,17 @@ class Parts(NamedTuple):
 def horizontal_parts(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike) -> Parts:
     """Contribution of each source to every element of the steady-state covariance. [T-18]
 
-    The covariance is homogeneous of degree one in (sigma_a², sigma_w², s²), so the three logarithmic
-    derivatives with respect to these add up to one.
+    The covariance is homogeneous of degree one in (sigma_a², sigma_w², s²), so half its three logarithmic derivatives
+    with respect to these add up to one.
     """
     p = horizontal(sigma_a, sigma_w, s, g)
     d = log_derivatives(sigma_a, sigma_w, s, g)
-    accelerometer, gyro = (
-        Horizontal(*(element * slope / 2 for element, slope in zip(p, slopes, strict=True)))
-        for slopes in (d.sigma_a, d.sigma_w)
+    return Parts(
+        *(
+            Horizontal(*(element * slope / 2 for element, slope in zip(p, slopes, strict=True)))
+            for slopes in (d.sigma_a, d.sigma_w, d.s)
+        )
     )
-    gnss = Horizontal(*(whole - a - w for whole, a, w in zip(p, accelerometer, gyro, strict=True)))
-    return Parts(accelerometer, gyro, gnss)
-
-
-class Shares(NamedTuple):
-    """Share of each source in a variance; they add up to one."""
-
-    accelerometer: Array
-    gyro: Array
-    gnss: Array
-
-
-def horizontal_shares(
-    sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike
-) -> tuple[Shares, Shares, Shares]:
-    """Shares in the variances of position, velocity and tilt. [T-18]"""
-    d = log_derivatives(sigma_a, sigma_w, s, g)
-    position, velocity, tilt = (
-        Shares(*(getattr(by_source, name) / 2 for by_source in (d.sigma_a, d.sigma_w, d.s)))
-        for name in ("p11", "p22", "p33")
-    )
-    return position, velocity, tilt
 
 
 def vertical_parts(sigma_a: ArrayLike, s: ArrayLike) -> tuple[Vertical, Vertical]:

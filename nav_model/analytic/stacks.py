@@ -2,38 +2,44 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
 
-_FEW = 600  # numbers in all; with fewer, the library is faster
+_FEW = 400  # numbers in all; with fewer, the library is faster
 
 
 def times(*factors: Array) -> Array:
     """Product of each row's matrices, from the right."""
     *rest, product = factors
     for factor in reversed(rest):
-        single = product.ndim == factor.ndim == 2
-        product = factor @ product if single else np.einsum("ij...,jk...->ik...", factor, product)
+        if factor.ndim == product.ndim and (product.size < _FEW or np.iscomplexobj(product)):
+            product = (product.T @ factor.T).T
+        else:
+            product = np.einsum("ij...,jk...->ik...", factor, product)
     return product
 
 
 def turned(matrix: Array) -> Array:
     """Transposes."""
-    return np.swapaxes(matrix, 0, 1)
+    return matrix.swapaxes(0, 1)
 
 
 def even(matrix: Array) -> Array:
     """The symmetric part, of what is symmetric but for rounding."""
-    return (matrix + turned(matrix)) / 2
+    return (matrix + turned(matrix)) * 0.5
 
 
 def plus_one(matrix: Array) -> Array:
     """One plus each matrix."""
-    whole: Array = matrix.copy()
-    for k in range(len(whole)):
-        whole[k, k] += 1
-    return whole
+    return matrix + _one(len(matrix), matrix.ndim)
+
+
+@cache
+def _one(size: int, axes: int) -> Array:
+    return np.eye(size).reshape(size, size, *(1,) * (axes - 2))
 
 
 def solved(matrix: Array, right: Array) -> Array:

@@ -49,7 +49,15 @@ from nav_model.budget.result import (
     Spectral,
     SteadyState,
 )
-from nav_model.budget.shares import Shares, coast_shares, shares_by_step, steady_shares, velocity_shares
+from nav_model.budget.shares import (
+    Parts,
+    Shares,
+    coast_shares,
+    shares_by_step,
+    steady_shares,
+    velocity_shares,
+    white_parts,
+)
 from nav_model.budget.verdict import judge
 from nav_model.design import Design
 from nav_model.errors import InputError
@@ -121,11 +129,12 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     closed = settled(inputs)
     moments = sampled(inputs)
     white = moments if inputs.slow is None else sampled(inputs, slow=False)
-    steady_state = _steady_state(inputs, closed, moments, white)
-    coast = _coast(inputs, closed, moments.posterior, white.posterior, time)
+    parts = cache(partial(white_parts, inputs))
+    steady_state = _steady_state(inputs, parts, closed, moments, white)
+    coast = _coast(inputs, parts, closed, moments.posterior, white.posterior, time)
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
     start = closed if inputs.slow is None else moments.posterior
-    sar = _sar(design, inputs, closed.horizontal, start.horizontal, steady_state.shares["tilt"])
+    sar = _sar(design, inputs, parts, closed.horizontal, start.horizontal, steady_state.shares["tilt"])
     placement = _placement(
         inputs,
         free_shifts(inputs, start),
@@ -196,6 +205,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         detrended=by_order[x.autofocus_order - 1],
         by_order=by_order,
         along_track_quadratic=value["along_track_quadratic_phase"],
+        turning_quadratic=value["turning_quadratic_phase"],
         azimuth_shift=value["slope_shift"],
         impulse_response=_response(value["quadratic_phase"], x),
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
@@ -247,7 +257,7 @@ def _sigmas(moment: Sawtooth) -> Sigmas:
     return Sigmas(*(math.sqrt(float(x)) for x in (p.p11, v.v11, p.p22, v.v22, p.p33)))
 
 
-def _steady_state(inputs: Inputs, closed: Sawtooth, moments: Cycle, white: Cycle) -> SteadyState:
+def _steady_state(inputs: Inputs, parts: Parts, closed: Sawtooth, moments: Cycle, white: Cycle) -> SteadyState:
     x = inputs
     asymptote = steady.gyro_dominated(x.sigma_w, x.s, x.g)
     lambda_dt = max(
@@ -261,11 +271,11 @@ def _steady_state(inputs: Inputs, closed: Sawtooth, moments: Cycle, white: Cycle
         gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
-        shares=_each(SETTLED, lambda: steady_shares(x, closed, moments.prior, white.prior)),
+        shares=_each(SETTLED, lambda: steady_shares(parts(), moments.prior, white.prior)),
     )
 
 
-def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, time: Array) -> Outage:
+def _coast(x: Inputs, parts: Parts, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, time: Array) -> Outage:
     a, w, g = x.sigma_a, x.sigma_w, x.g
     p, v = closed
     duration = float(x.duration)
@@ -275,7 +285,7 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, ti
     bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, g, time)
     drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, g, time)
     perfect = growth.perfect_start(a, w, g, time)
-    shares = _each(COASTING, lambda: dict(zip(COASTING, coast_shares(x, posterior, white, duration), strict=True)))
+    shares = _each(COASTING, lambda: coast_shares(x, parts(), posterior, white, duration))
     curves = {
         "time": time,
         "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
@@ -300,14 +310,13 @@ def _coast(x: Inputs, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, ti
     )
 
 
-def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
+def _sar(design: Design, x: Inputs, parts: Parts, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
     radar = design.radar
     wavelength, aperture = float(x.wavelength), float(x.aperture)
     budget = phase_sources(x, start)
     whole = phase.total(budget)
     to_phase = 4 * math.pi / wavelength
-    quadratic = to_phase * math.sqrt(float(whole.quadratic))
-    cubic = to_phase * math.sqrt(float(whole.cubic))
+    quadratic, cubic = (to_phase * math.sqrt(float(part)) for part in (whole.quadratic, whole.cubic))
     lines = tuple(
         PhaseLine(
             source,
@@ -335,7 +344,7 @@ def _sar(design: Design, x: Inputs, p: Horizontal, start: Horizontal, tilt_share
         along_track_quadratic=float(along_track_phase(x, start)),
         lines=lines,
         tilt_shares=tilt_shares,
-        velocity_shares=Later(lambda: velocity_shares(x, p, start)),
+        velocity_shares=Later(lambda: velocity_shares(x, parts(), p, start)),
         impulse_response=response,
         after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, x),
     )

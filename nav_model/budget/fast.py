@@ -112,6 +112,20 @@ def rectified(design: Design, value: Value) -> Array | None:
     return bias if np.any(bias != 0) else None
 
 
+def not_flown(design: Design) -> tuple[str, ...]:
+    """What runs and flights leave out of a design's budget, a sentence; nothing where they have all of it."""
+    motion = design.motion
+    given = {
+        VIBRATION: motion.lines or motion.spectrum,
+        UNSENSED: motion.unsensed_lines or motion.unsensed_spectrum,
+        OSCILLATOR: design.oscillator.phase_noise,
+    }
+    if not (left := [name for name, rows in given.items() if rows]):
+        return ()
+    bias = " and the bias that vibration makes" if given[VIBRATION] and motion.rectification else ""
+    return (f"No run or flight has the design's {', '.join(left)}{bias}; the Budget page counts what they do [P-8].",)
+
+
 def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:
     """Both figures of `LEVELS`, as amplitudes over a target's: the highest paired echo, and the scattered energy."""
     sources, lobe = tuple(made), ideal_null_cells(window)  # type: ignore[arg-type]

@@ -32,6 +32,7 @@ from nav_model.processing.geolocation import (
 )
 from nav_model.processing.spectrum import Channel, Leg
 from nav_model.sar import geometry, phase
+from nav_model.sar.turning import TURNING, smoothed_bent_variance, turn_weights
 
 SETTLED = ("horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt")
 COASTING = ("coast_horizontal_position", "coast_vertical_position")
@@ -202,6 +203,7 @@ _NEEDED: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "detrended_phase_2": ("left_2",),
         "detrended_phase_3": ("left_3",),
         "slope_shift": ("slope",),
+        "turning_quadratic_phase": ("quadratic", *TURNING),
     }
 )
 """What each smoothed figure takes from the smoother; "detrended_phase" is the one of the design's autofocus order."""
@@ -224,9 +226,9 @@ def smoothed_figures(x: Inputs, names: Collection[str]) -> dict[str, Array]:
     ----------
     x : Inputs
     names : collection of str
-        Of `SMOOTHED`: also the residual after each autofocus order, "detrended_phase_1" to 3, and "slope_shift", the
-        azimuth shift without the position along the track. Constant residual biases cost nothing: the smoother takes
-        them up.
+        Of `SMOOTHED`: also the residual after each autofocus order, "detrended_phase_1" to 3, "slope_shift", the
+        azimuth shift without the position along the track, and "turning_quadratic_phase", the quadratic phase along
+        the line of sight as it turns. Constant residual biases cost nothing: the smoother takes them up.
     """
     return smoothed_with_shifts(x, names)[0]
 
@@ -248,6 +250,8 @@ def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, A
     if "along_track_quadratic_phase" in wanted:
         turn = x.speed * np.cos(x.squint) ** 2 * x.aperture / (2 * x.slant_range)
         found["along_track_quadratic_phase"] = to_phase * turn * np.sqrt(h["turned"])
+    if "turning_quadratic_phase" in wanted:
+        found["turning_quadratic_phase"] = to_phase * np.sqrt(_turning_quadratic(x, h, v))
     if "slope_shift" in wanted:
         found["slope_shift"] = _lever(x) * np.sqrt(wide * h["slope"] + high * v["slope"] + _fast_slope(x))
     moved = None
@@ -265,6 +269,15 @@ def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, A
     if set(LEVELS).intersection(names):
         found |= levels(x.fast.values(), to_phase, x.aperture, x.window)
     return {name: found[name] for name in names}, moved
+
+
+def _turning_quadratic(x: Inputs, h: Mapping[str, Array], v: Mapping[str, Array]) -> Array:
+    """Variance of the quadratic along the line of sight as it turns, m²: [S-2], and what that leaves out."""
+    turn = turn_weights(x.grazing_angle, x.squint, x.speed / x.slant_range, x.aperture)
+    bent = sum(smoothed_bent_variance(*pair) for pair in ((turn.along, h), (turn.across, h), (turn.down, v)))
+    wide, high = geometry.line_of_sight_weights(x.grazing_angle)
+    fast = sum(made.quadratic for made in x.fast.values())
+    return np.asarray(wide * h["quadratic"] + high * v["quadratic"] + fast + bent)
 
 
 _PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase_1", "detrended_phase_2", "detrended_phase_3")

@@ -5,12 +5,15 @@ One table for pages, reports and JSON, so that no face invents a source of its o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 from nav_model.budget.result import Budget
 from nav_model.design import Design
+
+_TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight goes without saying
 
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
@@ -78,6 +81,9 @@ _TABLE: dict[str, Provenance] = {
     "post_processed": Provenance("[P-3], [P-5]", SMOOTHER, "fixes before, in and after the aperture"),
     "post_processed.tilt_sigma_rad": Provenance("[P-5]", SMOOTHER),
     "post_processed.lines": Provenance("[P-4]", SMOOTHER, "shares of the quadratic phase's variance"),
+    "post_processed.turning_quadratic_phase_sigma_rad": Provenance(
+        "[P-5], [S-2]", SMOOTHER, "both quadratic phases, and what the turn makes of the position"
+    ),
     "post_processed.azimuth_shift_sigma_m": Provenance("[P-5]", SMOOTHER, "without the position along the track"),
     "geolocation": Provenance("[P-7]", CLOSED, "flat scene; azimuth first, then ground range"),
     "spectral.echoes": Provenance("[P-8], [P-9]", CLOSED, "lines beyond the main lobe, highest first"),
@@ -151,6 +157,15 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle an aperture: slower noise is "
             "not counted."
         )
+    if (smoothed := budget.smoothed) is not None:
+        counted = math.hypot(smoothed.quadratic, smoothed.along_track_quadratic)
+        change = smoothed.turning_quadratic / counted - 1
+        if abs(change) > _TURN_SAID:
+            said.append(
+                "The line of sight turns over the aperture. The along-track phase [S-2] counts what that makes of "
+                f"the velocity; what it makes of the position {'raises' if change > 0 else 'lowers'} quadratic and "
+                f"along-track phase together by {100 * abs(change):.2g} %, which the verdict leaves out [P-5]."
+            )
     said += [sentence for holds, sentence in _STANDING if holds(design)]
     return tuple(said)
 

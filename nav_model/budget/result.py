@@ -130,6 +130,8 @@ class PostProcessed:
     """What a smoother with the whole leg leaves: m, m/s, rad. [P-3], [P-5]
 
     ``by_order`` is the residual phase after autofocus to order 1, 2 and 3, ``detrended`` that of the design's order.
+    ``turning_quadratic`` is the quadratic phase along the line of sight as it turns over the aperture: ``quadratic``
+    and ``along_track_quadratic``, which verdicts hold, and what the turn makes of the position.
     ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.
     ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad. ``method`` is "spectrum" or "state space".
     ``shares`` gives, for each figure that a requirement can limit, the share of each source in its variance.
@@ -141,6 +143,7 @@ class PostProcessed:
     detrended: float
     by_order: tuple[float, float, float]
     along_track_quadratic: float
+    turning_quadratic: float
     azimuth_shift: float
     impulse_response: ImpulseResponse | None
     method: str

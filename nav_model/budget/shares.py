@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from nav_model.analytic import coast as growth
 from nav_model.analytic.discrete import Sawtooth, SlowError
-from nav_model.analytic.sensitivity import horizontal_parts, horizontal_shares, vertical_parts
-from nav_model.analytic.steady_state import Array, Horizontal
-from nav_model.budget.figures import settled
+from nav_model.analytic.sensitivity import horizontal_parts, vertical_parts
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical
+from nav_model.budget.figures import COASTING, settled
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.frozen import FrozenMapping
 
@@ -41,36 +41,50 @@ Shares = Mapping[str, float]
 """Source -> its share of a variance; they add up to one."""
 
 
-def steady_shares(x: Inputs, closed: Sawtooth, prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
+class WhiteParts(NamedTuple):
+    """What each white noise contributes to the settled covariance of a horizontal channel and of the vertical."""
+
+    level: Mapping[str, Horizontal]
+    upright: Mapping[str, Vertical]
+
+
+Parts = Callable[[], WhiteParts]
+"""Worked out when they are first asked for."""
+
+
+def white_parts(x: Inputs) -> WhiteParts:
+    """What the white noises contribute, in closed form. [T-18]"""
+    if x.velocity is None:
+        level, upright = horizontal_parts(x.sigma_a, x.sigma_w, x.s, x.g), vertical_parts(x.sigma_a, x.s_vertical)
+        return WhiteParts(
+            dict(zip((ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE), level, strict=True)),
+            dict(zip((ACCELEROMETER_NOISE, GNSS_NOISE), upright, strict=True)),
+        )
+    names, stepped = _stepped(
+        replace(x, slow=None, bias_a=0 * x.bias_a, bias_w=0 * x.bias_w, rectified=None, fast={})
+    )
+    found = settled(stepped)
+
+    def of(whole: Horizontal | Vertical) -> dict[str, Any]:
+        elements = [np.broadcast_to(element, len(names)).imag / (2 * _STEP) for element in whole]
+        return {name: type(whole)(*(element[n] for element in elements)) for n, name in enumerate(names)}
+
+    return WhiteParts(of(found.horizontal), of(found.vertical))
+
+
+def steady_shares(parts: WhiteParts, prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
     """Shares in the settled variances, by kind: ``horizontal_position``, ``tilt`` and so on. [T-18]
 
     White noises share the closed form; a slow GNSS error has what the augmented filter's `prior` adds to `white`.
     """
-    by_kind: dict[str, dict[str, float]] = {}
-    kinds = ("horizontal_position", "horizontal_velocity", "tilt")
-    if x.velocity is not None:
-        level = _parts_by_step(x, lambda y: settled(y).horizontal)
-        upright = _parts_by_step(x, lambda y: settled(y).vertical)
-        for kind, parts, element in (
-            ("horizontal_position", level, "p11"), ("horizontal_velocity", level, "p22"), ("tilt", level, "p33"),
-            ("vertical_position", upright, "v11"), ("vertical_velocity", upright, "v22"),
-        ):  # fmt: skip
-            by_kind[kind] = dict(_normalised({name: getattr(part, element) for name, part in parts.items()}))
-        return _with_slow(by_kind, prior, white)
-    for kind, shares in zip(kinds, horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g), strict=True):
-        by_kind[kind] = {
-            ACCELEROMETER_NOISE: float(shares.accelerometer),
-            GYRO_NOISE: float(shares.gyro),
-            GNSS_NOISE: float(shares.gnss),
-        }
-    accelerometer, _ = vertical_parts(x.sigma_a, x.s_vertical)
-    v = closed.vertical
-    for kind, part, whole in (
-        ("vertical_position", accelerometer.v11, v.v11),
-        ("vertical_velocity", accelerometer.v22, v.v22),
-    ):
-        share = float(part / whole)
-        by_kind[kind] = {ACCELEROMETER_NOISE: share, GNSS_NOISE: 1 - share}
+    by_kind = {
+        kind: dict(_normalised({name: getattr(part, element) for name, part in channel.items()}))
+        for kind, channel, element in (
+            ("horizontal_position", parts.level, "p11"), ("horizontal_velocity", parts.level, "p22"),
+            ("tilt", parts.level, "p33"), ("vertical_position", parts.upright, "v11"),
+            ("vertical_velocity", parts.upright, "v22"),
+        )
+    }  # fmt: skip
     return _with_slow(by_kind, prior, white)
 
 
@@ -91,25 +105,21 @@ def _with_slow(by_kind: dict[str, dict[str, float]], prior: Sawtooth, white: Saw
     return FrozenMapping({kind: FrozenMapping(shares) for kind, shares in by_kind.items()})
 
 
-def coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -> tuple[Shares, Shares]:
-    """Shares in the position variances `time` after the last fix, from the polynomials by linearity.
+def coast_shares(
+    x: Inputs, parts: WhiteParts, posterior: Sawtooth, white: Sawtooth, time: float
+) -> Mapping[str, Shares]:
+    """Shares in both figures of `COASTING`, `time` after the last fix, from the polynomials by linearity.
 
     A slow GNSS error has what the augmented start adds to the `white` one.
     """
     a, w, g = x.sigma_a, x.sigma_w, x.g
     bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_position(x.bias_a, x.bias_w, g, time))
-    level: dict[str, Array | float] = {source: grown.position for source, grown in _grown_parts(x, time).items()}
+    level: dict[str, Array | float] = {source: grown.position for source, grown in _grown(x, parts, time).items()}
     level |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
-    upright: dict[str, Array | float]
-    if x.velocity is None:
-        accelerometer, gnss = vertical_parts(a, x.s_vertical)
-        upright = {
-            ACCELEROMETER_NOISE: growth.vertical_growth(accelerometer, a, time).position,
-            GNSS_NOISE: growth.vertical_growth(gnss, 0.0, time).position,
-        }
-    else:
-        grown = _parts_by_step(x, lambda y: growth.vertical_growth(settled(y).vertical, y.sigma_a, time))
-        upright = {source: part.position for source, part in grown.items()}
+    upright: dict[str, Array | float] = {
+        source: growth.vertical_growth(part, a if source == ACCELEROMETER_NOISE else 0.0, time).position
+        for source, part in parts.upright.items()
+    }
     upright[ACCELEROMETER_BIAS] = bias_a
     if x.rectified is not None:
         made = float(growth.bias_position(x.rectified, 0.0, g, time)[0]) ** 2
@@ -119,21 +129,18 @@ def coast_shares(x: Inputs, posterior: Sawtooth, white: Sawtooth, time: float) -
         slow_v, fast_v = (growth.vertical_growth(m.vertical, a, time) for m in (posterior, white))
         level[SLOW_GNSS] = np.maximum(slow.position - fast.position, 0.0)
         upright[SLOW_GNSS] = np.maximum(slow_v.position - fast_v.position, 0.0)
-    return _normalised(level), _normalised(upright)
+    return dict(zip(COASTING, (_normalised(level), _normalised(upright)), strict=True))
 
 
-def _grown_parts(x: Inputs, time: ArrayLike) -> dict[str, growth.HorizontalGrowth]:
+def _grown(x: Inputs, parts: WhiteParts, time: ArrayLike) -> dict[str, growth.HorizontalGrowth]:
     """What each white noise has grown to `time` after the last fix, in a horizontal channel. [T-9], [T-18]"""
-    a, w, g = x.sigma_a, x.sigma_w, x.g
-    if x.velocity is not None:
-        return _parts_by_step(
-            x, lambda y: growth.horizontal_growth(settled(y).horizontal, y.sigma_a, y.sigma_w, y.g, time)
-        )
-    parts = horizontal_parts(a, w, x.s, g)
+    own: dict[str, tuple[Array | float, Array | float]] = {
+        ACCELEROMETER_NOISE: (x.sigma_a, 0.0),
+        GYRO_NOISE: (0.0, x.sigma_w),
+    }
     return {
-        ACCELEROMETER_NOISE: growth.horizontal_growth(parts.accelerometer, a, 0.0, g, time),
-        GYRO_NOISE: growth.horizontal_growth(parts.gyro, 0.0, w, g, time),
-        GNSS_NOISE: growth.horizontal_growth(parts.gnss, 0.0, 0.0, g, time),
+        source: growth.horizontal_growth(part, *own.get(source, (0.0, 0.0)), x.g, time)
+        for source, part in parts.level.items()
     }
 
 
@@ -143,14 +150,14 @@ def _normalised(variances: Mapping[str, Array | float]) -> Shares:
     return FrozenMapping({source: value / whole for source, value in values.items()})
 
 
-def velocity_shares(x: Inputs, p: Horizontal, start: Horizontal) -> Shares:
+def velocity_shares(x: Inputs, whites: WhiteParts, p: Horizontal, start: Horizontal) -> Shares:
     """Shares in the variance of along-track velocity after the coast before the aperture, of which [S-2] is made.
 
     `p` is the settled filter for white noises, `start` the one in force: another where a slow GNSS error is modelled.
     """
     coast = x.before_aperture
     bias_a, bias_w = (float(bias) ** 2 for bias in growth.bias_velocity(x.bias_a, x.bias_w, x.g, coast))
-    parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown_parts(x, coast).items()}
+    parts: dict[str, Array | float] = {source: part.velocity for source, part in _grown(x, whites, coast).items()}
     parts |= {ACCELEROMETER_BIAS: bias_a, GYRO_BIAS: bias_w}
     if x.rectified is not None:
         parts[RECTIFICATION] = float(growth.bias_velocity(x.rectified, 0.0, x.g, coast)[0]) ** 2
@@ -174,16 +181,17 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
         Inputs to figures, one sigma each, which broadcasts.
     """
     names, stepped = _stepped(x)
-    found: dict[str, tuple[float, Shares]] = {}
-    for figure, value in of(stepped).items():
-        whole = np.broadcast_to(value, len(names))
-        parts = np.maximum(whole.imag / (whole.real * _STEP), 0)
-        if not np.any(
-            parts > 0
-        ):  # values so far apart that rounding hides every slope: nothing is known of whose it is
-            parts = np.ones(len(names))
-        found[figure] = float(whole.real[0]), _normalised(dict(zip(names, parts, strict=True)))
-    return found
+    figures = of(stepped)
+    table = np.empty((len(figures), len(names)), complex)
+    for row, value in zip(table, figures.values(), strict=True):
+        row[:] = value
+    parts = np.maximum(table.imag / (table.real * _STEP), 0)
+    # Values so far apart that rounding hides every slope: nothing is known of whose it is.
+    parts[~np.any(parts > 0, axis=1)] = 1.0
+    return {
+        figure: (size, _normalised(dict(zip(names, row, strict=True))))
+        for figure, size, row in zip(figures, table.real[:, 0].tolist(), parts.tolist(), strict=True)
+    }
 
 
 def _stepped(x: Inputs) -> tuple[list[str], Inputs]:
@@ -206,13 +214,3 @@ def _stepped(x: Inputs) -> tuple[list[str], Inputs]:
 def _present(x: Inputs, field: str) -> bool:
     value = getattr(x, field)
     return value is not None and (isinstance(value, SlowError) or bool(np.any(value)))
-
-
-def _parts_by_step(x: Inputs, of: Callable[[Inputs], Any]) -> dict[str, Any]:
-    """What each white noise contributes to every element that `of` finds, a named tuple of variances. [T-18]"""
-    names, stepped = _stepped(
-        replace(x, slow=None, bias_a=0 * x.bias_a, bias_w=0 * x.bias_w, rectified=None, fast={})
-    )
-    found = of(stepped)
-    elements = [np.broadcast_to(element, len(names)).imag / (2 * _STEP) for element in found]
-    return {name: type(found)(*(element[n] for element in elements)) for n, name in enumerate(names)}

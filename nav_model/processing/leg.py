@@ -7,8 +7,8 @@ in modes of its noise (`nav_model.processing.modes`). Everything takes complex s
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,7 +35,8 @@ _MODES = ((0.8, 4), (2.5, 8), (7.0, 16), (20.0, 32), (60.0, 64), (120.0, 96))
 ends of the leg are too far from most of the aperture to matter, and the spectrum has it."""
 _SAME = 1e-3  # relative difference between two fix intervals that are one
 _MOST_HALVINGS = 12
-_AT_ONCE = 2**22  # numbers in the largest array of one batch
+_AT_ONCE = 2**22  # numbers in the largest array of one batch of modes
+_ROWS = 4096  # whose legs are taken together
 
 
 @dataclass(frozen=True)
@@ -57,13 +58,13 @@ class _Row:
     slow: Array | None
     slow_time: Array | None
 
-    def of(self, rows: NDArray[np.int64]) -> _Row:
-        return replace(self, **{name: value[rows] for name, value in vars(self).items() if value is not None})
+    kind: np.dtype[Any]  # of the numbers: complex where one is
 
-    @property
-    def kind(self) -> np.dtype[Any]:
-        """Of the numbers: complex where one is."""
-        return np.result_type(*(value for value in vars(self).values() if value is not None))
+    def of(self, rows: NDArray[np.int64]) -> _Row:
+        taken: dict[str, Any] = {
+            key: value[rows] for key, value in vars(self).items() if isinstance(value, np.ndarray)
+        }
+        return replace(self, **taken)
 
 
 def _count(span: Array, step: Array) -> NDArray[np.int64]:
@@ -91,14 +92,14 @@ class _Pace(NamedTuple):
     """How fixes follow each other: where the two kinds differ, one comes often and the other seldom."""
 
     often: Array  # s
-    seldom: Array  # s
+    seldom: Array  # s; the same array where both kinds come together, or there is one alone
     dense: Array  # information of the fixes that come often, together
     sparse: Array  # and of the others, zero where the two kinds come together
 
 
 def _pace(x: _Row) -> _Pace:
-    if x.velocity_interval is None:
-        seen = _seen(x, 1.0, 0.0)
+    if x.velocity_interval is None or np.array_equal(x.velocity_interval, x.interval):
+        seen = _seen(x, 1.0, 1.0)
         return _Pace(x.interval, x.interval, seen, 0 * seen)
     often, seldom = np.minimum(x.interval, x.velocity_interval), np.maximum(x.interval, x.velocity_interval)
     first, second = (step.real <= often.real * (1 + _SAME) for step in (x.interval, x.velocity_interval))
@@ -108,13 +109,30 @@ def _pace(x: _Row) -> _Pace:
 def _unit(x: _Row, pace: _Pace) -> Segment:
     """From one of the fixes that come seldom, at its start, to the next; the others are spread evenly over it."""
     ratio = pace.seldom / pace.often
-    parts = np.minimum(ratio.real, pace.seldom.real * x.fastest / _SPREAD)
-    most = float(np.max(np.where(ratio.real > 1 + _SAME, parts, 1.0)))
-    halvings = min(math.ceil(math.log2(max(1.0, most))), _MOST_HALVINGS)
+    parts = np.where(ratio.real > 1 + _SAME, np.minimum(ratio.real, pace.seldom.real * x.fastest / _SPREAD), 1.0)
+    halvings = np.minimum(np.ceil(np.log2(np.maximum(1.0, parts))), _MOST_HALVINGS)
     unit = Segment(pace.dense * ratio / 2**halvings, *_drift(x, pace.seldom / 2**halvings))
-    for _ in range(halvings):
-        unit = twice(unit)
+    for done in range(int(np.max(halvings))):
+        longer = twice(unit)
+        unit = Segment(*(np.where(halvings > done, *both) for both in zip(longer, unit, strict=True)))
     return unit._replace(info=unit.info + pace.sparse)
+
+
+def _legs(x: _Row, pace: _Pace, reach: Array, between: Segment) -> tuple[Array, Array]:
+    """Information about the states at the legs' fixes beside the aperture, (n, n, 2, rows), and how far the one after
+    the aperture is from its end [s]."""
+    away = np.ceil((x.aperture / pace.seldom).real - 1e-9) * pace.seldom - x.aperture
+    first = np.stack([0 * away, away])
+    whole = _count(reach - first, pace.seldom)
+    if pace.often is pace.seldom:
+        return information(between, whole + 1), away
+    soon = np.ceil((x.aperture / pace.often).real - 1e-9) * pace.often - x.aperture
+    sooner = np.stack([0 * soon, soon])
+    rest = _count(reach - first - whole * pace.seldom, pace.often) + 1
+    known = information(between, np.where(whole < 0, 0, rest)) + pace.sparse[:, :, None] * (whole >= 0)
+    known = information(_unit(x, pace), np.maximum(whole, 0), known)
+    lead = np.asarray(np.rint(np.maximum(((first - sooner) / pace.often).real, 0.0)), np.int64)
+    return information(between, np.clip(_count(reach - sooner, pace.often) + 1, 0, lead), known), soon
 
 
 def _ends(x: _Row) -> tuple[Array, Array]:
@@ -123,20 +141,11 @@ def _ends(x: _Row) -> tuple[Array, Array]:
     far = _FAR / x.slowest
     # before the aperture, counted from its last fix backward; after it, from its end
     reach = np.stack([np.minimum(x.before - x.gap, far), np.minimum(x.after, far)])
-    away = np.ceil((x.aperture / pace.seldom).real - 1e-9) * pace.seldom - x.aperture
-    soon = np.ceil((x.aperture / pace.often).real - 1e-9) * pace.often - x.aperture
-    first, sooner = np.stack([0 * away, away]), np.stack([0 * soon, soon])
-    whole = _count(reach - first, pace.seldom)
-    rest = _count(reach - first - whole * pace.seldom, pace.often) + 1
-    between = Segment(pace.dense, *_drift(x, pace.often))
-    known = information(between, np.where(whole < 0, 0, rest)) + pace.sparse[:, :, None] * (whole >= 0)
-    known = information(_unit(x, pace), np.maximum(whole, 0), known)
-    lead = np.asarray(np.rint(((first - sooner) / pace.often).real), np.int64)
-    known = information(between, np.clip(_count(reach - sooner, pace.often) + 1, 0, lead), known)
-    start, end = (
-        before(known[:, :, side], *_drift(x, step)) if np.any(step) else known[:, :, side]
-        for side, step in enumerate((x.gap, sooner[1]))
-    )
+    known, soon = _legs(x, pace, reach, Segment(pace.dense, *_drift(x, pace.often)))
+    steps = np.stack([x.gap, soon])
+    if np.any(steps):
+        known = before(known, *_drift(x, steps))
+    start, end = known[:, :, 0].copy(), known[:, :, 1]
     # Backward in time the drift is the same but for the sign of velocity; the slow error comes from a steady state.
     start[1] *= -1
     start[:, 1] *= -1
@@ -165,14 +174,18 @@ def _inside(x: _Row, variance: Array, interval: Array, nodes: int) -> Fixes:
     places = np.where(k <= there, k * step, there * step + rest * (k - there) / (points + 1 - there))
     known = np.where(k <= there, 1.0, 0.0) / variance[:, None]
     if not np.all(few):
-        x_k, weight = np.polynomial.legendre.leggauss(points)
+        x_k, weight = _gauss(points)
         places = np.where(few[:, None], places, (1 + x_k) / 2)
         known = np.where(few[:, None], known, weight / 2 * count[:, None] / variance[:, None])
     return Fixes(places, known)
 
 
-def _solved(x: _Row, modes: int) -> dict[str, Array]:
-    start, end = _ends(x)
+@cache
+def _gauss(points: int) -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(points)
+
+
+def _solved(x: _Row, start: Array, end: Array, modes: int) -> dict[str, Array]:
     velocity = None
     if x.velocity is not None and x.velocity_interval is not None:
         velocity = _inside(x, x.velocity, x.velocity_interval, modes + 3)
@@ -194,9 +207,10 @@ def _rows(channel: Channel, aperture: Array, leg: Leg) -> tuple[_Row, dict[str, 
         "slow": None if slow is None else slow**2, "slow_time": channel.slow_time,
     }  # fmt: skip
     given = {name: np.asarray(value) for name, value in squared.items() if value is not None}
-    shape = np.broadcast_shapes(*(value.shape for value in given.values()))
-    flat = {name: np.broadcast_to(value, shape).ravel() for name, value in given.items()}
-    return _Row(**dict.fromkeys(squared) | flat), flat, shape  # type: ignore[arg-type]
+    even = np.zeros(np.broadcast_shapes(*(value.shape for value in given.values())))
+    flat = {name: (value + even).ravel() for name, value in given.items()}
+    kind = np.result_type(*flat.values())
+    return _Row(**dict.fromkeys(squared) | flat, kind=kind), flat, even.shape  # type: ignore[arg-type]
 
 
 def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array]:
@@ -240,17 +254,24 @@ def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Ar
     x, flat, shape = _rows(channel, aperture, leg)
     held = x.aperture.real * x.fastest
     found = {name: np.empty(held.shape, x.kind) for name in COLUMNS}
-    least = 0.0
+    for rows in np.array_split(np.arange(len(held)), max(1, len(held) // _ROWS)):
+        _by_modes(x.of(rows), rows, held[rows], found)
+    if len(rows := np.flatnonzero(held >= _MODES[-1][0])):
+        _by_spectrum(flat, rows, found)
+    return {name: values.reshape(shape) for name, values in found.items()}
+
+
+def _by_modes(x: _Row, places: NDArray[np.int64], held: Array, found: dict[str, Array]) -> None:
+    """Put the figures of these rows into `found`, at their places: each by as many modes as its aperture needs."""
+    (start, end), least = _ends(x), 0.0
     for most, modes in _MODES:
         rows = np.flatnonzero((held >= least) & (held < most))
         least = most
         size = (2 * modes + _POINTS) * (2 * modes + 8)
         for batch in np.array_split(rows, max(1, len(rows) * size // _AT_ONCE)) if len(rows) else ():
-            for name, values in _solved(x.of(batch), modes).items():
-                found[name][batch] = values
-    if len(rows := np.flatnonzero(held >= least)):
-        _by_spectrum(flat, rows, found)
-    return {name: values.reshape(shape) for name, values in found.items()}
+            taken = _solved(x.of(batch), start[..., batch], end[..., batch], modes)
+            for name, values in taken.items():
+                found[name][places[batch]] = values
 
 
 def _by_spectrum(flat: dict[str, Array], rows: NDArray[np.int64], found: dict[str, Array]) -> None:

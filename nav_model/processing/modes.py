@@ -90,7 +90,7 @@ def _whole() -> tuple[Array, Array]:
 
 def _turned(matrix: Array) -> Array:
     """Transposes of matrices that come last."""
-    return np.swapaxes(matrix, -1, -2)
+    return matrix.swapaxes(-1, -2)
 
 
 def _information(x: Inside, basis: _Basis, modes: int, scale: Array) -> Array:

@@ -56,6 +56,8 @@ def smoothed_error(
     list of dict
         For each channel: name -> variances, an array that broadcasts to the shape of all inputs together.
     """
+    if not names:
+        return [{} for _ in channels]
     found: list[dict[str, Array]] = []
     short: list[NDArray[np.bool_]] = []
     for channel in channels:
@@ -66,22 +68,24 @@ def smoothed_error(
     if not any(map(np.any, short)):
         return found
     # What the spectrum does not hold for, of all channels in one go.
-    shapes = [
-        np.broadcast_shapes(*(value.shape for value in (*_values(channel).values(), aperture, *leg, where)))
-        for channel, where in zip(channels, short, strict=True)
-    ]
-    masks = [np.broadcast_to(where, shape) for where, shape in zip(short, shapes, strict=True)]
-    taken = [
-        [np.broadcast_to(value, mask.shape)[mask] for value in (*_values(channel).values(), aperture, *leg)]
-        for channel, mask in zip(channels, masks, strict=True)
-    ]
+    taken, masks = [], []
+    for channel, where in zip(channels, short, strict=True):
+        values = (*_values(channel).values(), aperture, *leg)
+        mask = where & np.ones(np.broadcast_shapes(*(value.shape for value in values)), bool)
+        even = np.zeros(mask.shape)
+        taken.append([(value + even)[mask] for value in values])
+        masks.append(mask)
     rows = [np.concatenate(values) for values in zip(*taken, strict=True)]
     named = dict(zip(_values(channels[0]), rows, strict=False))
     exact = smoothed_in_leg(Channel(**named), rows[-4], Leg(*rows[-3:]))
     ends = np.cumsum([np.count_nonzero(mask) for mask in masks])
     for columns, mask, end in zip(found, masks, ends, strict=True):
         part = slice(end - np.count_nonzero(mask), end)
+        whole = bool(np.all(mask))
         for name, base in columns.items():
+            if whole:
+                columns[name] = exact[name][part].reshape(mask.shape)
+                continue
             columns[name] = np.array(np.broadcast_to(base, mask.shape), np.result_type(base, exact[name]))
             columns[name][mask] = exact[name][part]
     return found

@@ -7,7 +7,7 @@ infinity. Everything broadcasts over arrays and takes complex steps.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -77,8 +77,8 @@ def inverse_drift(channel: Channel, w: Array) -> Array:
     """One over the density of the position that the IMU lets drift. [P-1]"""
     power = w**2
     if channel.gyro is None:
-        return power**2 / (channel.accelerometer**2)[..., None]
-    return power**3 / ((channel.accelerometer**2)[..., None] * power + (channel.gyro**2)[..., None])
+        return power * power / (channel.accelerometer**2)[..., None]
+    return power * power * power / ((channel.accelerometer**2)[..., None] * power + (channel.gyro**2)[..., None])
 
 
 def inverse_receiver(channel: Channel, w: Array) -> Array:
@@ -118,6 +118,12 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
     >>> f"{float(smoothed(navigation, np.array(3.0))['position']) ** 0.5 * 1e3:.3f} mm"
     '2.170 mm'
     """
+    rows = len(aperture) if aperture.ndim > 1 else 1
+    if rows > 1:  # every row of a map has frequencies of its own: one at a time stays in the cache
+        parts = [smoothed(_row(channel, k, aperture.ndim), aperture[k], names) for k in range(rows)]
+        return {
+            name: parts[0][name] if name in UNEVEN else np.stack([part[name] for part in parts]) for name in names
+        }
     made = table()
     half = aperture / 2
     w = made.nodes / half[..., None]
@@ -139,9 +145,15 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
             raise ValueError("tilt: the vertical channel has none")
         # 1/(w²/(g sigma_w)² + 1/(sigma_a² + w⁴ S_n)): the tilt's own drift, and all that hides it.
         own = w**2 / (channel.gyro**2)[..., None]
-        rest = 1 / ((channel.accelerometer**2)[..., None] + w**4 / known)
+        rest = 1 / ((channel.accelerometer**2)[..., None] + (w * w) ** 2 / known)
         found["tilt"] = _integrals(own, rest, made.weights[:, None])[..., 0] / (np.pi * half)
     return found
+
+
+def _row(channel: Channel, k: int, axes: int) -> Channel:
+    """Of a map of so many axes."""
+    values = {name: value for name, value in vars(channel).items() if value is not None and value.ndim == axes}
+    return replace(channel, **{name: value[k if len(value) > 1 else 0] for name, value in values.items()})
 
 
 _FILTER = {"position": "whole", "velocity": "whole"}

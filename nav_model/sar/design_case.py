@@ -10,6 +10,7 @@ import numpy as np
 
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.budget import Budget
+from nav_model.budget.fast import not_flown
 from nav_model.budget.figures import channels
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.design import Design
@@ -28,7 +29,6 @@ from nav_model.sar.turning import TURNING, smoothed_bent_variance, turn_weights
 from nav_model.sar.winners import Conditions
 
 Engine = Literal["fast", "simulator"]
-ENGINES: tuple[Engine, ...] = ("fast", "simulator")
 """The per-axis error model, and full flights of the simulator."""
 
 _RATE_HZ = 100.0
@@ -219,6 +219,7 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
             "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight turns velocity errors of "
             "all axes into phase. Cells and widths are measured across the line of sight."
         )
+    said += not_flown(design)
     if design.coast.before_aperture > 0:
         said.append(
             f"Only {NAMES['3']} flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all "

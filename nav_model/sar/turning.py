@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nav_model.analytic.steady_state import as_numbers
 from nav_model.sar.axis_model import noise_covariance, transition
 
 _FloatArray = NDArray[np.float64]
@@ -51,11 +52,12 @@ def turn_weights(
 ) -> Turn:
     """How the functionals of each axis add up along the line of sight; turn_rate V/R [rad/s]. Broadcasts."""
     s, down, turned = np.broadcast_arrays(
-        np.sin(np.asarray(squint_angle, float)),
-        np.sin(np.asarray(grazing_angle, float)),
-        np.asarray(turn_rate, float) * np.asarray(aperture_time, float) / 2,
+        np.sin(as_numbers(squint_angle)),
+        np.sin(as_numbers(grazing_angle)),
+        as_numbers(turn_rate) * as_numbers(aperture_time) / 2,
     )
-    across = np.sqrt(np.maximum(1 - s**2 - down**2, 0.0))  # below zero by rounding alone: `analyse` refuses the rest
+    left = 1 - s**2 - down**2  # below zero by rounding alone: `analyse` refuses the rest
+    across = np.sqrt(np.where(left.real > 0, left, 0.0))
     powers = np.stack([np.ones_like(turned), turned * s, turned**2 * (3 * s**2 - 1) / 2], axis=-1)
     track = np.stack([np.zeros_like(turned), turned, turned**2 * s], axis=-1)
     return Turn(s[..., None] * powers - track, across[..., None] * powers, down[..., None] * powers)
@@ -120,7 +122,7 @@ def bent_variance(
 
 def smoothed_bent_variance(weights: _FloatArray, found: Mapping[str, _FloatArray]) -> _FloatArray:
     """The same of a smoothed error: from the covariances of `TURNING` [m²] of one axis."""
-    q, v, p = np.moveaxis(weights, -1, 0)
+    q, v, p = (weights[..., k] for k in range(3))
     own = v**2 * found["turned"] + p**2 * found["curved"]
     shared = q * v * found["with_turned"] + q * p * found["with_curved"] + v * p * found["turned_curved"]
     return np.asarray(own + 2 * shared)

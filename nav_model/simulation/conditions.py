@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from nav_model.budget.fast import not_flown
 from nav_model.design import Design
 from nav_model.earth.wgs84 import normal_gravity
 from nav_model.simulation.departures import untold
@@ -43,6 +44,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
             "formulas [T-3], [T-9] include white fix noise only; the curve with Schuler and Coriolis terms [T-17] "
             "starts from a filter that models it."
         )
+    said += not_flown(design)
     said += _of_the_filter(spec)
     said.append(
         "Errors start at the formula's steady-state sigmas "

@@ -40,7 +40,6 @@ def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: s
             Line(key, NAMES[key], study.time, 1000 * study.typical[row], f"strategy {key}", STRATEGIES[row].source)
             for key, row in zip(keys, rows, strict=True)
         ),
-        legend_columns=2,
         knowledge=f"{_typical(study)} Errors are projected on the turning line of sight. Rms over the runs: "
         + "; ".join(f"{NAMES[key]} {number(1000 * study.residual(key))} mm" for key in keys)
         + ".",
@@ -64,7 +63,6 @@ def responses_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: st
             for key, values in zip(shown, power, strict=True)
         ),
         y_range=(-45.0, 2.0),
-        legend_columns=2,
         knowledge=f"{_typical(study)} Azimuth, {sar.window} window; the table has medians and bands of all runs.",
     )
 

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from nav_model.analytic.sensitivity import horizontal_shares
+from nav_model.analytic.sensitivity import horizontal_parts
+from nav_model.analytic.steady_state import horizontal
 from nav_model.budget import analyse
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
@@ -65,7 +66,9 @@ def test_shares_are_the_slopes_of_the_closed_form(closed_design):
     keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise"]
     names = ("horizontal_position", "horizontal_velocity", "tilt")
     found = log_derivatives(design, keys, names)
-    for name, shares in zip(names, horizontal_shares(x.sigma_a, x.sigma_w, x.s, x.g), strict=True):
+    parts, whole = (of(x.sigma_a, x.sigma_w, x.s, x.g) for of in (horizontal_parts, horizontal))
+    for name, element in zip(names, ("p11", "p22", "p33"), strict=True):
+        shares = [getattr(part, element) / getattr(whole, element) for part in parts]
         np.testing.assert_allclose(found[name], shares, rtol=1e-12)
 
 

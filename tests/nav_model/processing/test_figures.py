@@ -9,9 +9,10 @@ from scipy.linalg import solve_discrete_are
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.analytic.steady_state import horizontal, vertical
 from nav_model.budget import analyse
-from nav_model.budget.figures import figures, smoothed_figures
+from nav_model.budget.figures import SMOOTHED, figures, smoothed_figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
+from nav_model.budget.provenance import cautions
 from nav_model.processing.spectrum import Channel, smoothed
 
 # docs/processing.md, check values: quadratic, cubic, residual after orders 1 and 2, along-track quadratic [°], slope
@@ -207,6 +208,31 @@ def test_arrays_are_designs_side_by_side(named):
                 assert np.broadcast_to(grid[name], (3, 3))[i, j] == pytest.approx(float(one[name]), rel=1e-9), name
 
 
+@pytest.mark.parametrize("aperture", ["radar.aperture_time", "radar.slant_range"])
+@pytest.mark.parametrize("across", [True, False])
+def test_a_map_over_apertures_is_designs_side_by_side(named, aperture, across):
+    """By spectrum and in state space, an interval of velocity fixes of its own among them."""
+    design = named["B"].replace({"gnss.velocity_interval": 0.4})
+    spans = np.array([1.0, 3.0, 9.0]) * (1.0 if aperture == "radar.aperture_time" else 2000.0)
+    noises = np.array([0.01, 0.1, 1.0, 3.0])
+    shape = [(1, -1), (-1, 1)]
+    walks = np.array([1e-6, 1e-5, 1e-4])  # along the same axis
+    changes = {
+        aperture: spans.reshape(shape[not across]), "imu.angle_random_walk": walks.reshape(shape[not across]),
+        "gnss.position_noise": noises.reshape(shape[across]),
+    }  # fmt: skip
+    grid = smoothed_figures(inputs_of(design, changes), SMOOTHED)
+    for i, span in enumerate(spans):
+        for j, noise in enumerate(noises):
+            values = {aperture: float(span), "imu.angle_random_walk": float(walks[i])}
+            one = smoothed_figures(
+                inputs_of(design.replace(values | {"gnss.position_noise": float(noise)})), SMOOTHED
+            )
+            for name, values in grid.items():
+                whole = np.broadcast_to(values, (4, 3) if across else (3, 4))
+                assert whole[(j, i) if across else (i, j)] == pytest.approx(float(one[name]), rel=1e-9), name
+
+
 def test_each_verdict_names_its_processing_and_the_chosen_one_decides(named):
     budget = analyse(named["B"])
     assert (budget.verdict.processing, budget.other_verdict.processing) == ("real time", "post-processed")
@@ -214,6 +240,12 @@ def test_each_verdict_names_its_processing_and_the_chosen_one_decides(named):
     chosen = analyse(named["B"].replace({"processing.mode": "post-processed"}))
     assert (chosen.verdict, chosen.other_verdict) == (budget.other_verdict, budget.verdict)
     said = to_json(chosen)
+    # What the turn makes of the position is told of the chosen processing alone, and goes with the distance.
+    near, far = (
+        analyse(chosen.design.replace({"radar.slant_range": r, "radar.aperture_time": 5.0})) for r in (2e3, 7e4)
+    )
+    told = [any("line of sight turns" in caution for caution in cautions(one)) for one in (near, far, budget)]
+    assert told == [True, False, False]
     assert said["processing"] == {"mode": "post-processed"}
     assert said["verdict"]["processing"] == "post-processed"
     assert said["sar"] == to_json(budget)["sar"]  # keys of before stay real time

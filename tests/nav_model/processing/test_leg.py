@@ -9,11 +9,15 @@ from scipy.linalg import cho_factor, cho_solve
 
 from nav_model.analytic.coast import horizontal_growth
 from nav_model.analytic.steady_state import horizontal
+from nav_model.budget.figures import channels, smoothed_figures
+from nav_model.budget.inputs import inputs_of
+from nav_model.design import Design
 from nav_model.processing.geolocation import free_line
 from nav_model.processing.leg import smoothed_in_leg
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes
 from nav_model.processing.smoother import by_state_space, smoothed_error
 from nav_model.processing.spectrum import Channel, Leg, rates
+from nav_model.sar.line_of_sight import ApertureGeometry, directions
 from nav_model.sar.phase import phase_budget, total
 
 NAMES = (
@@ -39,8 +43,10 @@ def covariance(channel, one, two, kind_one, kind_two):
     return found
 
 
-def batch(channel, aperture, leg):
-    """Generalised least squares of the start and of all fixes at once, with the covariance of what grows between.
+def errors(channel, aperture, leg):
+    """Covariance of the position error at `NODES`, and of position, velocity and acceleration in the middle.
+
+    Generalised least squares of the start and of all fixes at once, with the covariance of what grows between.
 
     No filter and no state: the error is three unknowns of the leg's start (two without a gyro) and a random process
     of known covariance; the fixes are that and their noise.
@@ -78,7 +84,12 @@ def batch(channel, aperture, leg):
     start, there = (np.vstack([basis(t, kind) for t, kind in group]) for group in (groups, wanted))
     reduced, seen = cho_solve(factor, across), cho_solve(factor, start)
     rest = there - across.T @ seen
-    found = block(wanted, wanted) - across.T @ reduced + rest @ np.linalg.solve(start.T @ seen, rest.T)
+    return block(wanted, wanted) - across.T @ reduced + rest @ np.linalg.solve(start.T @ seen, rest.T)
+
+
+def batch(channel, aperture, leg):
+    """What `smoothed_error` finds, from those errors."""
+    found = errors(channel, aperture, leg)
     c, inside = found[:40, :40], np.diag(found)[40:]
     legendre = np.polynomial.legendre.legvander(NODES, 3) * WEIGHTS[:, None] / 2 * np.array([1, 3, 5, 7])
     coefficients = legendre.T @ c @ legendre
@@ -138,6 +149,33 @@ def test_batch_least_squares(sparse, compared):
              "largest ratio − 1")  # fmt: skip
     compared(f"Smoothed phase with a slow GNSS error, {how} fixes", "P-3", kind, oracle, max(slow_off), 0.02,
              "largest ratio − 1")  # fmt: skip
+
+
+@pytest.mark.parametrize("slow", [None, 1.0])
+@pytest.mark.parametrize("squint", [0.0, 0.4])
+@pytest.mark.parametrize("after", [40.0, 8.0])
+def test_quadratic_along_the_exact_line_of_sight(after, squint, slow):
+    """A target near enough that the turn counts: exact directions on the errors of all fixes at once."""
+    values = {
+        "gnss.position_noise": 0.5, "gnss.interval": 1.0, "radar.slant_range": 2000.0, "radar.squint_angle": squint,
+        "radar.aperture_time": 6.0, "processing.leg_before": 40.0, "processing.leg_after": after,
+        "processing.mode": "post-processed", "gnss.correlated": slow is not None,
+    }  # fmt: skip
+    x = inputs_of(Design(values | ({"gnss.correlated_noise": slow} if slow else {})))
+    geometry = ApertureGeometry(2000.0, float(x.speed), float(x.grazing_angle), squint)
+    sight = directions(geometry, np.concatenate([[0.0], (NODES + 1) * 3.0, [6.0]]))[1:-1]
+    fit = 15 / 4 * WEIGHTS * np.polynomial.legendre.legval(NODES, [0, 0, 1])
+    leg = Leg(np.array(40.0), np.array(after), np.array(0.0))
+    level, upright = (errors(channel, np.array(6.0), leg)[:40, :40] for channel in channels(x))
+    variance = sum(
+        fit @ (np.outer(u, u) * one) @ fit for u, one in zip(sight.T, (level, level, upright), strict=True)
+    )
+    found = smoothed_figures(x, ("turning_quadratic_phase", "quadratic_phase", "along_track_quadratic_phase"))
+    ours = float(found["turning_quadratic_phase"])
+    apart = math.hypot(float(found["quadratic_phase"]), float(found["along_track_quadratic_phase"]))
+    theirs = float(x.to_phase) * math.sqrt(variance)
+    assert theirs / apart > 1.02
+    assert ours == pytest.approx(theirs, rel=0.01)  # third order in the turn, 0.135, is left out
 
 
 @pytest.mark.parametrize("modes", [8, 32])

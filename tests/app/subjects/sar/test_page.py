@@ -200,6 +200,19 @@ def test_the_map_has_the_design_the_catalogue_and_the_limit(session: Session) ->
     assert np.isnan(gnss_winner_chart(session.budget).contour.x).all()
 
 
+def test_on_a_post_processed_map_the_contour_is_where_the_smoother_meets_the_limit(session: Session) -> None:
+    design = session.design.replace(
+        {"processing.mode": "post-processed", "radar.slant_range": 2e4}
+    )  # it hardly turns
+    chart = gnss_winner_chart(analyse(design))
+    drawn = np.flatnonzero(np.isfinite(chart.contour.x))
+    for place in drawn[[5, len(drawn) // 2, -5]]:
+        noise = float(chart.contour.y[place])
+        there = {"radar.aperture_time": float(chart.contour.x[place]), "gnss.position_noise": noise}
+        found = analyse(design.replace(there)).post_processed.detrended
+        assert found == pytest.approx(design.requirements.detrended_phase, rel=0.04)
+
+
 def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_report(
     sar: SarPage, session: Session
 ) -> None:
