@@ -165,7 +165,7 @@ def _samples(inputs: Mapping[str, Uncertain], seed: int, points: int) -> dict[st
         values = uncertain.at(np.clip(fraction, 2.0**-40, 1 - 2.0**-40))
         low, high = quantity(key).limits
         if values.min() < low or values.max() > high:
-            raise InputError(key, f"the distribution leaves what the input may be; {quantity(key).allowed()}")
+            raise InputError(key, f"The distribution reaches beyond the allowed range. {quantity(key).allowed()}")
         columns[key] = values
     return columns
 
