@@ -84,6 +84,7 @@ class Frame(pn.viewable.Viewer):
         self._toolbar.bar.active = first
         self._open_page(first)
         self._close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 10), stylesheets=[_NARROW])
+        self._tour = Tour(offers=first == 0, margin=0, sizing_mode="stretch_width")
         self._shell = self._make_shell()
         self._close.on_click(lambda _: self._shell.param.update(sidebar_open=False))
         self._toolbar.bar.param.watch(self._turned, "active")
@@ -170,6 +171,7 @@ class Frame(pn.viewable.Viewer):
             leave()
         with pn.io.hold():
             self._say_width()
+            self._tour.offers = event.new == 0  # elsewhere it would lie over figures
             for index, place in enumerate(self._places):
                 place.visible = index == event.new
             if event.new not in self._pages:
@@ -244,7 +246,7 @@ class Frame(pn.viewable.Viewer):
                     self._examples,
                     self._told,
                     *self._places,
-                    Tour(margin=0, sizing_mode="stretch_width"),
+                    self._tour,
                     Repairs(margin=0, width=0, height=0),
                     self._lifeline,
                     Remembered(DISPLAY_COOKIE, self.session.param.shown),

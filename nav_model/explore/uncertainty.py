@@ -103,7 +103,7 @@ def read_uncertain(key: str, text: str) -> Uncertain:
     low, dots, high = body.partition("..")
     if not dots:
         raise InputError(
-            key, f"{text!r} is not a range; write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR", text
+            key, f"{text!r} is not a range. Write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR.", text
         )
     ends = declaration.read(low.strip()).value, declaration.read(high.strip()).value
     if not ends[0] < ends[1]:
@@ -134,10 +134,10 @@ def uncertain_verdict(
         If no input or no requirement is given, or a distribution leaves its input's bounds.
     """
     if not inputs:
-        raise InputError("uncertainty", "no input is uncertain; give at least one range")
+        raise InputError("uncertainty", "No input is uncertain. Give at least one range.")
     names = list(limits(design))
     if not names:
-        raise InputError("requirements", "none is given; give at least one limit to judge designs by")
+        raise InputError("requirements", "The design has no requirement. Give at least one limit.")
     columns = _samples(inputs, seed, points)
     total = SCRAMBLINGS * points
     found = {name: np.broadcast_to(ratio, total) for name, ratio in ratios(design, columns).items()}

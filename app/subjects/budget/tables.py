@@ -24,13 +24,6 @@ from nav_model.sar.geometry import phase_to_metres
 ALONG_TRACK = "along-track (separate limit)"
 """What the along-track phase is called beside the sources across it."""
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
-_BASES = {
-    "prior": "before a fix",
-    "posterior": "after a fix",
-    "closed form": "formula",
-    "refined": "with Schuler and Coriolis terms",
-}
-"""What a requirement is held against, in words."""
 _MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix", "closed": "rms over the fix cycle"}
 
 
@@ -121,7 +114,7 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
         return (
             *map(Cell, texts),
             met_cell(check),
-            Cell(f"{_BASES.get(check.basis, check.basis)} {check.equation}"),
+            Cell(words.figure),
             Cell(f"{check.sensor}, {words.share}"),
         )
 
