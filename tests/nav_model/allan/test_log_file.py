@@ -131,7 +131,7 @@ def spoilt(line: int, field: int, text: str) -> bytes:
         (spoilt(31, 0, "0.5"), r"line 3[12]"),
         (b"", "file is empty"),
         (b"\x89PNG\r\n\x1a\n\x00\x00", "not look like a CSV"),
-        (b"hello\nworld\n", "no numbers"),
+        (b"hello\nworld\n", "No numbers"),
         (b"hello\n" * 500, "first 200 lines"),
         (b"a" * 50_000, "longer than"),
         (b"x,y\n1,2\n3,4\n", "rate"),
