@@ -42,7 +42,6 @@ TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 _BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 _LEAST = 180  # pixels of height of a figure that fills its place
-_ON_A_PHONE = "@media screen and (max-width: 700px) { :host { min-height: 290px !important; } }"
 
 
 @dataclass
@@ -118,7 +117,7 @@ def to_bokeh(chart: AnyChart, height: int | None = 320) -> Figure:
 def fill(plot: figure) -> None:
     """Make a figure as high as its place; its tools stand above it only while the pointer is on it."""
     plot.update(height=None, min_height=_LEAST, sizing_mode="stretch_both", toolbar_location="above")
-    plot.update(toolbar_inner=True, min_border_right=14, stylesheets=[_ON_A_PHONE])
+    plot.update(toolbar_inner=True, min_border_right=14)
     plot.toolbar.autohide = True
 
 
