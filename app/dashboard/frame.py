@@ -140,7 +140,7 @@ class Frame(pn.viewable.Viewer):
         self.session.take_studies(of_study)
         if base:
             pn.state.execute(functools.partial(self._come_from, base, self.session.lineage))
-        self._say("The design you had on this page is back. Undo leads to the one the page opens with.", "info")
+        self._say("The design you had on this page is back. Undo brings back the one the page opened with.", "info")
 
     async def _come_from(self, key: str, lineage: Lineage) -> None:
         from app.library.place import library

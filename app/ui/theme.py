@@ -60,6 +60,11 @@ ON_A_PHONE = (
 )
 """Sheet of what holds a figure that fills its place: on a phone the figure is high enough for its labels."""
 
+STACK_ON_A_PHONE = (
+    "@media screen and (max-width: 1000px) { .bk-Figure { flex: none !important; height: 190px !important; } }"
+)
+"""Sheet of what holds figures under one another: on a narrow window as high as the names of their axes."""
+
 PRINT_NOTHING = _sheet("print_nothing")
 """Sheet of what has no place on paper: tools, tabs, fields."""
 

@@ -119,7 +119,7 @@ def _program(frozen: str) -> Cell:
     here = version("navbudget")
     if frozen == here:
         return Cell(f"NavBudget {frozen}")
-    said = f"NavBudget {frozen}; values here are worked out by {here}, figures of decisions stand as they were"
+    said = f"NavBudget {frozen}; values here are computed by {here}, figures in decisions are as they were"
     return Cell(said, tone="warn")
 
 

@@ -200,5 +200,5 @@ def test_a_reading_at_1_s_stands_beside_its_white_floor():
         assert axis.white_floor < walk.value
         for said in (f"{60 * walk.value:.3g}", f"{60 * axis.white_floor:.3g}"):
             assert said in cells
-    assert "effective reading about 1 s; white floor" in cells
+    assert "read at 1 s; white-noise floor" in cells
     assert "not a confidence interval" in cells
