@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from decimal import Context, Decimal
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import NamedTuple
 
-from nav_model.dimensions import DIMENSIONS, MAX_EXPONENT, Dimension
+from nav_model.dimensions import DIMENSIONS, MAX_EXPONENT
 
 
 class QuantityError(ValueError):
@@ -108,9 +108,11 @@ def unit_symbol(unit: str, dimension: str) -> str:
     text = _canonical_spelling(unit)
     text = _ALIASES.get(text, text)
     if text not in table.units:
-        raise QuantityError(
-            f"{unit.strip()!r} is not a unit of {table.name}; write for example {_examples(table)}", unit
-        )
+        rate = dimension == "interval"
+        *most, last = [*table.units, "Hz"] if rate else table.units
+        choice = f"{', '.join(most)} or {last}" if most else last
+        name = "time" if rate else table.name
+        raise QuantityError(f"{_shown(unit.strip())} is not a unit of {name}. Use {choice}.", unit)
     return text
 
 
@@ -121,10 +123,6 @@ def _article(name: str) -> str:
     ('an angle', 'a length')
     """
     return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
-
-
-def _examples(dimension: Dimension) -> str:
-    return ", ".join(f'"{example}"' for example in dimension.examples)
 
 
 def parse_quantity(text: str, dimension: str) -> Parsed:
@@ -151,25 +149,30 @@ def parse_quantity(text: str, dimension: str) -> Parsed:
     try:
         return Parsed(float(exact), symbol)
     except OverflowError as error:
-        raise QuantityError(f"{_shown(text)} is too large", text) from error
+        raise QuantityError(f"{_shown(text)} is too large.", text) from error
 
 
-def parse_exact(text: str, dimension: str) -> tuple[Fraction, str]:
-    """As `parse_quantity`, with the value in SI as an exact rational."""
+def parse_exact(text: str, dimension: str, advice: str = "") -> tuple[Fraction, str]:
+    """As `parse_quantity`, with the value in SI as an exact rational.
+
+    `advice` is the sentence that says what to write instead of a text that is no quantity; empty: an example.
+    """
     table = DIMENSIONS[dimension]
+    refused = f"{_shown(text)} is not {_article(table.name)}. {advice or f'Try {table.examples[0]}.'}"
     stripped = with_point(text.strip())
     match = _NUMBER.match(stripped)
     if match is None or len(stripped) > 100:
-        raise QuantityError(
-            f"{_shown(text)} is not {_article(table.name)}; write for example {_examples(table)}", text
-        )
+        raise QuantityError(refused, text)
     number, unit = match[0].replace("−", "-"), stripped[match.end() :]
     if not unit.strip():
-        raise QuantityError(f"{_shown(text)} has no unit; write for example {_examples(table)}", text)
+        example = join_quantity(match[0], table.examples[0].lstrip("-.0123456789e "))
+        raise QuantityError(f"{_shown(text)} has no unit. Write for example {example}.", text)
+    if re.match(r",\d", unit):
+        raise QuantityError(f"{_shown(text)} can be read in two ways. Write it without the comma.", text)
     if dimension == "interval" and _canonical_spelling(unit) in DIMENSIONS["frequency"].units:
         rate = parse_exact(stripped, "frequency")[0]  # "5 Hz" is 0.2 s
         if rate <= 0:
-            raise QuantityError(f"{_shown(text)} is not an interval; write for example {_examples(table)}", text)
+            raise QuantityError(refused, text)
         return 1 / rate, table.default_unit
     symbol = unit_symbol(unit, dimension)
     return table.amount(_decimal(number, text), symbol), symbol
@@ -193,7 +196,7 @@ def with_point(text: str) -> str:
 def _decimal(number: str, text: str) -> Fraction:
     exponent = number.lower().partition("e")[2]
     if exponent and abs(int(exponent)) > MAX_EXPONENT:
-        raise QuantityError(f"{_shown(text)} is out of the range of numbers", text)
+        raise QuantityError(f"{_shown(text)} is too large or too small.", text)
     return Fraction(number)
 
 
@@ -212,7 +215,7 @@ def to_si(number: float | Fraction, unit: str, dimension: str) -> float:
     try:
         return float(DIMENSIONS[dimension].amount(Fraction(number), unit))
     except OverflowError as error:
-        raise QuantityError(f"the number before {unit!r} is too large", number) from error
+        raise QuantityError(f"The number before {unit!r} is too large.", number) from error
 
 
 def from_si(value: float, unit: str, dimension: str) -> float:
@@ -250,6 +253,17 @@ def format_quantity(
     else:
         number = plain_number(float(exact), digits, zeros=zeros)
     return join_quantity(number, unit)
+
+
+def format_bound(value: float, unit: str, dimension: str, *, low: bool) -> str:
+    """The lowest or highest allowed value (SI) as a quantity string that is itself allowed.
+
+    Six digits at most; the last is rounded towards the inside of the range.
+    """
+    exact = DIMENSIONS[dimension].number(Fraction(value), unit)
+    near = Context(prec=12).divide(Decimal(exact.numerator), Decimal(exact.denominator))
+    inside = Context(prec=6, rounding=ROUND_CEILING if low else ROUND_FLOOR).plus(near)
+    return join_quantity(_plain_decimal(inside.normalize()), unit)
 
 
 def join_quantity(number: str, unit: str) -> str:

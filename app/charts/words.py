@@ -116,7 +116,7 @@ def _trade(chart: TradeMapChart) -> str:
     x, y = chart.here
     return (
         f"Map over {_axis(chart.x_label)} and {_axis(chart.y_label)} of the result against {chart.reference}: "
-        f"met on {met:.0f} % of the map. This design stands at {_n(x)}, {_n(y)}."
+        f"met on {met:.0f} % of the map. This design is at {_n(x)}, {_n(y)}."
     )
 
 

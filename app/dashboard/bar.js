@@ -49,7 +49,7 @@ export function render({ model }) {
         <option value="95">95 %</option><option value="cep">CEP (horizontal position)</option></select></label>
       <label>Units <select class="units"><option value="">as data sheets</option><option value="si">SI</option>
         </select></label>
-      <p>For the Budget page and the report. Other pages show 1σ. The verdict does not change.</p>
+      <p>For the Budget page, comparisons and reports. Other pages and reviews show 1σ. The verdict does not change.</p>
     </div>
     <div class="menu" data-for="report" hidden>
       <div class="studies"></div><p class="left"></p>

@@ -82,6 +82,7 @@ class Frame(pn.viewable.Viewer):
         self._toolbar = Toolbar(session, self._say, self._examples)
         self._toolbar.bar.active = first
         self._open_page(first)
+        self._tour = Tour(offers=first == 0, margin=0, sizing_mode="stretch_width")
         self._shell = self._make_shell()
         self._toolbar.bar.param.watch(self._turned, "active")
         if pn.state.curdoc:
@@ -136,7 +137,7 @@ class Frame(pn.viewable.Viewer):
         self.session.take_studies(of_study)
         if base:
             pn.state.execute(functools.partial(self._come_from, base, self.session.lineage))
-        self._say("The design you had on this page is back. Undo leads to the one the page opens with.", "info")
+        self._say("The design you had on this page is back. Undo brings back the one the page opened with.", "info")
 
     async def _come_from(self, key: str, lineage: Lineage) -> None:
         from app.library.place import library
@@ -167,6 +168,7 @@ class Frame(pn.viewable.Viewer):
             leave()
         with pn.io.hold():
             self._say_width()
+            self._tour.offers = event.new == 0  # elsewhere it would lie over figures
             for index, place in enumerate(self._places):
                 place.visible = index == event.new
             if event.new not in self._pages:
@@ -243,7 +245,7 @@ class Frame(pn.viewable.Viewer):
                     self._examples,
                     self._told,
                     *self._places,
-                    Tour(margin=0, sizing_mode="stretch_width"),
+                    self._tour,
                     Repairs(margin=0, width=0, height=0),
                     self._lifeline,
                     Remembered(DISPLAY_COOKIE, self.session.param.shown),

@@ -61,8 +61,11 @@ class Display:
         turned = self.units == SI and chart.y_label.endswith("[°]")
         unit = math.radians(1) if turned else 1.0
 
+        def pair(label: str) -> bool:
+            return "horizontal" in label or "horizontal" in chart.y_label
+
         def of(label: str) -> float:
-            return unit * self.factor(pair="horizontal" in label)
+            return unit * self.factor(pair=pair(label))
 
         limits = tuple(
             replace(
@@ -72,7 +75,7 @@ class Display:
             )
             for limit in chart.limits
         )
-        told = dict.fromkeys(self.named(pair="horizontal" in line.label) for line in chart.lines)
+        told = dict.fromkeys(self.named(pair=pair(line.label)) for line in chart.lines)
         label = chart.y_label.replace("1σ", " and ".join(told))
         if turned:
             label = label.replace("[°]", "[rad]")
@@ -136,5 +139,5 @@ def display_of(word: str) -> Display:
     spread, _, units = (word or "1s").partition(".")
     named = {short: name for name, (short, _, _) in _SPREADS.items()}
     if spread not in named or units not in {"", "si"}:
-        raise InputError("show", f"{word[:20]!r} is no way to show figures. Try 1s, 2s, 95 or cep, with .si for SI.")
+        raise InputError("show", f"{word[:20]!r} is not a display choice. Try 1s, 2s, 95 or cep, with .si for SI.")
     return Display(named[spread], SI if units else SHEET)

@@ -18,19 +18,31 @@ from nav_model.processing.paired_echo import NOTHING
 
 
 class CheckWords(NamedTuple):
-    """A check in words: value and limit in the unit the limit is written in, margin, share of its dominant sensor."""
+    """A check in words: value and limit in the unit the limit is written in, margin, share of its dominant sensor,
+    and which of the model's figures is checked, with its equation."""
 
     value: str
     limit: str
     margin: str
     share: str
+    figure: str
+
+
+_FIGURES = {
+    "prior": "before a fix",
+    "posterior": "after a fix",
+    "closed form": "formula",
+    "closed form from the augmented filter's tilt": "formula with the tilt of the augmented filter",
+    "refined": "with Schuler and Coriolis terms",
+}
 
 
 def check_words(design: Design, check: Check) -> CheckWords:
     """A check of a design's budget in words."""
     value = requirement_quantity(design, check.name, check.value)
     limit = requirement_quantity(design, check.name, check.limit, given=True)
-    return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share))
+    figure = f"{_FIGURES.get(check.basis, check.basis)} {check.equation}"
+    return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share), figure)
 
 
 def met_cell(check: Check) -> Cell:

@@ -55,7 +55,7 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
     histories = {design: library.revisions(design)[::-1] for design in designs}
     count = sum(map(len, histories.values()))
     if count >= _MAX_FILES:
-        raise InputError("export", f"{count} revisions; at most {_MAX_FILES - 1} go into one archive: pick designs")
+        raise InputError("export", f"{count} revisions; an archive takes {_MAX_FILES - 1}. Select fewer designs.")
     tags = {saved.id: saved.tags for archived in (False, True) for saved in library.designs(archived=archived)}
     listed = []
     data = io.BytesIO()
@@ -133,7 +133,7 @@ def _unpack(data: bytes) -> dict[str, bytes]:
             for entry in entries:
                 path = _safe(entry.filename)
                 if path in files:
-                    raise InputError(path, "stands twice in the archive")
+                    raise InputError(path, "is twice in the archive")
                 if path != _LIST and not path.lower().endswith(".toml"):
                     raise InputError(path, f"is neither a design file (*.toml) nor {_LIST}")
                 with archive.open(entry) as file:

@@ -134,7 +134,7 @@ def open_review(library: Library, title: str, author: str, keys: Sequence[str]) 
     """
     keys = list(dict.fromkeys(keys))
     if not 1 <= len(keys) <= MAX_ITEMS:
-        raise InputError("review", f"{len(keys)} revisions; a review takes 1 to {MAX_ITEMS}")
+        raise InputError("review", f"{len(keys)} revisions are selected. A review takes 1 to {MAX_ITEMS}.")
     review = new_id()
     head = {
         "id": review, "title": clean("title", title, required=True), "author": clean("author", author, required=True),
@@ -256,7 +256,7 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
         if now_there.version != seen + 1:
             raise Conflict("review", "Somebody added to it after you opened it. Look again before you sign.")
         if not now_there.intact:
-            raise InputError("review", "what it froze is not what the library holds; it cannot be signed")
+            raise InputError("review", "It cannot be signed: the library no longer holds what the review froze.")
         left = now_there.open_points()
         if left:
             place, name = left[0]
@@ -284,7 +284,7 @@ def _add(library: Library, review: str, table: str, row: dict[str, Any], seen: i
         if table == "review_decisions":
             revision = before.revisions[row["place"] - 1]
             if row["requirement"] not in revision.checks():
-                raise InputError("requirement", f"{row['requirement'][:60]!r} is none that {revision.name!r} states")
+                raise InputError("requirement", f"{row['requirement'][:60]!r} is not one this design states")
             standing = before.standing(row["place"], row["requirement"])
             if standing is not None and seen is not None and standing.number != seen:
                 word = "accepted" if standing.accepted else f"rejected ({standing.reason})"
@@ -307,7 +307,7 @@ def _touch(connection: Connection, review: str) -> None:
         standing = _load(connection, review)
         raise InputError(
             "review",
-            f"{standing.title!r} was signed by {standing.signed_by}, {moment(standing.signed)}; it never changes",
+            f"{standing.title!r} was signed by {standing.signed_by}, {moment(standing.signed)}. It never changes.",
         )
 
 

@@ -24,7 +24,7 @@ def caution_list(budget: Budget) -> Bullets:
 
 
 def assumption_list(budget: Budget) -> Bullets:
-    """What every budget assumes, and what its figures are held against."""
+    """What every budget assumes, and what its requirements are checked against."""
     requirements, gnss, processing = budget.design.requirements, budget.design.gnss, budget.design.processing
     noise = "with white noise from fix to fix [T-2]"
     if gnss.correlated:
@@ -37,13 +37,15 @@ def assumption_list(budget: Budget) -> Bullets:
             "Random walks are white, Gaussian, alike and independent on the three axes; residual biases are constant "
             "over the outage and the aperture.",
             f"GNSS measures {measured}, per axis, {noise}.",
-            f"Requirements are held against the {held}. Real time: a free INS from the last fix before the aperture. "
+            f"Requirements are checked against the {held}. "
+            "Real time: a free INS from the last fix before the aperture. "
             "Post-processed: a smoother with the fixes in the aperture, "
             f"{number(processing.leg_before, given=True)} s before it and "
             f"{number(processing.leg_after, given=True)} s after it, by {budget.post_processed.method} [P-3].",
-            "In real time, requirements in steady state are held against the figure "
-            f"{_FIGURES[requirements.steady_state]} [T-8], after the last fix against the refined curve [T-17].",
-            f"Each figure is held at {requirements.confidence:g}σ.",
+            "In real time, requirements in steady state are checked against the figure "
+            f"{_FIGURES[requirements.steady_state]} [T-8], "
+            "after the last fix against the curve with Schuler and Coriolis terms [T-17].",
+            f"Each figure is checked at {requirements.confidence:g}σ.",
             "Broadside strip map; the inertial unit alone carries the aperture, which starts "
             f"{number(budget.design.coast.before_aperture, given=True)} s after the last fix [S-1], [S-5].",
             "Lever arm, timing, atmosphere and range migration are not part of the budget.",

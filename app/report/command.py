@@ -24,17 +24,17 @@ def add_to(commands: Any) -> None:
     add = report.add_argument
     add("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
     add("--with", dest="studies", default="", metavar="STUDY,...",
-        help=f"run these and tell their results in each design's chapter: {', '.join(STUDIES)}")  # fmt: skip
+        help=f"studies to run and add to each design's chapter: {', '.join(STUDIES)}")  # fmt: skip
     add("--show", default="", metavar="HOW",
         help="figures of the budget: 1s (1σ, the default), 2s, 95 or cep; 95.si is 95 %% in SI units")  # fmt: skip
     add = report.add_argument_group("the studies of --with").add_argument
-    add("--runs", type=int, metavar="N", help="of simulation and SAR (default 100 and 200)")
-    add("--seed", type=int, default=1, metavar="S", help="of every study (default 1)")
-    add("--trajectory", default="wandering", metavar="NAME-or-FILE", help="of the simulation, as in `simulate`")
+    add("--runs", type=int, metavar="N", help="runs of the simulation and of SAR (default 100 and 200)")
+    add("--seed", type=int, default=1, metavar="S", help="seed of every study (default 1)")
+    add("--trajectory", default="wandering", metavar="NAME-or-FILE", help="flight to simulate, as in `simulate`")
     add("--duration", type=float, metavar="S",
-        help="of a simulated run (default: 400 s with fixes, then the design's outage; or the file's)")  # fmt: skip
+        help="length of a run (default: 400 s with fixes, then the design's outage; or the file's)")  # fmt: skip
     add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
-        help="of the simulation; may be repeated (default: the design's own, at the end)")  # fmt: skip
+        help="outage of the simulation; may be repeated (default: the design's own, at the end)")  # fmt: skip
     add("--workers", type=int, metavar="W", help="processes of the simulation (default: all cores but one)")
     report.set_defaults(run=_report)
 

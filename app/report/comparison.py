@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 from app.charts.words import in_words
 from app.document.blocks import Cell, Chapter, ChartBlock, Column, Section, Table
+from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, show_in
 from app.document.verdict import check_words, verdict_of
 from app.document.wording import labelled, title_of
@@ -20,7 +21,10 @@ _LINES = 7  # curves a reader can tell apart
 
 
 def comparison_chapter(
-    budgets: Sequence[Budget], labels: Sequence[str], facts: tuple[tuple[str, str], ...]
+    budgets: Sequence[Budget],
+    labels: Sequence[str],
+    facts: tuple[tuple[str, str], ...],
+    display: Display = ONE_SIGMA,
 ) -> Chapter:
     """The comparison: verdicts, figures with the better one marked, inputs that differ, charts."""
     return Chapter(
@@ -33,9 +37,9 @@ def comparison_chapter(
         facts=facts,
         sections=(
             Section("c-verdicts", "Verdicts", (_verdicts(budgets, labels),)),
-            Section("c-figures", "Figures side by side", _figures(budgets, labels)),
+            Section("c-figures", "Figures side by side", _figures(budgets, labels, display)),
             Section("c-inputs", "Inputs that differ", _inputs(budgets, labels)),
-            Section("c-charts", "Charts", _charts(budgets, labels)),
+            Section("c-charts", "Charts", _charts(budgets, labels, display)),
         ),
     )
 
@@ -50,10 +54,12 @@ def closing_words(budgets: Sequence[Budget]) -> str:
     return f"{closing} of {count} designs {'meets its' if closing == 1 else 'meet their'} requirements"
 
 
-def difference_tables(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[Table, Table, Table]:
+def difference_tables(
+    budgets: Sequence[Budget], labels: Sequence[str], display: Display = ONE_SIGMA
+) -> tuple[Table, Table, Table]:
     """Verdicts, figures and inputs that differ, each as one table of any width; for the screen."""
     wide = len(budgets)
-    (figures,), (inputs,) = _figures(budgets, labels, wide), _inputs(budgets, labels, wide)
+    (figures,), (inputs,) = _figures(budgets, labels, display, wide), _inputs(budgets, labels, wide)
     return _verdicts(budgets, labels), figures, inputs
 
 
@@ -104,7 +110,9 @@ _FIGURES: tuple[_Figure, ...] = (
 )  # fmt: skip
 
 
-def _figures(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUMNS) -> tuple[Table, ...]:
+def _figures(
+    budgets: Sequence[Budget], labels: Sequence[str], display: Display, wide: int = _COLUMNS
+) -> tuple[Table, ...]:
     marks = []
     for _, _, value in _FIGURES:
         values = [value(budget) for budget in budgets]
@@ -113,17 +121,25 @@ def _figures(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLU
     def cell(figure: int, design: int) -> Cell:
         _, name, value = _FIGURES[figure]
         declaration = declaration_of(f"requirements.{FIGURES[name]}")
-        text = show_in(value(budgets[design]), declaration.unit, declaration.dimension)
+        sigma, dimension = value(budgets[design]), declaration.dimension
+        text = (
+            show_in(sigma, declaration.unit, dimension)
+            if display == ONE_SIGMA
+            else display.show(sigma, dimension, pair="horizontal" in name)
+        )
         return Cell(text, "best", "good") if marks[figure][design] else Cell(text)
+
+    def told(label: str, name: str) -> Cell:
+        return Cell(label if display == ONE_SIGMA else f"{label}, {display.named(pair='horizontal' in name)}")
 
     def table(columns: range, part: str) -> Table:
         return Table(
             f"c-figures-{columns.start}",
-            f"Standard deviations, 1σ{part}; the smallest of all designs is marked best",
+            f"Errors, {display.spread}{part}; the smallest of all designs is marked best",
             _head("Figure", columns, labels, numeric=True),
             tuple(
-                (Cell(label), *(cell(figure, design) for design in columns))
-                for figure, (label, _, _) in enumerate(_FIGURES)
+                (told(label, name), *(cell(figure, design) for design in columns))
+                for figure, (label, name, _) in enumerate(_FIGURES)
             ),
             "Outages end where each design says; phases hold for each design's own radar and aperture.",
         )
@@ -174,12 +190,12 @@ def _head(title: str, columns: range, labels: Sequence[str], *, numeric: bool = 
     return (Column(title, width=1.6), *(Column(labels[design], numeric=numeric, width=1) for design in columns))
 
 
-def _charts(budgets: Sequence[Budget], labels: Sequence[str]) -> tuple[ChartBlock, ...]:
+def _charts(budgets: Sequence[Budget], labels: Sequence[str], display: Display) -> tuple[ChartBlock, ...]:
     blocks = []
     for start in range(0, len(budgets), _LINES):
         part = slice(start, start + _LINES)
-        for draw in (position_comparison, phase_comparison):
-            chart = draw(budgets[part], labels[part])
+        shown = budgets[part], labels[part]
+        for chart in (display.timeline(position_comparison(*shown)), display.bars(phase_comparison(*shown))):
             said = f"{chart.title} of {', '.join(labels[part])}. {in_words(chart)} {chart.knowledge}"
             blocks.append(ChartBlock(f"c-chart-{chart.key}-{start}", chart, said))
     return tuple(blocks)

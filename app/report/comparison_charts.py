@@ -13,7 +13,7 @@ from nav_model.sar.geometry import phase_to_metres
 
 
 def position_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> Chart:
-    """Refined horizontal position of at most seven budgets against time since the last fix."""
+    """Horizontal position of at most seven budgets against time since the last fix, with all terms."""
     return Chart(
         key="position",
         title="Horizontal position after the last fix",
@@ -25,7 +25,7 @@ def position_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> Cha
             for i, (budget, label) in enumerate(zip(budgets, labels, strict=True), start=1)
         ),
         y_log=True,
-        knowledge="Refined curves [T-17], per axis.",
+        knowledge="With Schuler and Coriolis terms [T-17].",
     )  # fmt: skip
 
 

@@ -45,7 +45,7 @@ def report_of(
     front : Chapter, optional
         The first page, such as the outcome of a review; its title becomes the report's.
     display : Display
-        How figures of the budget are told; studies and comparisons stay at 1σ.
+        How figures of budgets and of their comparison are told; studies stay at 1σ.
     """
     studies = studies or [()] * len(budgets)
     now = (now or datetime.now(UTC)).astimezone(UTC)
@@ -56,7 +56,7 @@ def report_of(
         for budget, label, found in zip(budgets, labels, studies, strict=True)
     )
     if len(budgets) > 1:
-        chapters = (comparison_chapter(budgets, labels, facts), *chapters)
+        chapters = (comparison_chapter(budgets, labels, facts, display), *chapters)
         title = f"Comparison of {len(budgets)} navigation error budgets"
     else:
         title = f"{_REPORT}: {title_of(budgets[0].design)}"

@@ -16,7 +16,7 @@ _MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
     "unconfirmed: no source found. changed: not the value of the preset. noted: the design says "
     "where it comes from, such as a log. Biases and platform figures "
-    "of the catalogue fill no input; they stand here for information."
+    "of the catalogue do not fill inputs; they are listed for information."
 )
 _EXTRA_LABELS = {
     "gyro_bias": "Gyro bias on the sheet",

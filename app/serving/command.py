@@ -33,20 +33,25 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
     add("--address", default="127.0.0.1", help="address to listen on (default 127.0.0.1, this machine only)")
     add("--allow-origin", action="append", default=[], metavar="HOST[:PORT]",
         help="public host the page is reached under, when not the address itself; may be repeated")  # fmt: skip
-    add("--behind-proxy", action="store_true", help="believe X-Forwarded-For and X-Forwarded-Proto; only behind one")
+    add("--behind-proxy", action="store_true", help="trust X-Forwarded-For and X-Forwarded-Proto, which a proxy sets")
     who = serve.add_argument_group("who may enter (needed when the address is not this machine only)")
     add = who.add_argument
     add("--password-file", type=Path, metavar="FILE", help="lines name:hash as `navbudget password NAME` prints them")
-    add("--open", action="store_true", help="let everybody in who reaches the address")
-    add("--cookie-secret-file", type=Path, metavar="FILE", help="signs the login; without it a restart logs all out")
-    add("--login-hours", type=float, default=12.0, metavar="H", help="a login lasts so long (default 12)")
+    add("--open", action="store_true", help="let in everybody who reaches the address")
+    add(
+        "--cookie-secret-file",
+        type=Path,
+        metavar="FILE",
+        help="signs the login; without it a restart ends all logins",
+    )
+    add("--login-hours", type=float, default=12.0, metavar="H", help="how long a login lasts (default 12)")
     add("--oauth-provider", metavar="NAME", choices=_OAUTH, help=f"sign in through: {', '.join(_OAUTH)}")
     add("--oauth-key", metavar="ID", help="client id; the secret comes from PANEL_OAUTH_SECRET in the environment, "
         "a key to encrypt tokens from PANEL_OAUTH_ENCRYPTION")  # fmt: skip
     add("--oauth-redirect-uri", metavar="URL", help="where the provider sends the visitor back to")
     add("--oauth-allow", action="append", default=[], metavar="WHO",
         help="user, @domain of a mail address, or * for every account; may be repeated")  # fmt: skip
-    add("--login-store", default="", metavar="PATH-or-URL", help="who is logged in, and failed tries, for all "
+    add("--login-store", default="", metavar="PATH-or-URL", help="where logins and failed attempts are kept for all "
         "processes (default: a PostgreSQL library; else a file that ends with the server)")  # fmt: skip
     serve.add_argument(
         "--library",
@@ -62,15 +67,15 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
     add = limits.add_argument
     add("--max-sessions", type=int, default=100, metavar="N", help="open pages at a time (default 100)")
     add("--session-lifetime", type=float, default=60.0, metavar="S",
-        help="a page that lost its connection is kept so long (default 60)")  # fmt: skip
+        help="how long a page is kept after its connection is lost (default 60)")  # fmt: skip
     add("--max-message", type=float, default=20.0, metavar="MB",
         help="largest message a browser may send, uploads included (default 20)")  # fmt: skip
     add("--processes", type=int, metavar="N", help="processes that serve pages (default: 1 for one person; with "
         "logins or --open one per core, 4 at most)")  # fmt: skip
     add("--workers", type=int, metavar="N", help="processes for heavy work such as reports and Monte Carlo runs, "
         "shared out among those that serve pages (default: one less than cores)")  # fmt: skip
-    add("--grace", type=float, default=10.0, metavar="S", help="on SIGTERM heavy work may end so long (default 10)")
-    add("--log", choices=("text", "json"), default="text", help="text: warnings; json: every event, a line each")
+    add("--grace", type=float, default=10.0, metavar="S", help="time for heavy work after SIGTERM (default 10)")
+    add("--log", choices=("text", "json"), default="text", help="text: warnings; json: every event, one line each")
     serve.set_defaults(run=_serve)
 
 

@@ -18,7 +18,12 @@ _FORWARDED = ("Forwarded", "X-Forwarded-For", "X-Real-Ip")
 _TOTALS: tuple[tuple[type[Metric], str, str, str], ...] = (
     (GaugeMetricFamily, "navbudget_sessions", "Sessions open now.", "sessions"),
     (CounterMetricFamily, "navbudget_sessions_opened", "Sessions opened.", "opened"),
-    (CounterMetricFamily, "navbudget_sessions_refused", "Visitors told it is full.", "refused"),
+    (
+        CounterMetricFamily,
+        "navbudget_sessions_refused",
+        "Visitors turned away because the server was full.",
+        "refused",
+    ),
     (CounterMetricFamily, "navbudget_events", "Budgets computed for a change.", "events"),
     (GaugeMetricFamily, "navbudget_heavy_tasks", "Heavy tasks waiting or running.", "heavy"),
 )

@@ -19,7 +19,7 @@ from app.document.prose import prose
 from app.session import Session
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
-from app.ui.theme import FRAME, PRINT_NOTHING, PRINT_WHOLE
+from app.ui.theme import FRAME, ON_A_PHONE, PRINT_NOTHING, PRINT_WHOLE
 from app.ui.turns import once_quiet
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
@@ -46,7 +46,8 @@ class ChartPane(Generic[_T]):
         self._title = html_pane(self._heading(chart), margin=(6, 10, 0, 10) if self._fills else (10, 14, 0, 14))
         sizing = "stretch_both" if self._fills else "stretch_width"
         # In a native column: in a Material layout a figure breaks when replaced (panel-material-ui#548).
-        figure = pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode=sizing), sizing_mode=sizing)
+        phone = [ON_A_PHONE] if self._fills else []
+        figure = pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode=sizing), sizing_mode=sizing, stylesheets=phone)
         if self._fills:
             self._tell_soon = once_quiet(lambda: self._tell(describe(current())))
             self._takes: list[pmui.FileDownload] = []

@@ -10,7 +10,7 @@ from nav_model.errors import InputError
 def whole_number(name: str, text: str, low: int, high: int) -> int:
     """The whole number in `text`, or a InputError that names the field and what is allowed."""
     if not (text.strip().isdecimal() and low <= int(text) <= high):
-        raise InputError(name, f"{text[:30]!r} is not a whole number from {low} to {high}")
+        raise InputError(name, f"{text[:30]!r} is not a whole number from {low} to {high}.")
     return int(text)
 
 
@@ -21,5 +21,5 @@ def number(name: str, text: str, low: float, high: float) -> float:
     except ValueError:
         value = math.nan
     if not low <= value <= high:
-        raise InputError(name, f"{text[:30]!r} is not a number from {low:g} to {high:g}")
+        raise InputError(name, f"{text[:30]!r} is not a number from {low:g} to {high:g}.")
     return value

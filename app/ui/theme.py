@@ -54,6 +54,17 @@ FRAME = {
 NARROW = "@media screen and (max-width: 1000px) { div { flex: none !important; height: auto !important; } }"
 """Sheet of a part: on a narrow window what is in it is as high as it wants."""
 
+ON_A_PHONE = (
+    "@media screen and (max-width: 700px) { :host { flex: none !important; height: auto !important; } "
+    ".bk-Figure { flex: none !important; height: 290px !important; } }"
+)
+"""Sheet of what holds a figure that fills its place: on a phone the figure is high enough for its labels."""
+
+STACK_ON_A_PHONE = (
+    "@media screen and (max-width: 1000px) { .bk-Figure { flex: none !important; height: 190px !important; } }"
+)
+"""Sheet of what holds figures under one another: on a narrow window as high as the names of their axes."""
+
 PRINT_NOTHING = _sheet("print_nothing")
 """Sheet of what has no place on paper: tools, tabs, fields."""
 

@@ -34,7 +34,7 @@ export function render({ model }) {
     const light = ink.match(/[0-9.]+/g).slice(0, 3).reduce((sum, part) => sum + Number(part), 0) > 384
     Object.assign(part.style, { color: ink, background: light ? "#161d24" : "#ffffff" })
   }
-  const offered = (open) => { offer.hidden = !open }
+  const offered = (open) => { offer.hidden = !open || !model.offers }
   const follow = () => {
     const box = target?.isConnected && target.getClientRects().length ? target.getBoundingClientRect() : null
     frame.hidden = !box
@@ -90,6 +90,8 @@ export function render({ model }) {
   at(".next").onclick = () => turn(1)
   at(".skip").onclick = close
   card.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
-  if (!known()) requestAnimationFrame(() => { dress(offer); offered(true) })
+  const ask = () => { if (!known() && card.hidden) { dress(offer); offered(true) } }
+  model.on("offers", ask)
+  requestAnimationFrame(ask)
   return place
 }

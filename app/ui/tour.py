@@ -52,6 +52,7 @@ class Tour(PlainScript):
     """The offer on a first visit, and the card that walks through the steps; the bar's button starts it too."""
 
     steps = param.List(default=list[Any](STEPS))
+    offers = param.Boolean(default=True, doc="Whether the page in view has room for the offer, which floats over it.")
 
     _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from app.upstream.plain_script import PlainScript
 
-_SCRIPTS = ("style_writes", "canvas_styles", "select_keys", "back_button", "layout_passes")
+_SCRIPTS = ("style_writes", "canvas_styles", "select_keys", "back_button", "layout_passes", "swallowed_sizes")
 
 
 def _script(name: str) -> str:

@@ -55,10 +55,10 @@ def adopt_vibration_factor(design: Design, result: MotionAnalysis, bench: BenchN
     factor multiplies the design's own random walks.
     """
     if result.vibration_factor is None:
-        raise InputError(VIBRATION_KEY, "the log was analysed without bench noise; there is no factor")
+        raise InputError(VIBRATION_KEY, "The log was analysed without bench noise, so it has no vibration factor.")
     if bench != bench_of(design):
         raise InputError(
-            VIBRATION_KEY, "the design's random walks have changed since this log was analysed; analyse it again"
+            VIBRATION_KEY, "The design's random walks have changed since this log was analysed. Analyse it again."
         )
     low, high = result.band_hz
     walks = " and ".join(
@@ -79,7 +79,7 @@ def adopt_vibration_spectrum(result: MotionAnalysis) -> Adoption:
     Raises InputError when the log has none: no accelerometers, or too short.
     """
     if not result.spectrum:
-        raise InputError(SPECTRUM_KEY, "the log has too little of the accelerometers for a spectrum")
+        raise InputError(SPECTRUM_KEY, "The log has too few accelerometer data for a spectrum.")
     origin = (
         f"third octaves from {result.spectrum[0][0]:g} to {result.spectrum[-1][0]:g} Hz, in each the axis that "
         f"vibrates most, from log in motion {_log(result.provenance)}"

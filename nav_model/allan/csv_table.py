@@ -42,7 +42,9 @@ def read_csv_table(stream: BinaryIO, file_name: str, most_rows: int, most_bytes:
     try:
         return _read(text, file_name, most_rows, most_bytes)
     except UnicodeDecodeError as error:
-        raise InputError(file_name, f"not a text file (byte {error.start} is not UTF-8)") from error
+        raise InputError(
+            file_name, f"This does not look like a CSV or NPZ log: byte {error.start} is not text."
+        ) from error
     finally:
         text.detach()
 
@@ -53,7 +55,7 @@ def _read(text: io.TextIOWrapper, file_name: str, most_rows: int, most_bytes: in
     for _ in range(_HEADER_LINES):
         line = text.readline(_LONGEST_LINE)
         if line == "":
-            raise InputError(file_name, "no numbers found")
+            raise InputError(file_name, "No numbers found. The file does not look like a CSV or NPZ log.")
         if len(line) >= _LONGEST_LINE:
             raise InputError(file_name, f"line {len(header) + 1}: longer than {_LONGEST_LINE} characters")
         if _is_data(line):
@@ -61,7 +63,7 @@ def _read(text: io.TextIOWrapper, file_name: str, most_rows: int, most_bytes: in
             break
         header.append(line)
     if not first:
-        raise InputError(file_name, f"the first {_HEADER_LINES} lines hold no numbers; not an inertial log")
+        raise InputError(file_name, f"The first {_HEADER_LINES} lines hold no numbers; this is not a log.")
     delimiter = next((mark for mark in ";\t," if mark in first), None)
     columns = len(_fields(first, delimiter))
     if columns > _MOST_COLUMNS:
@@ -75,9 +77,9 @@ def _read(text: io.TextIOWrapper, file_name: str, most_rows: int, most_bytes: in
         block = _parse(pending, delimiter, columns, file_name, line_number)
         rows += len(block)
         if rows > most_rows:
-            raise InputError(file_name, f"more than {most_rows} rows; cut the log")
+            raise InputError(file_name, f"The log has more than {most_rows} rows. Cut it.")
         if rows * columns * block.itemsize > most_bytes:
-            raise InputError(file_name, f"more than {most_bytes / 1e6:.0f} MB of numbers; leave out columns")
+            raise InputError(file_name, f"More than {most_bytes / 1e6:.0f} MB of numbers. Leave out columns.")
         blocks.append(block)
         line_number += len(pending)
         pending = _lines(text, file_name)

@@ -100,7 +100,7 @@ def read_log(
     if not lengths:
         raise InputError(
             name,
-            "no gyro or accelerometer columns recognised; "
+            "No gyro or accelerometer columns are recognised: "
             "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`",
         )
     if len(set(lengths.values())) > 1:
@@ -128,15 +128,15 @@ def _content(source: str | Path | bytes | BinaryIO, file_name: str | None, limit
         path = Path(source)
         name = file_name or path.name
         if not path.is_file():
-            raise InputError(name, "no such file")
+            raise InputError(name, "The file does not exist.")
         with path.open("rb") as handle:
             content = handle.read(limits.file_bytes + 1)
     else:
         content, name = source.read(limits.file_bytes + 1), file_name or "upload"
     if len(content) > limits.file_bytes:
-        raise InputError(name, f"larger than {limits.file_bytes / 1e6:.0f} MB")
+        raise InputError(name, f"The file is larger than {limits.file_bytes / 1e6:.0f} MB. Cut the log.")
     if not content:
-        raise InputError(name, "empty file")
+        raise InputError(name, "The file is empty.")
     return content, name
 
 
@@ -147,11 +147,11 @@ def _from_csv(content: bytes, name: str, options: LogOptions, limits: Limits) ->
     if names is None:
         raise InputError(
             name,
-            f"no header names its {width} columns; give `columns`, such as "
+            f"No header names its {width} columns. Give `columns`, such as "
             "time,gyro_x,gyro_y,gyro_z,accelerometer_x,accelerometer_y,accelerometer_z",
         )
     if len(names) != width:
-        raise InputError(name, f"{len(names)} column names given, {width} columns in the file")
+        raise InputError(name, f"{len(names)} column names are given, but the file has {width} columns.")
     columns = []
     for index, label in enumerate(names):
         meaning = None if label == IGNORED else meaning_of(label)
@@ -287,22 +287,24 @@ def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> fl
     """The rate from the options, the file's word or its time column, which must agree (RATE_TOLERANCE)."""
     stated = options.rate_hz if options.rate_hz is not None else found.rate_hz
     if stated is not None and not (math.isfinite(stated) and stated > 0.0):
-        raise InputError(name, f"rate {stated} Hz; a positive number is needed")
+        raise InputError(name, f"A rate of {stated} Hz is not allowed. Give a positive number.")
     times = [column for column in found.columns if column.meaning.role == "time"]
     if len(times) > 1:
         raise InputError(
-            name, f"several time columns ({', '.join(t.label for t in times)}); say which by `columns` or `arrays`"
+            name,
+            f"The file has several time columns ({', '.join(t.label for t in times)}). "
+            "Say which by `columns` or `arrays`.",
         )
     if not times or len(times[0].values) < 2:
         if stated is None:
-            raise InputError(name, "no time column and no rate; give the rate in Hz")
+            raise InputError(name, "The file has no time column. Give the rate in Hz.")
         notes.append(f"rate {stated:g} Hz as stated")
         return stated
     measured = _rate_of_time(times[0], found, name, stated)
     if stated is not None and abs(measured / stated - 1.0) > RATE_TOLERANCE:
         raise InputError(
             name,
-            f"rate stated as {stated:g} Hz, but {times[0].label!r} runs at {measured:.5g} Hz; correct one of them",
+            f"rate stated as {stated:g} Hz, but {times[0].label!r} runs at {measured:.5g} Hz. Correct one of them.",
         )
     notes.append(f"rate {measured:.6g} Hz from {times[0].label}")
     return stated if stated is not None else measured

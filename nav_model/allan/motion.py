@@ -92,7 +92,7 @@ def analyse_motion(
         ("velocity_random_walk", bench.velocity_random_walk),
     ):
         if value is not None and not 0.0 < value < np.inf:
-            raise InputError(f"bench.{field}", f"{value} is not allowed; a positive number is needed", value)
+            raise InputError(f"bench.{field}", f"{value} is not allowed. Give a positive number.", value)
     nyquist = log.rate_hz / 2.0
     length = round(BLOCK_S * log.rate_hz)
     first = int(np.ceil(band_from_hz * length / log.rate_hz))
@@ -103,10 +103,10 @@ def analyse_motion(
             band_from_hz,
         )
     if log.samples < 2 * length:
-        raise InputError(log.file_name, f"{log.duration_s:.3g} s; at least {2 * BLOCK_S:g} s are needed")
+        raise InputError(log.file_name, f"{log.duration_s:.3g} s are too short; {2 * BLOCK_S:g} s are needed.")
     axes = log.axes()
     if not axes:
-        raise InputError(log.file_name, "neither gyro nor accelerometer data; at least one is needed")
+        raise InputError(log.file_name, "The log has neither gyro nor accelerometer data. At least one is needed.")
     found = []
     for index, (name, quantity, signal) in enumerate(axes):
         if progress is not None:
@@ -114,8 +114,8 @@ def analyse_motion(
         if cut := saturated_share(signal):
             raise InputError(
                 log.file_name,
-                f"{name} is saturated: {cut:.2%} of its samples stand at the largest or smallest value, so its noise "
-                "is cut off; take the log at a wider range, or cut the stretch out",
+                f"{name} is saturated: {cut:.2%} of its samples are at the largest or smallest value, so its noise "
+                "is clipped. Record the log with a wider range, or cut out that part.",
             )
         reference = bench.angle_random_walk if quantity == "gyro" else bench.velocity_random_walk
         found.append(_axis(name, quantity, signal, log.rate_hz, length, first, reference))

@@ -13,7 +13,7 @@ from nav_model.allan.noise_terms import TERMS, FloatArray, allan_variance
 from nav_model.constants import DEGREE, STANDARD_GRAVITY
 
 CONFIDENCE_INTERVAL: Final = "95 % confidence"
-READING_INTERVAL: Final = "white floor to effective reading at 1 s, not a confidence interval"
+READING_INTERVAL: Final = "from the white-noise floor to the reading at 1 s, not a confidence interval"
 
 _MICRO_G = STANDARD_GRAVITY * 1e-6
 
@@ -135,7 +135,7 @@ def triad_random_walk(result: LogAnalysis, quantity: str) -> Coefficient | None:
     read = [axis.name for axis in result.axes if axis.quantity == quantity and _is_reading(axis)]
     method = f"rms of {quantity} x, y, z"
     if read:
-        method += f"; effective reading at 1 s, not the white floor, on {', '.join(read)}"
+        method += f"; read at 1 s, above the white-noise floor, on {', '.join(read)}"
     return Coefficient(value, low, high, method, reading=bool(read))
 
 

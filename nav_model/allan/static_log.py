@@ -61,7 +61,7 @@ def analyse_log(
     """
     axes = log.axes()
     if not axes:
-        raise InputError(log.file_name, "neither gyro nor accelerometer data; at least one is needed")
+        raise InputError(log.file_name, "The log has neither gyro nor accelerometer data. At least one is needed.")
     interval_s = 1.0 / log.rate_hz
     results = []
     for index, (name, quantity, signal) in enumerate(axes):

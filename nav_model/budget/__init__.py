@@ -221,7 +221,8 @@ def _refuse_hidden_target(squint: float, grazing: float) -> None:
         raise InputError(
             "radar.squint_angle",
             f"{math.degrees(squint):.4g}° leaves no line of sight at a grazing angle of "
-            f"{math.degrees(grazing):.4g}°; at most {90 - math.degrees(grazing):.4g}° goes, or less grazing angle",
+            f"{math.degrees(grazing):.4g}°. Enter at most {90 - math.degrees(grazing):.4g}°, or a smaller grazing "
+            "angle.",
         )
 
 
@@ -229,7 +230,8 @@ def _refuse_long_aperture(aperture: float) -> None:
     if aperture > LONGEST_APERTURE:
         raise InputError(
             "radar.azimuth_resolution",
-            f"needs an aperture of {aperture:.4g} s at this range and speed; at most {LONGEST_APERTURE:g} s go",
+            f"This resolution needs an aperture of {aperture:.4g} s at this range and speed. "
+            f"At most {LONGEST_APERTURE:g} s are allowed.",
         )
 
 
@@ -237,7 +239,7 @@ def _refuse_late_data(delay: float, aperture: float) -> None:
     if delay > aperture:
         raise InputError(
             "motion.delay",
-            f"{delay:.4g} s is longer than the aperture of {aperture:.4g} s; give a shorter delay",
+            f"{delay:.4g} s is longer than the aperture of {aperture:.4g} s. Enter a shorter delay.",
             delay,
         )
 
@@ -248,7 +250,7 @@ def _times(design: Design, times: ArrayLike | None) -> Array:
     time = np.atleast_1d(np.array(times, float))  # a copy: the budget's arrays are read-only, the caller's stay his
     longest = design.coast.param["duration"].bounds[1]
     if time.ndim != 1 or not np.all(np.isfinite(time) & (time >= 0) & (time <= longest)):
-        raise InputError("times", f"{times!r} is not allowed; seconds from 0 to {longest:g}", times)
+        raise InputError("times", f"{times!r} is not allowed. Give seconds from 0 to {longest:g}.", times)
     return time
 
 

@@ -139,7 +139,7 @@ def cautions(budget: Budget) -> tuple[str, ...]:
         prior, posterior = (m.position_horizontal / closed for m in (steady.prior, steady.posterior))
         said.append(
             f"λ·dt = {steady.lambda_dt:.2g} exceeds 0.5, a wide sawtooth: horizontal position is {prior:.2f} "
-            f"times the closed form just before a fix and {posterior:.2f} times just after it [T-8]."
+            f"times the average just before a fix and {posterior:.2f} times just after it [T-8]."
         )
     for label, refined, polynomial in (
         ("horizontal", coast.refined_horizontal, coast.position_horizontal),
@@ -149,7 +149,7 @@ def cautions(budget: Budget) -> tuple[str, ...]:
         if ratio > 1.05:
             said.append(
                 f"At {coast.time[-1]:.4g} s the {label} polynomial is optimistic by "
-                f"{100 * (1 - 1 / ratio):.0f} %; the refined curve [T-17] is checked."
+                f"{100 * (1 - 1 / ratio):.0f} %; requirements are checked with Schuler and Coriolis terms [T-17]."
             )
     table = design.oscillator.phase_noise
     if table and table[0][0] * budget.sar.aperture_time > 1:

@@ -17,6 +17,7 @@ from nav_model.errors import InputError, shown
 from nav_model.units import (
     Parsed,
     QuantityError,
+    format_bound,
     format_quantity,
     join_quantity,
     parse_exact,
@@ -38,6 +39,12 @@ class Alternative:
     dimension: str
     unit: str
     constant: float
+
+
+def sentence_label(declaration: param.Parameter[Any]) -> str:
+    """The label of an input within a sentence: "position noise", but "IMU bandwidth"."""
+    label = str(declaration.label)
+    return label if label[:2].isupper() else f"{label[:1].lower()}{label[1:]}"
 
 
 class BaseQuantity(param.Number[_T]):
@@ -98,12 +105,12 @@ class BaseQuantity(param.Number[_T]):
         if val is None and self.allow_None:
             return
         if isinstance(val, bool) or not isinstance(val, int | float):
-            raise InputError(self.key, f"{shown(val)} is not a number", val)
+            raise InputError(self.key, f"{shown(val)} is not a number. {self.allowed()}", val)
         low, high = self.limits
         include_low, include_high = self.inclusive_bounds
         inside = (val >= low if include_low else val > low) and (val <= high if include_high else val < high)
         if not inside:  # NaN lands here too
-            raise InputError(self.key, f"{self.show(float(val))} is not allowed; {self.allowed()}", val)
+            raise InputError(self.key, f"{self.show(float(val))} is not allowed. {self.allowed()}", val)
 
     def show(self, value: float, digits: int | None = 6) -> str:
         """Value in SI as text in this input's usual unit; without `digits` the shortest text that reads back."""
@@ -113,21 +120,34 @@ class BaseQuantity(param.Number[_T]):
             return f"{value:.{digits}g}" if digits else repr(value).removesuffix(".0")
         return format_quantity(value, self.unit, self.dimension, digits=digits)
 
-    def allowed(self, reciprocal: bool = False) -> str:
-        """The bounds in words, in this input's usual unit or, if `reciprocal`, as its alternative."""
+    def allowed(self, unit: str = "", reciprocal: bool = False) -> str:
+        """The bounds as a sentence, in `unit` or the usual one; if `reciprocal`, those of the alternative."""
         low, high = self.limits
         include_low, include_high = self.inclusive_bounds
-        at_low, at_high = self.show(low), self.show(high)
+        dimension, subject, usual = self.dimension, sentence_label(self), self.unit
         if reciprocal and self.alternative:
             other = self.alternative
+            dimension, subject, usual = other.dimension, other.key, other.unit
             include_low, include_high = include_high, include_low
-            at_low, at_high = (
-                format_quantity(other.constant / bound, other.unit, other.dimension, digits=6)
-                for bound in (high, low)
-            )
+            low, high = other.constant / high, other.constant / low
+        at_low, at_high = (
+            format_bound(bound, unit or usual, dimension, low=bound == low) if dimension else self.show(bound, None)
+            for bound in (low, high)
+        )
         below = "at least" if include_low else "more than"
         above = "at most" if include_high else "less than"
-        return f"it must be {below} {at_low} and {above} {at_high}"
+        return f"The {subject} must be {below} {at_low} and {above} {at_high}."
+
+    def _asked(self, reciprocal: bool = False) -> str:
+        """What to do where there is no value, as a sentence with an example."""
+        low, high = cast("tuple[float, float]", self.softbounds)
+        typical = self.default or (math.sqrt(low * high) if low > 0 else 0.0)
+        if reciprocal and self.alternative:
+            other = self.alternative
+            example = format_quantity(other.constant / (typical or high), other.unit, other.dimension, digits=2)
+            return f"Enter the {other.key}, for example {example}."
+        example = self.show(typical, 6 if self.default else 1) if typical else DIMENSIONS[self.dimension].examples[0]
+        return f"Enter the {sentence_label(self)}, for example {example}."
 
     def read(self, text: Any, key: str | None = None) -> Parsed:
         """A value written in a file, a link or a box -> SI and the unit to show it in.
@@ -144,35 +164,37 @@ class BaseQuantity(param.Number[_T]):
         reciprocal = alternative is not None and key == alternative.key
         if reciprocal:
             where = f"{where.rpartition('.')[0]}.{key}"
+        if isinstance(text, str) and not text.strip():
+            raise InputError(where, self._asked(reciprocal), text)
         if not self.dimension:
             return Parsed(self._plain(text, where), "")
         dimension = alternative.dimension if reciprocal and alternative else self.dimension
         if not isinstance(text, str):
-            examples = ", ".join(f'"{example}"' for example in DIMENSIONS[dimension].examples)
-            raise InputError(where, f"{shown(text)} is not a quantity in quotes; write for example {examples}", text)
+            example = DIMENSIONS[dimension].examples[0]
+            raise InputError(where, f'{shown(text)} is not text in quotes. Write for example "{example}".', text)
+        unit = ""
         try:
-            exact, unit = parse_exact(text, dimension)
-            if reciprocal and alternative:
-                exact = Fraction(alternative.constant) / exact
-                unit = f"{alternative.key}:{unit}"
-            parsed = Parsed(float(exact), unit)
-            self._validate(parsed.value)
+            advice = "" if sentence_label(self) == dimension else self._asked(reciprocal)
+            exact, unit = parse_exact(text, dimension, advice)
+            value = float(Fraction(alternative.constant) / exact if reciprocal and alternative else exact)
+            self._validate(value)
         except QuantityError as error:
             raise InputError(where, error.reason, text) from error
         except (InputError, OverflowError, ZeroDivisionError) as error:
-            raise InputError(where, f"{text.strip()!r} is not allowed; {self.allowed(reciprocal)}", text) from error
-        return parsed
+            said = f"{shown(text.strip())} is not allowed. {self.allowed(unit, reciprocal)}"
+            raise InputError(where, said, text) from error
+        return Parsed(value, f"{alternative.key}:{unit}" if reciprocal and alternative else unit)
 
     def _plain(self, text: Any, where: str) -> float:
+        number = text
         if isinstance(text, str):
             try:
                 number = float(with_point(text.strip()))
-            except ValueError as error:
-                raise InputError(where, f"{shown(text)} is not a number; {self.allowed()}", text) from error
-        elif isinstance(text, bool) or not isinstance(text, int | float):
-            raise InputError(where, f"{shown(text)} is not a number; {self.allowed()}", text)
-        else:
-            number = math.inf if abs(text) >= 1e300 else float(text)  # no float holds a huge integer
+            except ValueError:
+                number = None
+        if isinstance(number, bool) or not isinstance(number, int | float):
+            raise InputError(where, f"{shown(text)} is not a number. {self.allowed()}", text)
+        number = math.inf if abs(number) >= 1e300 else float(number)  # no float holds a huge integer
         self._validate(number)
         return number
 

@@ -85,7 +85,7 @@ def _load(data: bytes | str, where: str) -> dict[str, Any]:
             raise _toml_error(str(error.__cause__), text, where) from error.__cause__
         raise
     if not tables:
-        raise InputError(where, f"states nothing; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}")
+        raise InputError(where, f"is empty; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}")
     return tables
 
 
@@ -98,7 +98,7 @@ def _toml_error(message: str, text: str, where: str) -> InputError:
     if message.startswith("Cannot overwrite"):
         headers = [header[1] for header in re.finditer(r"(?m)^\s*\[\s*([\w.]+)\s*\]", "\n".join(lines[:number]))]
         key = line.partition("=")[0].strip()
-        return InputError(".".join((*headers[-1:], key)), f"is given twice (line {number} of {where})")
+        return InputError(".".join((*headers[-1:], key)), f"is given twice (line {number} of {where}). Remove one.")
     shown = line if len(line) <= 60 else line[:57] + "..."
     return InputError(where, f"not a design file (TOML): {message}: {shown!r}")
 
@@ -108,7 +108,7 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
     for change in changes:
         key, equals, text = change.partition("=")
         if not equals:
-            raise InputError(change, 'not an assignment; write for example imu.angle_random_walk="0.3 °/√h"')
+            raise InputError(change, 'is not KEY=VALUE. Write for example imu.angle_random_walk="0.3 °/√h".')
         text = text.strip()  # in quotes as in a file, where the shell has left them
         stated[key.strip()] = text[1:-1].strip() if len(text) > 1 and text[0] == text[-1] == '"' else text
     # Presets first: a value stated beside a preset comes on top of it, whatever the order.
@@ -171,7 +171,7 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
             raise InputError(key, _unknown(section))
         target, declaration = found
         if target in given:
-            raise InputError(key, f"says the same as {section}.{given[target]}; give one of them")
+            raise InputError(key, f"means the same as {section}.{given[target]}. Give one of them.")
         given[target] = name
         if isinstance(declaration, BaseQuantity):
             parsed = declaration.read(content, name)
@@ -193,7 +193,7 @@ def _refuse_gap(preset: str, values: Mapping[str, Value]) -> None:
     """A sensor whose sheet is silent must not quietly take a default."""
     for name in ("velocity_random_walk", "angle_random_walk"):
         if f"imu.{name}" not in values:
-            raise InputError(f"imu.{name}", f"the catalogue has none for {preset!r}; state it in the file")
+            raise InputError(f"imu.{name}", f"The catalogue has no value for {preset!r}. Give it in the file.")
 
 
 def _text(key: str, content: Any) -> str:

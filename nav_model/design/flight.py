@@ -33,7 +33,7 @@ class Flight(Part):
         bounds=(-500.0, 1e5),
         softbounds=(0.0, 15e3),
         label="Altitude",
-        doc="Height above the ellipsoid; enters the radius of the Schuler and Coriolis terms.",
+        doc="Height above the ellipsoid; sets the radius in the Schuler and Coriolis terms.",
         datasheet="Not on data sheets: the flight plan.",
         typical="1 to 14 km",
     )
@@ -45,8 +45,8 @@ class Flight(Part):
         bounds=(-90 * DEGREE, 90 * DEGREE),
         softbounds=(-90 * DEGREE, 90 * DEGREE),
         label="Latitude",
-        doc="Geodetic latitude; enters the Coriolis coupling of the refined outage.",
-        datasheet="Not on data sheets: the flight plan; take the lowest latitude, where the coupling is largest.",
+        doc="Geodetic latitude; sets the Coriolis coupling during an outage.",
+        datasheet="Not on data sheets: the flight plan. Take the lowest latitude; the coupling is largest there.",
         typical="where the radar will work",
     )
     heading = Quantity(
@@ -57,7 +57,7 @@ class Flight(Part):
         bounds=(-360 * DEGREE, 360 * DEGREE),
         softbounds=(0.0, 360 * DEGREE),
         label="Heading",
-        doc="Track direction, clockwise from north; enters the Coriolis coupling of the refined outage.",
+        doc="Track direction, clockwise from north; sets the Coriolis coupling during an outage.",
         datasheet="Not on data sheets: the flight plan.",
         typical="0° is north",
     )
@@ -79,7 +79,7 @@ class Coast(Part):
     """Flight without fixes."""
 
     section = "coast"
-    title = "Coast"
+    title = "Outage"
 
     duration = Quantity(
         default=100.0,
@@ -88,8 +88,8 @@ class Coast(Part):
         short="out",
         bounds=(0.1, 7200.0),
         softbounds=(1.0, 1000.0),
-        label="Outage shown",
-        doc="How long the outage curves run after the last fix; coast requirements hold at its end.",
+        label="Outage duration",
+        doc="Length of the outage after the last fix. Requirements on the outage are checked at its end.",
         datasheet="Not on data sheets: the mission's requirement.",
         typical="the longest outage the mission must survive",
     )
@@ -100,7 +100,7 @@ class Coast(Part):
         short="tc",
         bounds=(0.0, 3600.0),
         softbounds=(0.1, 300.0),
-        label="Coast before aperture",
+        label="Outage before aperture",
         doc="Time without fixes between the last fix and the start of the aperture.",
         datasheet="Not on data sheets: the mission's requirement, such as jamming near the scene.",
         typical="0 s when fixes last up to the aperture",

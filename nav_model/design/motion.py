@@ -33,8 +33,8 @@ class Motion(Part):
         curve=True,
         example="10 Hz 0.001 g²/Hz; 40 Hz 0.01 g²/Hz; 2 kHz 0.001 g²/Hz",
         label="Vibration spectrum",
-        doc="The same as a one-sided density, straight between its points in logarithms, as environmental test "
-        "standards print it; nothing outside the table [P-8].",
+        doc="The same motion as a one-sided density, straight lines between points on logarithmic axes, as in "
+        "environmental test standards; zero outside the table [P-8].",
     )
     imu_bandwidth = OptionalQuantity(
         dimension="frequency",
@@ -74,7 +74,7 @@ class Motion(Part):
         curve=True,
         example="1 Hz 0.001 mm²/Hz; 100 Hz 1e-7 mm²/Hz",
         label="Unsensed spectrum",
-        doc="The same as a one-sided density, of displacement or of acceleration.",
+        doc="The same motion as a one-sided density of displacement or acceleration.",
     )
     rectification = Quantity(
         default=0.0,
@@ -84,7 +84,7 @@ class Motion(Part):
         bounds=(0.0, 1e6 * _MICRO_PER_G),
         softbounds=(1.0 * _MICRO_PER_G, 1e4 * _MICRO_PER_G),
         label="Vibration rectification",
-        doc="Accelerometer bias that vibration makes, per square of its rms: lines and spectrum together [P-12].",
+        doc="Accelerometer bias caused by vibration, per square of its rms, lines and spectrum together [P-12].",
         datasheet='Accelerometer table: "vibration rectification error", "VRE" or "VRC".',
         typical="quartz 10 to 50, MEMS 50 to 1000 µg/g²",
     )
@@ -102,8 +102,8 @@ class Oscillator(Part):
         curve=True,
         example="1 Hz -80 dBc/Hz; 10 Hz -110 dBc/Hz; 1 kHz -140 dBc/Hz",
         label="Phase noise",
-        doc="Single-sideband L(f), straight between its points over the logarithm of frequency; nothing outside the "
-        "table. Begin it below one cycle an aperture [P-10].",
+        doc="Single-sideband L(f), straight lines between points over the logarithm of frequency; zero outside the "
+        "table. Start it below one cycle per aperture [P-10].",
     )
     frequency = OptionalQuantity(
         dimension="frequency",
@@ -112,7 +112,7 @@ class Oscillator(Part):
         bounds=(1e3, 1e12),
         softbounds=(1e7, 1e9),
         label="Oscillator frequency",
-        doc="What the phase noise is stated at; it is multiplied up to the carrier. Left out: at the carrier.",
+        doc="Frequency at which the phase noise is specified; it is scaled up to the carrier. Empty: at the carrier.",
         datasheet='Oscillator: "nominal frequency".',
         typical="10 or 100 MHz",
     )
@@ -121,6 +121,6 @@ class Oscillator(Part):
         options=[False, True],
         short="bi",
         label="Bistatic",
-        doc="Transmitter and receiver have oscillators of their own: slow noise does not cancel over the echo's way. "
-        "The table then is of the difference of the two, 3 dB above one of two alike [P-10].",
+        doc="Transmitter and receiver use separate oscillators, so slow phase noise does not cancel over the echo "
+        "delay. The table is the noise of their difference, 3 dB above one of two equal oscillators [P-10].",
     )

@@ -20,7 +20,7 @@ class Processing(Part):
         short="proc",
         label="Processing",
         doc="Real time: a free INS from the last fix before the aperture. Post-processed: a smoother with the fixes "
-        "before, in and after the aperture. Requirements are held against the chosen one.",
+        "before, in and after the aperture. Requirements are checked for the one chosen.",
     )
     leg_before = Quantity(
         default=200.0,
@@ -42,7 +42,7 @@ class Processing(Part):
         bounds=(0.0, 1e5),
         softbounds=(1.0, 1000.0),
         label="Leg after aperture",
-        doc="The same after the aperture, before the next turn.",
+        doc="Straight and level flight with fixes after the aperture, before the next turn.",
         datasheet="Not on data sheets: the flight plan.",
         typical="60 to 600 s",
     )
@@ -54,8 +54,8 @@ class Processing(Part):
         bounds=(0.0, 1e4),
         softbounds=(0.1, 100.0),
         label="Scene height error",
-        doc="1σ of the height that the image is projected on; moves it in ground range by the tangent of the grazing "
-        "angle.",
+        doc="1σ of the terrain height that the image is projected on. It shifts the image in ground range by the "
+        "height error times the tangent of the grazing angle.",
         datasheet='Elevation model: "LE90" is 1.645 σ.',
         typical="lidar 0.2, TanDEM-X 2, SRTM 5 m",
     )

@@ -35,7 +35,7 @@ class Radar(Part):
         bounds=(1.0, 2e6),
         softbounds=(500.0, 50e3),
         label="Slant range",
-        doc="To the scene at the middle of the aperture.",
+        doc="Distance to the scene at the middle of the aperture.",
         datasheet='Radar table: "slant range"; else from height and grazing angle.',
         typical="5 to 30 km",
     )
@@ -47,7 +47,7 @@ class Radar(Part):
         bounds=(0.0, 90 * DEGREE),
         softbounds=(0.0, 90 * DEGREE),
         label="Grazing angle",
-        doc="Between the line of sight and the ground; weighs vertical against cross-track errors [S-1].",
+        doc="Between the line of sight and the ground; weights vertical against cross-track errors [S-1].",
         datasheet='Radar table: "grazing angle" or "depression angle"; 90° less the incidence angle.',
         typical="20 to 65°",
     )
@@ -59,7 +59,7 @@ class Radar(Part):
         bounds=(1e-3, 1e3),
         softbounds=(0.05, 10.0),
         label="Azimuth resolution",
-        doc="-3 dB width wanted; sets the aperture unless an aperture time is given [S-3].",
+        doc="Required −3 dB width. It sets the aperture time unless one is given [S-3].",
         datasheet='Radar table: "azimuth" or "cross-range resolution".',
         typical="0.1 m spotlight to 3 m strip map",
     )
@@ -79,7 +79,8 @@ class Radar(Part):
         bounds=(-60 * DEGREE, 60 * DEGREE),
         softbounds=(-60 * DEGREE, 60 * DEGREE),
         label="Squint angle",
-        doc="Of the line of sight in the slant plane, forward positive; lengthens the aperture for a resolution.",
+        doc="Angle of the line of sight in the slant plane, forward positive. Squint lengthens the aperture that a "
+        "resolution needs.",
         datasheet='Radar table: "squint".',
         typical="0° strip map, up to 45° spotlight",
     )
@@ -90,7 +91,7 @@ class Radar(Part):
         bounds=(1e-3, 3600.0),
         softbounds=(0.1, 100.0),
         label="Aperture time",
-        doc="Overrides the aperture from range, speed, resolution and window.",
+        doc="Replaces the aperture time that follows from range, speed, resolution and window.",
         datasheet='Radar table: "integration time" or "synthetic aperture time".',
         typical="0.5 to 50 s",
     )
@@ -99,6 +100,6 @@ class Radar(Part):
         options=[1, 2, 3],
         short="af",
         label="Autofocus removes",
-        doc="Highest polynomial order of phase removed: 1 line only (no autofocus), 2 quadratic, 3 cubic. A setting "
-        "of the image processor; map drift removes 2.",
+        doc="Highest polynomial order of phase removed: 1 linear only (no autofocus), 2 quadratic, 3 cubic. A "
+        "setting of the image processor; map drift removes 2.",
     )

@@ -55,7 +55,7 @@ class Requirements(Part):
         bounds=(0.1, 6.0),
         softbounds=(1.0, 3.0),
         label="Confidence",
-        doc="How many sigmas must stay inside a limit.",
+        doc="Number of sigmas that must stay within a limit.",
         datasheet="Not on data sheets: the requirement's own percentage.",
         typical="1 (68 %), 2 (95 %), 3 (99.7 %)",
     )
@@ -64,8 +64,8 @@ class Requirements(Part):
         options=["prior", "closed", "posterior"],
         short="ss",
         label="Steady state checked",
-        doc="Just before a fix (prior, the worst of the cycle), cycle rms (closed), just after (posterior). The "
-        "prior is the safe side.",
+        doc="Which point of the fix cycle is checked: just before a fix (prior; the largest error), the rms over "
+        "the cycle (closed), or just after a fix (posterior).",
     )
     quadratic_phase: Any = _limit(
         "angle", "°", "qpe", 1e6 * DEGREE, _PHASE, "Quadratic phase",
@@ -74,8 +74,8 @@ class Requirements(Part):
     )  # fmt: skip
     detrended_phase: Any = _limit(
         "angle", "°", "dpe", 1e6 * DEGREE, _PHASE, "Detrended phase",
-        "Limit on rms phase over the aperture after autofocus_order is removed.",
-        "6° keeps the integrated side lobes of wide-band phase at −20 dB, 20° costs half a decibel of the peak",
+        "Limit on the rms phase that remains over the aperture after autofocus.",
+        "6° keeps the integrated side lobes of wide-band phase at −20 dB, 20° costs 0.5 dB of the peak",
     )  # fmt: skip
     cubic_phase: Any = _limit(
         "angle", "°", "cpe", 1e6 * DEGREE, _PHASE, "Cubic phase",
@@ -84,34 +84,35 @@ class Requirements(Part):
     )  # fmt: skip
     azimuth_shift: Any = _limit(
         "length", "m", "azs", 1e6, _POSITION, "Azimuth shift",
-        "Of the image along the track: the position error there and R/V times the line-of-sight velocity error.",
+        "Image shift along track: the position error there and R/V times the line-of-sight velocity error.",
         f"{_REACHED}navigation 0.3 to 0.7, tactical 1 to 4, MEMS 2 to 6 m; a fifth of that post-processed",
     )  # fmt: skip
     range_shift: Any = _limit(
         "length", "m", "rgs", 1e6, _POSITION, "Range shift",
-        "Of the image along the line of sight: the mean position error over the aperture.",
+        "Image shift along the line of sight: the mean position error over the aperture.",
         f"{_REACHED}navigation 0.2 to 0.3, tactical 0.3 to 0.6, MEMS 0.4 to 0.7 m",
     )  # fmt: skip
     ce90: Any = _limit(
         "length", "m", "ce", 1e6, _POSITION, "CE90",
-        "Radius on the ground within which 90 % of images lie; already a percentage, so the confidence does not "
-        "multiply it.",
+        "Radius on the ground that contains 90 % of images. The confidence does not multiply it, since it is "
+        "already a percentage.",
         f"{_REACHED}navigation 0.6 to 1.2, tactical 2 to 7, MEMS 4 to 10 m",
     )  # fmt: skip
     le90: Any = _limit(
         "length", "m", "le", 1e6, _POSITION, "LE90",
-        "Height error that 90 % of images stay below; already a percentage, so the confidence does not multiply it.",
+        "Height error that 90 % of images stay below. The confidence does not multiply it, since it is already a "
+        "percentage.",
         f"{_REACHED}navigation 0.2 to 0.5, tactical 0.2 to 0.5, MEMS 0.4 to 0.7 m",
     )  # fmt: skip
     paired_echo: Any = _limit(
         "level", "dB", "pe", 10.0, (1e-3, 0.3), "Paired echo",
-        "Highest echo that a line of vibration makes beside a target, over its peak [P-9].",
-        "−25 to −40 dB; −30 dB is 0.157 mm of line of sight at X band",
+        "Highest paired echo caused by a vibration line, relative to the target's peak [P-9].",
+        "−25 to −40 dB; −30 dB is 0.157 mm along the line of sight at X band",
     )  # fmt: skip
     islr: Any = _limit(
         "level", "dB", "isl", 10.0, (1e-3, 0.3), "ISLR of vibration and oscillator",
-        "Energy that vibration, unsensed motion and oscillator throw out of the main lobe, over the target's; the "
-        "window's side lobes come on top [P-11].",
+        "Energy outside the main lobe due to vibration, unsensed motion and oscillator, relative to the target's. "
+        "The window's own side lobes are not included [P-11].",
         "−15 to −25 dB",
     )  # fmt: skip
     horizontal_position: Any = _limit(
@@ -161,7 +162,7 @@ class Requirements(Part):
         math.pi,
         (1e-4 * DEGREE, 1 * DEGREE),
         "Tilt",
-        "Roll and pitch in steady state, each.",
+        "Roll and pitch, each, in steady state.",
         f"{_REACHED}navigation 0.0002 to 0.001, tactical 0.004 to 0.03, MEMS 0.01 to 0.05°",
     )
     coast_horizontal_position: Any = _limit(

@@ -61,35 +61,37 @@ class Rows(param.Parameter[Any]):
 
     def _validate(self, val: Any) -> None:
         if not isinstance(val, tuple) or not all(isinstance(row, tuple) and len(row) == 3 for row in val):
-            raise InputError(self.key, f"{shown(val)} is not a table; write for example {self.example!r}", val)
+            raise InputError(self.key, f"{shown(val)} is not a table. Write for example {self.example}.", val)
         if len(val) > MOST_ROWS:
-            raise InputError(self.key, f"{len(val)} rows; at most {MOST_ROWS} are allowed", val)
+            raise InputError(self.key, f"{len(val)} rows are too many. Give at most {MOST_ROWS}.", val)
         low, high = _FREQUENCIES
         for frequency, amount, dimension in val:
             if dimension not in self.dimensions:
                 raise InputError(self.key, f"{dimension!r} is not one of {', '.join(self.dimensions)}", val)
             if not low <= frequency <= high:  # NaN lands here too
                 raise InputError(
-                    self.key, f"{frequency:g} Hz is not allowed; it must be from {low:g} to {high:g} Hz", val
+                    self.key, f"{frequency:g} Hz is not allowed. Give frequencies from {low:g} to {high:g} Hz.", val
                 )
             least, most = _LEAST if self.curve else 0.0, _MOST[dimension]
             if not least <= amount <= most:
                 sayable = math.isfinite(amount) and (amount > 0 or not DIMENSIONS[dimension].decibels)
                 text = _said(amount, dimension) if sayable else f"{amount:g} (SI)"
                 above = "more than zero" if self.curve else "zero or more"
-                said = f"it must be {above} and at most {_said(most, dimension)}"
-                raise InputError(self.key, f"{text} at {frequency:g} Hz is not allowed; {said}", val)
+                said = f"It must be {above} and at most {_said(most, dimension)}."
+                raise InputError(self.key, f"{text} at {frequency:g} Hz is not allowed. {said}", val)
         if self.curve and val:
             self._validate_curve(val)
 
     def _validate_curve(self, val: tuple[Row, ...]) -> None:
         if len(val) < 2:
-            raise InputError(self.key, "one row is no curve; give two rows or more", val)
+            raise InputError(self.key, "A curve needs two rows or more.", val)
         for (before, *_), (after, *_) in pairwise(val):
             if not after > before:
-                raise InputError(self.key, f"{after:g} Hz comes after {before:g} Hz; frequencies must rise", val)
+                raise InputError(
+                    self.key, f"{after:g} Hz comes after {before:g} Hz. Sort the rows by rising frequency.", val
+                )
         if len({dimension for *_, dimension in val}) > 1:
-            raise InputError(self.key, f"mixes {' and '.join(self.dimensions)}; give all rows in one of them", val)
+            raise InputError(self.key, f"The rows mix {' and '.join(self.dimensions)}. Give all in one of them.", val)
 
     def read(self, text: Any) -> tuple[Row, ...]:
         """Rows as text or as a design file has them -> the value.
@@ -105,12 +107,12 @@ class Rows(param.Parameter[Any]):
         rows = text
         if isinstance(text, str):
             if len(text) > _MOST_TEXT:
-                raise InputError(self.key, f"longer than {_MOST_TEXT} characters")
+                raise InputError(self.key, f"The table is longer than {_MOST_TEXT} characters. Shorten it.")
             rows = [part for part in re.split(r"[;\n]", text) if part.strip()]
         if not isinstance(rows, list):
-            raise InputError(self.key, f"{shown(text)} is not a table; write for example {self.example!r}", text)
+            raise InputError(self.key, f"{shown(text)} is not a table. Write for example {self.example}.", text)
         if len(rows) > MOST_ROWS:
-            raise InputError(self.key, f"{len(rows)} rows; at most {MOST_ROWS} are allowed")
+            raise InputError(self.key, f"{len(rows)} rows are too many. Give at most {MOST_ROWS}.")
         value = tuple(map(self._row, rows))
         self._validate(value)
         return value
@@ -122,7 +124,7 @@ class Rows(param.Parameter[Any]):
         elif isinstance(row, dict) and row.keys() == {"frequency", "amplitude"}:
             pair = row["frequency"], row["amplitude"]
         if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(isinstance(part, str) for part in pair):
-            raise InputError(self.key, f"{shown(row)} is not a row; write for example {self.example!r}", row)
+            raise InputError(self.key, f"{shown(row)} is not a row. Write for example {self.example}.", row)
         refused = ""
         for dimension in self.dimensions:
             try:

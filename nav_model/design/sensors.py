@@ -49,10 +49,10 @@ class Imu(Part):
         bounds=(0, 1000 * MILLI_G),
         softbounds=(1e-4 * MILLI_G, 100 * MILLI_G),
         label="Residual accelerometer bias",
-        doc="1σ of what the filter has not absorbed at the last fix, per axis.",
+        doc="1σ of the bias that the filter has not estimated by the last fix, per axis.",
         datasheet=(
-            "Not printed as such: between the in-run bias stability (a pessimist's choice) and zero, "
-            "because in level flight the filter lets tilt cancel a constant bias."
+            "Not printed as such: between the in-run bias stability (pessimistic) and zero, "
+            "because in level flight tilt cancels a constant bias."
         ),
         typical="tactical in-run 0.05, MEMS in-run 0.003 to 0.1 mg",
     )
@@ -64,7 +64,7 @@ class Imu(Part):
         bounds=(0, 1e5 * DEGREE_PER_HOUR),
         softbounds=(1e-4 * DEGREE_PER_HOUR, 1e3 * DEGREE_PER_HOUR),
         label="Residual gyro bias",
-        doc="1σ of what the filter has not absorbed at the last fix, per axis.",
+        doc="1σ of the bias that the filter has not estimated by the last fix, per axis.",
         datasheet="Not printed as such: at most the in-run bias stability of the gyro table.",
         typical="navigation 0.003, tactical 0.5, MEMS 1 to 10 °/h",
     )
@@ -76,8 +76,8 @@ class Imu(Part):
         bounds=(0.01, 1000.0),
         softbounds=(1.0, 50.0),
         label="Vibration factor",
-        doc="Multiplies both random walks: noise in motion over noise on the bench.",
-        datasheet="Not on data sheets. From a log taken in the aircraft; 1 is the bench.",
+        doc="Multiplies both random walks: the ratio of noise in motion to noise on the bench.",
+        datasheet="Not on data sheets. Take it from a log recorded in the aircraft; 1 is bench noise.",
         typical="in road tests, errors were 8 to 35 times what bench noise predicts",
     )
     rate = Quantity(
@@ -88,7 +88,7 @@ class Imu(Part):
         bounds=(1.0, 1e5),
         softbounds=(10.0, 1e4),
         label="Sample rate",
-        doc="Output rate of the unit; used by the simulator, not by the closed forms.",
+        doc="Output rate of the unit; used by the simulator, not by the formulas.",
         datasheet='"Output data rate".',
         typical="100 to 2000 Hz",
     )
@@ -108,7 +108,7 @@ class Gnss(Part):
         bounds=(1e-6, 1e4),
         softbounds=(1e-3, 30.0),
         label="Position noise",
-        doc="One fix, per axis, 1σ, independent from fix to fix.",
+        doc="1σ of one position fix, per axis, independent from fix to fix.",
         datasheet='Receiver table: "position accuracy"; CEP = 1.18 σ, 2DRMS = 2.83 σ.',
         typical="carrier phase 0.02, differential 0.5, code 1.5 to 3 m",
     )
@@ -119,7 +119,7 @@ class Gnss(Part):
         bounds=(1e-6, 1e4),
         softbounds=(1e-3, 30.0),
         label="Vertical position noise",
-        doc="If it differs from the horizontal one.",
+        doc="1σ of one position fix, vertical, if it differs from the horizontal noise.",
         datasheet="Usually 1.5 to 2 times the horizontal figure.",
         typical="carrier phase 0.03, code 3 to 5 m",
     )
@@ -143,7 +143,7 @@ class Gnss(Part):
         bounds=(1e-5, 100.0),
         softbounds=(1e-3, 1.0),
         label="Velocity noise",
-        doc="One velocity fix, per axis, 1σ, independent from fix to fix; without it position alone is used.",
+        doc="1σ of one velocity fix, per axis, independent from fix to fix. Leave empty to use position only.",
         datasheet='Receiver table: "velocity accuracy".',
         typical="Doppler 0.03 to 0.1, carrier phase 0.01 m/s",
     )
@@ -154,7 +154,7 @@ class Gnss(Part):
         bounds=(1e-5, 100.0),
         softbounds=(1e-3, 1.0),
         label="Vertical velocity noise",
-        doc="If it differs from the horizontal one.",
+        doc="1σ of one velocity fix, vertical, if it differs from the horizontal noise.",
         datasheet="Usually 1.5 to 2 times the horizontal figure.",
         typical="0.02 to 0.2 m/s",
     )
@@ -165,8 +165,8 @@ class Gnss(Part):
         bounds=(1e-3, 3600.0),
         softbounds=(0.02, 10.0),
         label="Velocity interval",
-        doc="Time between velocity fixes, if it differs from the fix interval. In real time they are taken with the "
-        "position fixes, at the noise of the same density.",
+        doc="Time between velocity fixes, if it differs from the fix interval. In real time, velocity is taken with "
+        "the position fixes, with its noise scaled to the same density.",
         datasheet='"Velocity update rate": 10 Hz is 0.1 s.',
         typical="as the fix interval",
     )
@@ -175,7 +175,7 @@ class Gnss(Part):
         options=[False, True],
         short="gm",
         label="Slow error",
-        doc="Add a slow GNSS error (first-order Gauss-Markov) by state augmentation; numerical path only. Off for "
+        doc="Adds a slow GNSS error (first-order Gauss-Markov); the steady state is then solved numerically. Off for "
         "carrier phase over a short base line, on for stand-alone code.",
     )
     correlated_noise = Quantity(
@@ -186,7 +186,7 @@ class Gnss(Part):
         bounds=(1e-6, 1e4),
         softbounds=(1e-2, 30.0),
         label="Slow error, 1σ",
-        doc="Standard deviation of the slow error, per axis, on top of the noise; used when switched on.",
+        doc="Standard deviation of the slow error, per axis, in addition to the noise; used when switched on.",
         datasheet="Absolute accuracy less the noise: orbit, clock, atmosphere, multipath.",
         typical="differential 0.3, stand-alone 1 to 2 m",
     )
@@ -199,6 +199,6 @@ class Gnss(Part):
         softbounds=(1.0, 1e4),
         label="Correlation time",
         doc="Time constant of the slow error.",
-        datasheet="Not on data sheets; seen in a static receiver log.",
+        datasheet="Not on data sheets. Estimate it from a static receiver log.",
         typical="multipath 30 to 100 s in flight, atmosphere 1000 s and more",
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 import param
 
-from nav_model.design.declaration import Quantity
+from nav_model.design.declaration import Quantity, sentence_label
 from nav_model.errors import InputError, shown
 from nav_model.units import QuantityError, format_quantity, join_quantity, parse_quantity
 
@@ -28,7 +28,7 @@ class Whole(Quantity):
     def _validate(self, val: Any) -> None:
         super()._validate(val)
         if val != round(val):
-            raise InputError(self.key, f"{val:g} is not a whole number", val)
+            raise InputError(self.key, f"{val:g} is not a whole number. {self.allowed()}", val)
 
 
 class _Several(param.Parameter[Any]):
@@ -44,7 +44,7 @@ class _Several(param.Parameter[Any]):
 
     def _parts(self, text: Any, example: str) -> list[str]:
         if not isinstance(text, str):
-            raise InputError(self.key, f"{shown(text)} is not text in quotes; write for example {example!r}", text)
+            raise InputError(self.key, f"{shown(text)} is not text in quotes. Write for example {example!r}.", text)
         return [part.strip() for part in re.split(r"[,;]", text)]
 
 
@@ -81,11 +81,11 @@ class Axes(_Several):
     def _validate(self, val: Any) -> None:
         count = len(self.default)
         if not isinstance(val, tuple) or len(val) != count:
-            raise InputError(self.key, f"{shown(val)} is not {_COUNTS[count]} numbers", val)
+            raise InputError(self.key, f"{shown(val)} is not {_COUNTS[count]} numbers.", val)
         most = self.softbounds[1]
         for number in val:
             if not abs(number) <= most:  # NaN lands here too
-                said = f"is not allowed; each axis must be at most {self._one(most, 6)} in size"
+                said = f"is not allowed. Each axis must be at most {self._one(most, 6)} in size."
                 raise InputError(self.key, f"{self._one(number, 6)} {said}", val)
 
     def show(self, value: tuple[float, ...], digits: int | None = 6) -> str:
@@ -107,9 +107,12 @@ class Axes(_Several):
         InputError
             Naming the key, what was given and what is allowed.
         """
-        parts, count = self._parts(text, self.show(self.default)), len(self.default)
+        example = self.show(self.default)
+        parts, count = self._parts(text, example), len(self.default)
+        if not text.strip().removesuffix(unit).strip():
+            raise InputError(self.key, f"Enter the {sentence_label(self)}, for example {example}.", text)
         if len(parts) not in (1, count):
-            said = f"has {len(parts)} values; give one for all axes, or {_COUNTS[count]}"
+            said = f"has {len(parts)} values. Give one for all axes, or {_COUNTS[count]} separated by commas."
             raise InputError(self.key, f"{shown(text.strip())} {said}", text)
         last = _unit_of(parts[-1]) or unit
         try:
@@ -127,7 +130,9 @@ class Intervals(_Several):
     def _validate(self, val: Any) -> None:
         for start, stop in val:
             if not 0 <= start < stop < math.inf:
-                raise InputError(self.key, f"{start:g}-{stop:g} s must start at 0 or later, and before it stops", val)
+                raise InputError(
+                    self.key, f"{start:g}-{stop:g} s must start at 0 s or later and stop after it starts.", val
+                )
 
     def show(self, value: Spans, digits: int | None = None) -> str:
         """Intervals as text that `read` takes back, always with every digit."""
@@ -146,7 +151,7 @@ class Intervals(_Several):
         for part in filter(None, self._parts(text, example)):
             match = _SPAN.fullmatch(part)
             if match is None:
-                raise InputError(self.key, f"{part[:40]!r} is not an interval; write for example {example!r}", text)
+                raise InputError(self.key, f"{part[:40]!r} is not an interval. Write for example {example}.", text)
             spans.append((float(match[1]), float(match[2])))
         self._validate(spans)
         return tuple(spans)

@@ -103,7 +103,7 @@ def read_uncertain(key: str, text: str) -> Uncertain:
     low, dots, high = body.partition("..")
     if not dots:
         raise InputError(
-            key, f"{text!r} is not a range; write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR", text
+            key, f"{text!r} is not a range. Write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR.", text
         )
     ends = declaration.read(low.strip()).value, declaration.read(high.strip()).value
     if not ends[0] < ends[1]:
@@ -134,10 +134,10 @@ def uncertain_verdict(
         If no input or no requirement is given, or a distribution leaves its input's bounds.
     """
     if not inputs:
-        raise InputError("uncertainty", "no input is uncertain; give at least one range")
+        raise InputError("uncertainty", "No input is uncertain. Give at least one range.")
     names = list(limits(design))
     if not names:
-        raise InputError("requirements", "none is given; give at least one limit to judge designs by")
+        raise InputError("requirements", "The design has no requirement. Give at least one limit.")
     columns = _samples(inputs, seed, points)
     total = SCRAMBLINGS * points
     found = {name: np.broadcast_to(ratio, total) for name, ratio in ratios(design, columns).items()}
@@ -165,7 +165,7 @@ def _samples(inputs: Mapping[str, Uncertain], seed: int, points: int) -> dict[st
         values = uncertain.at(np.clip(fraction, 2.0**-40, 1 - 2.0**-40))
         low, high = quantity(key).limits
         if values.min() < low or values.max() > high:
-            raise InputError(key, f"the distribution leaves what the input may be; {quantity(key).allowed()}")
+            raise InputError(key, f"The distribution reaches beyond the allowed range. {quantity(key).allowed()}")
         columns[key] = values
     return columns
 

@@ -77,7 +77,7 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
             held = f"{span:.4g} s hold {span / interval:.4g} fixes"
             raise InputError(key, f"{held}; strategies are simulated with at most {_MOST_FIXES}")
     if radar.grazing_angle >= math.radians(89.9):
-        raise InputError("radar.grazing_angle", "enter less than 89.9°: straight down has no image")
+        raise InputError("radar.grazing_angle", "Enter less than 89.9°: straight down gives no image.")
     try:
         geometry = ApertureGeometry(radar.slant_range, design.flight.speed, radar.grazing_angle, radar.squint_angle)
     except ValueError as error:

@@ -169,7 +169,7 @@ def chunks(runs: int, engine: Engine = "fast") -> list[int]:
         For fewer than 20 runs, which give no 5-95 % band, or more than 20,000.
     """
     if not 20 <= runs <= MOST_RUNS:
-        raise InputError("runs", f"{runs} is not allowed; enter 20 to {MOST_RUNS}", runs)
+        raise InputError("runs", f"{runs} is not allowed. Enter 20 to {MOST_RUNS}.", runs)
     size = _CHUNK[engine]
     return [size] * (runs // size) + [runs % size] * (runs % size > 0)
 

@@ -74,7 +74,7 @@ def specification(
     settled = analyse(design).steady_state.closed
     longest = max((stop - start for start, stop in outages), default=0.0)
     if longest > LONGEST_OUTAGE:
-        raise InputError("outage", f"{longest:g} s long; at most {LONGEST_OUTAGE:g} s go", longest)
+        raise InputError("outage", f"{longest:g} s are too long. Give at most {LONGEST_OUTAGE:g} s.", longest)
     slow = gnss.correlated_noise if gnss.correlated else 0.0
     return SimulationSpec(
         imu=ImuModel(
@@ -119,7 +119,8 @@ def _velocity_noise(design: Design, more: SimulationInputs) -> float | None:
 
 def _flight(design: Design, kind: str) -> TrajectorySpec:
     if kind not in NAMED_TRAJECTORIES:
-        raise InputError("trajectory", f"{kind!r} is not known; {', '.join(NAMED_TRAJECTORIES)}, or a CSV file", kind)
+        said = f"{kind!r} is not a trajectory. Choose {', '.join(NAMED_TRAJECTORIES)}, or a CSV file."
+        raise InputError("trajectory", said, kind)
     flight = design.flight
     return TrajectorySpec(
         kind=kind,  # type: ignore[arg-type]  # checked above

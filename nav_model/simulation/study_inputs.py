@@ -40,7 +40,7 @@ def _correlation_time() -> Any:
         short="",
         bounds=(1e-3, 1e9),
         label="Correlation time",
-        doc="Of the bias instability, a first-order Gauss-Markov process.",
+        doc="Time constant of the bias instability, a first-order Gauss-Markov process.",
     )
 
 
@@ -63,11 +63,11 @@ class Gyro(Part):
         "°/h/√h",
         1e5 * DEGREE_PER_HOUR / 60,
         "Rate random walk",
-        "Density of the noise that moves the bias.",
+        "Density of the white noise that drives the bias.",
     )
     scale_factor = _nothing("ratio", "ppm", 0.1, "Scale factor error", "1σ per axis, drawn for each run.")
     misalignment = _nothing("angle", "mrad", 0.1, "Misalignment", "1σ of each of six angles, drawn for each run.")
-    quantization = _nothing("angle", "arcsec", 0.1, "Quantization", "One count of the integrated angle.")
+    quantization = _nothing("angle", "arcsec", 0.1, "Quantization", "Size of one count of the integrated angle.")
 
 
 class Accelerometer(Part):
@@ -86,11 +86,11 @@ class Accelerometer(Part):
     correlation_time = _correlation_time()
     rate_random_walk = _nothing(
         "acceleration random walk", "µg/√h", 10 * MILLI_G, "Acceleration random walk",
-        "Density of the noise that moves the bias.",
+        "Density of the white noise that drives the bias.",
     )  # fmt: skip
     scale_factor = _nothing("ratio", "ppm", 0.1, "Scale factor error", "1σ per axis, drawn for each run.")
     misalignment = _nothing("angle", "mrad", 0.1, "Misalignment", "1σ of each of six angles, drawn for each run.")
-    quantization = _nothing("speed", "mm/s", 10.0, "Quantization", "One count of the integrated velocity.")
+    quantization = _nothing("speed", "mm/s", 10.0, "Quantization", "Size of one count of the integrated velocity.")
 
 
 def _arm(label: str) -> Any:
@@ -101,7 +101,7 @@ def _arm(label: str) -> Any:
         short="",
         bounds=(-200.0, 200.0),
         label=f"Antenna {label}",
-        doc="Of the IMU, body axes; the filter knows it.",
+        doc="Antenna position relative to the IMU, body axes; known to the filter.",
     )
 
 
@@ -118,7 +118,7 @@ class Receiver(Part):
         short="",
         bounds=(1e-5, 1e3),
         label="Velocity noise",
-        doc="1σ per axis and fix; empty: position only.",
+        doc="1σ per axis and fix. Leave empty to use position only.",
     )
     lever_forward = _arm("forward")
     lever_right = _arm("to the right")
@@ -135,8 +135,10 @@ class Filter(Part):
     section = "filter"
     title = "Filter"
 
-    process_noise_scale = _scale("Process noise factor", "0.71 halves the variance the filter is told.")
-    gnss_noise_scale = _scale("Fix noise factor", "On the fix noise the filter is told.")
+    process_noise_scale = _scale(
+        "Process noise factor", "Factor on the process noise that the filter assumes; 0.71 halves the variance."
+    )
+    gnss_noise_scale = _scale("Fix noise factor", "Factor on the fix noise that the filter assumes.")
     propagation_rate = Quantity(
         default=_FILTER.propagation_rate,
         dimension="frequency",
@@ -153,7 +155,7 @@ class Filter(Part):
         short="",
         bounds=(1e-6 * DEGREE, 20 * DEGREE),
         label="Initial yaw error",
-        doc="1σ at the start; drawn for each run, and what the filter starts from.",
+        doc="1σ at the start; drawn for each run and used as the initial covariance of the filter.",
     )
 
 

@@ -132,8 +132,8 @@ class Settings:
         low, high = field.limits
         require(
             low <= camera.field_of_view_rad <= high,
-            f"a focal length of {1000 * camera.focal_length_m:g} mm gives a field of view of "
-            f"{field.show(camera.field_of_view_rad, 4)}; {field.allowed()}",
+            f"A focal length of {1000 * camera.focal_length_m:g} mm gives a field of view of "
+            f"{field.show(camera.field_of_view_rad, 4)}. {field.allowed()}",
             "focal_length_m",
         )
         return camera

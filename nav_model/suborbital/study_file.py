@@ -171,7 +171,7 @@ def from_link(query: str, design: Design | None = None) -> Settings:
             raise InputError(key, "is given twice in the link")
         if key == _IMU:
             if text != OF_DESIGN or design is None:
-                raise InputError(key, f"{shown(text)} is not allowed; it must be {OF_DESIGN!r}")
+                raise InputError(key, f"{shown(text)} is not allowed. It must be {OF_DESIGN!r}.")
             of_design = True
             continue
         values[key] = read_value(key, text)

@@ -163,7 +163,7 @@ def test_check_says_each_requirement_once(capsys):
 def test_check_with_nothing_to_check(capsys, stdin):
     stdin(b'name = "a"\n')
     assert main(["check", "-"]) == 0
-    assert "nothing checked" in capsys.readouterr().out
+    assert "nothing was checked" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("kind", "names"), [("imu", ["STIM300", "LN-200"]), ("radar", ["F-SAR X", "UAVSAR"])])

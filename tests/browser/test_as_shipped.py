@@ -47,6 +47,17 @@ _ASKED = """() => {
   })
 }"""
 
+_SWALLOWED = """() => {
+  const figures = (view) => [...(view.model.type === "Figure" ? [view] : []),
+    ...[...(view.child_views ?? [])].flatMap(figures)]
+  const [figure] = Bokeh.index.roots.flatMap(figures), holder = figure.parent, wide = figure.bbox.width
+  holder.update_bbox()
+  figure.el.style.setProperty("width", `${wide - 50}px`, "important")
+  const said = holder.update_bbox()
+  figure.el.style.removeProperty("width")
+  return [said, figure.bbox.width - wide]
+}"""
+
 
 @pytest.fixture(scope="module")
 def shipped(browser: Browser, connections: str) -> Iterator[Page]:
@@ -83,6 +94,10 @@ def test_every_wish_is_a_pass_over_hidden_parts_too(shipped: Page) -> None:
     passes, hidden = shipped.evaluate(_PASSES)
     assert passes == 5
     assert hidden
+
+
+def test_a_size_that_changes_within_is_swallowed(shipped: Page) -> None:
+    assert shipped.evaluate(_SWALLOWED) == [False, -50]
 
 
 def test_a_choice_does_not_open_by_keyboard(shipped: Page) -> None:

@@ -221,7 +221,7 @@ def test_typed_value_unit_and_refusal(desk: Page) -> None:
     for wrong, said in (
         ("5 kg", "not a unit of angle random walk"),
         ("-1 °/√h", "must be at least"),
-        ("nan °/√h", "write for example"),
+        ("nan °/√h", "Enter the angle random walk, for example"),
     ):
         enter(arw, wrong)
         expect(desk.get_by_text(said).first).to_be_visible()
@@ -388,7 +388,7 @@ def test_phone_fits_and_the_design_is_a_drawer(visit: Visit, fits: Check) -> Non
 
 def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit, accessible: Check) -> None:
     page = visit()
-    for title in ("Flight", "Coast", "Radar", "Requirements"):
+    for title in ("Flight", "Outage", "Radar", "Requirements"):
         section(page, title)
     box(page, "Grazing angle").wait_for()
     box(page, "Vertical position at end of outage").wait_for()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import re
 import zipfile
@@ -11,7 +12,7 @@ from typing import Any
 
 import pypdf
 import pytest
-from playwright.sync_api import Browser, Download, Locator, Page, expect
+from playwright.sync_api import Browser, Download, Locator, Page, WebSocketRoute, expect
 from waiting import PATIENCE
 
 Visit = Callable[..., Page]
@@ -93,7 +94,7 @@ def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: 
     act(page.get_by_role("checkbox", name="Better gyro").check)
     expect(page.get_by_label("Selected designs")).to_contain_text("D2")
     act(press, page, "Compare")
-    expect(page.get_by_role("region", name=re.compile("Standard deviations"))).to_contain_text("best")
+    expect(page.get_by_role("region", name=re.compile("Errors, 1σ"))).to_contain_text("best")
     expect(page.get_by_role("region", name=re.compile("Inputs that are not"))).to_contain_text("0.01 °/√h")
     with page.expect_download() as download:
         act(press, page, re.compile(r"Comparison report \(PDF\)"))
@@ -261,6 +262,62 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
     press(page, "Sign off")
     expect(heading).to_contain_text("Signed off by Ann")
+
+
+class Deaf:
+    """A page that, while it is deaf, hears nothing of the server; what the person does there arrives."""
+
+    def __init__(self, page: Page) -> None:
+        self.deaf = False
+        self._page = page
+        self._kept: list[tuple[WebSocketRoute, str | bytes]] = []
+        page.route_web_socket(re.compile("/ws"), self._join)
+
+    def _join(self, socket: WebSocketRoute) -> None:
+        server = socket.connect_to_server()
+        server.on_message(functools.partial(self._heard, socket))
+
+    def _heard(self, socket: WebSocketRoute, message: str | bytes) -> None:
+        if self.deaf:
+            self._kept.append((socket, message))
+        else:
+            socket.send(message)
+
+    def hear(self) -> None:
+        """Hear what was said meanwhile, in order."""
+        self.deaf = False
+        for socket, message in self._kept:
+            socket.send(message)
+        self._kept.clear()
+
+
+def test_a_page_that_still_says_open_does_not_replace_anothers_reject(
+    visit: Visit, page: Page, server: str, browser: Browser
+) -> None:
+    first = Deaf(page)
+    visit()
+    tab(page, "Review")
+    begin_review(page, "Seen too late", "Too late")
+    header = page.get_by_role("rowheader", name="D1: Horizontal position", exact=True)
+    row = page.get_by_role("row").filter(has=header)
+    expect(row).to_contain_text("open")
+    second = browser.new_context().new_page()
+    second.set_default_timeout(1e3 * PATIENCE)
+    second.goto(server + "/#review")
+    tab(second, "Reviews")
+    second.get_by_role("region", name="All reviews").get_by_role("button", name="Too late").click()
+    field(second, "Your name").fill("Bob")
+    first.deaf = True
+    decide(second, "Horizontal position", "Reject", "no margin left")
+    theirs = second.get_by_role("row").filter(has_text="rejected by Bob")
+    expect(theirs).to_have_count(1)
+    expect(row).to_contain_text("open")  # still
+    decide(page, "Horizontal position")
+    first.hear()
+    said(page, "Bob rejected (no margin left) this after you opened it. Look again and decide.")
+    expect(row).to_contain_text("rejected by Bob")
+    expect(theirs).to_have_count(1)
+    second.context.close()
 
 
 @pytest.mark.slow

@@ -16,6 +16,21 @@ GOTCHA = Path(__file__).parents[3] / "shared/data/sar_gotcha_pass1_az001_HH.npz"
 _MATCH = "The runs match the design."
 
 
+# Pixels by which what is drawn of the map is higher than its place: the texts below it may have grown.
+_OVER_THE_EDGE = """() => {
+  const high = (part) => part.getBoundingClientRect().height
+  const find = (root) => {
+    for (const part of root.querySelectorAll("*")) {
+      if (part.matches(".bk-Figure") && high(part) > 200) return part
+      const found = part.shadowRoot && find(part.shadowRoot)
+      if (found) return found
+    }
+  }
+  const figure = find(document)
+  return high(figure.shadowRoot.querySelector(".bk-Canvas").shadowRoot.querySelector("canvas")) - high(figure)
+}"""
+
+
 def _open(visit: Visit, **size: int) -> Page:
     page = visit("/#sar", **size)
     expect(page.get_by_text(_MATCH)).to_be_visible()
@@ -31,6 +46,7 @@ def test_what_decides_is_on_one_screen_without_a_warning(visit: Visit, page: Pag
         until(
             lambda width=width, height=height: _seen_at_once(page, width, height), f"all of it in {width} x {height}"
         )
+        until(lambda: page.evaluate(_OVER_THE_EDGE) <= 1, "a map as high as its card")
     assert page.get_by_role("rowheader").count() == 9
     assert not warnings, warnings
 

@@ -70,7 +70,7 @@ class RankFigure:
 
 
 def _most(chart: RankChart) -> float:
-    return 1.18 * max((bar.percent for bar in chart.bars), default=100.0)
+    return 1.25 * max((bar.percent for bar in chart.bars), default=100.0)
 
 
 def _bars(chart: RankChart) -> dict[str, Any]:

@@ -123,8 +123,8 @@ class Timelines:
             active_drag=None,
             min_border_left=_LEFT,
             min_border_right=12,
-            min_border_top=4,
-            min_border_bottom=0 if last else 4,
+            min_border_top=7,  # half a label of the axis
+            min_border_bottom=0 if last else 7,
         )
         plot.toolbar.logo = None
         plot.toolbar.autohide = True

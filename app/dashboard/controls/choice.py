@@ -18,11 +18,11 @@ from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 _CHOICES: dict[str, dict[Any, str]] = {
     "radar.window": {"uniform": "uniform", "hamming": "Hamming", "taylor": "Taylor −35 dB, n̄ 5"},
-    "radar.autofocus_order": {1: "nothing (line only)", 2: "quadratic", 3: "quadratic and cubic"},
+    "radar.autofocus_order": {1: "nothing (linear phase only)", 2: "quadratic", 3: "quadratic and cubic"},
     "requirements.steady_state": {
-        "prior": "just before a fix (prior)",
-        "closed": "cycle rms (closed form)",
-        "posterior": "just after a fix (posterior)",
+        "prior": "just before a fix",
+        "closed": "rms over the fix cycle",
+        "posterior": "just after a fix",
     },
     "processing.mode": {REAL_TIME: "real time", POST_PROCESSED: "post-processed"},
 }

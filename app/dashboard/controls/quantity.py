@@ -37,11 +37,12 @@ _SLIDERS = {
 # The whole label is at the edge of the box, whether the box is empty or not: within an empty one it would be cut.
 _LABEL = {
     "& .MuiInputLabel-root": {
+        "letterSpacing": 0,
         "transform": "translate(14px, -9px) scale(0.75)",
         "maxWidth": "calc(133% - 20px)",
         "fontSize": "0.875rem",
     },
-    "& fieldset": {"fontSize": "0.875rem"},
+    "& fieldset": {"fontSize": "0.875rem", "letterSpacing": 0},
     "& fieldset legend": {"maxWidth": "100%"},
     "& label[data-shrink=false] + .MuiInputBase-formControl .MuiInputBase-input::placeholder": {
         "opacity": "0.75 !important",

@@ -29,11 +29,11 @@ def add_to(commands: Any) -> None:
     evaluate.add_argument(
         "--sicd",
         action="store_true",
-        help="instead: how well the image is placed, as SICD's XML element ErrorStatistics",
+        help="write the location errors of the image as SICD's XML element ErrorStatistics instead",
     )
     evaluate.set_defaults(run=_evaluate)
 
-    check = commands.add_parser("check", help="hold designs against their requirements")
+    check = commands.add_parser("check", help="check designs against their requirements")
     design_arguments(check, one=False)
     check.set_defaults(run=_check)
 
@@ -85,13 +85,13 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     """
     verdict, tightest = budget.verdict, budget.verdict.tightest
     if tightest is None:
-        return [f"{path}: closes (no requirement given, nothing checked)"]
+        return [f"{path}: closes (the design has no requirement, so nothing was checked)"]
     lines = []
     for check in verdict.checks:
         words = check_words(budget.design, check)
         lines.append(
             f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {words.value} (limit {words.limit}, "
-            f"margin {words.margin}, {check.basis} {check.equation}, dominated by {check.sensor} {words.share})"
+            f"margin {words.margin}; main error source {check.sensor}, {words.share}; {words.figure})"
         )
     said = "closes" if verdict.closes else "DOES NOT CLOSE"
     margin = check_words(budget.design, tightest).margin

@@ -32,7 +32,7 @@ from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
-from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, SWITCH
+from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE, SWITCH
 from app.ui.tiles import tiles_html
 from app.ui.turns import once_loaded, once_quiet
 from app.upstream.text_pane import TextPane
@@ -43,8 +43,6 @@ from nav_model.budget.sicd import error_statistics
 _KEY = '<span class="quiet fine">red: limit · grey: aperture · faint: compared</span>'
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
-_NARROW = "@media screen and (max-width: 1000px) { .bk-Figure { flex: none !important; height: 190px !important; } }"
-"""Sheet of the curves on a narrow window: as high as the name of their axis."""
 _OVER = {
     "position": "absolute", "top": "100%", "z-index": "20", "max-height": "60vh", "overflow-y": "auto",
     "background": "var(--panel-surface-color, Canvas)", "box-shadow": "0 6px 22px rgb(0 0 0 / 30%)",
@@ -94,7 +92,9 @@ class BudgetPage(pn.viewable.Viewer):
             first_screen(
                 pn.Column(self._strip, self._panel),
                 self._tiles,
-                left=[pn.Column(self._stack_head, *figures, sizing_mode="stretch_both", stylesheets=[_NARROW])],
+                left=[
+                    pn.Column(self._stack_head, *figures, sizing_mode="stretch_both", stylesheets=[STACK_ON_A_PHONE])
+                ],
                 right=[
                     pn.Column(self._phase_head, self._phase, sizing_mode="stretch_both", stylesheets=[NARROW]),
                     self._response.view,

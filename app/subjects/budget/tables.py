@@ -24,13 +24,6 @@ from nav_model.sar.geometry import phase_to_metres
 ALONG_TRACK = "along-track (separate limit)"
 """What the along-track phase is called beside the sources across it."""
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
-_BASES = {
-    "prior": "before a fix",
-    "posterior": "after a fix",
-    "closed form": "formula",
-    "refined": "with Schuler and Coriolis terms",
-}
-"""What a requirement is held against, in words."""
 _MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix", "closed": "rms over the fix cycle"}
 
 
@@ -121,7 +114,7 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
         return (
             *map(Cell, texts),
             met_cell(check),
-            Cell(f"{_BASES.get(check.basis, check.basis)} {check.equation}"),
+            Cell(words.figure),
             Cell(f"{check.sensor}, {words.share}"),
         )
 
@@ -176,7 +169,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
             ),
         ),
         "Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
-        f"aperture, by {smoothed.method} [P-3]. Requirements are held against {budget.verdict.processing}.",
+        f"aperture, by {smoothed.method} [P-3]. Requirements are checked for {budget.verdict.processing}.",
     )
 
 
@@ -231,9 +224,9 @@ def outage_table(budget: Budget, key: str) -> Table:
     coast = analyse(budget.design, budget.coast.duration * np.array(_FRACTIONS)).coast
     columns = (
         ("Horizontal [m] [T-9]", coast.position_horizontal),
-        ("refined [m] [T-17]", coast.refined_horizontal),
+        ("hor., all terms [m] [T-17]", coast.refined_horizontal),
         ("Vertical [m] [T-10]", coast.position_vertical),
-        ("refined [m] [T-17]", coast.refined_vertical),
+        ("vert., all terms [m] [T-17]", coast.refined_vertical),
         ("Velocity hor. [m/s]", coast.velocity_horizontal),
         ("Velocity vert. [m/s]", coast.velocity_vertical),
         ("Tilt [°] [T-9]", np.degrees(coast.tilt)),
@@ -247,7 +240,8 @@ def outage_table(budget: Budget, key: str) -> Table:
             (Cell(number(time, given=True)), *(Cell(number(curve[i])) for _, curve in columns))
             for i, time in enumerate(coast.time)
         ),
-        "Residual biases in quadrature. Requirements after the last fix are held against the refined curve.",
+        "Residual biases in quadrature. "
+        "Requirements after the last fix are checked with Schuler and Coriolis terms [T-17].",
     )
 
 

@@ -75,7 +75,7 @@ def position_chart(budget: Budget) -> Chart:
     lead, end = -_LEAD * coast.duration, coast.duration
     ratio = coast.end_refined_horizontal / coast.position_horizontal[-1]
     ratio_v = coast.end_refined_vertical / coast.position_vertical[-1]
-    slow = " A slow GNSS error enters the band and the refined curves only." if budget.design.gnss.correlated else ""
+    slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
     x = _grid(budget)
     curves = (
         ("ch", "horizontal", _held(steady.closed.position_horizontal, coast.position_horizontal),
@@ -120,9 +120,9 @@ def position_chart(budget: Budget) -> Chart:
         y_log=True,
         y_range=(floor, 2 * top),
         knowledge=(
-            f"Curves [T-3], [T-4], [T-9], [T-10] in closed form; band [T-8]: {_cycle_method(budget)}, "
-            f"{_validity(budget)}; refined [T-17] is {number(ratio)} (horizontal) and {number(ratio_v)} (vertical) "
-            f"times the polynomial at {number(end, given=True)} s.{slow}"
+            f"Curves by formula [T-3], [T-4], [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
+            f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {number(ratio)} and "
+            f"vertical {number(ratio_v)} times the polynomial at {number(end, given=True)} s.{slow}"
         ),
     )
 

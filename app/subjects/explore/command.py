@@ -12,7 +12,7 @@ from app.console.arguments import design_arguments, paths_of, read_design
 def add_to(commands: Any) -> None:
     """Declare the command."""
     _add_explore(commands)
-    sweep = commands.add_parser("sweep", help="evaluate grids of designs by formula, or flown, into a table")
+    sweep = commands.add_parser("sweep", help="evaluate a grid of designs, by formula or by simulation, into a table")
     sweep.add_argument("file", metavar="FILE", help="what to vary, TOML")
     sweep.add_argument("-o", "--output", required=True, metavar="OUT", help="OUT.csv or OUT.parquet")
     cores = os.cpu_count() or 1
@@ -46,7 +46,7 @@ def _add_explore(commands: Any) -> None:
     add("--receivers", action="append", default=[], metavar="FILE", help="your own receivers")
     add = parsers["uncertainty"].add_argument
     add("--vary", action="append", default=[], metavar="KEY=RANGE",
-        help='e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h", with log behind, or "0.15 °/√h */ 1.3"')  # fmt: skip
+        help='e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h", log after it, or "0.15 °/√h */ 1.3"')  # fmt: skip
     add("--seed", type=int, default=1)
 
 

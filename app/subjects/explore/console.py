@@ -126,7 +126,7 @@ def doubted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     for text in options.vary:
         key, equals, spec = text.partition("=")
         if not equals:
-            raise InputError(text, 'not a range; write for example imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h"')
+            raise InputError(text, 'is not a range. Write for example imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h".')
         inputs[key.strip()] = read_uncertain(key.strip(), spec)
     found = uncertain_verdict(design, inputs, options.seed)
     rows = [

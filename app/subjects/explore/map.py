@@ -24,6 +24,7 @@ from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
+from app.ui.theme import ON_A_PHONE
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
@@ -47,7 +48,7 @@ class MapPanel(Question):
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, result=ALL if limits(session.design) else next(iter(FIGURES)))
         self._head = html_pane("", margin=(6, 10, 0, 10))
-        self._place = pn.Column(sizing_mode="stretch_both")
+        self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])
         self._drawn: MapFigure | None = None
         self._chart: TradeMapChart | None = None
 

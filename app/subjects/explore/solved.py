@@ -24,6 +24,7 @@ from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
+from app.ui.theme import ON_A_PHONE
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES
 from nav_model.explore.margins import label_of
@@ -50,7 +51,8 @@ class SolvedPanel(Question):
     def __panel__(self) -> pn.Column:
         folded = Folded([("Each requirement alone", lambda: self._each)])
         chooser = pmui.Select.from_param(self.param.figure, sizing_mode="stretch_width", margin=(8, 12, 0, 12))
-        figure = pn.Column(pn.pane.Bokeh(self._ranking.plot, sizing_mode="stretch_both"), sizing_mode="stretch_both")
+        plot = pn.pane.Bokeh(self._ranking.plot, sizing_mode="stretch_both")
+        figure = pn.Column(plot, sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])
         return first_screen(
             left=[pn.Column(self._table, folded, sizing_mode="stretch_both", styles={"overflow": "auto"})],
             right=[

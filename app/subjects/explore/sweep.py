@@ -29,6 +29,7 @@ from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.sortable_table import SortableTable
+from app.ui.theme import ON_A_PHONE
 from app.work.alone import run_alone
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -70,7 +71,7 @@ class SweepPanel(Question):
         self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12), stylesheets=[_WHOLE])
         self._table.param.watch(self._take, "chosen")
         self._head = html_pane("<p class='quiet'>The map of the sweep appears here.</p>", margin=(6, 10, 0, 10))
-        self._place = pn.Column(sizing_mode="stretch_both")
+        self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])
 
     def __panel__(self) -> pn.Column:
         def taken(label: str, name: str, write: Any) -> pmui.FileDownload:

@@ -63,9 +63,9 @@ class SweepRow(pn.viewable.Viewer):
         self.input.param.watch(lambda _: self._fill(), "value")
         for box in (self.low, self.high, self.points, self.spacing, self.names):
             box.param.watch(lambda _: self.param.trigger("changed"), "value")
-        self._view = pn.Row(self.input, self.low, self.high, self.points, self.spacing, self.names)
+        self._view = pn.FlexBox(self.input, self.low, self.high, self.points, self.spacing, self.names)
 
-    def __panel__(self) -> pn.Row:
+    def __panel__(self) -> pn.FlexBox:
         return self._view
 
     @property

@@ -71,9 +71,9 @@ class RangeRow(pn.viewable.Viewer):
         )
         self.kind.param.watch(lambda _: self._choose(), "value")
         self.boxes: list[pmui.TextInput] = []
-        self._view = pn.Row(self.kind)
+        self._view = pn.FlexBox(self.kind)
 
-    def __panel__(self) -> pn.Row:
+    def __panel__(self) -> pn.FlexBox:
         return self._view
 
     def set(self, kind: str, *values: str) -> None:

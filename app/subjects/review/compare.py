@@ -8,6 +8,7 @@ import param
 
 from app.declared import declared, held
 from app.document.blocks import Answer
+from app.document.display import display_of
 from app.document.numbers import signed_percent
 from app.document.pane import html_of
 from app.document.wording import design_labels
@@ -54,12 +55,12 @@ class CompareView(pn.viewable.Viewer):
             self.desk.say(f"Not compared. {error}", wrong=True)
             return False
         labels = design_labels(len(budgets))
-        self._revisions = revisions
-        self._tables.object = listed(revisions, "Compared") + html_of(*difference_tables(budgets, labels))
+        self._revisions, display = revisions, display_of(self.desk.session.shown)
+        self._tables.object = listed(revisions, "Compared") + html_of(*difference_tables(budgets, labels, display))
         # New figures for each comparison: they have as many lines as there are designs.
         self._charts.objects = [
-            ChartPane(lambda at: position_comparison(*at), lambda: (budgets, labels), _HEIGHT).view,
-            ChartPane(lambda at: phase_comparison(*at), lambda: (budgets, labels), _HEIGHT).view,
+            ChartPane(lambda at: display.timeline(position_comparison(*at)), lambda: (budgets, labels), _HEIGHT).view,
+            ChartPane(lambda at: display.bars(phase_comparison(*at)), lambda: (budgets, labels), _HEIGHT).view,
         ]
         self._link.value = comparison_link(revisions)
         self._tools.visible = True
@@ -72,7 +73,14 @@ class CompareView(pn.viewable.Viewer):
         return True
 
     async def _report(self, suffix: str) -> bytes:
-        return await elsewhere(report_bytes, [revision.budget() for revision in self._revisions], suffix)
+        budgets = [revision.budget() for revision in self._revisions]
+        return await elsewhere(report_bytes, budgets, suffix, None, (), (), None, self.desk.session.shown)
+
+    @param.depends("desk.session.shown", watch=True)
+    async def _tell_otherwise(self) -> None:
+        """Follow how figures are shown."""
+        if self._revisions:
+            await self.compare(self._revisions)
 
 
 def comparison_link(revisions: tuple[Revision, ...]) -> str:

@@ -46,6 +46,7 @@ def front_page(review: Review) -> Chapter:
     facts = (
         ("Review", review.title),
         ("Designs", names),
+        ("Figures", "1σ in the units of data sheets, whatever the display choice; requirements at their confidence"),
         ("Opened", f"{review.author}, {moment(review.opened)}"),
         ("Signed off", f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"),
         ("Seal (SHA-256)", review.seal or "none before the signature"),
@@ -118,7 +119,7 @@ def _program(frozen: str) -> Cell:
     here = version("navbudget")
     if frozen == here:
         return Cell(f"NavBudget {frozen}")
-    said = f"NavBudget {frozen}; values here are worked out by {here}, figures of decisions stand as they were"
+    said = f"NavBudget {frozen}; values here are computed by {here}, figures in decisions are as they were"
     return Cell(said, tone="warn")
 
 

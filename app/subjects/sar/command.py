@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
-    sar = commands.add_parser("sar", help="image quality for every way of navigating through the aperture, as JSON")
+    sar = commands.add_parser("sar", help="image quality for every navigation strategy, as JSON")
     design_arguments(sar, one=True)
     add = sar.add_argument
     add("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
-    add("--seed", type=int, default=0, help="of the ensemble (default 0)")
+    add("--seed", type=int, default=0, help="seed of the ensemble (default 0)")
     add("--engine", choices=("fast", "simulator"), default="fast",
         help="per-axis error model, or full flights of the simulator with the error model beside them (default "
              "fast)")  # fmt: skip
     add("--workers", type=int, metavar="W", help="processes of the simulator (default: all cores but one)")
-    add("-o", "--output", type=Path, metavar="FILE", help="write there instead of standard output")
+    add("-o", "--output", type=Path, metavar="FILE", help="write to this file instead of standard output")
     sar.set_defaults(run=_sar)
 
 
@@ -51,9 +51,9 @@ def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
     from nav_model.sar.study_json import to_json
 
     if options.seed < 0:
-        raise InputError("--seed", f"{options.seed} is not allowed; zero or a positive whole number")
+        raise InputError("--seed", f"{options.seed} is not allowed. Enter zero or a positive whole number.")
     if options.workers is not None and options.workers < 1:
-        raise InputError("--workers", f"{options.workers} is not allowed; 1 or more")
+        raise InputError("--workers", f"{options.workers} is not allowed. Enter 1 or more.")
     try:
         chunks(options.runs)
     except InputError as error:

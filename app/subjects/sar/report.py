@@ -39,7 +39,7 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
     """
     runs = _RUNS if options.runs is None else options.runs
     if options.seed < 0:
-        raise InputError("--seed", f"{options.seed} is not allowed; enter zero or a positive whole number")
+        raise InputError("--seed", f"{options.seed} is not allowed. Enter zero or a positive whole number.")
     try:
         with count_runs("SAR: ") as progress:
             found = design_study(design, runs, options.seed, progress)

@@ -47,7 +47,7 @@ def triad_chart(result: LogAnalysis, quantity: str) -> Chart:
     said = ""
     if readings:
         said = (
-            f"On {', '.join(readings)} the random walk drawn is the effective reading at 1 s, above the white floor, "
+            f"On {', '.join(readings)} the random walk drawn is read at 1 s, above the white-noise floor, "
             "so the fitted line may lie above the measured one."
         )
     return Chart(

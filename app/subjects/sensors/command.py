@@ -18,15 +18,15 @@ def add_to(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser("allan", help="noise parameters from a static log (CSV or NPZ) as JSON")
     parser.add_argument("log", metavar="LOG", help="a CSV or NPZ file, or - for stdin")
-    parser.add_argument("--rate", type=float, metavar="HZ", help="samples a second, unless the file says it")
+    parser.add_argument("--rate", type=float, metavar="HZ", help="samples per second, if not in the file")
     parser.add_argument("--gyro-unit", metavar="UNIT", help='"deg/s", increments "rad", or per count "0.05 deg/s"')
     parser.add_argument("--accelerometer-unit", metavar="UNIT", help='"m/s2", "g", "m/s", or "0.00333 g" per count')
-    parser.add_argument("--columns", metavar="NAME,...", help="a table's columns in order; - ignores one")
-    parser.add_argument("--arrays", metavar="ROLE=NAME,...", help="an archive's arrays, e.g. gyro=w,accelerometer=f")
-    parser.add_argument("--motion", action="store_true", help="the log was taken moving: effective noise, no fit")
+    parser.add_argument("--columns", metavar="NAME,...", help="columns of a CSV in order; - ignores one")
+    parser.add_argument("--arrays", metavar="ROLE=NAME,...", help="arrays of an NPZ, e.g. gyro=w,accelerometer=f")
+    parser.add_argument("--motion", action="store_true", help="log recorded in motion: effective noise, no fit")
     parser.add_argument("--bench-arw", metavar="QUANTITY", help='angle random walk at rest, "0.1 °/√h"')
     parser.add_argument("--bench-vrw", metavar="QUANTITY", help='velocity random walk at rest, "0.03 m/s/√h"')
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the JSON there")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the JSON to this file")
     parser.set_defaults(run=_allan, parser=parser)
 
 

@@ -141,7 +141,7 @@ def _coefficient_cell(axis: AxisNoise, term: str) -> Cell:
     if not found.reading:
         return Cell(text)
     floor = number(axis.white_floor / scale)
-    return Cell(f"{text}\neffective reading about 1 s; white floor {floor}", f"⚠ {found.interval}", "warn")
+    return Cell(f"{text}\nread at 1 s; white-noise floor {floor}", f"⚠ {found.interval}", "warn")
 
 
 def remedies(result: LogAnalysis) -> tuple[Bullets, ...]:

@@ -20,19 +20,19 @@ def add_to(commands: Any) -> None:
     )
     design_arguments(simulate, one=True)
     add = simulate.add_argument
-    add("--inputs", action="store_true", help="list what --set takes beyond the design and stop")
+    add("--inputs", action="store_true", help="list the further inputs of --set and stop")
     add("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
     add("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
     add("--duration", type=float, metavar="S", help="length of a run (default 500 s, or the file's)")
     add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
-        help="seconds between which fixes are lost; may be repeated")  # fmt: skip
+        help="seconds between which there are no fixes; may be repeated")  # fmt: skip
     add("--trajectory", default="wandering", metavar="NAME-or-FILE",
         help="wandering, straight, turns, climb, or a CSV file")  # fmt: skip
     add("--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)")
     add("--states", type=int, choices=(9, 15, 21), default=9,
-        help="of the filter; 15 estimates biases, 21 two kinds of them apart")  # fmt: skip
+        help="of the filter: 15 estimates biases, 21 constant and varying biases separately")  # fmt: skip
     add("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
-    add("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies the runs instead")
+    add("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler whose workers do the runs")
     add("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")
     simulate.set_defaults(run=_simulate)
 

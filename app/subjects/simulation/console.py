@@ -85,7 +85,7 @@ def _specification(
     for name in ("workers", "runs"):
         value = getattr(options, name)
         if value is not None and value < 1:
-            raise InputError(f"--{name}", f"{value} is not allowed; 1 or more")
+            raise InputError(f"--{name}", f"{value} is not allowed. Enter 1 or more.")
     trajectory = _trajectory(options.trajectory)
     outages = [_outage(text) for text in options.outages]
     from nav_model.simulation.trajectory import plan_trajectory

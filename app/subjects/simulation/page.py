@@ -39,7 +39,7 @@ from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
-from app.ui.theme import PRINT_NOTHING
+from app.ui.theme import PRINT_NOTHING, STACK_ON_A_PHONE
 from app.upstream.file_input import LimitedFileInput
 from app.work.kept import keep, kept
 from app.work.pool import elsewhere
@@ -119,7 +119,7 @@ class SimulatePage(pn.viewable.Viewer):
         halves = [
             pn.Column(
                 head, *(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in stack.plots),
-                sizing_mode="stretch_both", min_height=430,
+                sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE],
             )
             for head, stack in zip(self._heads, self._stacks, strict=True)
         ]  # fmt: skip

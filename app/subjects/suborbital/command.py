@@ -22,13 +22,13 @@ def add_to(commands: Any) -> None:
     design_arguments(suborbital, one=True)
     suborbital.add_argument("--save", type=Path, metavar="FILE", help="also write the study's inputs as a study file")
     suborbital.add_argument("--inputs", action="store_true", help="list the inputs of the study and stop")
-    suborbital.add_argument("--trajectory", metavar="FILE", help="a flight from a CSV file instead of the golden one")
+    suborbital.add_argument("--trajectory", metavar="FILE", help="a flight from a CSV file, not the reference")
     suborbital.add_argument("--from-height", metavar="HEIGHT", help='tracker from a height, e.g. "80 km"')
     suborbital.add_argument("--latency", metavar="TIME", help='age of an attitude, e.g. "10 ms"')
     suborbital.add_argument("--misalignment", metavar="ANGLES", help='camera to IMU, e.g. "60, 0, 0 arcsec"')
     suborbital.add_argument("--star-images", action="store_true", help="attitude from star images, not perfect")
     suborbital.add_argument("--method", metavar="NAME", help="TRIAD, N-vector, q-method, QUEST or SVD")
-    suborbital.add_argument("--seed", metavar="N", help="of centroid noise and white noise (default 1)")
+    suborbital.add_argument("--seed", metavar="N", help="seed of centroid noise and white noise (default 1)")
     suborbital.add_argument(
         "--noise-runs", type=int, default=0, metavar="N", help="also fly N INS with white noise alone (Monte Carlo)"
     )

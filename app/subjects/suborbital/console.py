@@ -46,7 +46,7 @@ def run(
     changes: inputs of the study that come on top; save: where to write the study as a file.
     """
     if not 0 <= noise_runs <= MOST_RUNS:
-        raise InputError("--noise-runs", f"{noise_runs} is not allowed; it must be 0 to {MOST_RUNS}")
+        raise InputError("--noise-runs", f"{noise_runs} is not allowed. Enter 0 to {MOST_RUNS}.")
     settings, design, flown = DEFAULTS, None, None
     if of_design and (data is None or is_study(data)):
         key = of_design[0].partition("=")[0]

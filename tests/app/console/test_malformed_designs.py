@@ -193,11 +193,14 @@ def test_a_directory_and_a_file_nobody_may_read(capsys, tmp_path, monkeypatch):
 
 ALLOWED = {
     "imu.angle_random_walk": ('"1e6 °/√h"', "at most 360 °/√h"),
-    "gnss.position_noise": ('"1 s"', '"2 cm"'),
+    "gnss.position_noise": ('"1 s"', "Use m, km, cm"),
     "radar.wavelength": ('"0 cm"', "at most 2997.92 cm"),
     "gnss.rate": ('"0 Hz"', "at most 1000 Hz"),
     "radar.window": ('"hann"', "uniform, hamming, taylor"),
-    "imu.vibration_factor": ("nan", "nan is not allowed; it must be at least 0.01 and at most 1000"),
+    "imu.vibration_factor": (
+        "nan",
+        "nan is not allowed. The vibration factor must be at least 0.01 and at most 1000.",
+    ),
 }
 
 

@@ -37,7 +37,7 @@ def test_words_go_there_and_back_and_others_are_refused() -> None:
         for units in ("data sheet", "SI"):
             assert display_of(Display(spread, units).word) == Display(spread, units)
     for word in ("3s", "95.mm", "<b>", "95.si.si"):
-        with pytest.raises(InputError, match="is no way to show figures"):
+        with pytest.raises(InputError, match="is not a display choice"):
             display_of(word)
     assert link_parts("?arw=1deg/sqrt(h)&show=95.si&sar.runs=20") == ("arw=1deg/sqrt(h)", "sar.runs=20", "95.si")
 

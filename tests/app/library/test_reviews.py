@@ -99,7 +99,7 @@ def test_what_makes_no_sense_is_refused(library: Library, review: Review) -> Non
     name = review.open_points()[0][1]
     with pytest.raises(InputError, match="reason: Enter a reason"):
         decide(library, review.id, 1, name, False, "Eve")
-    with pytest.raises(InputError, match="none that"):
+    with pytest.raises(InputError, match="not one this design states"):
         decide(library, review.id, 1, "colour", True, "Eve")
     with pytest.raises(InputError, match="no design number 3"):
         decide(library, review.id, 3, name, True, "Eve")

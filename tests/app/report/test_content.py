@@ -66,6 +66,23 @@ def test_figures_of_the_budget_follow_the_display_and_the_verdict_does_not(mems)
     assert ("Figures of the budget", "95 %, SI units; all others 1σ") in told.chapters[0].facts
 
 
+def test_a_comparison_follows_the_display(mems, three):
+    """Against the same two distributions, for the table and both charts; which design is best does not change."""
+    plain, told = (report_of([mems, three[0]], NOW, display=each) for each in (Display(), Display("95 %", "SI")))
+    pair, axis = stats.rayleigh.ppf(0.95), stats.norm.ppf(0.975)
+    rows = {row[0].text.partition(" [")[0]: row[1:] for row in table(told, "c-figures-0").rows}
+    was = {row[0].text.partition(" [")[0]: row[1:] for row in table(plain, "c-figures-0").rows}
+    assert [[cell.mark for cell in row] for row in rows.values()] == [[c.mark for c in row] for row in was.values()]
+    horizontal, phase = rows["Horizontal position before a fix"][0].text, rows["Quadratic phase"][0].text
+    assert horizontal == f"{pair * mems.steady_state.prior.position_horizontal:.3g} m"
+    assert phase == f"{axis * mems.sar.quadratic:.3g} rad"
+    before, after = ({block.key: block.chart for block in each.charts()} for each in (plain, told))
+    now, then = (charts["c-chart-position-0"] for charts in (after, before))
+    np.testing.assert_allclose(now.lines[0].y, pair * then.lines[0].y, rtol=1e-12)
+    assert now.y_label == "horizontal position, 95 % [m]"
+    assert after["c-chart-phase-0"].bars[0].first == pytest.approx(axis * before["c-chart-phase-0"].bars[0].first)
+
+
 def test_the_verdict_sentence_stands_first_and_names_margin_and_sensor(mems, three):
     report = report_of([mems], NOW)
     verdict, tightest = report.chapters[0].verdict, mems.verdict.tightest

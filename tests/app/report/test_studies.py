@@ -384,7 +384,7 @@ def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
     ("arguments", "said"),
     [
         (["--with", "weather"], "--with: 'weather' is not a study; simulation, sar, suborbital"),
-        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed; enter 20"),
+        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed. Enter 20"),
         (["--with", "sar", "--seed", "-1"], "--seed: -1"),
         (["--with", "simulation", "--outage", "then"], "--outage: 'then'"),
     ],

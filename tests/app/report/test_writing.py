@@ -30,7 +30,7 @@ def refused(target: Path, capsys, code: int = 2) -> str:
 def test_a_way_to_show_figures_that_there_is_not_is_refused(tmp_path, capsys):
     target = tmp_path / "r.html"
     assert cli.main(["report", str(EXAMPLES / "tactical_x_band.toml"), "-o", str(target), "--show", "3s"]) == 2
-    assert "show: '3s' is no way to show figures. Try 1s, 2s, 95 or cep" in capsys.readouterr().err
+    assert "show: '3s' is not a display choice. Try 1s, 2s, 95 or cep" in capsys.readouterr().err
     assert not target.exists()
 
 

@@ -68,7 +68,7 @@ def test_a_reading_at_one_second_is_said_to_be_one():
     assert triad is not None
     assert triad.reading
     note = adopt_random_walks(analysis).origins[ARW]
-    assert "effective reading at 1 s, not the white floor, on gyro_x, gyro_y, gyro_z" in note
+    assert "read at 1 s, above the white-noise floor, on gyro_x, gyro_y, gyro_z" in note
     assert "not a confidence interval" in note
     assert "95 %" not in note
 

@@ -77,10 +77,10 @@ def test_nothing_added_is_the_study_of_the_design_alone() -> None:
     [
         ("gyro.drift", "1 °/h", "unknown key; a study takes gyro.bias_instability"),
         ("gyro.bias_instability", "1 mg", "'mg' is not a unit of angular rate"),
-        ("gyro.bias_instability", "-1 °/h", "it must be at least 0 °/h"),
-        ("gyro.correlation_time", "0 s", "it must be at least 0.001 s"),
-        ("accelerometer.scale_factor", "nan", "write for example"),
-        ("receiver.velocity_noise", "0 m/s", "it must be at least 0.001 cm/s"),
+        ("gyro.bias_instability", "-1 °/h", "The bias instability must be at least 0 °/h"),
+        ("gyro.correlation_time", "0 s", "The correlation time must be at least 0.001 s"),
+        ("accelerometer.scale_factor", "nan", "Enter the scale factor error, for example"),
+        ("receiver.velocity_noise", "0 m/s", "must be at least 0.00001 m/s"),
         ("filter.process_noise_scale", "none", "is not a number"),
     ],
 )

@@ -48,7 +48,7 @@ def test_own_sensors(tmp_path, capsys):
     [
         (["explore", "rank", DESIGN, "--result", "weight"], "not one of"),
         (["explore", "map", DESIGN, "--x", "imu.rate"], "cannot be an axis"),
-        (["explore", "uncertainty", DESIGN], "no input is uncertain"),
+        (["explore", "uncertainty", DESIGN], "No input is uncertain"),
         (["explore", "uncertainty", DESIGN, "--vary", "nonsense"], "not a range"),
         (["explore", "search", DESIGN, "--imus", "/nowhere.toml"], "cannot be read"),
         (["sweep", "/nowhere.toml", "-o", "x.csv"], "cannot be read"),

@@ -82,7 +82,7 @@ def test_a_review_of_another_version_says_which_program_worked_out_what(signed: 
     here = version("navbudget")
     assert program(signed) == f"NavBudget {here}"
     assert program(replace(signed, product="0.0.1")).startswith(
-        "NavBudget 0.0.1; values here are worked out by " + here
+        "NavBudget 0.0.1; values here are computed by " + here
     )
 
 

@@ -91,11 +91,11 @@ def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureF
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["nowhere.csv"], "nowhere.csv: no such file"),
-        (["{log}"], "bench.csv: no time column and no rate; give the rate in Hz"),
-        (["{log}", "--rate", "-1"], "rate -1.0 Hz"),
+        (["nowhere.csv"], "nowhere.csv: The file does not exist"),
+        (["{log}"], "bench.csv: The file has no time column. Give the rate in Hz"),
+        (["{log}", "--rate", "-1"], "rate of -1.0 Hz"),
         (["{log}", "--rate", "100", "--gyro-unit", "furlong"], "'furlong'"),
-        (["{log}", "--rate", "100", "--columns", "gyro_x,gyro_y"], "2 column names given, 6 columns"),
+        (["{log}", "--rate", "100", "--columns", "gyro_x,gyro_y"], "2 column names are given, but the file has 6"),
         (["{log}", "--rate", "100", "--arrays", "gyro"], "arrays: 'gyro' is not an assignment"),
         (["{log}", "--rate", "100", "--motion", "--bench-arw", "3"], "--bench-arw: '3' has no unit"),
         (["{log}", "--rate", "10", "--motion"], "band_from_hz"),

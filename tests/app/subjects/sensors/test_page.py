@@ -51,7 +51,7 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     panel = sensors.log
     session = panel.session
     asyncio.run(panel.take(log(), "bench.csv"))
-    assert "give the rate" in panel.run.message  # the file says no rate: asked for, the upload is kept
+    assert "Give the rate" in panel.run.message  # the file says no rate: asked for, the upload is kept
     assert panel.static.analysis is None
     panel.boxes["rate"].value = "100"
     asyncio.run(panel.analyse())
@@ -135,7 +135,7 @@ def test_cancel_ends_the_process_at_once(tmp_path: Path):
 
 
 def test_a_refusal_comes_back_with_its_key(tmp_path: Path):
-    for path, reason in ((tmp_path / "none.csv", "no such file"), (tmp_path / "bad.csv", "no numbers found")):
+    for path, reason in ((tmp_path / "none.csv", "does not exist"), (tmp_path / "bad.csv", "No numbers found")):
         (tmp_path / "bad.csv").write_text("a,b\nx,y\n")
         with pytest.raises(InputError) as caught:
             asyncio.run(run_alone(study_log, LogRequest(path), progress=lambda fraction, what: None))
@@ -200,5 +200,5 @@ def test_a_reading_at_1_s_stands_beside_its_white_floor():
         assert axis.white_floor < walk.value
         for said in (f"{60 * walk.value:.3g}", f"{60 * axis.white_floor:.3g}"):
             assert said in cells
-    assert "effective reading about 1 s; white floor" in cells
+    assert "read at 1 s; white-noise floor" in cells
     assert "not a confidence interval" in cells
