@@ -12,6 +12,7 @@ import panel_material_ui as pmui
 import param
 
 from app.ui.log_slider import LogSlider
+from app.upstream.prompt_input import PromptInput
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.several import Axes
 from nav_model.errors import InputError
@@ -82,7 +83,10 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
         if self.slider is not None and size is not None:
             self.slider.follow(size)
         if not self.error:
-            self.box.value = self.text()
+            if isinstance(self.box, PromptInput):
+                self.box.follow(self.text())
+            else:
+                self.box.value = self.text()
         self.say()
 
     def clear(self) -> None:

@@ -23,4 +23,10 @@ class PromptInput(pmui.TextInput):
 
     @param.depends("value", watch=True, on_init=True)
     def _sync_value_input(self) -> None:
-        self.value_input = self.value
+        self.value_input = self.value  # type: ignore[has-type]
+
+    def follow(self, text: str) -> None:
+        """Show a text; the browser is told once of both."""
+        if self.value != text:  # type: ignore[has-type]
+            with param.parameterized.batch_call_watchers(self):
+                self.value = self.value_input = text

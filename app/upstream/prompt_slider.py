@@ -48,7 +48,8 @@ class PromptSlider(pmui.FloatSlider):
             self._in_process__events[document] = events
         try:
             with _syncing(self, list(events)):
-                self.param.update(**self._process_property_change(events))
+                for name, value in self._process_property_change(events).items():
+                    setattr(self, name, value)
         finally:
             self._in_process__events.pop(document, None)
 

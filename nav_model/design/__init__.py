@@ -39,6 +39,16 @@ from nav_model.frozen import FrozenMapping
 
 Value = float | int | bool | str | tuple[Row, ...] | None
 
+_KEYS = {
+    section: tuple(
+        key
+        for key in (f"{section}.preset", *(f"{section}.{name}" for name in names))
+        if key in PRESET_KEYS or not key.endswith(".preset")
+    )
+    for section, names in INPUTS.items()
+}
+"""Section -> dotted keys of its values, the catalogue's entry first."""
+
 
 class Design:
     """One design, immutable: a name, a description and nine parts.
@@ -84,20 +94,18 @@ class Design:
         """
         given = dict(values or {})
         texts = {key: str(given.pop(key, "")) for key in TOP_KEYS}
-        self._fill(texts, {part.section: part(**own) for part, own in _by_part(given)}, written or {}, origins or {})
+        parts = {part.section: part(**own) for part, own in _by_part(given)}
+        self._fill(dict(texts), parts, written or {}, origins or {})
 
     def _fill(
         self,
-        texts: Mapping[str, str],
+        flat: dict[str, Value],
         parts: Mapping[str, Part],
         written: Mapping[str, str],
         origins: Mapping[str, str],
     ) -> None:
-        flat: dict[str, Value] = dict(texts)
         for section, part in parts.items():
-            if f"{section}.preset" in PRESET_KEYS:
-                flat[f"{section}.preset"] = getattr(part, "preset")  # noqa: B009  # only some parts have it
-            flat |= {f"{section}.{name}": getattr(part, name) for name in INPUTS[section]}
+            flat |= {key: getattr(part, key.rpartition(".")[2]) for key in _KEYS[section]}
         for key, origin in origins.items():
             _check_origin(key, origin)
         self.__dict__.update(parts, written=FrozenMapping(written), origins=FrozenMapping(origins), _values=flat)
@@ -148,16 +156,14 @@ class Design:
             For an unknown key, a value out of bounds, or an origin that is not one line of text.
         """
         given = dict(changes)
-        texts = {key: str(given.pop(key, self._values[key])) for key in TOP_KEYS}
+        texts = {key: str(given.pop(key)) for key in TOP_KEYS if key in given}
         touched = {key.partition(".")[0] for key in given}
-        parts: dict[str, Part] = {part.section: getattr(self, part.section) for part in PARTS}
-        kept = {key: value for key, value in self._values.items() if key.partition(".")[0] in touched}
-        for part, own in _by_part(kept | given):
-            if part.section in touched:
-                parts[part.section] = part(**own)
+        kept = {key: self._values[key] for section in touched for key in _KEYS.get(section, ())}
+        parts = {part.section: part(**own) for part, own in _by_part(kept | given) if part.section in touched}
         held = {key: origin for key, origin in self.origins.items() if changes.get(key, self[key]) == self[key]}
         new = Design.__new__(Design)
-        new._fill(texts, parts, {**self.written, **(written or {})}, {**held, **(origins or {})})
+        new.__dict__.update(self.__dict__)
+        new._fill({**self._values, **texts}, parts, {**self.written, **(written or {})}, {**held, **(origins or {})})
         return new
 
     def unit(self, key: str) -> str:

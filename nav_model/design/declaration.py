@@ -89,6 +89,11 @@ class BaseQuantity(param.Number[_T]):
             **params,
         )
 
+    def __get__(self, obj: Any, objtype: type[Any] | None = None) -> _T:
+        """As of any parameter: no input is one of Param's functions of time, which each look at a number asks for."""
+        value: _T = param.Parameter.__get__(self, obj, objtype)
+        return value
+
     @property
     def key(self) -> str:
         """Dotted key, as in a design file."""

@@ -177,10 +177,29 @@ def response_curve(
     samples = aperture.shape[-1]
     weights = as_taper(window).weights(aperture_positions(samples))
     reach = min(round(extent_cells * zero_padding), samples * zero_padding // 2 - 1)
-    spectrum = np.fft.fft(aperture * (weights / weights.sum()), samples * zero_padding)
     offsets = np.arange(-reach, reach + 1)
+    chirp, kernel = _chirps(samples, zero_padding, reach)
+    spread = np.fft.ifft(np.fft.fft(aperture * (weights / weights.sum()) * chirp, len(kernel)) * kernel)
     with np.errstate(divide="ignore"):
-        return offsets / zero_padding, 20 * np.log10(np.abs(spectrum[..., offsets]))
+        return offsets / zero_padding, 20 * np.log10(np.abs(spread[..., offsets]))
+
+
+@cache
+def _chirps(samples: int, zero_padding: int, reach: int) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """What the middle of a long padded transform is made with by a short one, but for a phase at each point.
+
+    Source: Bluestein, IEEE Transactions on Audio and Electroacoustics 18(4), 1970.
+    """
+    length = samples * zero_padding
+
+    def chirp(at: NDArray[np.int64]) -> NDArray[np.complex128]:
+        turned: NDArray[np.complex128] = np.exp(-1j * np.pi / length * (at**2 % (2 * length)))
+        return turned
+
+    distances = np.arange(-reach - samples + 1, reach + 1)
+    kernel = np.zeros(1 << len(distances).bit_length(), complex)
+    kernel[distances] = chirp(distances).conj()
+    return chirp(np.arange(samples)), np.fft.fft(kernel)
 
 
 def quadratic_response(
@@ -203,13 +222,12 @@ def quadratic_response(
     line = _fast_line(taper, reach)
     turn, bend = quadratic_rad * line.x**2, cubic_rad * line.x**3
     even = line.weights * np.stack([np.cos(turn), np.sin(turn)])
-    # einsum, not @: products this small are slowed manyfold when BLAS wakes its threads on a busy machine
-    cosine_part = np.einsum("...k,kn->...n", even * np.cos(bend), line.cosines)
+    cosine_part = _product(even * np.cos(bend), line.cosines)
     if cubic_rad == 0.0:
         half = (cosine_part**2).sum(axis=0)
         power = np.concatenate([half[:0:-1], half])
     else:
-        sine_part = np.einsum("...k,kn->...n", even * np.sin(bend), line.sines)
+        sine_part = _product(even * np.sin(bend), line.sines)
         upper = ((cosine_part + sine_part) ** 2).sum(axis=0)
         lower = ((cosine_part - sine_part) ** 2).sum(axis=0)
         power = np.concatenate([lower[:0:-1], upper])
@@ -251,6 +269,16 @@ def with_echoes(response: ImpulseResponse, echo: float, stays: float, stays_near
 def ideal_null_cells(window: Window | Taper) -> float:
     """Distance from the peak to the first null (first minimum) of the error-free response [cells]."""
     return _ideal_null(as_taper(window))
+
+
+_UNTHREADED = 1 << 18
+"""Multiplications up to which OpenBLAS leaves its threads asleep: on a busy machine waking them takes manyfold."""
+
+
+def _product(rows: _FloatArray, matrix: _FloatArray) -> _FloatArray:
+    """``rows @ matrix``, in pieces small enough for one thread."""
+    width = max(1, _UNTHREADED // rows.size)
+    return np.hstack([rows @ matrix[:, at : at + width] for at in range(0, matrix.shape[1], width)])
 
 
 # --- measuring -------------------------------------------------------------------------------------------

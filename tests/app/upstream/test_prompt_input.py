@@ -34,3 +34,14 @@ def test_none_is_and_the_text_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     box = PromptInput()
     assert _touched(box, monkeypatch) == 0
     assert box.value_input == "1 m"
+
+
+def test_a_text_to_follow_is_one_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    box = PromptInput(value="1 m")
+    told: list[set[str]] = []
+    monkeypatch.setattr(box, "_param_change", lambda *events: told.append({event.name for event in events}))
+    box.param.watch(lambda *events: told.append({event.name for event in events}), ["value", "value_input"])
+    box.follow("2 m")
+    box.follow("2 m")
+    assert (box.value, box.value_input) == ("2 m", "2 m")
+    assert told == [{"value", "value_input"}]
