@@ -168,8 +168,10 @@ def percentile(values: list[float], share: float) -> float:
 
 async def measure(address: str, server: Server, kind: Kind, sessions: int, seconds: float, whole: bool) -> Report:
     """What a page costs to open and to move, and the capacity; if `whole`, also the phases at shares of it."""
-    for _ in range(3 * server.processes):
-        await (await _visit(address, kind)).close()  # what is loaded with the first page is not a session's
+    for _ in range(3 * server.processes):  # what is loaded with the first page and its first steps is not a session's
+        first = await _visit(address, kind)
+        await _one_after_another(first, 10, Phase("first"))
+        await first.close()
     report, base, before = Report(), server.resident(), server.cpu()
     tabs = [await _visit(address, kind) for _ in range(sessions)]
     await asyncio.sleep(1)  # what follows the first screen
@@ -186,8 +188,8 @@ async def measure(address: str, server: Server, kind: Kind, sessions: int, secon
         for share in GOALS_MS:
             phase = await _phase(f"{share:g} of the capacity", tabs, server, share * report.capacity, seconds)
             report.phases.append(phase)
+        report.session = (server.resident() - base) / sessions
         report.phases.append(await _beside_monte_carlo(address, tabs, server, 0.5 * report.capacity, seconds))
-    report.session = (server.resident() - base) / sessions
     for tab in tabs:
         await tab.close()
     return report
