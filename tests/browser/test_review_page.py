@@ -241,7 +241,8 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(field(page, "Reason: D1: Detrended phase")).to_be_focused()
     decide(second, "Horizontal position", "Reject", "no margin left")
     expect(second.locator(".strip").filter(has_text="1 requirement rejected")).to_be_visible()
-    row = page.get_by_role("row").filter(has_text="D1: Horizontal position")
+    header = page.get_by_role("rowheader", name="D1: Horizontal position", exact=True)
+    row = page.get_by_role("row").filter(has=header)
     expect(row).to_contain_text("rejected by Bob")  # by itself
     expect(row).to_contain_text("no margin left")
     expect(row.get_by_role("button")).to_have_text(["Change"])  # theirs is seen before another takes its place
