@@ -221,7 +221,7 @@ def test_typed_value_unit_and_refusal(desk: Page) -> None:
     for wrong, said in (
         ("5 kg", "not a unit of angle random walk"),
         ("-1 °/√h", "must be at least"),
-        ("nan °/√h", "Enter the angle random walk, for example"),
+        ("nan °/√h", "is not an angle random walk. Try 0.5 °/√h."),
     ):
         enter(arw, wrong)
         expect(desk.get_by_text(said).first).to_be_visible()

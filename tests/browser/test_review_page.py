@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import io
 import re
 import zipfile
@@ -12,7 +11,8 @@ from typing import Any
 
 import pypdf
 import pytest
-from playwright.sync_api import Browser, Download, Locator, Page, WebSocketRoute, expect
+from deaf import Deaf
+from playwright.sync_api import Browser, Download, Locator, Page, expect
 from waiting import PATIENCE
 
 Visit = Callable[..., Page]
@@ -241,7 +241,8 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(field(page, "Reason: D1: Detrended phase")).to_be_focused()
     decide(second, "Horizontal position", "Reject", "no margin left")
     expect(second.locator(".strip").filter(has_text="1 requirement rejected")).to_be_visible()
-    row = page.get_by_role("row").filter(has_text="D1: Horizontal position")
+    header = page.get_by_role("rowheader", name="D1: Horizontal position", exact=True)
+    row = page.get_by_role("row").filter(has=header)
     expect(row).to_contain_text("rejected by Bob")  # by itself
     expect(row).to_contain_text("no margin left")
     expect(row.get_by_role("button")).to_have_text(["Change"])  # theirs is seen before another takes its place
@@ -262,33 +263,6 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
     press(page, "Sign off")
     expect(heading).to_contain_text("Signed off by Ann")
-
-
-class Deaf:
-    """A page that, while it is deaf, hears nothing of the server; what the person does there arrives."""
-
-    def __init__(self, page: Page) -> None:
-        self.deaf = False
-        self._page = page
-        self._kept: list[tuple[WebSocketRoute, str | bytes]] = []
-        page.route_web_socket(re.compile("/ws"), self._join)
-
-    def _join(self, socket: WebSocketRoute) -> None:
-        server = socket.connect_to_server()
-        server.on_message(functools.partial(self._heard, socket))
-
-    def _heard(self, socket: WebSocketRoute, message: str | bytes) -> None:
-        if self.deaf:
-            self._kept.append((socket, message))
-        else:
-            socket.send(message)
-
-    def hear(self) -> None:
-        """Hear what was said meanwhile, in order."""
-        self.deaf = False
-        for socket, message in self._kept:
-            socket.send(message)
-        self._kept.clear()
 
 
 def test_a_page_that_still_says_open_does_not_replace_anothers_reject(
