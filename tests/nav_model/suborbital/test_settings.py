@@ -53,7 +53,7 @@ def test_dropouts_are_intervals():
         ("tracker.latency", "nan s", "is not a time"),
         ("gyros.bias", "1, 2 °/h", "one for all axes, or three"),
         ("gyros.bias", "2000 °/h", "at most 1000 °/h in size"),
-        ("tracker.dropouts", "260-200 s", "before it stops"),
+        ("tracker.dropouts", "260-200 s", "stop after it starts"),
         ("tracker.dropouts", "soon", "not an interval"),
         ("camera.method", "guess", "one of TRIAD"),
         ("camera.brightest", "4.5", "not a whole number"),
