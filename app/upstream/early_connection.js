@@ -8,6 +8,7 @@
   const token = "TOKEN"
   const Shipped = WebSocket
   const path = location.pathname.replace(/\/+$/, "")
+  void document.cookie // read back, as it is set in its own time: what this page says of itself goes with the connection
   const early = new Shipped(`${location.protocol.replace("http", "ws")}//${location.host}${path}/ws${location.search}`, ["bokeh", token])
   early.binaryType = "arraybuffer"
   const kept = []
