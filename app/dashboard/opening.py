@@ -18,6 +18,8 @@ OPENING_SCRIPT = (
     Path(__file__).with_suffix(".js").read_text("utf-8").replace("COOKIE", _COOKIE).replace("THEME", THEME_COOKIE)
 )
 """For the head of the page as the browser loads it."""
+OPENING_SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
+"""Its style until all of it is there."""
 
 
 class Opening(NamedTuple):

@@ -19,7 +19,7 @@ from bokeh.settings import settings
 from panel.io.state import set_curdoc
 
 from app.dashboard.frame import Frame, is_review_link
-from app.dashboard.opening import OPENING_SCRIPT
+from app.dashboard.opening import OPENING_SCRIPT, OPENING_SHEET
 from app.document.display import display_of
 from app.serving.access import PasswordProvider, provider_of
 from app.serving.address import announce, listen, origins
@@ -185,7 +185,7 @@ def opening_page() -> Callable[[str, bool], str]:
 
     def page(token: str, dark: bool) -> str:
         scheme = '<meta name="color-scheme" content="dark">' if dark else ""  # dark while it loads
-        first = f"<head>{scheme}<script>{OPENING_SCRIPT}{head_script(token)}</script>"
+        first = f"<head>{scheme}<style>{OPENING_SHEET}</style><script>{OPENING_SCRIPT}{head_script(token)}</script>"
         return light(token).replace("<head>", first, 1)
 
     return page

@@ -48,12 +48,6 @@ _SAYS = """() => {
 }"""
 
 
-# For each connection that a page opens: were the libraries there?
-_CONNECTIONS = """window.connections = []
-window.WebSocket = class extends WebSocket {
-  constructor(...asked) { super(...asked); connections.push(Boolean(window.Bokeh)) }
-}"""
-
 _MS = 1e3 * PATIENCE
 expect.set_options(timeout=_MS)
 
@@ -125,17 +119,10 @@ def visit(page: Page, server: str) -> Iterator[Callable[..., Page]]:
 
 
 @pytest.fixture(scope="session")
-def connections() -> str:
-    """A script for a page that is to be opened, which keeps `connections`."""
-    return _CONNECTIONS
-
-
-@pytest.fixture(scope="session")
-def plain(browser: Browser, server: str, connections: str) -> Iterator[Page]:
+def plain(browser: Browser, server: str) -> Iterator[Page]:
     """The first design's page, for tests that change nothing on it: opening one takes seconds."""
     page = browser.new_page()
     page.set_default_timeout(_MS)
-    page.add_init_script(connections)
     with _watched(page, server) as open_:
         open_()
         expect(page.locator(".bk-Figure:visible")).to_have_count(4)

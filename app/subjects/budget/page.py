@@ -53,7 +53,7 @@ _OVER = {
 class BudgetPage(pn.viewable.Viewer):
     """Everything below the bar.
 
-    The first screen is made at once and fills the window. What is folded below is made when it is opened.
+    The first screen fills the window; its figures come just after it. What is folded below is made when it is opened.
     """
 
     session = held(Session)
@@ -88,16 +88,16 @@ class BudgetPage(pn.viewable.Viewer):
         figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
         for figure in figures:  # the last has the axis
             figure.styles = {"flex": "1.25 1 0" if figure is figures[-1] else "1 1 0"}
+        lines = pn.Column(self._stack_head, sizing_mode="stretch_both", stylesheets=[STACK_ON_A_PHONE])
+        response = pn.Column(sizing_mode="stretch_both")
         self._view = pn.Column(
             first_screen(
                 pn.Column(self._strip, self._panel),
                 self._tiles,
-                left=[
-                    pn.Column(self._stack_head, *figures, sizing_mode="stretch_both", stylesheets=[STACK_ON_A_PHONE])
-                ],
+                left=[lines],
                 right=[
                     pn.Column(self._phase_head, self._phase, sizing_mode="stretch_both", stylesheets=[NARROW]),
-                    self._response.view,
+                    response,
                 ],
             ),
             self._details,
@@ -108,6 +108,9 @@ class BudgetPage(pn.viewable.Viewer):
         self._shown = session.shown
         self._feed(budget)
         self._tell()
+        # The answer is on the screen while the figures, most of the browser's work, are still drawn.
+        once_loaded(lambda: lines.extend(figures))
+        once_loaded(lambda: response.append(self._response.view))
         once_loaded(self._add_details)
 
     def __panel__(self) -> pn.Column:
