@@ -278,6 +278,7 @@ def test_a_page_that_still_says_open_does_not_replace_anothers_reject(
     second = browser.new_context().new_page()
     second.set_default_timeout(1e3 * PATIENCE)
     second.goto(server + "/#review")
+    second.get_by_role("slider", name="Position noise").wait_for()  # which comes last
     tab(second, "Reviews")
     second.get_by_role("region", name="All reviews").get_by_role("button", name="Too late").click()
     field(second, "Your name").fill("Bob")
