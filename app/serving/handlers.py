@@ -18,6 +18,7 @@ from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
 from app.serving.rules import Rules
+from app.upstream.first_changes import FirstChanges
 from app.upstream.frames_at_once import FramesAtOnce
 from app.upstream.late_session import new_token
 from app.upstream.lost_connection import LostConnection
@@ -136,7 +137,7 @@ class PageHandler(DocHandler):
         self.finish(plain_page(title, text, **again))
 
 
-class LimitedWSHandler(FramesAtOnce, LostConnection, NoPushDoc, NoTracebacks):
+class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoPushDoc, NoTracebacks):
     """The page's connection; it opens no session beyond the limit either."""
 
     async def prepare(self) -> None:

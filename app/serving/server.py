@@ -34,7 +34,7 @@ from app.session import Session, link_parts
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
-from app.upstream import known_models, one_write, writes
+from app.upstream import first_changes, known_models, one_write, writes
 from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.ask_first import ask_first
 from app.upstream.browser import head_script
@@ -130,6 +130,7 @@ def serve_on(
     settings.perform_document_validation = False  # warns of empty layouts, at each look at a document
     writes.repair()
     one_write.repair()
+    first_changes.repair()
     known_models.repair()
     read_any_address()
     remember_defaults()

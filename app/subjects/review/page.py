@@ -19,7 +19,6 @@ from app.subjects.review.desk import Desk
 from app.subjects.review.library_view import LibraryView
 from app.subjects.review.room import ReviewRoom
 from app.ui.answer_strip import AnswerStrip
-from app.ui.turns import once_loaded
 from nav_model.budget import Budget
 from nav_model.errors import InputError
 
@@ -50,8 +49,8 @@ class ReviewPage(pn.viewable.Viewer):
         self._tabs.param.watch(self._turned, "active")
         head = pn.Column(self._strip, visible=session.param.presenting.rx.not_(), margin=(8, 10, 0, 10))
         self._view = pn.Column(head, self._desk.notice, self._tabs, self._place, self._desk.memory)
-        once_loaded(lambda: pn.state.execute(self._library.refresh))
-        once_loaded(self._follow_link)
+        pn.state.execute(self._library.refresh)
+        self._follow_link()
 
     def __panel__(self) -> pn.Column:
         return self._view

@@ -74,6 +74,19 @@ async def look() -> dict[str, Any]:
     (client,) = server._tornado._clients
     stream = client._socket.ws_connection.stream.socket
     found["nodelay"] = stream.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+    await send("PULL-DOC-REQ", {})
+    assert (await answer())[0] == "PULL-DOC-REPLY"
+    document, changed = client.session.document, asyncio.Event()
+
+    def change() -> None:
+        with pn.io.hold(document):
+            document.title = "changed"
+        changed.set()
+
+    document.add_next_tick_callback(change)
+    await changed.wait()
+    await send("SERVER-INFO-REQ", {})
+    found["told before it is ready"] = (await answer())[0]
     await send("PUSH-DOC", {"doc": Document(title="another").to_json().content})
     found["push"] = [(await reply())[0], client.session.document.title]
     await send("PATCH-DOC", {"events": [{"kind": "ModelChanged", "model": {"id": "no such"}, "attr": "a", "new": 1}]})

@@ -1,0 +1,42 @@
+"""What changes between the sending of a page and its being ready is told."""
+
+from __future__ import annotations
+
+import asyncio
+from types import SimpleNamespace
+from typing import Any
+
+import panel as pn
+import panel.io.document as panel_document
+import pytest
+from bokeh.document import Document
+from panel.io.server import WSHandler
+
+from app.upstream import first_changes
+
+
+def test_as_shipped_a_change_before_it_is_ready_is_lost(shipped: dict[str, Any]) -> None:
+    assert shipped["told before it is ready"] == "SERVER-INFO-REPLY", "and no PATCH-DOC before it"
+
+
+@pytest.mark.parametrize(("asked", "told"), [("PULL-DOC-REQ", True), ("SERVER-INFO-REQ", False)])
+def test_what_a_hold_collects_once_the_document_is_sent_is_told(
+    asked: str, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(panel_document, "_drain_unconnected_events", first_changes._collected)
+    document, changes = Document(), list[Any]()
+    document.on_change(changes.append)
+
+    async def replies(*_: Any) -> str:
+        with pn.io.hold(document):
+            document.title = "in what is sent"
+        return "the reply"
+
+    monkeypatch.setattr(WSHandler, "_handle", replies)
+    handler = first_changes.FirstChanges.__new__(first_changes.FirstChanges)
+    handler.connection = SimpleNamespace(session=SimpleNamespace(document=document))
+    assert asyncio.run(handler._handle(SimpleNamespace(msgtype=asked))) == "the reply"
+    assert not changes
+    with pn.io.hold(document):
+        document.title = "changed after"
+    assert [each.title for each in changes] == ["changed after"] * told
