@@ -21,6 +21,7 @@ from app.serving.rules import Rules
 from app.upstream.frames_at_once import FramesAtOnce
 from app.upstream.late_session import new_token
 from app.upstream.lost_connection import LostConnection
+from app.upstream.no_receipts import NoReceipts
 from app.upstream.push_doc import NoPushDoc
 from app.upstream.routes import serve_only
 from app.upstream.tracebacks import NoTracebacks
@@ -136,7 +137,7 @@ class PageHandler(DocHandler):
         self.finish(plain_page(title, text, **again))
 
 
-class LimitedWSHandler(FramesAtOnce, LostConnection, NoPushDoc, NoTracebacks):
+class LimitedWSHandler(FramesAtOnce, LostConnection, NoPushDoc, NoReceipts, NoTracebacks):
     """The page's connection; it opens no session beyond the limit either."""
 
     async def prepare(self) -> None:

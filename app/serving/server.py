@@ -127,6 +127,7 @@ def serve_on(
     pn.extension(exception_handler=caught)
     set_defaults()
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
+    settings.simple_ids = True  # as it is unless said; said, it is not looked up anew for each id
     settings.perform_document_validation = False  # warns of empty layouts, at each look at a document
     writes.repair()
     one_write.repair()

@@ -74,6 +74,8 @@ async def look() -> dict[str, Any]:
     (client,) = server._tornado._clients
     stream = client._socket.ws_connection.stream.socket
     found["nodelay"] = stream.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+    await send("PATCH-DOC", {"events": []})
+    found["change"] = await reply()
     await send("PUSH-DOC", {"doc": Document(title="another").to_json().content})
     found["push"] = [(await reply())[0], client.session.document.title]
     await send("PATCH-DOC", {"events": [{"kind": "ModelChanged", "model": {"id": "no such"}, "attr": "a", "new": 1}]})
