@@ -105,8 +105,8 @@ class QuantityControl(InputBox):
 
     def follow(self) -> None:
         """Show the value in force and its unit."""
-        if self.unit is not None:
-            self.unit.value = self._session.design.unit(self.key)
+        if self.unit is not None and self.unit.value != (unit := self._session.design.unit(self.key)):
+            self.unit.value = unit
         super().follow()
 
     def value(self) -> Value:
