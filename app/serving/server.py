@@ -235,7 +235,6 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
         else:
             stopping.append(loop.create_task(wind_down()))
 
-    loop.set_exception_handler(writes.closed_is_no_fault)
     server.start()
     aside = [loop.create_task(collector.run()), loop.create_task(_tell(server, row))]
     for signal_number in (signal.SIGTERM, signal.SIGINT):
