@@ -40,6 +40,7 @@ from app.upstream.ask_first import ask_first
 from app.upstream.browser import head_script
 from app.upstream.class_parameters import copy_none
 from app.upstream.defaults import remember_defaults
+from app.upstream.design_once import ask_when_styles_change
 from app.upstream.given_socket import listen_on
 from app.upstream.given_values import look_at_what_was_given
 from app.upstream.late_session import page_of, sheets_from_here
@@ -136,6 +137,7 @@ def serve_on(
     remember_defaults()
     look_at_what_was_given()
     copy_none()
+    ask_when_styles_change()
     mark_own_part()
     for name in COMPONENTS:
         import_module(name)

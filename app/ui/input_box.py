@@ -105,13 +105,14 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
             self.box.param.update(**said)
 
     def put(self, take: Callable[[], InputError | None]) -> None:
-        """Put something in force, and show it or why it is refused."""
-        try:
-            refused = take()
-        except InputError as error:
-            refused = error
-        self._refuse("" if refused is None else refused.reason if refused.key == self.key else str(refused))
-        self.follow()
+        """Put something in force, and show it or why it is refused: all that comes of it is one message."""
+        with pn.io.hold():
+            try:
+                refused = take()
+            except InputError as error:
+                refused = error
+            self._refuse("" if refused is None else refused.reason if refused.key == self.key else str(refused))
+            self.follow()
 
     def _refuse(self, why: str) -> None:
         if self.error != why:  # to set it costs as much as to format the value
