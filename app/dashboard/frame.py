@@ -120,8 +120,12 @@ class Frame(pn.viewable.Viewer):
     def _keep(self) -> None:
         """Have the browser's tab keep what is in force, should the page be loaded again."""
         base, link = self.session.lineage.base, self.session.link
-        self._lifeline.param.update(link=link, base=base.key if base else "")
-        self._toolbar.bar.link = to_share(link)
+        key = base.key if base else ""
+        with pn.io.hold():
+            if self._lifeline.base != key:
+                self._lifeline.base = key
+            self._lifeline.link = link
+            self._toolbar.bar.link = to_share(link)
 
     def _come_back(self, link: str, base: str) -> None:
         """Take up again what the browser's tab kept of this page before it was loaded again."""

@@ -191,8 +191,10 @@ class BudgetPage(pn.viewable.Viewer):
     def _offer_modes(self) -> None:
         budget = self.session.budget
         modes, chosen = verdicts_in_short(budget), budget.verdict.processing
-        if self._mode.options != modes or self._mode.value != chosen:
+        if self._mode.value != chosen:
             self._mode.param.update(options=modes, value=chosen)
+        elif self._mode.options != modes:
+            self._mode.options = modes
 
     # --- what would close it ---------------------------------------------------------------------------------
 
