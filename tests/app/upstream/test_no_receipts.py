@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from panel.io.server import WSHandler
 from tornado.locks import Lock
+from waiting import soon
 
 from app.upstream.no_receipts import NoReceipts
 
@@ -61,8 +62,7 @@ def test_the_next_change_is_read_when_all_is_taken() -> None:
     async def run() -> None:
         stream = _Stream()
         next_read = asyncio.ensure_future(_connection(stream)._schedule(SimpleNamespace(msgtype="OK")))
-        while not stream.written:
-            await asyncio.sleep(0)
+        await soon(lambda: next_read.done() or stream.written, "it waits until all is taken")
         for _ in range(10):
             await asyncio.sleep(0)
         assert not next_read.done()
