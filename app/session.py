@@ -138,10 +138,8 @@ class Session(param.Parameterized):
 
     @property
     def short_link(self) -> str:
-        """The same to give to others: a long one without the design's description."""
-        parts = self.link.split("&")
-        long = len(self.link) > _MOST_TO_SHARE
-        return "&".join(part for part in parts if not (long and part.startswith("description=")))
+        """The same to give to others (`to_share`)."""
+        return to_share(self.link)
 
     def take_studies(self, link: str) -> None:
         """Take what a link says of the studies beside the design (the second part of `split_link`)."""
@@ -224,6 +222,13 @@ class Session(param.Parameterized):
             # What is set counts as changed, be it the same.
             **({} if lineage is self.lineage else {"lineage": lineage}),
         )
+
+
+def to_share(link: str) -> str:
+    """A session's link to give to others: a long one without the design's description."""
+    if len(link) <= _MOST_TO_SHARE:
+        return link
+    return "&".join(part for part in link.split("&") if not part.startswith("description="))
 
 
 def link_parts(query: str) -> tuple[str, str, str]:

@@ -14,6 +14,7 @@ import re
 from collections.abc import Callable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
+from functools import lru_cache
 from typing import NamedTuple
 
 from nav_model.dimensions import DIMENSIONS, MAX_EXPONENT
@@ -223,6 +224,7 @@ def from_si(value: float, unit: str, dimension: str) -> float:
     return float(DIMENSIONS[dimension].number(Fraction(value), unit))
 
 
+@lru_cache(maxsize=4096)
 def format_quantity(
     value: float, unit: str, dimension: str, digits: int | None = None, *, zeros: bool = False
 ) -> str:
@@ -286,17 +288,31 @@ def shortest_decimal(exact: Fraction, reads_back: Callable[[Fraction], bool]) ->
 
 def plain_number(number: float, digits: int, *, zeros: bool = False) -> str:
     """Decimal text of `number` with `digits` significant digits; `zeros`: those at the end too, but for a zero."""
-    rounded = Context(prec=digits).create_decimal_from_float(number).normalize()
-    if zeros and rounded.is_finite() and rounded and len(rounded.as_tuple().digits) < digits:
-        rounded = rounded.quantize(Decimal(1).scaleb(rounded.adjusted() - digits + 1))
-    return _plain_decimal(rounded)
+    mantissa, _, exponent = f"{number:.{digits - 1}e}".partition("e")  # rounded once, from the exact value
+    if not exponent:  # not finite
+        return str(Decimal(number))
+    if not number:
+        return "0"
+    sign, figures, place = "-" if number < 0 else "", mantissa.lstrip("-").replace(".", ""), int(exponent)
+    if not zeros:
+        figures = figures.rstrip("0")
+    if not _POSITIONAL[0] <= place <= _POSITIONAL[1]:
+        point = "." if len(figures) > 1 else ""
+        return f"{sign}{figures[0]}{point}{figures[1:]}e{place}"
+    if place < 0:
+        return f"{sign}0.{'0' * (-place - 1)}{figures}"
+    whole, part = figures[: place + 1].ljust(place + 1, "0"), figures[place + 1 :]
+    return f"{sign}{whole}{'.' if part else ''}{part}"
+
+
+_POSITIONAL = -5, 9
+"""Powers of ten between which a reader expects positional digits: 1e-5 to 1e9; scientific outside."""
 
 
 def _plain_decimal(number: Decimal) -> str:
-    """Positional where a reader expects it (1e-5 to 1e9), scientific outside."""
     if not number:
         return "0"
-    if -5 <= number.adjusted() <= 9:
+    if _POSITIONAL[0] <= number.adjusted() <= _POSITIONAL[1]:
         return f"{number:f}"
     mantissa, _, exponent = f"{number:e}".partition("e")
     return f"{mantissa}e{int(exponent)}"

@@ -18,7 +18,7 @@ from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.declared import held
 from app.document.display import ONE_SIGMA, display_of
-from app.session import Lineage, Session, link_parts
+from app.session import Lineage, Session, link_parts, to_share
 from app.subjects import SUBJECTS
 from app.ui.faults import tell_here
 from app.ui.html_pane import html_pane
@@ -119,9 +119,13 @@ class Frame(pn.viewable.Viewer):
 
     def _keep(self) -> None:
         """Have the browser's tab keep what is in force, should the page be loaded again."""
-        base = self.session.lineage.base
-        self._lifeline.param.update(link=self.session.link, base=base.key if base else "")
-        self._toolbar.bar.link = self.session.short_link
+        base, link = self.session.lineage.base, self.session.link
+        key = base.key if base else ""
+        with pn.io.hold():
+            if self._lifeline.base != key:
+                self._lifeline.base = key
+            self._lifeline.link = link
+            self._toolbar.bar.link = to_share(link)
 
     def _come_back(self, link: str, base: str) -> None:
         """Take up again what the browser's tab kept of this page before it was loaded again."""

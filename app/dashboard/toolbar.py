@@ -70,7 +70,8 @@ class Toolbar(pn.viewable.Viewer):
 
     def show(self, budget: Budget) -> None:
         """Follow the budget in force."""
-        self.bar.named = budget.design.name
+        if self.bar.named != budget.design.name:
+            self.bar.named = budget.design.name
 
     @param.depends("session.findings", "session.budget", "session.running", watch=True)
     def _offer(self) -> None:

@@ -9,7 +9,7 @@ from app.document.blocks import Answer, Cell
 from app.document.numbers import percent, show_in, signed_percent, whole_percent
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES
-from nav_model.budget.result import Check
+from nav_model.budget.result import Check, Verdict
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -39,10 +39,14 @@ _FIGURES = {
 
 def check_words(design: Design, check: Check) -> CheckWords:
     """A check of a design's budget in words."""
-    value = requirement_quantity(design, check.name, check.value)
-    limit = requirement_quantity(design, check.name, check.limit, given=True)
+    value, limit = requirement_quantity(design, check.name, check.value), limit_in_words(design, check)
     figure = f"{_FIGURES.get(check.basis, check.basis)} {check.equation}"
     return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share), figure)
+
+
+def limit_in_words(design: Design, check: Check) -> str:
+    """The limit of a check in the unit it is written in."""
+    return requirement_quantity(design, check.name, check.limit, given=True)
 
 
 def met_cell(check: Check) -> Cell:
@@ -84,14 +88,17 @@ def verdict_of(budget: Budget) -> Answer:
     words = check_words(design, tightest)
     through = "" if tightest.dominant == tightest.sensor else f", mostly through {tightest.dominant}"
     return Answer(
-        "✓ Closes" if verdict.closes else "✗ Does not close",
-        "good" if verdict.closes else "bad",
+        *_word_and_tone(verdict),
         (
             f"At {verdict.confidence:g}σ {met}.",
             f"Tightest: {tightest.label.lower()}, {words.value} against {words.limit}, margin {words.margin}.",
             f"Dominated by {tightest.sensor}: {words.share} of the variance{through}.",
         ),
     )
+
+
+def _word_and_tone(verdict: Verdict) -> tuple[str, str]:
+    return ("✓ Closes", "good") if verdict.closes else ("✗ Does not close", "bad")
 
 
 def verdict_strip(budget: Budget) -> Answer:
@@ -101,11 +108,10 @@ def verdict_strip(budget: Budget) -> Answer:
         largest = max(budget.sar.lines, key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
-    whole, words = verdict_of(budget), check_words(budget.design, tightest)
+    words = check_words(budget.design, tightest)
     label = tightest.label[:1].upper() + tightest.label[1:]
     return Answer(
-        whole.word,
-        whole.tone,
+        *_word_and_tone(budget.verdict),
         (f"{label} {words.value}, limit {words.limit}; {words.share} from {tightest.sensor}.",),
     )
 

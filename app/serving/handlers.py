@@ -22,6 +22,7 @@ from app.upstream.first_changes import FirstChanges
 from app.upstream.frames_at_once import FramesAtOnce
 from app.upstream.late_session import new_token
 from app.upstream.lost_connection import LostConnection
+from app.upstream.no_receipts import NoReceipts
 from app.upstream.push_doc import NoPushDoc
 from app.upstream.routes import serve_only
 from app.upstream.tracebacks import NoTracebacks
@@ -137,7 +138,7 @@ class PageHandler(DocHandler):
         self.finish(plain_page(title, text, **again))
 
 
-class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoPushDoc, NoTracebacks):
+class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoPushDoc, NoReceipts, NoTracebacks):
     """The page's connection; it opens no session beyond the limit either."""
 
     async def prepare(self) -> None:

@@ -40,6 +40,7 @@ from app.upstream.ask_first import ask_first
 from app.upstream.browser import head_script
 from app.upstream.class_parameters import copy_none
 from app.upstream.defaults import remember_defaults
+from app.upstream.design_once import ask_when_styles_change
 from app.upstream.given_socket import listen_on
 from app.upstream.given_values import look_at_what_was_given
 from app.upstream.late_session import page_of, sheets_from_here
@@ -127,6 +128,7 @@ def serve_on(
     pn.extension(exception_handler=caught)
     set_defaults()
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
+    settings.simple_ids = True  # as it is unless said; said, it is not looked up anew for each id
     settings.perform_document_validation = False  # warns of empty layouts, at each look at a document
     writes.repair()
     one_write.repair()
@@ -136,6 +138,7 @@ def serve_on(
     remember_defaults()
     look_at_what_was_given()
     copy_none()
+    ask_when_styles_change()
     mark_own_part()
     for name in COMPONENTS:
         import_module(name)
@@ -235,7 +238,6 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
         else:
             stopping.append(loop.create_task(wind_down()))
 
-    loop.set_exception_handler(writes.closed_is_no_fault)
     server.start()
     aside = [loop.create_task(collector.run()), loop.create_task(_tell(server, row))]
     for signal_number in (signal.SIGTERM, signal.SIGINT):

@@ -79,7 +79,8 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
         """Show the value in force; a text that was refused stays until there is another value."""
         value, size = self.value(), self.size() if self.slider is not None else None
         if value != self._last:
-            self._last, self.error = value, ""
+            self._last = value
+            self._refuse("")
         if self.slider is not None and size is not None:
             self.slider.follow(size)
         if not self.error:
@@ -104,17 +105,22 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
             self.box.param.update(**said)
 
     def put(self, take: Callable[[], InputError | None]) -> None:
-        """Put something in force, and show it or why it is refused."""
-        try:
-            refused = take()
-        except InputError as error:
-            refused = error
-        self.error = "" if refused is None else refused.reason if refused.key == self.key else str(refused)
-        self.follow()
+        """Put something in force, and show it or why it is refused: all that comes of it is one message."""
+        with pn.io.hold():
+            try:
+                refused = take()
+            except InputError as error:
+                refused = error
+            self._refuse("" if refused is None else refused.reason if refused.key == self.key else str(refused))
+            self.follow()
+
+    def _refuse(self, why: str) -> None:
+        if self.error != why:  # to set it costs as much as to format the value
+            self.error = why
 
     def _typed(self, event: param.parameterized.Event) -> None:
         if event.new == self.text():
-            self.error = ""
+            self._refuse("")
             self.say()
         else:
             self.put(lambda: self.take(event.new))

@@ -4,7 +4,6 @@ below the first screen, and what need not follow every step of a slider."""
 from __future__ import annotations
 
 import asyncio
-import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -17,7 +16,11 @@ from app.upstream.frozen_models import frozen_models
 
 _LONGEST = 0.1  # seconds of a turn in which another piece is begun; what a turn costs besides is about as much
 _BETWEEN = 0.01  # seconds: the dozen frames of a slider step come in, and it is answered
-_QUIET = 0.2  # seconds: a key held down repeats ten times faster
+_QUIET = 0.4  # seconds: a key held down repeats ten times faster, one pressed again and again as fast
+
+
+def _is_open(document: Document) -> bool:
+    return document.session_context is not None and not document.session_context.destroyed
 
 
 def in_turns(pieces: Iterable[Callable[[], None]], after: float = 0.0) -> None:
@@ -34,7 +37,7 @@ def in_turns(pieces: Iterable[Callable[[], None]], after: float = 0.0) -> None:
 
     async def run() -> None:
         await asyncio.sleep(after)
-        while waiting and document.session_context is not None and not document.session_context.destroyed:
+        while waiting and _is_open(document):
             until = time.monotonic() + _LONGEST
             with pn.io.hold(), frozen_models(document):
                 while waiting and time.monotonic() < until:
@@ -80,10 +83,14 @@ def once_quiet(work: Callable[[], None]) -> Callable[[], None]:
         return work
 
     def look() -> None:
-        nonlocal waits
+        """By a timer of the loop: one of the document's costs as much as some of the work."""
         if (left := due - time.monotonic()) > 0:
-            document.add_timeout_callback(look, math.ceil(1000 * left))
-            return
+            asyncio.get_running_loop().call_later(left, look)
+        elif _is_open(document):
+            document.add_next_tick_callback(rested)
+
+    def rested() -> None:
+        nonlocal waits
         waits = False
         with pn.io.hold():
             work()
@@ -95,6 +102,6 @@ def once_quiet(work: Callable[[], None]) -> Callable[[], None]:
             work()
         elif not waits:
             waits = True
-            document.add_timeout_callback(look, math.ceil(1000 * _QUIET))
+            asyncio.get_running_loop().call_later(_QUIET, look)
 
     return call

@@ -1,10 +1,12 @@
 """A message looks up the models that it names, and none besides.
 
 As shipped each message, to the page or from it, first lists every model that the page has, a thousand and more: an
-eighth of a slider's step.
+eighth of a slider's step. And a model that the server has sent is described in full by the first message in which
+the page names it, as one that the page has made: the server keeps its own, and warns of each.
 
 Written for: Bokeh 3.9.2
-Upstream: none found, searched 2026-11-23
+Upstream: bokeh/bokeh#12915 (merged: no fault any more, but a warning), on the second; none found for the first,
+searched 2026-11-23
 Needless when: tests/app/upstream/test_known_models.py::test_as_shipped_each_message_lists_every_model fails
 """
 
@@ -47,6 +49,9 @@ class _LookupBack(Deserializer):
     def __init__(self, references: DocumentModelManager, *, setter: Any = None) -> None:
         super().__init__(setter=setter)
         self._references = ChainMap({}, references._models)
+
+    def _decode_object_ref(self, obj: Any) -> Model:
+        return self._references.get(obj["id"]) or super()._decode_object_ref(obj)
 
 
 def _apply(document: Document, patch: Any, *, setter: Any = None) -> None:

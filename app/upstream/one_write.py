@@ -1,7 +1,8 @@
-"""A message leaves as a whole.
+"""A message leaves as a whole, or the page has gone and nothing is lost.
 
 A slider's step is a message of two dozen frames, an array being two. As shipped each is a write to the socket and a
-task of the event loop: a tenth of what the server spends on the step.
+task of the event loop: a tenth of what the server spends on the step. What was still to be sent to a page that is
+closed meanwhile is a warning in the log, or a task's exception that nobody takes; here it is nothing.
 
 Written for: Panel 1.9.4, Bokeh 3.9.2, Tornado 6.6.1
 Upstream: none found, searched 2026-11-22
@@ -13,12 +14,12 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import panel.io.document as panel_document
 from bokeh.protocol.message import Message
 from tornado.iostream import StreamClosedError
-from tornado.websocket import WebSocketClosedError
 
 _TEXT, _BINARY = 0x1, 0x2  # kinds of frame, RFC 6455 section 5.2
 
@@ -44,7 +45,7 @@ def _dispatch(connection: Any, events: Sequence[Any] | None = None, msg: Any = N
     try:
         return [asyncio.ensure_future(_written(websocket.stream.write(whole)))]
     except StreamClosedError:
-        raise WebSocketClosedError from None
+        return []
 
 
 def _whole(message: Any) -> bytes:
@@ -57,24 +58,19 @@ def _whole(message: Any) -> bytes:
 
 
 async def _answer(message: Any, socket: Any) -> int:
-    """As Bokeh's ``Message.send``: write what answers a message of the page; bytes written."""
+    """As Bokeh's ``Message.send``: write what answers a message of the page; its bytes."""
     whole = _whole(message)
     with await socket.write_lock.acquire():
         websocket = socket.ws_connection
-        if websocket is None or websocket.is_closing():
-            raise WebSocketClosedError
-        try:
-            await _written(websocket.stream.write(whole))
-        except StreamClosedError:
-            raise WebSocketClosedError from None
+        if websocket is not None and not websocket.is_closing():
+            with suppress(StreamClosedError):
+                await websocket.stream.write(whole)
     return len(whole)
 
 
 async def _written(outcome: asyncio.Future[None]) -> None:
-    try:
+    with suppress(StreamClosedError):
         await outcome
-    except StreamClosedError:
-        raise WebSocketClosedError from None
 
 
 def repair() -> None:

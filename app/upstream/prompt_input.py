@@ -1,7 +1,7 @@
-"""A box follows a value without lifting the write protection of every parameter it has.
+"""A box and a switch follow a value without lifting the write protection of every parameter they have.
 
-panel-material-ui copies "value" to "value_input", which it protects, and to do so makes all fifty parameters writable
-and protects them again: a twentieth of a slider's step.
+panel-material-ui copies "value" to "value_input" of a box, and its place to "active" of a switch. Both it protects,
+and to write them makes all fifty parameters writable and protects them again: a twentieth of a slider's step each.
 
 Written for: panel-material-ui 0.16.6
 Upstream: none found, searched 2026-11-23
@@ -30,3 +30,14 @@ class PromptInput(pmui.TextInput):
         if self.value != text:  # type: ignore[has-type]
             with param.parameterized.batch_call_watchers(self):
                 self.value = self.value_input = text
+
+
+class PromptSwitch(pmui.RadioButtonGroup):
+    """A switch whose words may change with every step of a slider."""
+
+    active = param.Integer(default=None, readonly=False, constant=False, doc="Place of the value among the options.")
+
+    @param.depends("value", "options", watch=True, on_init=True)
+    def _sync_active(self) -> None:
+        values = self.values
+        self.active = values.index(self.value) if self.value in values else None

@@ -24,7 +24,6 @@ import panel.io.document as panel_document
 from bokeh.document import Document
 from bokeh.document.events import DocumentPatchedEvent
 from bokeh.server.connection import ServerConnection
-from tornado.websocket import WebSocketClosedError
 
 _under_way: set[asyncio.Task[None]] = set()  # the loop itself keeps no task alive
 
@@ -40,13 +39,7 @@ def _in_line(connection: Any, events: list[DocumentPatchedEvent]) -> asyncio.Tas
 
 async def _write(connection: Any, message: Any, turn: Any) -> None:
     with await turn:
-        try:
-            written = panel_document.dispatch_tornado(connection, msg=message)
-        except WebSocketClosedError:  # between two frames: no loss
-            return
-        for outcome in await asyncio.gather(*written, return_exceptions=True):
-            if isinstance(outcome, BaseException) and not isinstance(outcome, WebSocketClosedError):
-                raise outcome
+        await asyncio.gather(*panel_document.dispatch_tornado(connection, msg=message))
 
 
 def _panels(_: Document, connections: Sequence[Any], events: list[DocumentPatchedEvent]) -> None:
@@ -56,13 +49,6 @@ def _panels(_: Document, connections: Sequence[Any], events: list[DocumentPatche
 
 def _bokehs(connection: ServerConnection, event: DocumentPatchedEvent) -> asyncio.Task[None]:
     return _in_line(connection, [event])
-
-
-def closed_is_no_fault(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """The server's handler for what no task took: a page that was closed between two frames of a message leaves the
-    first of them behind, and the log need not tell."""
-    if not isinstance(context.get("exception"), WebSocketClosedError):
-        loop.default_exception_handler(context)
 
 
 def repair() -> None:

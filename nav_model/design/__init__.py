@@ -95,7 +95,7 @@ class Design:
         given = dict(values or {})
         texts = {key: str(given.pop(key, "")) for key in TOP_KEYS}
         parts = {part.section: part(**own) for part, own in _by_part(given)}
-        self._fill(dict(texts), parts, written or {}, origins or {})
+        self._fill(dict(texts), parts, dict(written or {}), dict(origins or {}))
 
     def _fill(
         self,
@@ -106,9 +106,10 @@ class Design:
     ) -> None:
         for section, part in parts.items():
             flat |= {key: getattr(part, key.rpartition(".")[2]) for key in _KEYS[section]}
-        for key, origin in origins.items():
-            _check_origin(key, origin)
-        self.__dict__.update(parts, written=FrozenMapping(written), origins=FrozenMapping(origins), _values=flat)
+        if not isinstance(origins, FrozenMapping):  # of another design, which has looked at them
+            for key, origin in origins.items():
+                _check_origin(key, origin)
+        self.__dict__.update(parts, written=_frozen(written), origins=_frozen(origins), _values=flat)
 
     def __reduce__(self) -> tuple[type[Design], tuple[dict[str, Value], dict[str, str], dict[str, str]]]:
         """Through the constructor: what comes back from another process is checked and immutable too."""
@@ -148,7 +149,7 @@ class Design:
         """The design that differs in `changes` (dotted keys, SI).
 
         `written` updates the units remembered, `origins` where values came from; a value that changes loses the
-        origin it had.
+        origin it had. Parts, units and origins in which nothing changes are the same objects.
 
         Raises
         ------
@@ -160,10 +161,16 @@ class Design:
         touched = {key.partition(".")[0] for key in given}
         kept = {key: self._values[key] for section in touched for key in _KEYS.get(section, ())}
         parts = {part.section: part(**own) for part, own in _by_part(kept | given) if part.section in touched}
-        held = {key: origin for key, origin in self.origins.items() if changes.get(key, self[key]) == self[key]}
+        units: Mapping[str, str] = self.written
+        if any(units.get(key) != unit for key, unit in (written or {}).items()):
+            units = {**units, **(written or {})}
+        held: Mapping[str, str] = self.origins
+        if origins or any(key in held and value != self[key] for key, value in changes.items()):
+            held = {key: origin for key, origin in held.items() if changes.get(key, self[key]) == self[key]}
+            held = {**held, **(origins or {})}
         new = Design.__new__(Design)
         new.__dict__.update(self.__dict__)
-        new._fill({**self._values, **texts}, parts, {**self.written, **(written or {})}, {**held, **(origins or {})})
+        new._fill({**self._values, **texts}, parts, units, held)
         return new
 
     def unit(self, key: str) -> str:
@@ -192,6 +199,10 @@ class Design:
             if key not in LATER or value != declaration_of(key).default
         )
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def _frozen(given: Mapping[str, str]) -> FrozenMapping[str, str]:
+    return given if isinstance(given, FrozenMapping) else FrozenMapping(given)
 
 
 def _check_origin(key: str, origin: object) -> None:

@@ -7,6 +7,7 @@ units: ``imu=LN-200&gn=3cm&f=1.3GHz``. Where a value came from follows under ``o
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 from urllib.parse import parse_qsl, quote_plus, urlencode
 
@@ -37,19 +38,25 @@ _TO_ASCII = {"√Hz": "sqrt(Hz)", "√h": "sqrt(h)", "√s": "sqrt(s)", "µ": "u
 
 def to_query(design: Design) -> str:
     """The query of a link to the design, without the question mark."""
-    base = Design()
     pairs: list[tuple[str, str]] = [(key, str(design[key])) for key in TOP_KEYS if design[key]]
-    for short, key in _PRESET_SHORT.items():
-        name = design[key]
-        if isinstance(name, str):
-            pairs.append((short, name))
-            base = base.replace(preset_fill(short, name)[0])
+    named = tuple((short, str(design[key])) for short, key in _PRESET_SHORT.items() if isinstance(design[key], str))
+    pairs += named
+    base = _of_presets(named)
     for short, key in _SHORT.items():
         value = design[key]
         if value != base[key] or type(value) is not type(base[key]):
             pairs.append((short, _to_text(key, value, design)))
     pairs += [(_ORIGIN_PREFIX + short, design.origins[key]) for short, key in _SHORT.items() if key in design.origins]
     return urlencode(pairs, safe="()/^-.:", quote_via=quote_plus)
+
+
+@lru_cache(maxsize=64)
+def _of_presets(named: tuple[tuple[str, str], ...]) -> Design:
+    """The design of these presets, each with its short name, and of defaults."""
+    design = Design()
+    for short, name in named:
+        design = design.replace(preset_fill(short, name)[0])
+    return design
 
 
 def split_link(query: str) -> tuple[str, str]:

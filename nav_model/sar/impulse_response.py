@@ -220,13 +220,14 @@ def quadratic_response(
         return _sampled_polynomial_response(quadratic_rad, cubic_rad, taper, spread)
     reach = next(limit for limit in _FAST_SPREADS if spread <= limit)
     line = _fast_line(taper, reach)
-    turn, bend = quadratic_rad * line.x**2, cubic_rad * line.x**3
+    turn = quadratic_rad * line.x**2
     even = line.weights * np.stack([np.cos(turn), np.sin(turn)])
-    cosine_part = _product(even * np.cos(bend), line.cosines)
     if cubic_rad == 0.0:
-        half = (cosine_part**2).sum(axis=0)
+        half = (_product(even, line.cosines) ** 2).sum(axis=0)
         power = np.concatenate([half[:0:-1], half])
     else:
+        bend = cubic_rad * line.x**3
+        cosine_part = _product(even * np.cos(bend), line.cosines)
         sine_part = _product(even * np.sin(bend), line.sines)
         upper = ((cosine_part + sine_part) ** 2).sum(axis=0)
         lower = ((cosine_part - sine_part) ** 2).sum(axis=0)

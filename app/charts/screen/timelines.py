@@ -31,6 +31,7 @@ _HEIGHT = 190  # pixels of a frame on the usual screen
 _NEAR = 0.13  # of the height: nearer labels would touch, and the lower one goes below its curve
 _FAINT: dict[str, Any] = {"line_alpha": 0.4, "line_width": 1.4}
 _STEPS = (1.0, 2.0, 5.0, 10.0)
+_Range = tuple[float, float]
 
 
 class Timelines:
@@ -58,7 +59,8 @@ class Timelines:
 
     def __init__(self, charts: Sequence[Chart], beside: Timelines | None = None) -> None:
         first = charts[0]
-        self._sent: dict[str, dict[str, Any]] = _columns(charts)
+        heights = _heights(charts)
+        self._sent: dict[str, dict[str, Any]] = _columns(charts, heights)
         self._sources = {name: ColumnDataSource(dict(data), name=name) for name, data in self._sent.items()}
         nothing = {name: np.array([np.nan]) for name in self._sent["timelines"]}
         self._was = ColumnDataSource(nothing, name="timelines compared")
@@ -67,14 +69,16 @@ class Timelines:
         tooltip = _tooltip(charts)
         self._boxes: list[list[BoxAnnotation]] = []
         self.plots: tuple[figure, ...] = tuple(
-            self._plot(chart, crosshair, tooltip, chart is charts[-1]) for chart in charts
+            self._plot(chart, height, crosshair, tooltip, chart is charts[-1])
+            for chart, height in zip(charts, heights, strict=True)
         )
-        self._feed_frame(charts)
+        self._feed_frame(charts, heights)
         assert all(line.x is first.lines[0].x for chart in charts for line in chart.lines)
 
     def feed(self, charts: Sequence[Chart]) -> None:
         """Show other charts of the same structure."""
-        columns = _columns(charts)
+        heights = _heights(charts)
+        columns = _columns(charts, heights)
         for name, new in columns.items():
             sent = self._sent[name]
             if changed := {key: value for key, value in new.items() if not same(sent[key], value)}:
@@ -83,19 +87,18 @@ class Timelines:
                 else:
                     self._sources[name].data = dict(new)
         self._sent = columns
-        self._feed_frame(charts)
+        self._feed_frame(charts, heights)
 
     def compare(self, charts: Sequence[Chart] | None) -> None:
         """Show other charts faintly beside those fed, or none."""
         curves = _curves(charts) if charts else {name: np.array([np.nan]) for name in self._sent["timelines"]}
         self._was.data = curves
 
-    def _feed_frame(self, charts: Sequence[Chart]) -> None:
+    def _feed_frame(self, charts: Sequence[Chart], heights: Sequence[_Range]) -> None:
         start, end = _ends(charts)
         if (self._x_range.start, self._x_range.end) != (start, end):
             self._x_range.update(start=start, end=end, reset_start=start, reset_end=end)
-        for plot, chart, boxes in zip(self.plots, charts, self._boxes, strict=True):
-            low, high = chart.y_range or _nice_range(chart)
+        for plot, chart, (low, high), boxes in zip(self.plots, charts, heights, self._boxes, strict=True):
             if plot.yaxis[0].axis_label != chart.y_label:
                 plot.yaxis[0].axis_label = chart.y_label
             if (plot.y_range.start, plot.y_range.end) != (low, high):
@@ -107,7 +110,7 @@ class Timelines:
                 if shown and (box.left, box.right) != (span.start, span.stop):
                     box.update(left=span.start, right=span.stop)
 
-    def _plot(self, chart: Chart, crosshair: CrosshairTool, tooltip: str, last: bool) -> figure:
+    def _plot(self, chart: Chart, height: _Range, crosshair: CrosshairTool, tooltip: str, last: bool) -> figure:
         plot = figure(
             name=chart.key,
             sizing_mode="stretch_both",
@@ -116,7 +119,7 @@ class Timelines:
             y_axis_label=chart.y_label,
             y_axis_type="log" if chart.y_log else "linear",
             x_range=self._x_range,
-            y_range=Range1d(*(chart.y_range or _nice_range(chart))),
+            y_range=Range1d(*height),
             tools="xpan,xbox_zoom,reset,save",
             toolbar_location=None if self._boxes else "above",
             toolbar_inner=True,
@@ -177,22 +180,22 @@ def _curves(charts: Sequence[Chart]) -> dict[str, Any]:
     return curves | {_column(chart, line.key): line.y for chart in charts for line in chart.lines}
 
 
-def _columns(charts: Sequence[Chart]) -> dict[str, dict[str, Any]]:
+def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, dict[str, Any]]:
     """Source name -> columns."""
     columns = {"timelines": _curves(charts)}
-    for chart in charts:
+    for chart, height in zip(charts, heights, strict=True):
         columns[f"{chart.key} limits"] = {
             "x0": [limit.start for limit in chart.limits],
             "x1": [limit.stop for limit in chart.limits],
             "y": [limit.level for limit in chart.limits],
         }
-        columns[f"{chart.key} labels"] = _labels(chart, chart is charts[-1])
+        columns[f"{chart.key} labels"] = _labels(chart, height, chart is charts[-1])
     return columns
 
 
-def _labels(chart: Chart, last: bool) -> dict[str, Any]:
+def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
     """Each curve's name at its end, above it or below the one it would touch; the span's name in the last chart."""
-    low, high = (_place(chart, bound) for bound in chart.y_range or _nice_range(chart))
+    low, high = (_place(chart, bound) for bound in height)
     ends = []
     for line in chart.lines:
         seen = np.flatnonzero(np.isfinite(line.y))
@@ -208,9 +211,8 @@ def _labels(chart: Chart, last: bool) -> dict[str, Any]:
         for (x, y, line), offset in zip(ends, offsets, strict=True)
     ]
     if last:
-        top = (chart.y_range or _nice_range(chart))[1]
         rows += [
-            ((span.start + span.stop) / 2, top, span.label, GREY, 6.0, 6.0, math.pi / 2, "right")
+            ((span.start + span.stop) / 2, height[1], span.label, GREY, 6.0, 6.0, math.pi / 2, "right")
             for span in chart.spans
             if math.isfinite(span.start)
         ]
@@ -229,7 +231,12 @@ def _place(chart: Chart, value: float) -> float:
     return math.log10(value) if chart.y_log else value
 
 
-def _nice_range(chart: Chart) -> tuple[float, float]:
+def _heights(charts: Sequence[Chart]) -> list[_Range]:
+    """Bounds of each chart's y axis."""
+    return [chart.y_range or _nice_range(chart) for chart in charts]
+
+
+def _nice_range(chart: Chart) -> _Range:
     """Bounds of the y axis at steps of 1-2-5, so that the axis stands still while a slider moves the curves."""
     levels = [limit.level for limit in chart.limits if _drawn(limit)]
     values = np.concatenate([*(line.y[np.isfinite(line.y)] for line in chart.lines), np.array(levels, float)])

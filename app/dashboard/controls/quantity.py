@@ -91,7 +91,9 @@ class QuantityControl(InputBox):
 
     def differs(self, old: Design, new: Design) -> bool:
         """Whether anything shown here is another: most controls sleep through a slider's step."""
-        return self._seen(old) != self._seen(new)
+        part = self.key.partition(".")[0]
+        same = getattr(old, part) is getattr(new, part) and old.written is new.written and old.origins is new.origins
+        return not same and self._seen(old) != self._seen(new)
 
     def _seen(self, design: Design) -> tuple[object, ...]:
         section = self.key.partition(".")[0]
@@ -103,8 +105,8 @@ class QuantityControl(InputBox):
 
     def follow(self) -> None:
         """Show the value in force and its unit."""
-        if self.unit is not None:
-            self.unit.value = self._session.design.unit(self.key)
+        if self.unit is not None and self.unit.value != (unit := self._session.design.unit(self.key)):
+            self.unit.value = unit
         super().follow()
 
     def value(self) -> Value:

@@ -125,6 +125,13 @@ def regime_chart(budget: Budget) -> Chart:
 
 
 @cache
+def _aperture() -> tuple[Array, Array, Array]:
+    """Places in the aperture, from -1 to 1, their squares and cubes."""
+    x = aperture_positions(_RESPONSE_SAMPLES)
+    return x, x**2, x**3
+
+
+@cache
 def _ideal_response(window: str) -> Array:
     """Power [dB] of an aperture without error."""
     return response_curve(np.ones(_RESPONSE_SAMPLES), window, _RESPONSE_CELLS)[1]  # type: ignore[arg-type]
@@ -133,9 +140,9 @@ def _ideal_response(window: str) -> Array:
 def response_chart(budget: Budget) -> Chart:
     """Azimuth impulse response: without error, with the 1σ quadratic, with quadratic and cubic."""
     sar, image, random = budget.sar, budget.smoothed or budget.sar, budget.spectral.random
-    x = aperture_positions(_RESPONSE_SAMPLES)
-    quadratic = image.quadratic * x**2 + budget.spectral.phase(x, sar.aperture_time)
-    phases = np.stack((quadratic, quadratic + image.cubic * x**3))
+    x, square, cube = _aperture()
+    quadratic = image.quadratic * square + budget.spectral.phase(x, sar.aperture_time)
+    phases = np.stack((quadratic, quadratic + image.cubic * cube))
     keys = ("ideal", "quadratic", "cubic")
     labels = ("no error", "1σ quadratic", "with cubic")
     if image.impulse_response is None:

@@ -35,6 +35,7 @@ from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE, SWITCH
 from app.ui.tiles import tiles_html
 from app.ui.turns import once_loaded, once_quiet
+from app.upstream.prompt_input import PromptSwitch
 from app.upstream.text_pane import TextPane
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
@@ -66,7 +67,7 @@ class BudgetPage(pn.viewable.Viewer):
             label=_ask(budget), variant="text", end_icon="expand_more", margin=(6, 10), stylesheets=[PRINT_NOTHING]
         )
         self._close.on_click(self._toggle_ways)
-        self._mode = pmui.RadioButtonGroup(
+        self._mode = PromptSwitch(
             label="Processing", options=verdicts_in_short(budget), value=budget.verdict.processing, margin=(8, 4),
             sizing_mode=None, stylesheets=[SWITCH],
         )  # fmt: skip
@@ -78,7 +79,8 @@ class BudgetPage(pn.viewable.Viewer):
         self._table.param.watch(self._take, "chosen")
         self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
         self._tiles = html_pane("", margin=0)
-        self._stack = Timelines(self._timelines(budget))
+        self._lines = self._timelines(budget)
+        self._stack = Timelines(self._lines)
         self._stack_head = html_pane("", margin=_HEAD)
         self._phase = html_pane("", margin=(0, 10, 4, 10))
         self._phase.sizing_mode = "stretch_both"
@@ -128,7 +130,8 @@ class BudgetPage(pn.viewable.Viewer):
         if self.session.compared is not self._compared:
             self._hold()
         self._strip.show(verdict_strip(budget), _invalid(self.session.invalid))
-        self._stack.feed(self._timelines(budget))
+        self._lines = self._timelines(budget)
+        self._stack.feed(self._lines)
         if self._shown != self.session.shown:
             self._shown = self.session.shown
             self._hold()
@@ -180,7 +183,7 @@ class BudgetPage(pn.viewable.Viewer):
         budget, spread = self.session.budget, self._display.named()
         told = "" if spread == "1σ" else f", {spread}, limits scaled"
         phase = charts.phase_chart(budget)
-        said = "".join(described(line) for line in self._timelines(budget))
+        said = "".join(described(line) for line in self._lines)
         knowledge = timelines.position_chart(budget).knowledge
         _put(self._phase_head, head_html(f"{phase.title}{told}", phase.knowledge))
         _put(self._stack_head, head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
@@ -188,8 +191,10 @@ class BudgetPage(pn.viewable.Viewer):
     def _offer_modes(self) -> None:
         budget = self.session.budget
         modes, chosen = verdicts_in_short(budget), budget.verdict.processing
-        if self._mode.options != modes or self._mode.value != chosen:
+        if self._mode.value != chosen:
             self._mode.param.update(options=modes, value=chosen)
+        elif self._mode.options != modes:
+            self._mode.options = modes
 
     # --- what would close it ---------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ import numpy as np
 from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
-from app.document.verdict import check_words, met_cell, requirement_quantity
+from app.document.verdict import check_words, limit_in_words, met_cell, requirement_quantity
 from app.document.wording import DETRENDED, best_of
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
@@ -52,7 +52,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
             return KeyFigure(
                 label, value, detail, f"{told}, no limit" if name and told != "1σ" else "", amount=amount
             )
-        limit = check_words(budget.design, check).limit
+        limit = limit_in_words(budget.design, check)
         if told != f"{budget.verdict.confidence:g}σ" and display != ONE_SIGMA:
             limit = f"{limit} at {budget.verdict.confidence:g}σ; {told}"
         return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)

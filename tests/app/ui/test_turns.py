@@ -17,7 +17,7 @@ from tornado.ioloop import IOLoop
 from waiting import soon
 
 from app.ui import turns
-from app.ui.turns import in_turns, once_loaded
+from app.ui.turns import in_turns, once_loaded, once_quiet
 
 
 class _Clock:
@@ -101,6 +101,26 @@ def test_a_fault_is_told_and_leaves_the_document_able_to_change(monkeypatch: pyt
     _in_a_session(work, told)
     assert kept[0].models._freeze_count == 0
     assert [type(fault) for fault in told] == [ZeroDivisionError]
+
+
+def test_what_waits_for_a_slider_to_rest_is_done_at_once_and_when_it_rests(clock: _Clock) -> None:
+    done: list[float] = []
+    rested: list[float] = []
+
+    def note() -> None:
+        done.append(clock.now)
+        rested[:] = done[1:]
+
+    def work(*_: Any) -> None:
+        call = once_quiet(note)
+        for _ in range(5):
+            call()
+            clock.now += 0.1
+        assert done == [0.0]
+        clock.now += 10.0
+
+    _in_a_session(work, rested)
+    assert done == [0.0, pytest.approx(10.5)]
 
 
 def test_without_a_server_all_is_done_at_once() -> None:

@@ -87,6 +87,8 @@ async def look() -> dict[str, Any]:
     await changed.wait()
     await send("SERVER-INFO-REQ", {})
     found["told before it is ready"] = (await answer())[0]
+    await send("PATCH-DOC", {"events": []})
+    found["change"] = await reply()
     await send("PUSH-DOC", {"doc": Document(title="another").to_json().content})
     found["push"] = [(await reply())[0], client.session.document.title]
     await send("PATCH-DOC", {"events": [{"kind": "ModelChanged", "model": {"id": "no such"}, "attr": "a", "new": 1}]})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from importlib import import_module
 from typing import Any
@@ -78,3 +79,26 @@ def test_it_looks_at_what_it_names(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_messages_bring_what_is_new_and_name_what_is_known() -> None:
     ours = _there_and_back()
     assert ours == ([("attributes", "id", "name", "type"), ("id",)], ["told", "0"])
+
+
+def _described_back() -> tuple[Document, list[str]]:
+    """A page names in full what the server has sent it; the page then, and the warnings."""
+    document, column = _page()
+    old = column.children[0]
+    whole = {"type": "object", "name": "Div", "id": old.id, "attributes": {"text": "as the page knows it"}}
+    back = {"kind": "ModelChanged", "model": {"id": column.id}, "attr": "children", "new": [whole]}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        document.apply_json_patch({"events": [back]})  # type: ignore[typeddict-item]
+    assert column.children == [old]
+    assert old.text == "0"
+    return document, [str(warning.message) for warning in told]
+
+
+def test_as_shipped_a_model_that_the_page_describes_is_warned_of() -> None:
+    assert "already known" in _described_back()[1][0]
+
+
+@pytest.mark.usefixtures("repaired")
+def test_a_model_that_the_page_describes_is_the_one_that_is_there() -> None:
+    assert _described_back()[1] == []
