@@ -31,7 +31,7 @@ from nav_model.budget.figures import (
     outage,
     phase_sources,
     placing,
-    sampled,
+    sampled_both,
     settled,
     smoothed_with_shifts,
 )
@@ -127,8 +127,7 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     _refuse_late_data(design.motion.delay, float(inputs.aperture))
     time = _times(design, times)
     closed = settled(inputs)
-    moments = sampled(inputs)
-    white = moments if inputs.slow is None else sampled(inputs, slow=False)
+    moments, white = sampled_both(inputs)
     parts = cache(partial(white_parts, inputs))
     steady_state = _steady_state(inputs, parts, closed, moments, white)
     coast = _coast(inputs, parts, closed, moments.posterior, white.posterior, time)

@@ -8,6 +8,7 @@ complex numbers pass through, so that a complex step differentiates every figure
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -17,7 +18,7 @@ from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, cycle
 from nav_model.analytic.refined_coast import refined_growth
-from nav_model.analytic.steady_state import Array, Horizontal, as_numbers
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
 from nav_model.budget.fast import LEVELS, levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.processing import smoother
@@ -53,10 +54,29 @@ FIGURES: Mapping[str, str] = MappingProxyType(
 """Name of a figure -> name of the requirement that limits it; the order is that of a verdict."""
 
 
-def sampled(x: Inputs, slow: bool = True) -> Cycle:
-    """Prior and posterior of the filter as it is built, with the slow error of its fixes or without. [T-8]"""
+def sampled(x: Inputs) -> Cycle:
+    """Prior and posterior of the filter as it is built. [T-8]"""
     noises = x.sigma_a, x.sigma_w, x.g, x.interval, x.fix, x.fix_vertical
-    return cycle(*noises, x.slow if slow else None, x.velocity_of_fix)
+    return cycle(*noises, x.slow, x.velocity_of_fix)
+
+
+def sampled_both(x: Inputs) -> tuple[Cycle, Cycle]:
+    """`sampled`, and the same without the slow error of the fixes: one object where there is none."""
+    if x.slow is None:
+        return (found := sampled(x)), found
+    if x.velocity is None:
+        return sampled(x), sampled(replace(x, slow=None))
+    # The doubling takes both at once, in the time of one.
+    sizes = np.stack([x.slow.sigma, 0 * as_numbers(x.slow.sigma)])
+    pair = sampled(replace(x, slow=x.slow._replace(sigma=sizes)))
+
+    def at(end: Sawtooth, n: int) -> Sawtooth:
+        level, upright = end
+        return Sawtooth(Horizontal(*(part[n] for part in level)), Vertical(*(part[n] for part in upright)))
+
+    with_tilt = as_numbers(pair.slow_with_tilt)
+    first, second = (Cycle(at(pair.prior, n), at(pair.posterior, n), with_tilt[n]) for n in (0, 1))
+    return first, second
 
 
 def settled(x: Inputs) -> Sawtooth:
