@@ -206,9 +206,9 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         along_track_quadratic=value["along_track_quadratic_phase"],
         turning_quadratic=value["turning_quadratic_phase"],
         azimuth_shift=value["slope_shift"],
-        impulse_response=_response(value["quadratic_phase"], x),
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
+        respond=partial(_response, value["quadratic_phase"], x),
     )
     assert moved[0] is not None
     shifts = Shifts(*(np.atleast_1d(value.real)[0] for value in moved[0]))  # the shares' steps are imaginary

@@ -145,9 +145,14 @@ class PostProcessed:
     along_track_quadratic: float
     turning_quadratic: float
     azimuth_shift: float
-    impulse_response: ImpulseResponse | None
     method: str
     shares: Mapping[str, Shares]
+    respond: Callable[[], ImpulseResponse | None] = field(repr=False, compare=False)
+
+    @cached_property
+    def impulse_response(self) -> ImpulseResponse | None:
+        """Worked out when it is first looked at: a page whose design is in real time shows none."""
+        return self.respond()
 
 
 @dataclass(frozen=True)
