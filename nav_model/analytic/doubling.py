@@ -117,17 +117,17 @@ def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None =
     left, fresh = counts, beyond is None
     while True:
         odd = left % 2 == 1
-        if np.all(odd) and not fresh:
+        if odd.all() and not fresh:
             info, through, noise = (part[:, :, None] for part in unit)
             known = info + before(known, through, noise)
-        elif np.any(odd):  # the others' rows may have gone on so far that there is no number for them
+        elif odd.any():  # the others' rows may have gone on so far that there is no number for them
             row = np.nonzero(odd)[1]
             last = 0.0 if fresh else before(known[:, :, odd], unit.through[..., row], unit.noise[..., row])
             known = known.copy()
             known[:, :, odd] = unit.info[..., row] + last
             fresh = False
         left = left // 2
-        if not np.any(left):
+        if not left.any():
             return known
         unit = twice(unit)
 
@@ -140,10 +140,11 @@ def settled(unit: Segment) -> Array:
     ArithmeticError
         If the equation does not settle in double precision.
     """
+    less = np.diagonal(unit.noise)
     for _ in range(_MOST_STEPS):
-        longer = twice(unit)
-        less, more = (np.diagonal(segment.noise).real for segment in (unit, longer))
-        unit = longer
-        if np.all(np.abs(more - less) <= _SETTLED * more):
+        unit = twice(unit)
+        more = np.diagonal(unit.noise)
+        if (np.abs(more - less) <= _SETTLED * more.real).all():
             return unit.noise
+        less = more
     raise ArithmeticError("the filter with velocity fixes did not settle")

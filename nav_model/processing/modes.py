@@ -93,13 +93,19 @@ def _turned(matrix: Array) -> Array:
     return matrix.swapaxes(-1, -2)
 
 
+def _diagonal(matrix: Array) -> Array:
+    """Of matrices that come last: a view, to write through."""
+    view: Array = np.einsum("nii->ni", matrix)
+    return view
+
+
 def _information(x: Inside, basis: _Basis, modes: int, scale: Array) -> Array:
     """Of everything about the unknowns: state at the start, modes, and the slow error at fixes and the end."""
     rows, plain = scale.shape
     points = x.position.places.shape[-1] if x.slow is not None else 0
     size = plain if x.slow is None else plain + points + 2
     whole: Array = np.zeros((rows, size, size), np.result_type(scale, x.start, x.end, x.position.known))
-    whole[:, range(3, plain), range(3, plain)] = 1
+    _diagonal(whole)[:, 3:plain] = 1
     second = basis.position, basis.velocity, basis.acceleration
     unit = np.stack([np.ones_like(x.aperture), 1 / x.aperture, 1 / x.aperture**2], axis=-1)
     last = np.stack([part.sum(axis=0) for part in second])  # every Legendre polynomial is one at the end
@@ -114,10 +120,9 @@ def _information(x: Inside, basis: _Basis, modes: int, scale: Array) -> Array:
         weighed = _turned(seen * weight[..., None])
         whole[:, :plain, :plain] += weighed @ seen
         if factor == 0 and x.slow is not None:
-            at = range(plain + 1, plain + 1 + points)
             whole[:, :plain, plain + 1 : -1] += weighed
             whole[:, plain + 1 : -1, :plain] += _turned(weighed)
-            whole[:, at, at] += weight
+            _diagonal(whole)[:, plain + 1 : -1] += weight
     if x.slow is not None:
         _add_slow(x, whole, plain, unit, ends)
     return whole
@@ -140,11 +145,10 @@ def _add_slow(x: Inside, whole: Array, plain: int, unit: Array, ends: Array) -> 
     steps = np.diff(np.hstack([0 * edges, plain_places, edges]), axis=-1) * (x.aperture / time)[:, None]
     kept = np.exp(-steps)
     tie = 1 / (-np.expm1(-2 * steps) * variance[:, None])
-    k = np.arange(first, last)
-    whole[:, k, k] += kept**2 * tie
-    whole[:, k + 1, k + 1] += tie
-    whole[:, k, k + 1] -= kept * tie
-    whole[:, k + 1, k] -= kept * tie
+    _diagonal(whole)[:, first:last] += kept**2 * tie
+    _diagonal(whole)[:, first + 1 :] += tie
+    for beside in (whole[:, first:last, first + 1 :], whole[:, first + 1 :, first:last]):
+        _diagonal(beside)[:] -= kept * tie
 
 
 def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
@@ -181,7 +185,7 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
         noise = wanted[:, :_SINGLY, 3:]
         beyond = a[:, None, None] ** 2 * from_a + w[:, None, None] ** 2 * from_w - noise @ _turned(noise)
         named = named + beyond
-        variance[:, :_SINGLY] = np.einsum("nii->ni", named)
+        variance[:, :_SINGLY] = _diagonal(named)
     of_turn = _FUNCTIONALS @ named @ _FUNCTIONALS.T
     quadratic, cubic = variance[:, 2] * 9 / 4, variance[:, 3] * 25 / 4
     left_2 = left_3 + cubic * (4 / 25 / 7)
