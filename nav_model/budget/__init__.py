@@ -205,6 +205,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         by_order=by_order,
         along_track_quadratic=value["along_track_quadratic_phase"],
         turning_quadratic=value["turning_quadratic_phase"],
+        turning_by_order=(value["turning_detrended_phase_1"], value["turning_detrended_phase_2"]),
         azimuth_shift=value["slope_shift"],
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),

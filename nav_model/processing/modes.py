@@ -17,11 +17,12 @@ from numpy.polynomial import legendre
 
 from nav_model.analytic.steady_state import Array
 
-_SINGLY = 5  # Legendre orders of the position error that figures name: 0 to 4
-_ALL = 8  # modes that reach them
+_SINGLY = 6  # Legendre orders of the position error that figures name: 0 to 5
+_ALL = 9  # modes that reach them
 _LEFT = 4  # the lowest order of what is left after order 3
-# Quadratics, by the coefficients of orders 0 to 4, of the error, of its turn, and of the square of its turn.
-_FUNCTIONALS = np.array([[0, 0, 3 / 2, 0, 0], [0, 1, 0, 9 / 14, 0], [1, 0, 11 / 14, 0, 2 / 7]])
+# Quadratics, by the coefficients of orders 0 to 5, of the error, of its turn, and of the square of its turn; cubics.
+_QUADRATICS = np.array([[0, 0, 3 / 2, 0, 0, 0], [0, 1, 0, 9 / 14, 0, 0], [1, 0, 11 / 14, 0, 2 / 7, 0]])
+_CUBICS = np.array([[0, 0, 0, 5 / 2, 0, 0], [0, 0, 3 / 2, 0, 10 / 9, 0], [0, 1, 0, 23 / 18, 0, 50 / 99]])
 
 
 class Fixes(NamedTuple):
@@ -82,7 +83,7 @@ def _basis(modes: int) -> _Basis:
 
 @cache
 def _whole() -> tuple[Array, Array]:
-    """Covariance of the Legendre coefficients 0 to 4 by all modes of the accelerometer's noise, and of the gyro's."""
+    """Covariance of the Legendre coefficients 0 to 5 by all modes of the accelerometer's noise, and of the gyro's."""
     rows = _basis(_ALL).position[:_SINGLY, 3:]
     one, other = rows[:, :_ALL], rows[:, _ALL:]
     return one @ one.T, other @ other.T
@@ -186,7 +187,7 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
         beyond = a[:, None, None] ** 2 * from_a + w[:, None, None] ** 2 * from_w - noise @ _turned(noise)
         named = named + beyond
         variance[:, :_SINGLY] = _diagonal(named)
-    of_turn = _FUNCTIONALS @ named @ _FUNCTIONALS.T
+    of_turn, of_cubic = (rows @ named @ rows.T for rows in (_QUADRATICS, _CUBICS))
     quadratic, cubic = variance[:, 2] * 9 / 4, variance[:, 3] * 25 / 4
     left_2 = left_3 + cubic * (4 / 25 / 7)
     found: dict[str, Any] = {
@@ -203,6 +204,11 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
         "mean_slope": named[:, 0, 1] * 2 / t,
         "with_turned": of_turn[:, 0, 1],
         "turned_curved": of_turn[:, 1, 2],
+        "cubic_turned": of_cubic[:, 1, 1],
+        "cubic_curved": of_cubic[:, 2, 2],
+        "cubic_with_turned": of_cubic[:, 0, 1],
+        "cubic_with_curved": of_cubic[:, 0, 2],
+        "cubic_turned_curved": of_cubic[:, 1, 2],
         "position": now[:, 0],
         "velocity": now[:, 1] / t**2,
         "tilt": now[:, 2] / t**4,
