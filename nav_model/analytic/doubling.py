@@ -10,6 +10,7 @@ Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from nav_model.analytic.stacks import even, plus_one, solved, times, turned
 from nav_model.analytic.steady_state import Array
 
 _MOST_STEPS = 60
+_FEW = 400  # numbers in all; with fewer, the library is faster than our stacks
 _SETTLED = 1e-14
 
 
@@ -64,19 +66,39 @@ def drift(step: Array, accelerometer: Array, gyro: Array, slow: tuple[Array, Arr
 
 def before(info: Array, through: Array, noise: Array) -> Array:
     """Information about the state before a stretch of drift, of what is known after it."""
-    return times(turned(through), even(solved(plus_one(times(info, noise)), info)), through)
+    if info.size > _FEW:
+        return times(turned(through), even(solved(plus_one(times(info, noise)), info)), through)
+    # transposed they are stacks as the library has them: the matrices last, symmetric but for the way through
+    known, back = info.T, through.T
+    found = back @ np.linalg.solve(known @ noise.T + _one(len(info)), known @ back.swapaxes(-1, -2))
+    return np.asarray(found + found.swapaxes(-1, -2)).T / 2
 
 
 def twice(one: Segment) -> Segment:
     """Two equal segments in a row."""
-    both = np.concatenate([one.through, times(one.noise, turned(one.through))], axis=1)
-    onward = solved(plus_one(times(one.noise, one.info)), both)
-    ahead, size = times(one.through, onward), len(both)
-    return Segment(
-        one.info + even(times(turned(one.through), one.info, onward[:, :size])),
-        ahead[:, :size],
-        one.noise + even(ahead[:, size:]),
-    )
+    if one.info.size > _FEW:
+        both = np.concatenate([one.through, times(one.noise, turned(one.through))], axis=1)
+        onward = solved(plus_one(times(one.noise, one.info)), both)
+        ahead, size = times(one.through, onward), len(both)
+        return Segment(
+            one.info + even(times(turned(one.through), one.info, onward[:, :size])),
+            ahead[:, :size],
+            one.noise + even(ahead[:, size:]),
+        )
+    # The same for the library's stacks, transposed: a segment is then read from its end, and what is known of its
+    # first state and what is added change places.
+    info, through, noise = one.noise.T, one.through.T, one.info.T
+    size, back = len(one.info), through.swapaxes(-1, -2)
+    both = np.concatenate([through, noise @ back], axis=-1)
+    onward = np.linalg.solve(noise @ info + _one(size), both)
+    ahead = through @ onward
+    info, noise = info + back @ (info @ onward[..., :size]), noise + ahead[..., size:]
+    return Segment(noise.T, ahead[..., :size].T, info.T)
+
+
+@cache
+def _one(size: int) -> Array:
+    return np.eye(size)
 
 
 def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None = None) -> Array:
@@ -95,17 +117,17 @@ def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None =
     left, fresh = counts, beyond is None
     while True:
         odd = left % 2 == 1
-        if np.all(odd) and not fresh:
+        if odd.all() and not fresh:
             info, through, noise = (part[:, :, None] for part in unit)
             known = info + before(known, through, noise)
-        elif np.any(odd):  # the others' rows may have gone on so far that there is no number for them
+        elif odd.any():  # the others' rows may have gone on so far that there is no number for them
             row = np.nonzero(odd)[1]
             last = 0.0 if fresh else before(known[:, :, odd], unit.through[..., row], unit.noise[..., row])
             known = known.copy()
             known[:, :, odd] = unit.info[..., row] + last
             fresh = False
         left = left // 2
-        if not np.any(left):
+        if not left.any():
             return known
         unit = twice(unit)
 
@@ -118,10 +140,11 @@ def settled(unit: Segment) -> Array:
     ArithmeticError
         If the equation does not settle in double precision.
     """
+    less = np.diagonal(unit.noise)
     for _ in range(_MOST_STEPS):
-        longer = twice(unit)
-        less, more = (np.diagonal(segment.noise) for segment in (unit, longer))
-        unit = longer
-        if np.all(np.abs(more - less) <= _SETTLED * more.real):
+        unit = twice(unit)
+        more = np.diagonal(unit.noise)
+        if (np.abs(more - less) <= _SETTLED * more.real).all():
             return unit.noise
+        less = more
     raise ArithmeticError("the filter with velocity fixes did not settle")

@@ -31,7 +31,7 @@ from nav_model.budget.figures import (
     outage,
     phase_sources,
     placing,
-    sampled,
+    sampled_both,
     settled,
     smoothed_with_shifts,
 )
@@ -127,8 +127,7 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     _refuse_late_data(design.motion.delay, float(inputs.aperture))
     time = _times(design, times)
     closed = settled(inputs)
-    moments = sampled(inputs)
-    white = moments if inputs.slow is None else sampled(inputs, slow=False)
+    moments, white = sampled_both(inputs)
     parts = cache(partial(white_parts, inputs))
     steady_state = _steady_state(inputs, parts, closed, moments, white)
     coast = _coast(inputs, parts, closed, moments.posterior, white.posterior, time)
@@ -206,10 +205,11 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         by_order=by_order,
         along_track_quadratic=value["along_track_quadratic_phase"],
         turning_quadratic=value["turning_quadratic_phase"],
+        turning_by_order=(value["turning_detrended_phase_1"], value["turning_detrended_phase_2"]),
         azimuth_shift=value["slope_shift"],
-        impulse_response=_response(value["quadratic_phase"], x),
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
+        respond=partial(_response, value["quadratic_phase"], x),
     )
     assert moved[0] is not None
     shifts = Shifts(*(np.atleast_1d(value.real)[0] for value in moved[0]))  # the shares' steps are imaginary

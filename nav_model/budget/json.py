@@ -120,6 +120,9 @@ def _post_processed(smoothed: PostProcessed) -> dict[str, Any]:
         "detrended_phase_by_order_sigma_rad": {str(n): left for n, left in enumerate(smoothed.by_order, 1)},
         "along_track_quadratic_phase_sigma_rad": smoothed.along_track_quadratic,
         "turning_quadratic_phase_sigma_rad": smoothed.turning_quadratic,
+        "turning_detrended_phase_by_order_sigma_rad": {
+            str(n): left for n, left in enumerate(smoothed.turning_by_order, 1)
+        },
         "azimuth_shift_sigma_m": smoothed.azimuth_shift,
         "method": smoothed.method,
         "lines": [{"source": source, "share": share} for source, share in shares.items()],

@@ -84,6 +84,9 @@ _TABLE: dict[str, Provenance] = {
     "post_processed.turning_quadratic_phase_sigma_rad": Provenance(
         "[P-5], [S-2]", SMOOTHER, "both quadratic phases, and what the turn makes of the position"
     ),
+    "post_processed.turning_detrended_phase_by_order_sigma_rad": Provenance(
+        "[P-5], [S-2]", SMOOTHER, "residuals along the line of sight as it turns"
+    ),
     "post_processed.azimuth_shift_sigma_m": Provenance("[P-5]", SMOOTHER, "without the position along the track"),
     "geolocation": Provenance("[P-7]", CLOSED, "flat scene; azimuth first, then ground range"),
     "spectral.echoes": Provenance("[P-8], [P-9]", CLOSED, "lines beyond the main lobe, highest first"),
@@ -165,6 +168,14 @@ def cautions(budget: Budget) -> tuple[str, ...]:
                 "The line of sight turns over the aperture. The along-track phase [S-2] counts what that makes of "
                 f"the velocity; what it makes of the position {'raises' if change > 0 else 'lowers'} quadratic and "
                 f"along-track phase together by {100 * abs(change):.2g} %, which the verdict leaves out [P-5]."
+            )
+        order = budget.sar.autofocus_order
+        change = smoothed.turning_by_order[order - 1] / smoothed.detrended - 1 if order < 3 else 0.0
+        if abs(change) > _TURN_SAID:
+            said.append(
+                f"The residual after autofocus of order {order} is along the line of sight of mid-aperture. With the "
+                f"turn it is {100 * abs(change):.2g} % {'larger' if change > 0 else 'smaller'}, which the verdict "
+                "leaves out [P-5]."
             )
     said += [sentence for holds, sentence in _STANDING if holds(design)]
     return tuple(said)

@@ -131,7 +131,9 @@ class PostProcessed:
 
     ``by_order`` is the residual phase after autofocus to order 1, 2 and 3, ``detrended`` that of the design's order.
     ``turning_quadratic`` is the quadratic phase along the line of sight as it turns over the aperture: ``quadratic``
-    and ``along_track_quadratic``, which verdicts hold, and what the turn makes of the position.
+    and ``along_track_quadratic``, which verdicts hold, and what the turn makes of the position;
+    ``turning_by_order`` are the residuals after autofocus to order 1 and 2 alike. After order 3 the turn is 0.3 % at
+    most where it is less than 0.05 rad to each side, and some 2 % at 0.2 rad.
     ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.
     ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad. ``method`` is "spectrum" or "state space".
     ``shares`` gives, for each figure that a requirement can limit, the share of each source in its variance.
@@ -144,10 +146,16 @@ class PostProcessed:
     by_order: tuple[float, float, float]
     along_track_quadratic: float
     turning_quadratic: float
+    turning_by_order: tuple[float, float]
     azimuth_shift: float
-    impulse_response: ImpulseResponse | None
     method: str
     shares: Mapping[str, Shares]
+    respond: Callable[[], ImpulseResponse | None] = field(repr=False, compare=False)
+
+    @cached_property
+    def impulse_response(self) -> ImpulseResponse | None:
+        """Worked out when it is first looked at: a page whose design is in real time shows none."""
+        return self.respond()
 
 
 @dataclass(frozen=True)

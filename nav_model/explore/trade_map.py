@@ -118,14 +118,30 @@ def _value(design: Design, changes: dict[str, Array], result: str) -> Array:
     return confidence_of(design, result) * figures(inputs_of(design, changes), (result,))[result]
 
 
+_INSTEAD = {
+    "gnss.vertical_position_noise": "gnss.position_noise",
+    "gnss.vertical_velocity_noise": "gnss.velocity_noise",
+    "gnss.velocity_interval": "gnss.interval",
+}
+"""Input that may be left out -> the one that then holds."""
+
+
 def _here(design: Design, key: str) -> float:
-    """The design's own value of an input; an aperture that follows from the resolution, a vertical noise as the
-    horizontal."""
+    """The design's own value of an input; an aperture that follows from the resolution, an input that holds instead.
+
+    Raises
+    ------
+    InputError
+        If the design has none.
+    """
     if key == "radar.aperture_time":
         return float(inputs_of(design).aperture)
-    if key == "gnss.vertical_position_noise" and design[key] is None:
-        return design.gnss.position_noise
-    return float(design[key])  # type: ignore[arg-type]
+    value = design[key]
+    if value is None and key in _INSTEAD:
+        value = design[_INSTEAD[key]]
+    if value is None:
+        raise InputError(key, "the design has none. Enter one to put it on an axis.")
+    return float(value)  # type: ignore[arg-type]
 
 
 def place(design: Design, trade: TradeMap) -> tuple[float, float]:

@@ -85,11 +85,12 @@ def filters(x: Array, *, turning: bool = True) -> dict[str, Array]:
     ``left_3`` of the mean square after autofocus to that order, ``slope`` of half the aperture times the slope
     of the line, ``turned`` of the quadratic that the turning line of sight makes of an along-track error, for a turn
     of one over half the aperture [S-2], ``curved`` of the quadratic that the square of that turn makes,
-    ``with_curved`` of its covariance with the quadratic, ``mean`` of the mean over the aperture, ``whole`` of the
+    ``with_curved`` of its covariance with the quadratic, ``cubic_turned``, ``cubic_curved`` and
+    ``cubic_with_curved`` of the cubics alike, ``mean`` of the mean over the aperture, ``whole`` of the
     error itself.
     """
     x = as_numbers(x)
-    j0, j1, j2, j3, *more = spherical_bessel(x, 4 if turning else 3)
+    j0, j1, j2, j3, *more = spherical_bessel(x, 5 if turning else 3)
     square = np.stack([j0**2, 3 * j1**2, 5 * j2**2, 7 * j3**2])
     found = _left(x, square) | {
         "quadratic": 9 / 4 * 5 * square[2],
@@ -100,10 +101,14 @@ def filters(x: Array, *, turning: bool = True) -> dict[str, Array]:
     }
     if turning:
         curved = j0 - 55 / 14 * j2 + 18 / 7 * more[0]
+        cubic = 6 / 5 * j1 - 161 / 45 * j3 + 20 / 9 * more[1]
         found |= {
             "turned": (3 * j1 - 9 / 2 * j3) ** 2,
             "curved": curved**2,
             "with_curved": -15 / 2 * j2 * curved,
+            "cubic_turned": 25 / 4 * (3 * j2 - 4 * more[0]) ** 2,
+            "cubic_curved": 25 / 4 * cubic**2,
+            "cubic_with_curved": -25 / 4 * 7 * j3 * cubic,
         }
     return found
 
@@ -112,7 +117,9 @@ AVERAGES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
         "quadratic": (0.0, 9 / 8 * 25), "cubic": (0.0, 25 / 8 * 49), "slope": (0.0, 9 / 2), "mean": (0.0, 1 / 2),
         "turned": (0.0, (3 + 9 / 2) ** 2 / 2), "curved": (0.0, (15 / 2) ** 2 / 2),
-        "with_curved": (0.0, (15 / 2) ** 2 / 2), "whole": (1.0, 0.0),
+        "with_curved": (0.0, (15 / 2) ** 2 / 2),
+        **dict.fromkeys(("cubic_turned", "cubic_curved", "cubic_with_curved"), (0.0, 25 / 8 * 49)),
+        "whole": (1.0, 0.0),
         **{f"left_{n}": (1.0, -sum((2 * m + 1) / 2 for m in range(n + 1))) for n in (1, 2, 3)},
     }
 )  # fmt: skip

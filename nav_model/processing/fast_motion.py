@@ -17,6 +17,7 @@ from nav_model.analytic.steady_state import Array, as_numbers
 from nav_model.processing import compensation
 from nav_model.processing.aperture_filter import AVERAGES, OSCILLATING, filters
 from nav_model.processing.compensation import power_left
+from nav_model.processing.many_apertures import by_pieces, echo_terms
 
 NEAR_CELLS = 11.0
 """Null distances from the peak to the end of the ten beyond the main lobe."""
@@ -27,6 +28,8 @@ _STEPS_DELAY = np.linspace(0, compensation.OSCILLATING, 21)[1:]
 _RISE = 4.0  # between the ends of a panel, where nothing oscillates
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _ROWS = 256  # designs taken together: bounds the memory
+_MANY = 2000  # real kinds of apertures, beyond which few of them may stand for all
+_BEYOND = 1 + 1e-6
 _NEVER = 1e-300
 
 
@@ -48,6 +51,15 @@ class Curve:
     @property
     def _slopes(self) -> Array:
         return np.diff(np.log(self.density)) / np.diff(np.log(self.frequency))
+
+    def split(self, frequency: float) -> tuple[Curve, Curve]:
+        """Below a frequency between the first and the last, and above it."""
+        here = self.at(np.searchsorted(self.frequency, [frequency]) - 1, np.log([frequency]))
+        low, high = self.frequency < frequency, self.frequency > frequency
+        return (
+            Curve(np.append(self.frequency[low], frequency), np.append(self.density[low], here)),
+            Curve(np.insert(self.frequency[high], 0, frequency), np.insert(self.density[high], 0, here)),
+        )
 
     def at(self, place: NDArray[np.intp], logarithm: Array) -> Array:
         """Density at frequencies given by their logarithm, each in the interval that begins at `place`."""
@@ -160,28 +172,72 @@ def _interval(curve: Curve, frequency: Array) -> NDArray[np.intp]:
 
 def _integrals(curve: Curve, power: int, source: Source, aperture: Array, lobe: float) -> Sequence[Array]:
     """Integrals of a curve over w to this power, less what is taken off, against each filter of `Fast`."""
-    zero = np.zeros(())
-    columns = np.broadcast_arrays(
-        aperture,
-        zero if source.delay is None else source.delay,
-        zero if source.bandwidth is None else source.bandwidth,
-    )
-    table = np.stack(columns, axis=-1).reshape(-1, 3)
+    columns = np.broadcast_arrays(aperture, *(x for x in (source.delay, source.bandwidth) if x is not None))
+    table = np.stack(columns, axis=-1).reshape(-1, len(columns))
     # Most arrays of designs differ in other inputs: each kind of aperture is integrated once.
-    kinds, place = np.unique(np.concatenate([table.real, table.imag], axis=1), axis=0, return_inverse=True)
-    rows = as_numbers(kinds[:, :3] + 1j * kinds[:, 3:] if np.iscomplexobj(table) else kinds[:, :3])
-    parts = [_rows(curve, power, source, rows[start : start + _ROWS], lobe) for start in range(0, len(rows), _ROWS)]
-    whole = np.concatenate(parts)[place.reshape(-1)]
-    return [column.reshape(columns[0].shape) for column in whole.T]
+    if np.iscomplexobj(table):
+        kinds, place = np.unique(np.concatenate([table.real, table.imag], axis=1), axis=0, return_inverse=True)
+        whole = _each_row(curve, power, as_numbers(kinds[:, : len(columns)] + 1j * kinds[:, len(columns) :]), lobe)
+    else:
+        kinds, place = np.unique(table, axis=0, return_inverse=True)
+        whole = _real_rows(curve, power, kinds, lobe)
+    return [column.reshape(columns[0].shape) for column in whole[place.reshape(-1)].T]
 
 
-def _rows(curve: Curve, power: int, source: Source, rows: Array, lobe: float) -> Array:
-    aperture, delay, bandwidth = rows.T
+def _each_row(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
+    """Of each kind of aperture, a row of aperture [s] and, where there are any, delay [s] and bandwidth [Hz]."""
+    parts = [_rows(curve, power, rows[start : start + _ROWS], lobe) for start in range(0, len(rows), _ROWS)]
+    return np.concatenate(parts)
+
+
+def _real_rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
+    """The same of real rows, sorted: by way of few where many differ in the aperture and an echo's delay alone."""
+    aperture, *others = rows.T
+    if len(rows) < _MANY:
+        return _each_row(curve, power, rows, lobe)
+    if all(np.all(column == column[0]) for column in others):
+        alike = rows[0, 1:]
+
+        def at(apertures: Array) -> Array:
+            return _each_row(curve, power, np.insert(np.tile(alike, (len(apertures), 1)), 0, apertures, axis=1), lobe)
+
+        return by_pieces(at, aperture, curve.frequency, (lobe, lobe * NEAR_CELLS))
+    # Beyond this frequency no filter oscillates and nothing is near the main lobe.
+    highest = _BEYOND * max(OSCILLATING / np.pi, lobe * NEAR_CELLS) / float(aperture[0])
+    late = 2 * np.pi * highest * float(np.max(others[0]))
+    if len(others) > 1 or late > 1 or not curve.frequency[0] < highest < curve.frequency[-1]:
+        return _each_row(curve, power, rows, lobe)
+    return _with_echo(*curve.split(highest), power, rows, lobe, echo_terms(late))
+
+
+def _with_echo(low: Curve, high: Curve, power: int, rows: Array, lobe: float, terms: Array) -> Array:
+    """Of both parts of a curve, as `_real_rows`: below by `terms` of the delay, above by filters that only fall."""
+    aperture, delay = rows.T
+    order = 2 * np.arange(1, len(terms) + 1)
+
+    def by_term(apertures: Array) -> Array:
+        return np.hstack([_each_row(low, power - int(n), apertures[:, None], lobe) for n in order])
+
+    apertures, place = np.unique(aperture, return_inverse=True)
+    slow = by_pieces(by_term, apertures, low.frequency, (lobe, lobe * NEAR_CELLS))
+    slow = np.einsum("nk,nkc->nc", terms * delay[:, None] ** order, slow.reshape(len(slow), len(terms), -1)[place])
+    delays, place = np.unique(delay, return_inverse=True)
+    fast = _each_row(high, power, np.stack([np.full(len(delays), aperture[0]), delays], axis=1), lobe)[place]
+    falls = np.array([*(AVERAGES[name][1] for name in _FILTERS), 0.0, 0.0])
+    mean = _FILTERS.index("mean")  # which has nothing but what falls with the aperture squared
+    return np.asarray(
+        slow + fast + np.outer(fast[:, mean] * ((aperture[0] / aperture) ** 2 - 1), falls / falls[mean])
+    )
+
+
+def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
+    aperture, *others = rows.T
+    delay, bandwidth = (*others, None, None)[:2]
     # Panels end where the curve bends, where the filters' and the delay's oscillation asks for it, and at the lobe.
     low, high = float(curve.frequency[0]), float(curve.frequency[-1])
     fill = np.geomspace(low, high, 2 + int(math.log(high / low) / math.log(_RISE)))
     moving = np.concatenate([_STEPS_X, [math.pi * lobe, math.pi * lobe * NEAR_CELLS]]) / (np.pi * aperture[:, None])
-    if source.delay is not None:
+    if delay is not None:
         late = np.where(delay.real > 0, delay, np.inf)[:, None]
         moving = np.concatenate([moving, _STEPS_DELAY / (2 * np.pi * late)], axis=1)
     moving = np.where(moving.real < low, low, np.where(moving.real > high, high, moving))
@@ -198,8 +254,8 @@ def _rows(curve: Curve, power: int, source: Source, rows: Array, lobe: float) ->
     density = weight * curve.at(place[:, None], logarithm)
     if power:
         density /= (w**2) ** (power // 2)
-    if source.delay is not None:
-        wide = None if source.bandwidth is None else bandwidth[row, None]
+    if delay is not None:
+        wide = None if bandwidth is None else bandwidth[row, None]
         settled = 2 * np.pi * middle * delay[row].real > compensation.OSCILLATING
         for where, mean in ((settled, True), (~settled, False)):
             density[where] *= power_left(

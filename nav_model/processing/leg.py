@@ -21,7 +21,8 @@ from nav_model.processing.spectrum import UNEVEN, Channel, Leg, rates, smoothed
 
 COLUMNS = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "curved", "with_curved", "mean",
-    "position", "velocity", "tilt", "mean_slope", "with_turned", "turned_curved",
+    "position", "velocity", "tilt", "mean_slope", "with_turned", "turned_curved", "cubic_turned", "cubic_curved",
+    "cubic_with_turned", "cubic_with_curved", "cubic_turned_curved",
 )  # fmt: skip
 """What `smoothed_in_leg` finds; as `nav_model.processing.spectrum.smoothed`."""
 
@@ -249,7 +250,8 @@ def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Ar
     dict
         One entry for each of `COLUMNS`; ``tilt`` is that times gravity [m²/s⁴], zero for the vertical;
         ``mean_slope`` the covariance of the mean with the slope [m²/s], ``with_turned``, ``with_curved`` and
-        ``turned_curved`` those of the quadratics of the error, of its turn and of the turn's square [m²].
+        ``turned_curved`` those of the quadratics of the error, of its turn and of the turn's square [m²], and with
+        ``cubic_`` those of the cubics.
     """
     x, flat, shape = _rows(channel, aperture, leg)
     held = x.aperture.real * x.fastest

@@ -17,11 +17,12 @@ from numpy.polynomial import legendre
 
 from nav_model.analytic.steady_state import Array
 
-_SINGLY = 5  # Legendre orders of the position error that figures name: 0 to 4
-_ALL = 8  # modes that reach them
+_SINGLY = 6  # Legendre orders of the position error that figures name: 0 to 5
+_ALL = 9  # modes that reach them
 _LEFT = 4  # the lowest order of what is left after order 3
-# Quadratics, by the coefficients of orders 0 to 4, of the error, of its turn, and of the square of its turn.
-_FUNCTIONALS = np.array([[0, 0, 3 / 2, 0, 0], [0, 1, 0, 9 / 14, 0], [1, 0, 11 / 14, 0, 2 / 7]])
+# Quadratics, by the coefficients of orders 0 to 5, of the error, of its turn, and of the square of its turn; cubics.
+_QUADRATICS = np.array([[0, 0, 3 / 2, 0, 0, 0], [0, 1, 0, 9 / 14, 0, 0], [1, 0, 11 / 14, 0, 2 / 7, 0]])
+_CUBICS = np.array([[0, 0, 0, 5 / 2, 0, 0], [0, 0, 3 / 2, 0, 10 / 9, 0], [0, 1, 0, 23 / 18, 0, 50 / 99]])
 
 
 class Fixes(NamedTuple):
@@ -82,7 +83,7 @@ def _basis(modes: int) -> _Basis:
 
 @cache
 def _whole() -> tuple[Array, Array]:
-    """Covariance of the Legendre coefficients 0 to 4 by all modes of the accelerometer's noise, and of the gyro's."""
+    """Covariance of the Legendre coefficients 0 to 5 by all modes of the accelerometer's noise, and of the gyro's."""
     rows = _basis(_ALL).position[:_SINGLY, 3:]
     one, other = rows[:, :_ALL], rows[:, _ALL:]
     return one @ one.T, other @ other.T
@@ -93,13 +94,19 @@ def _turned(matrix: Array) -> Array:
     return matrix.swapaxes(-1, -2)
 
 
+def _diagonal(matrix: Array) -> Array:
+    """Of matrices that come last: a view, to write through."""
+    view: Array = np.einsum("nii->ni", matrix)
+    return view
+
+
 def _information(x: Inside, basis: _Basis, modes: int, scale: Array) -> Array:
     """Of everything about the unknowns: state at the start, modes, and the slow error at fixes and the end."""
     rows, plain = scale.shape
     points = x.position.places.shape[-1] if x.slow is not None else 0
     size = plain if x.slow is None else plain + points + 2
     whole: Array = np.zeros((rows, size, size), np.result_type(scale, x.start, x.end, x.position.known))
-    whole[:, range(3, plain), range(3, plain)] = 1
+    _diagonal(whole)[:, 3:plain] = 1
     second = basis.position, basis.velocity, basis.acceleration
     unit = np.stack([np.ones_like(x.aperture), 1 / x.aperture, 1 / x.aperture**2], axis=-1)
     last = np.stack([part.sum(axis=0) for part in second])  # every Legendre polynomial is one at the end
@@ -114,10 +121,9 @@ def _information(x: Inside, basis: _Basis, modes: int, scale: Array) -> Array:
         weighed = _turned(seen * weight[..., None])
         whole[:, :plain, :plain] += weighed @ seen
         if factor == 0 and x.slow is not None:
-            at = range(plain + 1, plain + 1 + points)
             whole[:, :plain, plain + 1 : -1] += weighed
             whole[:, plain + 1 : -1, :plain] += _turned(weighed)
-            whole[:, at, at] += weight
+            _diagonal(whole)[:, plain + 1 : -1] += weight
     if x.slow is not None:
         _add_slow(x, whole, plain, unit, ends)
     return whole
@@ -140,11 +146,10 @@ def _add_slow(x: Inside, whole: Array, plain: int, unit: Array, ends: Array) -> 
     steps = np.diff(np.hstack([0 * edges, plain_places, edges]), axis=-1) * (x.aperture / time)[:, None]
     kept = np.exp(-steps)
     tie = 1 / (-np.expm1(-2 * steps) * variance[:, None])
-    k = np.arange(first, last)
-    whole[:, k, k] += kept**2 * tie
-    whole[:, k + 1, k + 1] += tie
-    whole[:, k, k + 1] -= kept * tie
-    whole[:, k + 1, k] -= kept * tie
+    _diagonal(whole)[:, first:last] += kept**2 * tie
+    _diagonal(whole)[:, first + 1 :] += tie
+    for beside in (whole[:, first:last, first + 1 :], whole[:, first + 1 :, first:last]):
+        _diagonal(beside)[:] -= kept * tie
 
 
 def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
@@ -181,8 +186,8 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
         noise = wanted[:, :_SINGLY, 3:]
         beyond = a[:, None, None] ** 2 * from_a + w[:, None, None] ** 2 * from_w - noise @ _turned(noise)
         named = named + beyond
-        variance[:, :_SINGLY] = np.einsum("nii->ni", named)
-    of_turn = _FUNCTIONALS @ named @ _FUNCTIONALS.T
+        variance[:, :_SINGLY] = _diagonal(named)
+    of_turn, of_cubic = (rows @ named @ rows.T for rows in (_QUADRATICS, _CUBICS))
     quadratic, cubic = variance[:, 2] * 9 / 4, variance[:, 3] * 25 / 4
     left_2 = left_3 + cubic * (4 / 25 / 7)
     found: dict[str, Any] = {
@@ -199,6 +204,11 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
         "mean_slope": named[:, 0, 1] * 2 / t,
         "with_turned": of_turn[:, 0, 1],
         "turned_curved": of_turn[:, 1, 2],
+        "cubic_turned": of_cubic[:, 1, 1],
+        "cubic_curved": of_cubic[:, 2, 2],
+        "cubic_with_turned": of_cubic[:, 0, 1],
+        "cubic_with_curved": of_cubic[:, 0, 2],
+        "cubic_turned_curved": of_cubic[:, 1, 2],
         "position": now[:, 0],
         "velocity": now[:, 1] / t**2,
         "tilt": now[:, 2] / t**4,

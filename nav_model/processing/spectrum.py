@@ -17,11 +17,11 @@ from nav_model.processing.aperture_filter import table
 
 FOCUS = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "curved", "with_curved", "mean",
-    "position", "velocity",
+    "position", "velocity", "cubic_turned", "cubic_curved", "cubic_with_curved",
 )  # fmt: skip
 """What `smoothed` finds of a channel; "tilt" too for one that has a gyro."""
 
-UNEVEN = ("mean_slope", "with_turned", "turned_curved")
+UNEVEN = ("mean_slope", "with_turned", "turned_curved", "cubic_with_turned", "cubic_turned_curved")
 """Covariances of what is even in time with what is odd: none in an error that has no beginning."""
 
 

@@ -120,9 +120,10 @@ def bent_variance(
     return np.asarray(free_quadratic_variance(weights, *free) - free_quadratic_variance(still, *free))
 
 
-def smoothed_bent_variance(weights: _FloatArray, found: Mapping[str, _FloatArray]) -> _FloatArray:
-    """The same of a smoothed error: from the covariances of `TURNING` [m²] of one axis."""
+def smoothed_bent_variance(weights: _FloatArray, found: Mapping[str, _FloatArray], of: str = "") -> _FloatArray:
+    """The same of a smoothed error: from the covariances of `TURNING` [m²] of one axis, of "cubic_" for the cubic."""
     q, v, p = (weights[..., k] for k in range(3))
-    own = v**2 * found["turned"] + p**2 * found["curved"]
-    shared = q * v * found["with_turned"] + q * p * found["with_curved"] + v * p * found["turned_curved"]
+    turned, curved, with_turned, with_curved, both = (found[of + name] for name in TURNING)
+    own = v**2 * turned + p**2 * curved
+    shared = q * v * with_turned + q * p * with_curved + v * p * both
     return np.asarray(own + 2 * shared)

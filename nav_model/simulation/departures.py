@@ -107,7 +107,7 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
     x = inputs_of(design)
     yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * elapsed_s)
     flat = []
-    for start in (settled(x), sampled(x, slow=False).posterior):
+    for start in (settled(x), sampled(replace(x, slow=None)).posterior):
         level = growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, coast_s)
         upright = growth.vertical_growth(start.vertical, x.sigma_a, coast_s)
         variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]

@@ -158,7 +158,7 @@ def explore(design: Design, options: argparse.Namespace) -> int:
         options.result = next(iter(limits(design)), next(iter(FIGURES)))
     whole, rows = QUESTIONS[options.question](design, options)
     if not options.csv:
-        return put_json(lambda: whole)
+        return put_json(lambda: {"processing": {"mode": design.processing.mode}, **whole})
     table = list(rows)
     writer = csv.DictWriter(sys.stdout, table[0], lineterminator="\n")
     writer.writeheader()

@@ -1,6 +1,7 @@
 """Vibration, unsensed motion and oscillator: against sums over all frequencies, impulse responses and noise."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -101,6 +102,33 @@ def test_arrays_are_designs_side_by_side():
         for n, aperture in enumerate(apertures):
             one = through_aperture(Source(NONE, NONE, TABLE, None, np.array(delay), np.array(200.0)), aperture, 1.3)
             assert float(made.cubic[i, n]) == pytest.approx(float(one.cubic), rel=1e-12)
+
+
+VIBRATION = Curve(np.array([2.0, 50.0, 500.0]), np.array([0.96, 0.1, 1e-3]))
+THIRDS = Curve(np.geomspace(1.0, 400.0, 25), np.geomspace(1e-7, 1e-12, 25) * np.where(np.arange(25) % 2, 1.0, 3.0))
+OSCILLATOR = Curve(np.array([1.0, 100.0, 1e3, 1e5]), np.array([1e-6, 1e-10, 1e-11, 1e-14]))
+
+
+@pytest.mark.parametrize("kind", ["vibration", "vibration in thirds of an octave", "oscillator", "bistatic"])
+def test_a_map_of_apertures_is_each_of_them(kind):
+    """Four thousand apertures by way of few are each on its own, at the points of the table too."""
+    rng = np.random.default_rng(1)
+    apertures = np.exp(rng.uniform(np.log(0.1), np.log(60.0), 4000))
+    apertures[:8] = [8.0, 16.0, 16 / 50, 1.3 / 2, 11 * 1.3 / 2, 11 * 1.3 / 50, apertures.min(), apertures.max()]
+    ways = rng.uniform(1e-5, 2e-4, 4000)
+    source = {
+        "vibration": Source(NONE, NONE, VIBRATION, None, np.array(5e-3), np.array(150.0)),
+        "vibration in thirds of an octave": Source(NONE, NONE, None, THIRDS),
+        "oscillator": Source(NONE, NONE, None, OSCILLATOR, ways, scale=np.array(0.01)),
+        "bistatic": Source(NONE, NONE, None, OSCILLATOR, scale=np.array(0.01)),
+    }[kind]
+    made = through_aperture(source, apertures, 1.3)
+    for n in range(40):
+        one = through_aperture(replace(source, delay=ways[n]) if kind == "oscillator" else source, apertures[n], 1.3)
+        for name in ("quadratic", "cubic", "left_1", "left_2", "left_3", "mean", "slope", "scattered", "near"):
+            assert float(getattr(made, name)[n]) == pytest.approx(float(getattr(one, name)), rel=3e-10, abs=1e-30), (
+                name
+            )
 
 
 def _lines(frequency: float, phase: float, aperture: float):

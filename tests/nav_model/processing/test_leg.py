@@ -178,6 +178,32 @@ def test_quadratic_along_the_exact_line_of_sight(after, squint, slow):
     assert ours == pytest.approx(theirs, rel=0.01)  # third order in the turn, 0.135, is left out
 
 
+@pytest.mark.parametrize("slow", [None, 1.0])
+@pytest.mark.parametrize("squint", [0.0, 0.4])
+@pytest.mark.parametrize("after", [300.0, 8.0])
+def test_residuals_along_the_exact_line_of_sight(after, squint, slow):
+    """What is left after a line, and after a parabola, of the errors of all fixes at once along exact directions."""
+    values = {
+        "gnss.position_noise": 0.5, "gnss.interval": 1.0, "radar.slant_range": 5000.0, "radar.squint_angle": squint,
+        "radar.aperture_time": 6.0, "processing.leg_before": 60.0, "processing.leg_after": after,
+        "processing.mode": "post-processed", "gnss.correlated": slow is not None,
+    }  # fmt: skip
+    x = inputs_of(Design(values | ({"gnss.correlated_noise": slow} if slow else {})))
+    geometry = ApertureGeometry(5000.0, float(x.speed), float(x.grazing_angle), squint)
+    sight = directions(geometry, np.concatenate([[0.0], (NODES + 1) * 3.0, [6.0]]))[1:-1]
+    leg = Leg(np.array(60.0), np.array(after), np.array(0.0))
+    axes = [errors(channel, np.array(6.0), leg)[:40, :40] for channel in (channels(x)[0], *channels(x))]
+    along = sum(np.outer(u, u) * one for u, one in zip(sight.T, axes, strict=True))
+    found = smoothed_figures(x, ("turning_detrended_phase_1", "turning_detrended_phase_2", "detrended_phase_1"))
+    left = {}
+    for order in (1, 2):
+        fit = np.polynomial.polynomial.polyvander(NODES, order)
+        take = np.eye(40) - fit @ np.linalg.solve(fit.T @ (WEIGHTS[:, None] * fit), fit.T * WEIGHTS)
+        left[order] = float(x.to_phase) * math.sqrt(WEIGHTS / 2 @ np.diag(take @ along @ take.T))
+        assert float(found[f"turning_detrended_phase_{order}"]) == pytest.approx(left[order], rel=0.01)
+    assert left[1] / float(found["detrended_phase_1"]) > 1.015
+
+
 @pytest.mark.parametrize("modes", [8, 32])
 @pytest.mark.parametrize("aperture", [0.7, 5.4, 40.0])
 def test_free_ins_by_the_same_filters(modes, aperture, compared):

@@ -104,9 +104,12 @@ def test_the_turning_of_a_smoothed_error_in_state_space_is_that_of_its_spectrum(
     span = np.array(8.0)
     exact = smoothed_in_leg(channel, span, Leg(*(np.array(value) for value in (1e4, 1e4, 0.0))))
     spectral = smoothed(channel, span)
-    for name in ("turned", "curved", "with_curved"):
+    for name in ("turned", "curved", "with_curved", "cubic_turned", "cubic_curved", "cubic_with_curved"):
         assert exact[name] == pytest.approx(spectral[name], rel=3e-3), name
-    for name, one, other in (("with_turned", "quadratic", "turned"), ("turned_curved", "turned", "curved")):
+    for name, one, other in (
+        ("with_turned", "quadratic", "turned"), ("turned_curved", "turned", "curved"),
+        ("cubic_with_turned", "cubic", "cubic_turned"), ("cubic_turned_curved", "cubic_turned", "cubic_curved"),
+    ):  # fmt: skip
         assert abs(exact[name]) < 1e-2 * math.sqrt(exact[one] * exact[other])
 
 
