@@ -62,6 +62,7 @@ class Frame(pn.viewable.Viewer):
         super().__init__(session=session)
         self._keep_soon = once_quiet(self._keep)
         self._opening = opening()
+        session.narrow = self._opening.narrow
         self._pages: dict[int, Page] = {}
         self._loaded = False
         self._wanted = ""  # place on the page that the address asked for
