@@ -133,7 +133,7 @@ class Frame(pn.viewable.Viewer):
         except InputError as error:
             problem = error
         if problem:
-            self._say(f"The design you had here could not be taken up again. {problem}")
+            self._say(f"The design you had here could not be restored. {problem}")
             return
         self.session.take_studies(of_study)
         if base:
@@ -146,7 +146,7 @@ class Frame(pn.viewable.Viewer):
         try:
             revision = await asyncio.to_thread(lambda: library().revision(key))
         except InputError as error:
-            self._say(f"The design you had on this page is back, but not the revision it was saved as. {error}")
+            self._say(f"The design you had on this page is back, but its saved revision was not found. {error}")
             return
         if self.session.lineage is lineage:
             self.session.came_from(revision)

@@ -130,7 +130,7 @@ class SweepPanel(Question):
                 self._say(f"{most} {_ELSEWHERE}", alert=True)
             else:
                 self._plan = plan
-                self._say(f"{plan.rows:,} designs; working out the time …")
+                self._say(f"{plan.rows:,} designs; estimating the time …")
                 pn.state.execute(lambda: self.estimate.start(lambda _: elsewhere(expected_seconds, plan)))
         self.bar.start.disabled = self._plan is None
         self._answer()

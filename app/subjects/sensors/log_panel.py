@@ -202,9 +202,9 @@ class LogPanel(pn.viewable.Viewer):
         except InputError as error:
             problem = error
         if problem:
-            self._say(f"Not taken over. {problem}")
+            self._say(f"Not used. {problem}")
         else:
-            self._say("Taken over into the design, with its origin. You can undo.", "success")
+            self._say("The design now has the values, with their origin. You can undo.", "success")
 
 
 class StaticResult(pn.viewable.Viewer):

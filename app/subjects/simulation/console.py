@@ -108,7 +108,9 @@ def _specification(
         raise _as_option(error) from error
     kept = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
     if keep_runs and kept > _LARGEST_KEPT:
-        raise InputError("-o", f"every run's errors would take {kept / 1e9:.3g} GB; fewer --runs or a longer --every")
+        raise InputError(
+            "-o", f"every run's errors would take {kept / 1e9:.3g} GB; use fewer --runs or a longer --every"
+        )
     return spec
 
 

@@ -12,7 +12,7 @@ from nav_model.suborbital.settings import DEFAULTS, from_design, output_every, r
 from nav_model.suborbital.study import SuborbitalInputs
 
 
-def test_defaults_are_gp1_on_the_golden_flight():
+def test_defaults_are_gp1_on_the_reference_flight():
     assert DEFAULTS.study_inputs() == SuborbitalInputs()
 
 
