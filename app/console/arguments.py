@@ -17,9 +17,14 @@ from nav_model.errors import InputError
 
 
 def design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
-    parser.add_argument("designs", nargs="*", metavar="DESIGN" if one else "DESIGN...", help="a file, or - for stdin")
+    parser.add_argument(
+        "designs",
+        nargs="*",
+        metavar="DESIGN" if one else "DESIGN...",
+        help="design file (TOML), or - for standard input",
+    )
     parser.add_argument("--set", dest="changes", action="extend", nargs="+", default=[], metavar="KEY=VALUE",
-        help='override the file, e.g. imu.angle_random_walk="0.3 °/√h"')  # fmt: skip
+        help='override values of the file, e.g. imu.angle_random_walk="0.3 °/√h"')  # fmt: skip
     parser.set_defaults(one=one, parser=parser)
 
 

@@ -128,7 +128,9 @@ def _trajectory(name: str) -> str | TrajectorySpec:
         return read_trajectory(name)
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
-        raise InputError("--trajectory", f"{name!r} is neither one of {known} nor a file to read") from error
+        raise InputError(
+            "--trajectory", f"{name!r} is no file that can be read. Name a CSV file, or choose {known}."
+        ) from error
     except ValueError as error:
         raise InputError("--trajectory", str(error)) from error
 
