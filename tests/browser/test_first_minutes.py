@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import pytest
@@ -25,6 +26,7 @@ def test_the_tour_is_offered_once_and_goes_by_keyboard(visit: Visit) -> None:
     for _ in range(5):
         expect(card.get_by_role("heading")).to_be_focused()
         titles.append(card.get_by_role("heading").inner_text())
+        expect(card).to_have_accessible_description(re.compile(r"\w+ .+\."))
         assert page.locator(".frame").evaluate("e => !e.hidden && e.offsetWidth > 100"), titles
         card.get_by_role("button", name="Done" if len(titles) == 5 else "Next").press("Enter")
     assert len(set(titles)) == 5
