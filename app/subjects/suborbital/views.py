@@ -182,11 +182,17 @@ class StudyViews(pn.viewable.Viewer):
             for build in view.tables
         ]
         self._panes[view.name], self._tables[view.name] = panes, tables
-        parts: list[Any] = [pane.view for pane in panes]
+        scrolls: dict[str, Any] = {
+            "sizing_mode": "stretch_both",
+            "styles": {"overflow": "auto"},
+            "stylesheets": [NARROW],
+        }
+        parts: list[Any] = [
+            pn.Column(pane.view, **scrolls) if what(shown).square else pane.view
+            for what, pane in zip(view.charts, panes, strict=True)
+        ]
         if tables:
-            parts.append(
-                pn.Column(*(table for table, _ in tables), sizing_mode="stretch_both", styles={"overflow": "auto"})
-            )
+            parts.append(pn.Column(*(table for table, _ in tables), **scrolls))
         half = len(parts) // 2 or 1
         takes = [take for pane in panes for take in pane.takes()]
         takes += [self._table_take(build, shown) for build in view.tables]
