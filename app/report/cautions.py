@@ -34,7 +34,7 @@ def assumption_list(budget: Budget) -> Bullets:
     return Bullets(
         (
             "Straight, level flight at constant velocity; steady state before the last fix; small errors [T-1].",
-            "Random walks are white, Gaussian, alike and independent on the three axes; residual biases are constant "
+            "Random walks are white, Gaussian, equal and independent on the three axes; residual biases are constant "
             "over the outage and the aperture.",
             f"GNSS measures {measured}, per axis, {noise}.",
             f"Requirements are checked against the {held}. "

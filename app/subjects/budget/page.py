@@ -284,7 +284,7 @@ def _put(pane: TextPane, text: str) -> None:
 
 
 def _ask(budget: Budget) -> str:
-    return "How far each input can go" if budget.verdict.closes else "What would close it"
+    return "Largest allowed values" if budget.verdict.closes else "What would close it"
 
 
 def _invalid(count: int) -> str:
