@@ -72,6 +72,7 @@ class Session(param.Parameterized):
             doc="What the budget is held against: the value before the last change, or a design that was chosen.",
         )
     )  # fmt: skip
+    narrow = param.Boolean(default=False, doc="Whether the window was narrow when the page was made, as on a phone.")
     invalid = param.Integer(default=0, doc="Inputs whose last typed text was refused: what was valid before counts.")
     adopted = param.Integer(default=0, doc="How often a whole design took the place of another.")
     can_undo = param.Boolean(default=False)

@@ -41,5 +41,5 @@ J6: Final = 6.08346498e-9
 MEAN_RADIUS: Final = 6371008.8
 """Mean radius (2a + b)/3 of the Earth [m] (IUGG; Moritz, Geodetic Reference System 1980, 6371008.7714 m)."""
 SPHERE_RADIUS: Final = 6371000.0
-"""Radius of the spherical Earth of the suborbital study [m]. The final errors of the golden flight in
+"""Radius of the spherical Earth of the suborbital study [m]. The final errors of the reference flight in
 star_tracker.md, which the study is checked against, hold for this value, not for `MEAN_RADIUS`."""

@@ -93,7 +93,7 @@ EQUATIONS: tuple[Equation, ...] = (
         "Gyro dominance",
         "u^4 = 1 + kappa u, quad u = p_11 / v_11, quad kappa = (2 sqrt(2) thin g sigma_omega s^(1 slash 2)) / "
         "sigma_a^(3 slash 2)",
-        "One number says which sensor rules the horizontal channel.",
+        "One number tells which sensor limits the horizontal channel.",
     ),
     Equation(
         "T-7",
@@ -118,7 +118,7 @@ EQUATIONS: tuple[Equation, ...] = (
         "+ (g^2 sigma_omega^2) / 20 t^5 \\ "
         "sigma_v^2 (t) &= p_22 + (sigma_a^2 + 2 g p_23) t + g^2 p_33 t^2 + (g^2 sigma_omega^2) / 3 t^3, quad "
         "sigma_theta^2 (t) = p_33 + sigma_omega^2 t",
-        "From the closed form at the last fix. Residual biases add in quadrature, with t²/2 and g t³/6.",
+        "Starts from the closed form at the last fix. Residual biases add in quadrature, with t²/2 and g t³/6.",
     ),
     Equation(
         "T-10",
@@ -130,7 +130,7 @@ EQUATIONS: tuple[Equation, ...] = (
         "T-11",
         "Outage from a perfect start",
         "sigma_x^2 (t) = sigma_a^2 / 3 t^3 + (g^2 sigma_omega^2) / 20 t^5, quad sigma_z^2 (t) = sigma_a^2 / 3 t^3",
-        "What the sensors alone do.",
+        "The error from the sensors alone.",
     ),
     Equation(
         "T-12",
@@ -146,7 +146,7 @@ EQUATIONS: tuple[Equation, ...] = (
     ),
     Equation(
         "T-15",
-        "Phase left after the line",
+        "Residual phase after linear detrend",
         "sigma_phi^2 = ((4 pi) / lambda)^2 [cos^2 psi thin (g^2 p_33) / 720 T^4 + sigma_a^2 / 420 T^3 + "
         "cos^2 psi thin (17 g^2 sigma_omega^2) / 30240 T^5]",
         "Mean square over the aperture. Biases and a coast before the aperture add the terms of [S-6].",
@@ -158,7 +158,7 @@ EQUATIONS: tuple[Equation, ...] = (
         "thin delta v_E + (2 V) / R_e delta v_x, quad dot(bold(P)) = bold(F) bold(P) + bold(P) bold(F)^upright(T) + "
         "bold(Q), quad bold(P)(0) = bold(P)^+",
         "Schuler, gravity-gradient and Coriolis terms, from the posterior covariance of [T-8]; residual biases in "
-        "quadrature. Requirements after the last fix are held against this curve.",
+        "quadrature. Requirements after the last fix are checked against this curve.",
     ),
     Equation(
         "T-18",
@@ -177,8 +177,8 @@ EQUATIONS: tuple[Equation, ...] = (
         "S-2",
         "Quadratic phase from along-track velocity",
         "phi = (pi V T^2 thin delta V) / (lambda R)",
-        "The line of sight turns over the aperture, so a velocity error does more than shift the image. Checked of "
-        "its own against the limit on quadratic phase. Broadside; squint takes off the square of its cosine.",
+        "The line of sight turns over the aperture, so a velocity error does more than shift the image. Checked "
+        "separately against the limit on quadratic phase. Broadside; under squint, times the square of its cosine.",
     ),
     Equation(
         "S-3",
@@ -196,7 +196,7 @@ EQUATIONS: tuple[Equation, ...] = (
     ),
     Equation(
         "S-6",
-        "Phase left after autofocus, and cubic phase",
+        "Residual phase after autofocus, and cubic phase",
         'm = 1: quad &"[T-15]" + ((4 pi) / lambda)^2 [T^4 / 720 (b_a^2 + cos^2 psi thin g^2 (sigma_omega^2 T_c + '
         "b_g^2 (T_c + T / 2)^2)) + cos^2 psi thin (g^2 b_g^2) / 100800 T^6] \\ "
         "m = 2: quad &((4 pi) / lambda)^2 [sigma_a^2 / 2520 T^3 + cos^2 psi thin g^2 ( sigma_omega^2 / 55440 T^5 + "
@@ -233,7 +233,7 @@ REFERENCES: tuple[str, ...] = (
     "integral gives √20, which is used here.",
     "[T-8], [T-15], [T-17], [T-18] and [S-1] to [S-6] are derived in NavBudget and verified against Riccati and "
     "covariance solutions and Monte Carlo runs in its test suite.",
-    "Sources of sensor and radar values stand beside each value in the table of inputs.",
+    "The table of inputs gives the source of each sensor and radar value.",
 )
 
 # --- beyond a report: what the other pages rest on ---------------------------------------------------------
@@ -241,23 +241,23 @@ REFERENCES: tuple[str, ...] = (
 _BEYOND: tuple[Equation, ...] = (
     Equation(
         "P-1",
-        "Position that the IMU lets drift, as a density",
+        "Position drift of the IMU, as a spectral density",
         "S_p (w) = sigma_a^2 / w^4 + (g^2 sigma_omega^2) / w^6",
         "Two-sided, over angular frequency w; the vertical has the first term only.",
     ),
     Equation(
         "P-2",
-        "What the receiver does not know, as a density",
+        "Position error of the receiver, as a spectral density",
         "1 / (S_n (w)) = 1 / (s^2 + S_c (w)) + w^2 / s_v^2, quad s_v = sigma_v sqrt(Delta t_v), quad "
         "S_c (w) = (2 sigma_c^2 tau) / (1 + w^2 tau^2)",
-        "Position fixes with their slow error, and velocity fixes.",
+        "Position fixes with their slow error, combined with velocity fixes.",
     ),
     Equation(
         "P-3",
-        "Smoothed position error, as a density",
+        "Smoothed position error, as a spectral density",
         r"S_e (w) = 1 / (1 \/ S_p + 1 \/ S_n), quad sigma^2 = 1 / pi integral_0^oo S_e dif w",
         "A smoother with fixes on both sides, in a leg of 6/w₀ and more on each, w₀ = (g σ_ω/s)^(1/3), and with "
-        "w₀ Δt up to 0.7; otherwise the same is worked out in state space. Velocity has the density w² S_e.",
+        "w₀ Δt up to 0.7; otherwise it is computed in state space. Velocity has the density w² S_e.",
     ),
     Equation(
         "P-4",
@@ -293,12 +293,12 @@ _BEYOND: tuple[Equation, ...] = (
     ),
     Equation(
         "P-8",
-        "Vibration that the IMU leaves",
+        "Vibration left after IMU compensation",
         r"S_d (w) = abs(1 - B (w) e^(-upright(i) w tau_d))^2 (S_a (w)) / w^4, quad "
         r"B (w) = 1 / (1 + upright(i) w \/ w_b)",
         "Antenna and IMU feel the same motion; it is compensated with the IMU's first-order bandwidth and the delay "
-        "to the radar. A line of displacement d leaves |1 − B exp(−iwτ)| d. Motion that the IMU does not feel is "
-        "left whole. What is left goes through the aperture as in [P-5].",
+        "to the radar. A line of displacement d leaves |1 − B exp(−iwτ)| d. Motion that the IMU does not sense is "
+        "not compensated. The remainder is filtered by the aperture as in [P-5].",
     ),
     Equation(
         "P-9",
@@ -311,11 +311,12 @@ _BEYOND: tuple[Equation, ...] = (
         "P-10",
         "Phase noise of the oscillator",
         r"S_phi (f) = 2 dot.op 10^(L (f) \/ 10) thin (f_c / f_o)^2 thin 4 sin^2 ((2 pi f R) / c)",
-        "One-sided, in rad²/Hz; noise that is slow against the echo's way cancels. Bistatic without the sine.",
+        "One-sided, in rad²/Hz; noise that is slow compared with the echo delay cancels. Bistatic: without the "
+        "sine factor.",
     ),
     Equation(
         "P-11",
-        "Energy that fast phase errors scatter",
+        "Energy scattered by fast phase errors",
         "E = s^2 - 2 sum_k ln J_0 (p_k), quad e^E - 1, quad e^(-E)",
         "Scattered energy over the target's, and the power that stays at its peak; s² is the variance of the spectra "
         "beyond the main lobe, p_k the lines there. The window's own side lobes come on top.",
@@ -325,11 +326,11 @@ _BEYOND: tuple[Equation, ...] = (
         "Bias by vibration rectification",
         "b_v = k_v (sum_k a_k^2 / 2 + integral_0^oo S_a dif f)",
         "From the vibration's mean square; it adds to the accelerometer bias in [T-9] and [S-5]. A smoother "
-        "takes it up.",
+        "absorbs it.",
     ),
     Equation(
         "T-14",
-        "What a fitted polynomial leaves",
+        "Residual after a polynomial fit",
         "integral_0^T (e(t) - hat(e)_m (t))^2 (dif t) / T",
         "Each error process less its least-squares line (m = 1) or quadratic (m = 2) over the aperture. The "
         "coefficients of [T-15] and [S-6] are these integrals, exact.",
@@ -424,7 +425,7 @@ _BEYOND: tuple[Equation, ...] = (
         'bold(P)_"N" &= sigma^2 / 4 sum_k [bold(w)_k times] (bold(I) - bold(b)_k bold(b)_k^upright(T)) '
         "[bold(w)_k times]^upright(T), quad bold(w)_k = (sum_j bold(b)_j bold(b)_j^upright(T))^(-1) bold(b)_k",
         "Optimal methods, TRIAD of two stars, and the N-vector after projection on a rotation; σ is the noise of a "
-        "direction per axis. TRIAD's mean error has a heavy tail: two stars that stand close together decide it.",
+        "direction per axis. TRIAD's mean error has a heavy tail: two stars close together dominate it.",
     ),
 )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -37,6 +38,17 @@ class InputError(ValueError):
     def under(self, key: str) -> InputError:
         """The same complaint under another name: an option of the command line, a file."""
         return type(self)(key, self.reason, self.value)
+
+
+def not_a_choice(given: Any, options: Iterable[object]) -> str:
+    """The reason where one of a few names is taken and another was given.
+
+    >>> not_a_choice("kaiser", ["uniform", "hamming", "taylor"])
+    "'kaiser' is not a choice here. Choose uniform, hamming or taylor."
+    """
+    *most, last = map(str, options)
+    either = f"{', '.join(most)} or {last}" if most else last
+    return f"{shown(given)} is not a choice here. Choose {either}."
 
 
 def shown(content: Any) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from html import escape
 
 from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, spread_of
-from app.charts.region import middle_of
+from app.charts.region import region_names
 from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
 
 
@@ -32,10 +32,11 @@ def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
 
 def _map_entries(chart: MapChart) -> list[tuple[str, str]]:
     """Regions that are too small for their name, then what is drawn over them."""
+    named = region_names(chart)
     entries = [
         (_box(STYLES[style], 0.55), name)
         for i, (style, name) in enumerate(zip(chart.styles, chart.names, strict=True))
-        if (chart.winner == i).any() and middle_of(chart, i) is None
+        if (chart.winner == i).any() and i not in named
     ]
     entries.append((_line(STYLES[chart.contour.style]), chart.contour.label))
     return entries + [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]

@@ -8,6 +8,7 @@ from contourpy import contour_generator
 from app.charts.kinds import Array, MapChart
 
 _SLIVER = 0.004  # of the map: too little to carry a name
+_LETTER, _LINE, _AROUND = 6.8 / 288, 17 / 232, (6 / 288, 5 / 232)  # of a map in a window of 390 pixels
 
 
 def contour(across: Array, up: Array, values: Array, level: float) -> Array:
@@ -18,13 +19,37 @@ def contour(across: Array, up: Array, values: Array, level: float) -> Array:
     return np.concatenate([gap, *(part for piece in pieces for part in (np.asarray(piece), gap))])
 
 
-def middle_of(chart: MapChart, index: int) -> tuple[float, float, str] | None:
-    """Where the name of a region stands: of its cells, the one nearest to their middle; slivers go unnamed."""
-    rows, columns = np.nonzero(chart.winner == index)
-    if len(rows) < _SLIVER * chart.winner.size:
-        return None
-    width = chart.winner.shape[1]
-    # A name reaches about a sixth of the map to each side of its place: keep it off the edges where it can be.
-    off = 10 * np.maximum(np.abs(columns - width / 2) - width / 3, 0)
-    nearest = np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2 + off**2)
-    return float(chart.x[columns[nearest]]), float(chart.y[rows[nearest]]), chart.names[index]
+def region_names(chart: MapChart) -> dict[int, tuple[float, float, str]]:
+    """Region -> the middle of its name and the name in lines; slivers go unnamed.
+
+    A name is near the middle of its region, within the map, apart from the other names, and off points and contour
+    where there is room. The map is as small as on a phone: on a larger one the names are further apart.
+    """
+    placed: dict[int, tuple[float, float, str]] = {}
+    boxes: list[tuple[float, float, float, float]] = []
+    drawn_x = np.concatenate([chart.contour.x, *(points.x for points in chart.points)])
+    drawn_y = np.concatenate([chart.contour.y, *(points.y for points in chart.points)])
+    marks = _share(drawn_x, chart.x), _share(drawn_y, chart.y)
+    # The smallest region first: it has the least choice.
+    for index in np.argsort(np.bincount(chart.winner.ravel(), minlength=len(chart.names)), kind="stable"):
+        rows, columns = np.nonzero(chart.winner == index)
+        if len(rows) < max(_SLIVER * chart.winner.size, 1):
+            continue
+        lines = chart.names[index].replace(", ", ",\n").split("\n")
+        half_x, half_y = max(map(len, lines)) * _LETTER / 2 + _AROUND[0], len(lines) * _LINE / 2 + _AROUND[1]
+        x, y = _share(chart.x[columns], chart.x), _share(chart.y[rows], chart.y)
+        cost = (x - x.mean()) ** 2 + (y - y.mean()) ** 2
+        cost += 100 * (np.maximum(half_x - np.minimum(x, 1 - x), 0) + np.maximum(half_y - np.minimum(y, 1 - y), 0))
+        for other_x, other_y, wide, high in boxes:
+            cost += 10 * ((np.abs(x - other_x) < half_x + wide) & (np.abs(y - other_y) < half_y + high))
+        covered = (np.abs(x[:, None] - marks[0]) < half_x) & (np.abs(y[:, None] - marks[1]) < half_y)
+        cost += 0.01 * covered.any(axis=1)
+        best = int(np.argmin(cost))
+        boxes.append((x[best], y[best], half_x, half_y))
+        placed[int(index)] = float(chart.x[columns[best]]), float(chart.y[rows[best]]), "\n".join(lines)
+    return placed
+
+
+def _share(values: Array, axis: Array) -> Array:
+    """Where values are along a log axis: 0 at its beginning, 1 at its end."""
+    return np.asarray(np.log(values / axis[0]) / np.log(axis[-1] / axis[0]))

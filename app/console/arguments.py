@@ -11,26 +11,37 @@ from typing import Any
 
 from app.console.files import whole_file
 from nav_model.design import Design
-from nav_model.design.file import MAX_BYTES, parse_design, read_bytes
+from nav_model.design.file import KEY_VALUE, MAX_BYTES, parse_design, read_bytes
+from nav_model.design.parts import all_keys
+from nav_model.errors import InputError
 
 
 def design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
-    parser.add_argument("designs", nargs="*", metavar="DESIGN" if one else "DESIGN...", help="a file, or - for stdin")
+    parser.add_argument(
+        "designs",
+        nargs="*",
+        metavar="DESIGN" if one else "DESIGN...",
+        help="design file (TOML), or - for standard input",
+    )
     parser.add_argument("--set", dest="changes", action="extend", nargs="+", default=[], metavar="KEY=VALUE",
-        help='override the file, e.g. imu.angle_random_walk="0.3 °/√h"')  # fmt: skip
+        help='override values of the file, e.g. imu.angle_random_walk="0.3 °/√h"')  # fmt: skip
     parser.set_defaults(one=one, parser=parser)
 
 
 def paths_of(options: argparse.Namespace) -> list[str]:
     """The designs named; a path that --set swallowed is given back."""
     paths, changes = list(options.designs), list(options.changes)
-    while changes and "=" not in changes[-1]:
+    known = all_keys()
+    while changes and "=" not in changes[-1] and changes[-1] not in known and not (options.one and paths):
         paths.append(changes.pop())
+    for change in changes:
+        if "=" not in change:
+            raise InputError("--set", f'{change!r} has no "=". Write {KEY_VALUE}.', change)
     options.changes = changes
     if not paths:
         options.parser.error("no DESIGN given; name a file, or - for standard input")
     if options.one and len(paths) > 1:
-        options.parser.error(f"one DESIGN expected, {len(paths)} given")
+        options.parser.error(f"takes one DESIGN, but {len(paths)} are given: {', '.join(paths)}")
     return paths
 
 

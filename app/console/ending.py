@@ -62,12 +62,12 @@ def run_to_end(command: Callable[[], int]) -> int:
         where = f"{shown(fault.filename)}: " if fault.filename else ""
         return _told(f"{where}{fault.strerror or fault}", SURROUNDINGS)
     except MemoryError:
-        return _told("the memory of this machine does not suffice", SURROUNDINGS)
+        return _told("this machine has too little free memory", SURROUNDINGS)
     except BrokenExecutor:
-        return _told("a worker process was ended from outside, perhaps for want of memory", SURROUNDINGS)
+        return _told("something ended a worker process, perhaps a lack of memory", SURROUNDINGS)
     except Exception:  # noqa: BLE001  # the last resort, told in full
         traceback.print_exc()
-        return _told("this is a fault of NavBudget's own; the lines above say where", OWN_FAULT)
+        return _told("this is a fault in NavBudget; the lines above show where", OWN_FAULT)
     finally:
         _let_go()
 

@@ -86,6 +86,7 @@ export function render({ model }) {
     tab.tabIndex = index === model.active ? 0 : -1
     if (index === model.active) tab.scrollIntoView?.({ block: "nearest", inline: "nearest" })
   })
+  new ResizeObserver(turned).observe(tabs)  // on a phone the tab in view may be out of sight until the bar has its width
   buttons.forEach((tab, index) => { tab.onclick = () => { model.active = index } })
   tabs.onkeydown = (event) => {
     const here = buttons.indexOf(event.target)

@@ -62,6 +62,7 @@ class Frame(pn.viewable.Viewer):
         super().__init__(session=session)
         self._keep_soon = once_quiet(self._keep)
         self._opening = opening()
+        session.narrow = self._opening.narrow
         self._pages: dict[int, Page] = {}
         self._loaded = False
         self._wanted = ""  # place on the page that the address asked for
@@ -136,7 +137,7 @@ class Frame(pn.viewable.Viewer):
         except InputError as error:
             problem = error
         if problem:
-            self._say(f"The design you had here could not be taken up again. {problem}")
+            self._say(f"The design you had here could not be restored. {problem}")
             return
         self.session.take_studies(of_study)
         if base:
@@ -149,7 +150,7 @@ class Frame(pn.viewable.Viewer):
         try:
             revision = await asyncio.to_thread(lambda: library().revision(key))
         except InputError as error:
-            self._say(f"The design you had on this page is back, but not the revision it was saved as. {error}")
+            self._say(f"The design you had on this page is back, but its saved revision was not found. {error}")
             return
         if self.session.lineage is lineage:
             self.session.came_from(revision)

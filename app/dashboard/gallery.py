@@ -1,4 +1,4 @@
-"""Designs to start from: what each is about, how it stands, and a press to open it."""
+"""Designs to start from: what each is about, whether it closes, and a button that opens it."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _about(budget: Budget) -> str:
     assert tightest is not None  # an example without a requirement would teach nothing
     mark = "✓ Closes" if budget.verdict.closes else "✗ Does not close"
     figures = (
-        ("Unit and radar", f"{preset_name(design, 'imu')}, {preset_name(design, 'radar')}"),
+        ("IMU and radar", f"{preset_name(design, 'imu')}, {preset_name(design, 'radar')}"),
         ("Quadratic phase", show(budget.sar.quadratic, "angle")),
         (
             f"Position after {show(budget.coast.duration, 'time', given=True)}",

@@ -44,7 +44,7 @@ export function render({ model, view }) {
     if (!section.hidden) return
     const when = new Date().toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" })
     const said = `Connection to the server lost at ${when}. ` +
-      "The figures are those from before; nothing is computed now."
+      "The figures are from before; nothing is computed now."
     say(said)
     section.hidden = false
     for (const part of all(".sidebar, .tools")) {
@@ -55,7 +55,7 @@ export function render({ model, view }) {
       try {
         const answer = await fetch(new URL("liveness", location.origin + location.pathname), { cache: "no-store" })
         if (!answer.ok) throw new Error(answer.status)
-        say(`${said} The server answers again: reload, and the design comes back; results of runs do not.`)
+        say(`${said} The server answers again. Reload to get your design back; results of runs are lost.`)
       } catch { setTimeout(look, 3000) }
     }
     setTimeout(look, 1000)

@@ -35,7 +35,7 @@ class ReportChoice:
     def lacking(self) -> str:
         """What a report written now would lack, in words."""
         left = [STUDIES[kind].study for kind, fits in self._fits().items() if not fits]
-        said = [f"Not in the report, of another design: {', '.join(left)}."] if left else []
+        said = [f"Not in the report, because they belong to another design: {', '.join(left)}."] if left else []
         if self._session.running:
             said.append("A study is still running. A report written now will not include it.")
         return " ".join(said)

@@ -28,11 +28,11 @@ STARTS = {
     ),
     "My IMU": Start(
         "budget",
-        "Choose your IMU or type its data sheet. The verdict follows every change.",
+        "Choose your IMU or type the values of its data sheet. The verdict follows every change.",
         ("imu.preset", "imu.angle_random_walk", "imu.velocity_random_walk", "imu.gyro_bias",
          "imu.accelerometer_bias"),
     ),
-    "My log": Start("sensors-log", "Choose a log of your IMU. Its noise goes into the design with one press."),
+    "My log": Start("sensors-log", "Choose a log of your IMU. One press puts its noise into the design."),
 }  # fmt: skip
 
 

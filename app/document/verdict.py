@@ -75,8 +75,8 @@ def verdict_of(budget: Budget) -> Answer:
             "Not checked",
             "open",
             (
-                "The design states no requirement, so there is nothing to check: a limit brings a verdict.",
-                f"Quadratic phase is dominated by {largest.source} ({percent(largest.share)} of the variance).",
+                "The design has no requirement, so there is no verdict. Enter a limit under Requirements.",
+                f"Main source of quadratic phase: {largest.source}, {percent(largest.share)} of the variance.",
             ),
         )
     failed = sum(not check.met for check in verdict.checks)
@@ -90,9 +90,9 @@ def verdict_of(budget: Budget) -> Answer:
     return Answer(
         *_word_and_tone(verdict),
         (
-            f"At {verdict.confidence:g}σ {met}.",
+            f"At {verdict.confidence:g}σ, {met}.",
             f"Tightest: {tightest.label.lower()}, {words.value} against {words.limit}, margin {words.margin}.",
-            f"Dominated by {tightest.sensor}: {words.share} of the variance{through}.",
+            f"Main error source: {tightest.sensor}, {words.share} of the variance{through}.",
         ),
     )
 

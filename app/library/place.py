@@ -43,7 +43,7 @@ def look_at(address: str) -> str:
         return ""
     found = Library(address or default_address())
     try:
-        return "the library can only be read: its file or folder refuses writing" if found.read_only else ""
+        return "the library is read-only: its file or folder cannot be written" if found.read_only else ""
     finally:
         found.close()
 

@@ -254,9 +254,13 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
         _touch(connection, review)
         now_there = _load(connection, review)
         if now_there.version != seen + 1:
-            raise Conflict("review", "Somebody added to it after you opened it. Look again before you sign.")
+            raise Conflict(
+                "review", "Somebody added a comment or a decision after you opened it. Look again before you sign."
+            )
         if not now_there.intact:
-            raise InputError("review", "It cannot be signed: the library no longer holds what the review froze.")
+            raise InputError(
+                "review", "It cannot be signed: the library no longer has the designs that the review froze."
+            )
         left = now_there.open_points()
         if left:
             place, name = left[0]

@@ -113,7 +113,7 @@ class Library:
                 current = is_current(version_of(connection))
             if not current and self.read_only:
                 raise InputError(
-                    "library", "cannot be opened: it must be brought to this version once, and can only be read here"
+                    "library", "cannot be opened: it must first be upgraded to this version, and it is read-only here"
                 )
             if not current:
                 with self._transaction(writes=True) as connection:
@@ -138,11 +138,9 @@ class Library:
             If the library did not confirm it: it is full, locked for too long, or its server has gone.
         """
         if self.read_only:
-            raise InputError(
-                "library", "can only be read here: its file or folder refuses writing; nothing was saved"
-            )
+            raise InputError("library", "is read-only: its file or folder cannot be written; nothing was saved")
         # A server that goes while it confirms may have written.
-        with said("did not confirm this: {}; look before you do it again"), self._transaction(writes=True) as own:
+        with said("did not confirm this: {}; check before you do it again"), self._transaction(writes=True) as own:
             yield own
 
     @contextmanager

@@ -33,8 +33,8 @@ def assumption_list(budget: Budget) -> Bullets:
     held = "post-processed figures" if processing.mode == POST_PROCESSED else "figures in real time"
     return Bullets(
         (
-            "Straight, level flight at constant velocity, in steady state before the last fix; small errors [T-1].",
-            "Random walks are white, Gaussian, alike and independent on the three axes; residual biases are constant "
+            "Straight, level flight at constant velocity; steady state before the last fix; small errors [T-1].",
+            "Random walks are white, Gaussian, equal and independent on the three axes; residual biases are constant "
             "over the outage and the aperture.",
             f"GNSS measures {measured}, per axis, {noise}.",
             f"Requirements are checked against the {held}. "
@@ -46,7 +46,7 @@ def assumption_list(budget: Budget) -> Bullets:
             f"{_FIGURES[requirements.steady_state]} [T-8], "
             "after the last fix against the curve with Schuler and Coriolis terms [T-17].",
             f"Each figure is checked at {requirements.confidence:g}σ.",
-            "Broadside strip map; the inertial unit alone carries the aperture, which starts "
+            "Broadside strip map. Only the inertial unit measures motion during the aperture, which starts "
             f"{number(budget.design.coast.before_aperture, given=True)} s after the last fix [S-1], [S-5].",
             "Lever arm, timing, atmosphere and range migration are not part of the budget.",
         ),

@@ -86,7 +86,7 @@ def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
             Column("Verdict", width=1.1),
             Column("Tightest requirement", width=1.2),
             Column("Margin", numeric=True, width=0.9),
-            Column("Dominant sensor", width=1.2),
+            Column("Main error source", width=1.2),
         ),
         tuple(row(budget, label) for budget, label in zip(budgets, labels, strict=True)),
     )
@@ -141,7 +141,7 @@ def _figures(
                 (told(label, name), *(cell(figure, design) for design in columns))
                 for figure, (label, name, _) in enumerate(_FIGURES)
             ),
-            "Outages end where each design says; phases hold for each design's own radar and aperture.",
+            "Each design has its own outage, radar and aperture.",
         )
 
     return _in_parts(len(budgets), labels, table, wide)

@@ -15,8 +15,8 @@ from nav_model.design.rows import Rows
 _MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
     "unconfirmed: no source found. changed: not the value of the preset. noted: the design says "
-    "where it comes from, such as a log. Biases and platform figures "
-    "of the catalogue do not fill inputs; they are listed for information."
+    "where it comes from, such as a log. Biases and platform figures of the catalogue are listed for information; "
+    "they are not used as inputs."
 )
 _EXTRA_LABELS = {
     "gyro_bias": "Gyro bias on the sheet",

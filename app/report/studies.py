@@ -30,10 +30,10 @@ def study_sections(findings: Mapping[str, Any], design: Design, key: str) -> tup
             told += report.sections(findings[kind], key)
         else:
             left.append(
-                f"{subject.study}: the study at hand is of another design, {report.of_design(findings[kind])}."
+                f"{subject.study}: the last study belongs to another design, {report.of_design(findings[kind])}."
             )
     if left:
-        left.append("Run them again for this design to have them here.")
+        left.append("Run them again for this design to include them.")
         told.append(Section(f"{key}-left-out", "Studies left out", (Bullets(tuple(left)),)))
     return tuple(told)
 

@@ -32,12 +32,12 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
     add("--port", type=int, default=5006, help="port (default 5006; 0 picks a free one)")
     add("--address", default="127.0.0.1", help="address to listen on (default 127.0.0.1, this machine only)")
     add("--allow-origin", action="append", default=[], metavar="HOST[:PORT]",
-        help="public host the page is reached under, when not the address itself; may be repeated")  # fmt: skip
+        help="public host name of the page, if it is not the address; may be repeated")  # fmt: skip
     add("--behind-proxy", action="store_true", help="trust X-Forwarded-For and X-Forwarded-Proto, which a proxy sets")
-    who = serve.add_argument_group("who may enter (needed when the address is not this machine only)")
+    who = serve.add_argument_group("who may log in (required unless the address is this machine only)")
     add = who.add_argument
     add("--password-file", type=Path, metavar="FILE", help="lines name:hash as `navbudget password NAME` prints them")
-    add("--open", action="store_true", help="let in everybody who reaches the address")
+    add("--open", action="store_true", help="let in everybody who can reach the address")
     add(
         "--cookie-secret-file",
         type=Path,
@@ -48,7 +48,7 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
     add("--oauth-provider", metavar="NAME", choices=_OAUTH, help=f"sign in through: {', '.join(_OAUTH)}")
     add("--oauth-key", metavar="ID", help="client id; the secret comes from PANEL_OAUTH_SECRET in the environment, "
         "a key to encrypt tokens from PANEL_OAUTH_ENCRYPTION")  # fmt: skip
-    add("--oauth-redirect-uri", metavar="URL", help="where the provider sends the visitor back to")
+    add("--oauth-redirect-uri", metavar="URL", help="address to which the provider returns the visitor")
     add("--oauth-allow", action="append", default=[], metavar="WHO",
         help="user, @domain of a mail address, or * for every account; may be repeated")  # fmt: skip
     add("--login-store", default="", metavar="PATH-or-URL", help="where logins and failed attempts are kept for all "
@@ -139,7 +139,7 @@ def _password(options: argparse.Namespace) -> int:
     if sys.stdin.isatty():
         password = getpass.getpass("Password: ")
         if getpass.getpass("Again: ") != password:
-            raise InputError("password", "the two differ")
+            raise InputError("password", "the two passwords differ")
     else:
         password = sys.stdin.readline().rstrip("\r\n")
     print(password_line(options.name, password))

@@ -116,7 +116,7 @@ class PageHandler(DocHandler):
         if _here.stopping:
             self._turn_away(503, "Restarting", "This server is being stopped or restarted.", after=10)
         elif not _here.admits(str(self.current_user)):
-            self._turn_away(403, "Not admitted", f"{self.current_user} may not enter this server.")
+            self._turn_away(403, "Not admitted", f"{self.current_user} has no access to this server.")
         elif _here.full(len(list(self.application_context.sessions))):
             _here.row.add("refused")
             event("full", sessions=_here.most)

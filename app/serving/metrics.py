@@ -89,7 +89,7 @@ class MetricsHandler(RequestHandler):
         """Prometheus text."""
         if not self._may_see():
             self.set_status(403)
-            self.finish("metrics are for this machine, or for who is logged in\n")
+            self.finish("metrics are open to this machine and to people who are logged in\n")
             return
         self.set_header("Content-Type", "text/plain; version=0.0.4; charset=utf-8")
         self.set_header("Cache-Control", "no-store")

@@ -31,6 +31,6 @@ def caught(fault: BaseException) -> None:
     teller = _tellers.get(pn.state.curdoc) if pn.state.curdoc else None
     if teller is not None and (say := teller()) is not None:
         say(
-            f"Something failed in NavBudget ({type(fault).__name__}), and this step was not done. The design and "
-            f"what was saved are as they were. The server's log has the cause as fault {number}."
+            f"NavBudget failed ({type(fault).__name__}). This step was not done. Your design and everything saved "
+            f"are unchanged. The server's log has the cause as fault {number}."
         )

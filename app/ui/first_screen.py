@@ -52,7 +52,12 @@ def first_screen(
         parts.append(pn.Column(bottom, styles={"grid-area": f"{rows + 3} / 1 / auto / span 2"} | FRAME))
     within = height == "100%"
     sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height)
-    sheet = sheet.replace("FLEX", "1 1 0" if within else "none").replace("OVERFLOW", "clip" if within else "visible")
+    # Two parts on top of each other in a view may need more than a low window leaves them: the view then scrolls.
+    scrolls = within and max(len(left), len(right)) > 1
+    sheet = sheet.replace("LEAST", "225px" if scrolls else "0")
+    sheet = sheet.replace("FLEX", "1 1 0" if within else "none").replace(
+        "OVERFLOW", "auto" if scrolls else "clip" if within else "visible"
+    )
     # With a height the page around it stays as high as its content, and scrolls; the sheet says how high this is.
     return pn.Column(*parts, height=None if within else _ABOUT, stylesheets=[sheet], css_classes=["first-screen"])
 

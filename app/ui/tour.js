@@ -52,7 +52,7 @@ export function render({ model }) {
     const { title, text, at: selector } = model.steps[step]
     const last = step === model.steps.length - 1
     at("h2").textContent = title
-    at("p").textContent = text
+    at("#text").textContent = text
     at(".row span").textContent = `${step + 1} of ${model.steps.length}`
     at(".back").disabled = step === 0
     at(".next").textContent = last ? "Done" : "Next"

@@ -41,7 +41,8 @@ STEPS: tuple[dict[str, str], ...] = (
     },
     {
         "title": "Keep and share",
-        "text": "Undo takes any change back. Save writes a file, Share a link, Report a document. Open has examples "
+        "text": "Undo takes back any change. Save writes a file, Share gives a link, Report writes a document. "
+        "Open has examples "
         "to start from.",
         "at": "[role=toolbar]",
     },

@@ -19,7 +19,7 @@ _SLOPE: Final = {"random_walk": 0, "bias_instability": 1, "rate_random_walk": 2,
 _RATE_FACTOR: Final = 2.0 ** (4.0 / 3.0)
 _BY_CAUSE: Final[dict[str, str]] = {
     "constant": "a log of a sensor that is connected, at a resolution finer than its noise",
-    "repeating": "a log of a live sensor, as it was taken: not a stretch of one copied behind itself",
+    "repeating": "an original log of a live sensor, without copied stretches",
     "disturbed": "a log at rest on a solid base, nothing running or walking near it, for an hour or more",
     "filtered": "raw samples from before the sensor's digital filter, at its full internal rate",
     "saturated": "a log at a wider range of the sensor, which its signal does not reach",

@@ -84,10 +84,8 @@ def _analyse_axis(
         reason = f"not resolved: every sample is {signal[0]:g}; not connected, or resolution too coarse"
         return _without_noise(name, quantity, signal, interval_s, reason, "constant", "constant: no noise to analyse")
     if cut := saturated_share(signal):
-        reason = (
-            f"not resolved: {cut:.2%} of the samples stand at a limit of the sensor's range, which cuts off its noise"
-        )
-        warning = f"saturated: {cut:.2%} of the samples stand at the largest or smallest value"
+        reason = f"not resolved: {cut:.2%} of the samples are at a limit of the sensor's range, which clips its noise"
+        warning = f"saturated: {cut:.2%} of the samples are at the largest or smallest value"
         return _without_noise(name, quantity, signal, interval_s, reason, "saturated", warning)
     spectrum = cosine_spectrum(signal, interval_s)
     if spectrum.repeats:
@@ -187,7 +185,7 @@ def _coefficient(
         if share < _LEAST_WHITE_SHARE:
             return _Missing(
                 f"not resolved: the Allan deviation about 1 s is {1.0 / math.sqrt(max(share, 1e-12)):.1f} "
-                "times what the white floor explains; a disturbance rules there",
+                "times what the white floor explains; a disturbance dominates there",
                 "vibrating",
             )
         if share < _WHITE_SHARE:

@@ -49,7 +49,7 @@ def log_warnings(log: ImuLog) -> tuple[str, ...]:
         force = float(np.linalg.norm(log.accelerometer.mean(axis=0)))
         if abs(force / STANDARD_GRAVITY - 1.0) > _GRAVITY_TOLERANCE:
             found.append(
-                f"mean specific force is {force:.4g} m/s², not gravity: wrong unit or scale, or it was moving"
+                f"mean specific force is {force:.4g} m/s², not gravity: wrong unit or scale, or the unit was moving"
             )
     if log.gyro is not None:
         rate = float(np.linalg.norm(log.gyro.mean(axis=0)))

@@ -122,8 +122,8 @@ def not_flown(design: Design) -> tuple[str, ...]:
     }
     if not (left := [name for name, rows in given.items() if rows]):
         return ()
-    bias = " and the bias that vibration makes" if given[VIBRATION] and motion.rectification else ""
-    return (f"No run or flight has the design's {', '.join(left)}{bias}; the Budget page counts what they do [P-8].",)
+    bias = " and the bias caused by vibration" if given[VIBRATION] and motion.rectification else ""
+    return (f"The runs leave out the design's {', '.join(left)}{bias}; the Budget page includes them [P-8].",)
 
 
 def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:

@@ -71,7 +71,7 @@ _TABLE: dict[str, Provenance] = {
     "sar.lines": Provenance("[S-5], [S-6]", CLOSED),
     "sar.initial_tilt_shares": Provenance("[T-18]", CLOSED),
     "sar.along_track_quadratic_phase_sigma_rad": Provenance(
-        "[S-2]", CLOSED, "of its own; not part of the quadratic phase total"
+        "[S-2]", CLOSED, "separate; not part of the quadratic phase total"
     ),
     "sar.impulse_response": Provenance("[S-3], [S-5]", RESPONSE, "1σ quadratic phase, before autofocus"),
     "sar.impulse_response_after_autofocus": Provenance(
@@ -82,7 +82,7 @@ _TABLE: dict[str, Provenance] = {
     "post_processed.tilt_sigma_rad": Provenance("[P-5]", SMOOTHER),
     "post_processed.lines": Provenance("[P-4]", SMOOTHER, "shares of the quadratic phase's variance"),
     "post_processed.turning_quadratic_phase_sigma_rad": Provenance(
-        "[P-5], [S-2]", SMOOTHER, "both quadratic phases, and what the turn makes of the position"
+        "[P-5], [S-2]", SMOOTHER, "both quadratic phases, and the effect of the turn on position"
     ),
     "post_processed.turning_detrended_phase_by_order_sigma_rad": Provenance(
         "[P-5], [S-2]", SMOOTHER, "residuals along the line of sight as it turns"
@@ -157,17 +157,17 @@ def cautions(budget: Budget) -> tuple[str, ...]:
     table = design.oscillator.phase_noise
     if table and table[0][0] * budget.sar.aperture_time > 1:
         said.append(
-            f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle an aperture: slower noise is "
-            "not counted."
+            f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle per aperture. Slower noise is "
+            "not included."
         )
     if (smoothed := budget.smoothed) is not None:
         counted = math.hypot(smoothed.quadratic, smoothed.along_track_quadratic)
         change = smoothed.turning_quadratic / counted - 1
         if abs(change) > _TURN_SAID:
             said.append(
-                "The line of sight turns over the aperture. The along-track phase [S-2] counts what that makes of "
-                f"the velocity; what it makes of the position {'raises' if change > 0 else 'lowers'} quadratic and "
-                f"along-track phase together by {100 * abs(change):.2g} %, which the verdict leaves out [P-5]."
+                "The line of sight turns over the aperture. The along-track phase [S-2] has its effect on velocity "
+                "errors. Its effect on position errors {'raises' if change > 0 else 'lowers'} quadratic and "
+                "along-track phase together by {100 * abs(change):.2g} %; the verdict does not include it [P-5]."
             )
         order = budget.sar.autofocus_order
         change = smoothed.turning_by_order[order - 1] / smoothed.detrended - 1 if order < 3 else 0.0
@@ -184,9 +184,9 @@ def cautions(budget: Budget) -> tuple[str, ...]:
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     (
         lambda design: design.radar.squint_angle != 0,
-        "Squint lengthens the aperture by 1/cos [S-3] and takes cos² off the along-track quadratic phase [S-2]; the "
-        "line-of-sight weights [S-1] stay, since both horizontal axes err alike. What the turning line of sight "
-        "makes of the other axes' velocity is on the SAR page.",
+        "Squint lengthens the aperture by 1/cos [S-3] and multiplies the along-track quadratic phase by cos² "
+        "[S-2]. The line-of-sight weights [S-1] stay, since both horizontal axes have the same errors. The SAR "
+        "page has the effect of the turning line of sight on velocity errors of the other axes.",
     ),
     (
         lambda design: design.imu.vibration_factor == 1,
@@ -198,8 +198,8 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     ),
     (
         lambda design: bool(design.gnss.correlated),
-        "A slow GNSS error is switched on: prior, posterior, refined outage and the tilt at the aperture's "
-        "start come from the augmented discrete filter; the closed-form curves leave it out.",
+        "A slow GNSS error is on. Figures before and after a fix, the outage with Schuler and Coriolis terms, and "
+        "the tilt at the aperture's start include it (augmented discrete filter); the closed-form curves do not.",
     ),
     (
         lambda design: (
@@ -207,13 +207,13 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
             and design.motion.imu_bandwidth is None
             and design.motion.delay == 0
         ),
-        "Vibration is given but neither the IMU's bandwidth nor a delay to the radar: all of it counts as "
+        "Vibration is given without an IMU bandwidth and without a delay to the radar, so all of it counts as "
         "compensated.",
     ),
     (
         lambda design: bool(design.motion.spectrum) and design.imu.vibration_factor > 1,
-        "Vibration counts twice: as a spectrum, and as noise in the vibration factor. A spectrum goes with bench "
-        "noise.",
+        "Vibration counts twice: as a spectrum, and as noise in the vibration factor. With a spectrum, set the "
+        "factor to 1.",
     ),
     (
         lambda design: design.radar.autofocus_order > 1,

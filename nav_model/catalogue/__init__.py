@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS
-from nav_model.errors import InputError
+from nav_model.errors import InputError, not_a_choice
 from nav_model.toml_text import read_toml
 from nav_model.units import QuantityError, parse_quantity
 
@@ -111,7 +111,7 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
         if not isinstance(item, dict) or not isinstance(item.get("value"), str):
             raise InputError(where, 'must be a table such as { value = "1 m", status = ..., source = ... }')
         if item.get("status") not in STATUSES:
-            raise InputError(where, f"status {item.get('status')!r} is not one of {', '.join(STATUSES)}")
+            raise InputError(where, f"status {not_a_choice(item.get('status'), STATUSES)}")
         if not isinstance(item.get("source"), str) or not item["source"]:
             raise InputError(where, "has no source")
         if key in _EXTRA[kind]:

@@ -13,7 +13,7 @@ from typing import Any, TypeVar, cast
 import param
 
 from nav_model.dimensions import DIMENSIONS
-from nav_model.errors import InputError, shown
+from nav_model.errors import InputError, not_a_choice, shown
 from nav_model.units import (
     Parsed,
     QuantityError,
@@ -270,7 +270,7 @@ class Choice(param.Selector[Any]):
 
     def _validate(self, val: Any) -> None:
         if not any(val == option and type(val) is type(option) for option in self.objects):
-            raise InputError(self.key, f"{shown(val)} is not one of {', '.join(map(_spelled, self.objects))}", val)
+            raise InputError(self.key, not_a_choice(val, map(_spelled, self.objects)), val)
 
     def read(self, text: Any) -> Any:
         """The option `text` names.
@@ -286,7 +286,7 @@ class Choice(param.Selector[Any]):
                 return option
             if isinstance(text, str) and not isinstance(option, str) and text.strip().lower() == _spelled(option):
                 return option
-        raise InputError(self.key, f"{shown(text)} is not one of {', '.join(map(_spelled, options))}", text)
+        raise InputError(self.key, not_a_choice(text, map(_spelled, options)), text)
 
 
 def _spelled(option: Any) -> str:

@@ -26,6 +26,8 @@ from nav_model.toml_text import read_toml
 ORIGINS = "origins"
 """The table of a design file that says where values came from, each under its dotted key in quotes."""
 MAX_BYTES = 250_000  # a design is two kilobytes; a quarter of a second is the most that any text of this size takes
+KEY_VALUE = 'KEY=VALUE, for example imu.angle_random_walk="0.3 °/√h"'
+"""How a change on top of a file is written."""
 _MAX_TEXT = 10_000
 
 
@@ -108,7 +110,7 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
     for change in changes:
         key, equals, text = change.partition("=")
         if not equals:
-            raise InputError(change, 'is not KEY=VALUE. Write for example imu.angle_random_walk="0.3 °/√h".')
+            raise InputError(change, f'has no "=". Write {KEY_VALUE}.')
         text = text.strip()  # in quotes as in a file, where the shell has left them
         stated[key.strip()] = text[1:-1].strip() if len(text) > 1 and text[0] == text[-1] == '"' else text
     # Presets first: a value stated beside a preset comes on top of it, whatever the order.

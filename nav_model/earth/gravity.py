@@ -21,7 +21,7 @@ from nav_model.constants import (
     SPHERE_RADIUS,
 )
 from nav_model.earth.rotation import FloatArray
-from nav_model.errors import InputError
+from nav_model.errors import InputError, not_a_choice
 
 ZONALS: dict[str, tuple[float, float, float]] = {
     "spherical": (0.0, 0.0, 0.0),
@@ -34,7 +34,7 @@ ZONALS: dict[str, tuple[float, float, float]] = {
 def zonals(model: str) -> FloatArray:
     """J2, J4, J6 of a model named in `ZONALS`; InputError for another name."""
     if model not in ZONALS:
-        raise InputError("gravity", f"{model!r} is not one of {', '.join(ZONALS)}")
+        raise InputError("gravity", not_a_choice(model, ZONALS), model)
     return np.array(ZONALS[model])
 
 

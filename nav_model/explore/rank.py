@@ -19,7 +19,7 @@ from nav_model.analytic.steady_state import Array
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
-from nav_model.errors import InputError
+from nav_model.errors import InputError, not_a_choice
 from nav_model.explore.margins import quantity
 
 _STEP = 1e-20
@@ -65,7 +65,7 @@ def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
         If `figure` is not one of `nav_model.budget.figures.FIGURES`.
     """
     if figure not in FIGURES:
-        raise InputError("result", f"{figure!r} is not one of {', '.join(FIGURES)}", figure)
+        raise InputError("result", not_a_choice(figure, FIGURES), figure)
     keys = [key for key in stated(design) if design[key] != 0]
     slopes = log_derivatives(design, keys, (figure,))[figure]
     halved, doubled = (_scaled(design, keys, figure, factor) for factor in (0.5, 2.0))

@@ -133,7 +133,9 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
         raise InputError(
-            "simulate.trajectory", f"{value!r} is neither one of {known} nor a file to read", value
+            "simulate.trajectory",
+            f"{value!r} is no file that can be read. Name a CSV file, or choose {known}.",
+            value,
         ) from error
     except ValueError as error:
         raise InputError("simulate.trajectory", str(error), value) from error

@@ -35,7 +35,7 @@ from nav_model.design.file import parse_design, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
-from nav_model.errors import InputError
+from nav_model.errors import InputError, not_a_choice
 from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import SweepFlight, check_flight, read_flight
 from nav_model.toml_text import read_toml
@@ -128,7 +128,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
     design = _design(tables.get("design"), folder)
     combine = tables.get("combine", "grid")
     if combine not in ("grid", "together"):
-        raise InputError("combine", f"{combine!r} is not one of grid, together", combine)
+        raise InputError("combine", not_a_choice(combine, ("grid", "together")), combine)
     vary = tables.get("vary")
     if not isinstance(vary, dict) or not vary:
         raise InputError("vary", 'gives no input. Try gnss.position_noise = ["2 cm", "1 m"]')
@@ -163,7 +163,7 @@ def _results(tables: Mapping[str, Any]) -> tuple[str, ...]:
         raise InputError("results", f"must be a list out of {', '.join(FIGURES)}")
     for name in given:
         if name not in FIGURES:
-            raise InputError("results", f"{name!r} is not one of {', '.join(FIGURES)}", name)
+            raise InputError("results", not_a_choice(name, FIGURES), name)
     return tuple(name for name in FIGURES if name in given)
 
 
@@ -224,7 +224,7 @@ def _range(key: str, spec: Mapping[str, Any]) -> list[float]:
     if not isinstance(points, int) or isinstance(points, bool) or not 2 <= points <= MOST_POINTS:
         raise InputError(key, f"points = {points!r} is not a whole number from 2 to {MOST_POINTS}", points)
     if spacing not in ("log", "linear"):
-        raise InputError(key, f"spacing {spacing!r} is not one of log, linear", spacing)
+        raise InputError(key, f"spacing {not_a_choice(spacing, ('log', 'linear'))}", spacing)
     if spacing == "log" and min(low, high) <= 0:
         raise InputError(key, "a log range must stay above zero")
     space = np.geomspace if spacing == "log" else np.linspace

@@ -12,7 +12,7 @@ from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.catalogue import Entry, catalogue
 from nav_model.design import Design, Value
-from nav_model.errors import InputError
+from nav_model.errors import InputError, not_a_choice
 from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, worst
 
 SIZE = 200
@@ -102,7 +102,7 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     if x_key == y_key:
         raise InputError(y_key, "is on both axes; choose two different inputs")
     if result not in RESULTS:
-        raise InputError("result", f"{result!r} is not one of {', '.join(RESULTS)}", result)
+        raise InputError("result", not_a_choice(result, RESULTS), result)
     if result == ALL and not limits(design):
         raise InputError("requirements", "none is given; give at least one limit, or map a single figure")
     count = size or SIZE

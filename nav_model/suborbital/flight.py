@@ -1,4 +1,4 @@
-"""The flight: golden trajectory of star_tracker.md with its parameters as inputs.
+"""The flight: reference trajectory of star_tracker.md with its parameters as inputs.
 
 A flight carries, besides its path, what a perfect strapdown unit would measure: specific force and inertial
 angular rate in body axes at the three nodes (start, middle, end) of every integration step. The specific
@@ -25,7 +25,7 @@ MAX_STEPS = 100_000
 
 @dataclass(frozen=True)
 class FlightParameters:
-    """Golden flight (X). Attitude angles are yaw-pitch-roll from the launch site's north-east-down axes,
+    """Reference flight (X). Attitude angles are yaw-pitch-roll from the launch site's north-east-down axes,
     which are frozen in inertial space at lift-off. Thrust acts along body x; there is no drag."""
 
     latitude_rad: float = np.radians(37.94)
@@ -242,8 +242,8 @@ def attitude_program(parameters: FlightParameters, time_s: FloatArray) -> tuple[
     return np.stack([roll, pitch, yaw], axis=-1), rates
 
 
-def golden_flight(parameters: FlightParameters | None = None) -> TrueFlight:
-    """Fly the golden trajectory with RK4 at `step_s`. Raises ValueError when it hits the ground on the
+def reference_flight(parameters: FlightParameters | None = None) -> TrueFlight:
+    """Fly the reference trajectory with RK4 at `step_s`. Raises ValueError when it hits the ground on the
     way."""
     p = parameters or FlightParameters()
     n = round(p.duration_s / p.step_s)
@@ -267,7 +267,7 @@ def golden_flight(parameters: FlightParameters | None = None) -> TrueFlight:
     force[round(p.burn_time_s / p.step_s) :] = 0.0
     position = launch @ np.array([0.0, 0.0, -SPHERE_RADIUS])
     return assemble(
-        f"golden flight from {np.degrees(p.latitude_rad):.2f}°, {np.degrees(p.longitude_rad):.2f}°",
+        f"reference flight from {np.degrees(p.latitude_rad):.2f}°, {np.degrees(p.longitude_rad):.2f}°",
         p.step_s,
         position,
         earth_velocity(position),
@@ -277,7 +277,7 @@ def golden_flight(parameters: FlightParameters | None = None) -> TrueFlight:
         p.gravity,
         p.azimuth_rad,
         p.burn_time_s,
-        f"golden flight (X), RK4 at {p.step_s:g} s, {p.gravity} gravity",
+        f"reference flight, RK4 at {p.step_s:g} s, {p.gravity} gravity",
     )
 
 

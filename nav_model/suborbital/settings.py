@@ -167,7 +167,7 @@ def _blamed(fields: tuple[str, ...], changes: Mapping[str, Value]) -> str:
 
 
 DEFAULTS = Settings({key: declared.default for key, declared in INPUTS.items()}, dict.fromkeys(INPUTS, GP1))
-"""GP-1 on the golden flight with a perfect camera from lift-off."""
+"""GP-1 on the reference flight with a perfect camera from lift-off."""
 
 
 def from_design(settings: Settings, design: Design) -> Settings:

@@ -264,7 +264,7 @@ def track_stars(
     cancel: Callable[[], bool] | None = None,
     chunk: int = 500,
 ) -> StarTrack:
-    """Image, identify and solve every step of a flight (15000 frames on the golden one), in chunks.
+    """Image, identify and solve every step of a flight (15000 frames on the reference flight), in chunks.
 
     progress takes the share done after each chunk; Cancelled is raised when cancel() turns true. ValueError
     for an unknown method. A frame refused by the gate leaves the gyro attitude in force.

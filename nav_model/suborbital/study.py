@@ -11,7 +11,7 @@ from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, fram
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
-from nav_model.suborbital.flight import FlightParameters, TrueFlight, golden_flight
+from nav_model.suborbital.flight import FlightParameters, TrueFlight, reference_flight
 from nav_model.suborbital.mechanisation import (
     AttitudeFrames,
     NavigationErrors,
@@ -30,7 +30,7 @@ GRAVITY_ROW = "gravity model"
 
 @dataclass(frozen=True)
 class SuborbitalInputs:
-    """What a person can set. The default is the golden flight with GP-1 and a perfect camera.
+    """What a person can set. The default is the reference flight with GP-1 and a perfect camera.
 
     ins_gravity is what the INS believes; the true field is flight.gravity. output_interval_s must be a
     multiple of the flight's step.
@@ -121,11 +121,11 @@ def run_study(
     flight: a loaded trajectory instead of inputs.flight; measured: attitudes from star images
     (`star_camera.track_stars`), taken by the case "all" in place of perfect frames. The row "gravity model"
     is an INS without any other error whose gravity is not the true one; when both are the same it asks what
-    a truth with J2 would cost, flying the golden flight again in that field (for a loaded trajectory it is
+    a truth with J2 would cost, flying the reference flight again in that field (for a loaded trajectory it is
     then zero). Raises ValueError for bad input, Cancelled when `cancel()` turns true.
     """
     given = inputs or SuborbitalInputs()
-    truth = flight or golden_flight(given.flight)
+    truth = flight or reference_flight(given.flight)
     ratio = given.output_interval_s / truth.step_s
     every = round(ratio)
     require(
@@ -146,7 +146,7 @@ def run_study(
     mismatch, believed = truth, given.ins_gravity
     if truth.gravity == believed and flight is None:
         other = "j2" if believed == "spherical" else "spherical"
-        mismatch = golden_flight(replace(given.flight, gravity=other))
+        mismatch = reference_flight(replace(given.flight, gravity=other))
     done = 0
     total = 2 * len(names)
 
@@ -354,7 +354,7 @@ def gravity_rows(inputs: SuborbitalInputs | None = None) -> tuple[tuple[str, str
     given = inputs or SuborbitalInputs()
     rows: list[tuple[str, str, FloatArray]] = []
     for true_model in ZONALS:
-        flight = golden_flight(replace(given.flight, gravity=true_model))
+        flight = reference_flight(replace(given.flight, gravity=true_model))
         nothing = np.zeros_like(parameter_vector(given.errors))
         for model in ZONALS:
             run = mechanise(flight, nothing, given.errors, gravity=model, every=flight.steps)

@@ -48,7 +48,7 @@ _SECTIONS = tuple(dict.fromkeys(key.rpartition(".")[0] for key in INPUTS if "." 
 
 @dataclass(frozen=True)
 class StudyFile:
-    """What a study file holds: the inputs, and name and content of the trajectory (None: the golden flight)."""
+    """What a study file holds: the inputs, and name and content of the trajectory (None: the reference flight)."""
 
     settings: Settings
     trajectory: tuple[str, bytes] | None = field(default=None, repr=False)

@@ -26,9 +26,15 @@ def _size(vector: FloatArray) -> float:
 
 
 def _metres(value: float) -> str:
-    if abs(value) >= 1000.0:
-        return f"{value / 1000.0:.1f} km"
-    return f"{value:.0f} m" if abs(value) >= 10.0 else f"{value:.1f} m"
+    """Three digits in the unit that suits them.
+
+    >>> _metres(9713.0), _metres(560.2), _metres(0.75), _metres(0.0002)
+    ('9.71 km', '560 m', '75.0 cm', '< 1 mm')
+    """
+    for unit, size in (("km", 1e3), ("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)):
+        if abs(value) >= size:
+            return f"{f'{value / size:#.3g}'.rstrip('.')} {unit}"
+    return "< 1 mm"
 
 
 def explain(study: Study) -> str:
@@ -39,15 +45,14 @@ def explain(study: Study) -> str:
     before, after = _size(pure["all"]), _size(aided["all"])
     if not np.any(study.used):
         return (
-            f"The star tracker never gives a frame on this flight, so nothing is repaired: after "
-            f"{end:.0f} s the "
-            f"INS is off by {_metres(before)}, {_metres(abs(float(pure['all'][2])))} of it in height."
+            f"The star tracker gives no frame on this flight, so it corrects nothing. After {end:.0f} s the "
+            f"position error is {_metres(before)} ({_metres(abs(float(pure['all'][2])))} in height)."
         )
     parts: list[str] = []
     ratio = after / before if before > 0.0 else 1.0
-    change = "brings it to" if ratio < 0.98 else "leaves it at" if ratio < 1.02 else "makes it worse,"
+    change = "brings it to" if ratio < 0.98 else "leaves it at" if ratio < 1.02 else "raises it to"
     parts.append(
-        f"After {end:.0f} s the INS alone is off by {_metres(before)} "
+        f"After {end:.0f} s the position error of the INS alone is {_metres(before)} "
         f"({_metres(abs(float(pure['all'][2])))} in height); the star tracker {change} {_metres(after)} "
         f"({_metres(abs(float(aided['all'][2])))} in height)."
     )
@@ -60,7 +65,7 @@ def explain(study: Study) -> str:
         verbs = ((0.05, "removes"), (0.98, "reduces"), (1.02, "does not change"), (np.inf, "adds to"))
         verb = next(word for limit, word in verbs if share < limit)
         parts.append(
-            f"It {verb} what comes through attitude: gyro errors go from {_metres(forcing[0])} to "
+            f"It {verb} errors that come through attitude: gyro errors go from {_metres(forcing[0])} to "
             f"{_metres(left[0])}, initial alignment from {_metres(forcing[1])} to {_metres(left[1])}."
         )
     first = float(flight.time_s[int(np.argmax(study.used))])
@@ -73,9 +78,8 @@ def explain(study: Study) -> str:
             )
         else:
             parts.append(
-                f"Its first frame comes at {first:.0f} s of a boost of {flight.burnout_s:.0f} s; what "
-                "attitude did "
-                "before that stays."
+                f"Its first frame comes at {first:.0f} s of a boost of {flight.burnout_s:.0f} s. Errors from "
+                "attitude before that remain."
             )
     own = _size(sum((aided[n] for n in ("star tracker misalignment", "star tracker latency")), np.zeros(3)))
     if own >= 1.0:
@@ -95,7 +99,7 @@ def explain(study: Study) -> str:
         )
     if stays:
         parts.append(
-            "It cannot touch what does not come through attitude: "
+            "It cannot reduce errors that do not come through attitude: "
             + ", ".join(f"{name} {_metres(size)}" for name, size in stays)
             + "."
         )

@@ -17,7 +17,7 @@ from nav_model.suborbital.aiding import frame_steps
 from nav_model.suborbital.attitude import METHODS, MethodScore, compare_methods
 from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import TrueFlight, golden_flight
+from nav_model.suborbital.flight import TrueFlight, reference_flight
 from nav_model.suborbital.flight_file import parse_flight
 from nav_model.suborbital.mechanisation import Cancelled, NavigationErrors
 from nav_model.suborbital.sensitivity import NoiseSpread, Sensitivity, white_noise_spread
@@ -102,7 +102,7 @@ def run_survey(
 ) -> Survey:
     """Run everything, a few seconds.
 
-    trajectory: name and content of a file (`flight_file.parse_flight`), flown instead of the golden
+    trajectory: name and content of a file (`flight_file.parse_flight`), flown instead of the reference
     flight; the true gravity stays that of the settings. progress takes the share done and what is being done.
     ValueError for values that do not fit together, Cancelled when `cancel()` turns true.
     """
@@ -115,7 +115,7 @@ def run_survey(
 
     say(0.0, "flight (the first run on a machine compiles, about ten seconds)")
     inputs = settings.study_inputs()
-    flight = golden_flight(inputs.flight) if trajectory is None else parse_flight(
+    flight = reference_flight(inputs.flight) if trajectory is None else parse_flight(
         trajectory[1], trajectory[0], inputs.flight.step_s, inputs.flight.gravity
     )  # fmt: skip
     every = output_every(flight.steps)

@@ -220,6 +220,23 @@ def test_a_wrong_option_names_its_key(capsys, arguments, key):
     assert key in err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "blamed"),
+    [
+        ([MEMS, "--set", "gnss.position_noise"], "gnss.position_noise"),
+        (["--set", "gnss.position_noise"], "gnss.position_noise"),
+        ([MEMS, "--set", "gnss.position_noise", "2 cm"], "gnss.position_noise"),
+        (["--set", "imu.bogus", MEMS], "imu.bogus"),
+        ([MEMS, "--set", "imu.rate=1 Hz", "fast"], "fast"),
+    ],
+)
+def test_a_change_without_its_value_is_named_and_not_taken_for_a_design(capsys, arguments, blamed):
+    assert main(["evaluate", *arguments]) == 2
+    assert capsys.readouterr().err == (
+        f'navbudget: --set: \'{blamed}\' has no "=". Write KEY=VALUE, for example imu.angle_random_walk="0.3 °/√h".\n'
+    )
+
+
 def test_a_reader_that_leaves_early_is_no_error():
     shell = f"{sys.executable} -m app.cli evaluate {MEMS} | head -n 1; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", shell], cwd=ROOT, capture_output=True, check=False)

@@ -149,7 +149,7 @@ def test_charts_say_what_they_show(visit: Visit) -> None:
 def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page], None], dark: bool) -> None:
     page = visit()
     page.get_by_role("button", name="Requirements and cautions").click()
-    expect(page.get_by_text("Dominant sensor")).to_be_visible()
+    expect(page.get_by_text("Main error source")).to_be_visible()
     if dark:
         page.get_by_role("button", name="theme").click()
         page.mouse.move(700, 500)
@@ -164,6 +164,6 @@ def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page
         return
     for said in ("Does not close", "Residual phase", "initial tilt", "Point target in azimuth"):
         assert said in text[0], said  # verdict, tiles and both phase figures on one sheet
-    assert any("Dominant sensor" in sheet for sheet in text)
+    assert any("Main error source" in sheet for sheet in text)
     for tool in ("Explain every input", "PDF report", "Suborbital", "Position sigma: CSV"):
         assert not any(tool in sheet for sheet in text), tool

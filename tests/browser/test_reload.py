@@ -57,7 +57,7 @@ def test_a_page_opened_anew_takes_nothing_back_and_nothing_wrong_is_taken(visit:
     page.evaluate("""() => sessionStorage.setItem("navbudget-design",
         JSON.stringify({at: "/", who: "", link: "arw=<img src=x onerror=alert(1)>", base: "../../x.1"}))""")
     page.reload()
-    said = page.get_by_role("alert").filter(has_text="could not be taken up again")
+    said = page.get_by_role("alert").filter(has_text="could not be restored")
     expect(said).to_contain_text("<img src=x onerror=alert(1)>")
     expect(box).to_have_value("0.15 °/√h")
     page.evaluate("""() => sessionStorage.setItem("navbudget-design",

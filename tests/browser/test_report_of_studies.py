@@ -39,7 +39,7 @@ def test_the_runs_on_the_sar_page_are_in_the_report_while_the_design_stays(visit
     page.keyboard.press("PageDown")
     if page.get_by_role("button", name="HTML report").is_hidden():
         page.get_by_role("button", name="Report", exact=True).click()
-    expect(page.get_by_text("Not in the report, of another design: SAR.")).to_be_visible()
+    expect(page.get_by_text("Not in the report, because they belong to another design: SAR.")).to_be_visible()
     report = downloaded(page)
     assert "SAR: which strategy to use" not in report
-    assert "the study at hand is of another design" in report
+    assert "the last study belongs to another design" in report

@@ -77,7 +77,7 @@ def test_runs_go_stale_with_the_design_and_the_formulas_follow(visit: Visit) -> 
     said = answer.inner_text()
     page.get_by_role("slider", name="Angle random walk").focus()
     page.keyboard.press("PageDown")
-    expect(answer).to_contain_text("The runs are of an earlier design: run again.")
+    expect(answer).to_contain_text("The runs belong to an earlier design. Run again.")
     expect(answer).not_to_have_text(said)
     page.get_by_role("combobox", name="Runs").click()
     page.get_by_text("1000", exact=True).click()

@@ -206,7 +206,7 @@ def test_a_fault_of_ours_is_told_with_its_number_in_the_log_and_the_page_goes_on
                 if kind == "MemoryError":
                     page.get_by_role("button", name="Report", exact=True).click()
                 act.click()
-                expect(notice).to_contain_text(f"Something failed in NavBudget ({kind})")
+                expect(notice).to_contain_text(f"NavBudget failed ({kind})")
                 expect(notice).not_to_contain_text("secret")
                 number = notice.inner_text().rpartition("fault ")[2].strip(" .\n")
                 said = [json.loads(line) for line in log.read_text().splitlines()]

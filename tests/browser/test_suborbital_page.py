@@ -105,7 +105,7 @@ def test_a_study_is_saved_changed_opened_and_shared(visit: Visit, tmp_path: Path
     expect(page.get_by_role("heading", name="Final position error from noise")).to_be_visible()
     accessible(page, "camera noise")
     page.get_by_role("button", name="White noise", exact=True).click()
-    page.get_by_role("button", name="Fly the ensemble").click()
+    page.get_by_role("button", name="Run the ensemble").click()
     expect(page.get_by_role("region", name="White noise at the end of the flight")).to_contain_text(
         re.compile("yes|no")
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.charts.kinds import DotChart, MapChart, PictureChart
 from app.charts.print.look import MARKERS, area_entry, line_entry, log_axis, pen, plain
-from app.charts.region import middle_of
+from app.charts.region import region_names
 from app.charts.styles import STYLES
 
 ROW_HEIGHT = 6.2  # mm a row of dots
@@ -59,6 +59,7 @@ def draw_map(axes: Any, chart: MapChart) -> list[Any]:
     axes.set(xlabel=chart.x_label, ylabel=chart.y_label, xscale="log", yscale="log")
     axes.set(xlim=(chart.x[0], chart.x[-1]), ylim=(chart.y[0], chart.y[-1]))
     handles: list[Any] = []
+    named = region_names(chart)
     for index, (name, style) in enumerate(zip(chart.names, chart.styles, strict=True)):
         here = chart.winner == index
         if not here.any():
@@ -71,10 +72,10 @@ def draw_map(axes: Any, chart: MapChart) -> list[Any]:
         drawn.set_linewidth(0.3)
         area = {"facecolor": colour, "edgecolor": edge, "hatch": hatch or None, "linewidth": 0.4}
         handles.append(area_entry(name, area))
-        place = middle_of(chart, index)
-        if place is not None:
+        if index in named:
+            x, y, lines = named[index]
             box = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.6}
-            axes.text(place[0], place[1], name, ha="center", va="center", bbox=box, zorder=4)
+            axes.text(x, y, lines, ha="center", va="center", bbox=box, zorder=4)
     if not np.isnan(chart.contour.y).all():
         line = pen(STYLES[chart.contour.style], width=1.3)
         axes.plot(chart.contour.x, chart.contour.y, zorder=2, **line)

@@ -10,7 +10,7 @@ from bokeh.models import ColumnDataSource, FactorRange, HoverTool, LinearColorMa
 from bokeh.plotting import figure
 
 from app.charts.kinds import DotChart, MapChart
-from app.charts.region import middle_of
+from app.charts.region import region_names
 from app.charts.styles import DASHES, STYLES
 
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
@@ -72,7 +72,7 @@ def _dots(chart: DotChart, sources: Mapping[str, ColumnDataSource], height: int)
 def _map_columns(chart: MapChart) -> dict[str, dict[str, Any]]:
     left, right = _edges(chart.x)
     bottom, top = _edges(chart.y)
-    places = [place for i in range(len(chart.names)) if (place := middle_of(chart, i)) is not None]
+    places = list(region_names(chart).values())
     return {
         "map": {
             "image": [chart.winner.astype(np.uint8)],

@@ -29,6 +29,8 @@ _PALETTE = ("#f4f8fb", "#dfebf4", "#c3d9ea", "#93b7d3", "#5d8fb5", "#2f6690")
 _RANGE = (1 / 8, 8.0)
 _CONTOUR = {0.5: ("dotted", 1.5, "half"), 1.0: ("solid", 3.0, "limit"), 2.0: ("dashed", 1.5, "twice")}
 _RED = STYLES["limit"].colour
+# The map in a window of 1280 x 720 and of 390 pixels: width, height, how far above or below its mark a name may be.
+_ON_A_SCREEN, _ON_A_PHONE = (800.0, 370.0, 42.0), (205.0, 225.0, 14.0)
 _TIMES = Path(__file__).with_name("times_labels.js").read_text("utf-8")
 
 
@@ -59,18 +61,26 @@ class RankFigure:
             text_font_size="12px", text_color="#7b8794",
         )  # fmt: skip
         self.plot.add_tools(HoverTool(renderers=[bars], tooltips="@sentence", visible=False))
+        self.plot.min_border_left = _room_for(chart)
 
     def feed(self, chart: RankChart) -> None:
         """Show another ranking."""
         data = _bars(chart)
+        if self.plot.min_border_left != _room_for(chart):
+            self.plot.min_border_left = _room_for(chart)
         if list(self.plot.y_range.factors) != data["label"]:
             self.plot.y_range.factors = data["label"]
         self.plot.x_range.end = _most(chart)
         self._source.data = data
 
 
+def _room_for(chart: RankChart) -> int:
+    """Pixels for the names of the bars: Bokeh may measure them before their font has come, and cuts them."""
+    return 16 + round(6.4 * max((len(bar.label) for bar in chart.bars), default=0))
+
+
 def _most(chart: RankChart) -> float:
-    return 1.25 * max((bar.percent for bar in chart.bars), default=100.0)
+    return 1.35 * max((bar.percent for bar in chart.bars), default=100.0)
 
 
 def _bars(chart: RankChart) -> dict[str, Any]:
@@ -86,10 +96,11 @@ def _bars(chart: RankChart) -> dict[str, Any]:
 
 
 class MapFigure:
-    """A map with its contours, the catalogue's units and the design's cross."""
+    """A map with its contours, the catalogue's units and the design's cross; narrow: names as on a phone."""
 
-    def __init__(self, chart: TradeMapChart) -> None:
+    def __init__(self, chart: TradeMapChart, *, narrow: bool = False) -> None:
         self._chart = chart
+        self._room = _ON_A_PHONE if narrow else _ON_A_SCREEN
         self.plot = figure(
             name=chart.key,
             x_axis_type="log" if chart.x_log else "linear",
@@ -115,7 +126,7 @@ class MapFigure:
             self.plot.line("x", "y", source=source, line_color=_RED if level == 1 else "#3b4650",
                            line_dash=dash, line_width=width)  # fmt: skip
             self._lines.append(source)
-        self._points = ColumnDataSource(_points(chart), name=f"{chart.key} catalogue")
+        self._points = ColumnDataSource(_points(chart, self._room), name=f"{chart.key} catalogue")
         marks = self.plot.scatter(
             "x", "y", marker="marker", size=8, source=self._points, fill_color="#ffffff", line_color="#10151a",
             line_width=1.6,
@@ -149,7 +160,7 @@ class MapFigure:
         if chart.here != old.here:
             self._here.data = _here(chart)
         if not np.array_equal(chart.points_x, old.points_x) or chart.points != old.points:
-            self._points.data = _points(chart)
+            self._points.data = _points(chart, self._room)
         same = np.array_equal(chart.ratio, old.ratio, equal_nan=True)
         if same and np.array_equal(chart.x, old.x) and np.array_equal(chart.y, old.y):
             return
@@ -176,13 +187,13 @@ def _edges(values: Array, is_log: bool) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _points(chart: TradeMapChart) -> dict[str, Any]:
+def _points(chart: TradeMapChart, room: tuple[float, float, float]) -> dict[str, Any]:
     return {
         "x": chart.points_x,
         "y": chart.points_y,
         "unit": [point.name for point in chart.points],
         "marker": ["x" if point.met is False else "circle" for point in chart.points],
-        **_labels(chart),
+        **_labels(chart, *room),
         "said": [_said(chart, point) for point in chart.points],
     }
 
@@ -195,9 +206,9 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
     return f"{'meets' if point.met else 'does not meet'} the limit, margin {margin}"
 
 
-def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
-    """Where each name stands beside its mark: the first place that covers no other name or mark, as drawn about
-    860 pixels wide; a name that finds none is left to the hover."""
+def _labels(chart: TradeMapChart, wide: float, high: float, reach: float) -> dict[str, list[Any]]:
+    """Where each name is beside its mark: the first place that covers no other name or mark on a map of this size
+    in pixels. On a larger map the marks are further apart. A name without a place is shown on hover only."""
     x, y = (
         (np.log(values) - np.log(ends[0])) / (np.log(ends[-1]) - np.log(ends[0]))
         if is_log
@@ -207,15 +218,18 @@ def _labels(chart: TradeMapChart) -> dict[str, list[Any]]:
             (chart.points_y, chart.y, chart.y_log),
         )
     )
-    across, down = 860 * x, -560 * y
+    across, down = wide * x, -high * y
     taken = [(px - 6, py - 6, px + 6, py + 6) for px, py in zip(across, down, strict=True)]
     placed: dict[str, list[Any]] = {"right": [], "down": [], "align": [], "name": []}
     for point, px, py in zip(chart.points, across, down, strict=True):
         width = 6.2 * len(point.name)
         for right, lower, align in _PLACES:
+            if abs(lower) > reach:
+                continue
             left = px + right - {"left": 0, "right": width, "center": width / 2}[align]
             box = (left, py + lower - 7, left + width, py + lower + 7)
-            if box[0] > 0 and box[2] < 920 and not any(_overlap(box, other) for other in taken):
+            inside = box[0] > 0 and box[2] < wide and box[1] > -high and box[3] < 0
+            if inside and not any(_overlap(box, other) for other in taken):
                 taken.append(box)
                 break
         else:

@@ -27,6 +27,7 @@ from app.charts.screen.log_axis import mark_in_powers
 from app.charts.styles import DASHES, GREY, STYLES
 
 _LEFT = 72  # pixels left of every frame, so that the frames stand under one another
+_NARROW_SPAN = 0.15  # of the time axis: the name of a narrower span is in its middle
 _HEIGHT = 190  # pixels of a frame on the usual screen
 _NEAR = 0.13  # of the height: nearer labels would touch, and the lower one goes below its curve
 _FAINT: dict[str, Any] = {"line_alpha": 0.4, "line_width": 1.4}
@@ -194,7 +195,8 @@ def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, di
 
 
 def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
-    """Each curve's name at its end, above it or below the one it would touch; the span's name in the last chart."""
+    """Each curve's name at its end, above it or below the one it would touch; the span's name in the last chart, at
+    the beginning of a wide span: the names of curves may be at its end."""
     low, high = (_place(chart, bound) for bound in height)
     ends = []
     for line in chart.lines:
@@ -211,11 +213,11 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
         for (x, y, line), offset in zip(ends, offsets, strict=True)
     ]
     if last:
-        rows += [
-            ((span.start + span.stop) / 2, height[1], span.label, GREY, 6.0, 6.0, math.pi / 2, "right")
-            for span in chart.spans
-            if math.isfinite(span.start)
-        ]
+        for span in chart.spans:
+            if math.isfinite(span.start):
+                wide = span.stop - span.start > _NARROW_SPAN * np.ptp(chart.lines[0].x)
+                x, shift = (span.start, 14.0) if wide else ((span.start + span.stop) / 2, 6.0)
+                rows.append((x, height[1], span.label, GREY, 6.0, shift, math.pi / 2, "right"))
     names = ("x", "y", "text", "colour", "offset", "shift", "angle", "align")
     return {name: [row[i] for row in rows] for i, name in enumerate(names)}
 

@@ -50,6 +50,13 @@ _LABEL = {
 }
 
 
+# The chooser takes no more than its unit, so that the box beside it has room for its label.
+_CLOSE = {
+    "& .MuiSelect-select": {"paddingLeft": "10px", "paddingRight": "22px !important"},
+    "& .MuiSelect-icon": {"right": "2px"},
+}
+
+
 class QuantityControl(InputBox):
     """Box, unit and perhaps slider of one quantity."""
 
@@ -79,8 +86,9 @@ class QuantityControl(InputBox):
                 label="unit",
                 options=list(DIMENSIONS[declaration.dimension].units),
                 value=session.design.unit(key),
-                width=104,
+                width=94,
                 margin=(10, 10, 0, 0),
+                sx=_CLOSE,
             )
             self.unit.param.watch(self._unit_chosen, "value")
         self.listen()

@@ -29,9 +29,9 @@ _LINE_EQUATIONS = {
     "accelerometer bias": "(4π/λ)(T²/8) ba [S-5]",
     "gyro bias": "(4π/λ)(T²/8) g bg (Tc + T/2) cos ψ [S-5]",
     "coast before aperture": "(4π/λ)(T²/8) g σω √Tc cos ψ [S-5]",
-    "vibration": "what the IMU leaves of it [P-8], through the aperture [P-5]",
-    "unsensed motion": "through the aperture [P-5]",
-    "oscillator": "phase noise over the echo's way [P-10], through the aperture [P-5]",
+    "vibration": "left after IMU compensation [P-8], over the aperture [P-5]",
+    "unsensed motion": "over the aperture [P-5]",
+    "oscillator": "phase noise over the echo delay [P-10], over the aperture [P-5]",
     "vibration rectification": "(4π/λ)(T²/8) times the bias [P-12], [S-5]",
 }
 
@@ -66,7 +66,7 @@ def phase_chart(budget: Budget) -> BarChart:
         ]
         marks = along = "[P-5]"
         knowledge = (
-            f"Smoothed with the whole leg, by {smoothed.method} [P-3], shares [P-4], through the aperture [P-5]. "
+            f"Smoothed over the whole leg, by {smoothed.method} [P-3]; shares [P-4]; over the aperture [P-5]. "
             f"Quadratic before autofocus; residual rms after {left}."
         )
     image = smoothed or sar
@@ -186,7 +186,9 @@ def response_chart(budget: Budget) -> Chart:
         ),
         y_range=(-45.0, 2.0),
         knowledge=f"{said} Before autofocus.{' With the paired echoes [P-9].' if budget.spectral.echoes else ''}"
-        + (" The floor is the mean power of what random motion and oscillator scatter [P-11]." if random > 0 else ""),
+        + (
+            " The floor is the mean power scattered by random motion and the oscillator [P-11]." if random > 0 else ""
+        ),
     )
 
 

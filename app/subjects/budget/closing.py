@@ -95,9 +95,9 @@ def ways_block(budget: Budget, found: tuple[Way, ...]) -> Block:
     return Table(
         "ways",
         "Each of these alone closes the design. Press one to take it; Undo takes it back.",
-        (Column("Change"), Column("To", numeric=False), Column("From"), Column("Why")),
+        (Column("Change"), Column("From"), Column("Why")),
         tuple(
-            (Cell(f"{way.what}: {way.value}", value=str(i)), Cell(way.value), Cell(way.now), Cell(way.why))
+            (Cell(f"{way.what}: {way.value}", value=str(i)), Cell(way.now), Cell(way.why))
             for i, way in enumerate(found)
         ),
         choose="button",

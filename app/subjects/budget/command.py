@@ -23,13 +23,15 @@ _SAID = {REAL_TIME: "in real time", POST_PROCESSED: "post-processed"}
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
-    evaluate = commands.add_parser("evaluate", help="the whole budget of a design as JSON")
+    evaluate = commands.add_parser("evaluate", help="print the whole budget of a design as JSON")
     design_arguments(evaluate, one=True)
-    evaluate.add_argument("--times", metavar="S,S,...", help="seconds since the last fix for the outage curves")
+    evaluate.add_argument(
+        "--times", metavar="S,S,...", help="times of the outage curves, in seconds since the last fix"
+    )
     evaluate.add_argument(
         "--sicd",
         action="store_true",
-        help="write the location errors of the image as SICD's XML element ErrorStatistics instead",
+        help="print the image location errors as the SICD XML element ErrorStatistics instead",
     )
     evaluate.set_defaults(run=_evaluate)
 
@@ -37,7 +39,7 @@ def add_to(commands: Any) -> None:
     design_arguments(check, one=False)
     check.set_defaults(run=_check)
 
-    presets = commands.add_parser("presets", help="the catalogue, with sources")
+    presets = commands.add_parser("presets", help="list the catalogue, with sources")
     presets.add_argument("kind", choices=("imu", "radar", "gnss"))
     presets.add_argument("--json", action="store_true", help="as JSON")
     presets.set_defaults(run=_presets)

@@ -91,7 +91,7 @@ class BudgetPage(pn.viewable.Viewer):
         for figure in figures:  # the last has the axis
             figure.styles = {"flex": "1.25 1 0" if figure is figures[-1] else "1 1 0"}
         lines = pn.Column(self._stack_head, sizing_mode="stretch_both", stylesheets=[STACK_ON_A_PHONE])
-        response = pn.Column(sizing_mode="stretch_both")
+        response = pn.Column(sizing_mode="stretch_both", stylesheets=[NARROW])
         self._view = pn.Column(
             first_screen(
                 pn.Column(self._strip, self._panel),
@@ -289,7 +289,7 @@ def _put(pane: TextPane, text: str) -> None:
 
 
 def _ask(budget: Budget) -> str:
-    return "How far each input can go" if budget.verdict.closes else "What would close it"
+    return "Largest allowed values" if budget.verdict.closes else "What would close it"
 
 
 def _invalid(count: int) -> str:

@@ -106,7 +106,7 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
     """Every requirement with its figure, limit, margin and what dominates it."""
     verdict = budget.verdict
     if not verdict.checks:
-        return Text("The design states no requirement; nothing was checked.")
+        return Text("The design has no requirement; nothing was checked.")
 
     def row(check: Check) -> tuple[Cell, ...]:
         words = check_words(budget.design, check)
@@ -128,11 +128,11 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
             Column("Margin", numeric=True),
             Column("Verdict"),
             Column("Figure", width=1.25),
-            Column("Dominant sensor", width=1.25),
+            Column("Main error source", width=1.25),
         ),
         tuple(map(row, verdict.checks)),
-        "Margin is the part of the limit left over. The share is of the variance, with an initial tilt charged to "
-        "the sensors that cause it [T-18].",
+        "Margin: the share of the limit that is left. Shares are of the variance; the initial tilt counts for the "
+        "sensors that cause it [T-18].",
     )
 
 
@@ -284,8 +284,8 @@ def phase_table(budget: Budget, key: str) -> Table:
             row("total in quadrature", sar.quadratic, "100 %", sar.detrended, "100 %"),
             row(ALONG_TRACK, sar.along_track_quadratic, NONE, math.nan, NONE),
         ),
-        f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt is the work of "
-        f"{makers} [T-18].",
+        f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt comes from {makers} "
+        "[T-18].",
     )
 
 
@@ -293,7 +293,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
     """Paired echoes of the design's lines, and what its fast phase errors scatter."""
     spectral, wavelength = budget.spectral, budget.sar.wavelength
     if not budget.has_fast_sources:
-        return Text("The design states no vibration that is left, no unsensed motion and no oscillator.")
+        return Text("The design has no uncompensated vibration, no unsensed motion and no oscillator noise.")
 
     def level(amplitude: float) -> str:
         return decibels(20 * math.log10(amplitude)) if amplitude > NOTHING else "none"

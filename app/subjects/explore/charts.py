@@ -84,7 +84,7 @@ def sweep_chart(
     best = np.min(found.reshape(lengths), axis=others)
     values = [np.array(plan.axes[axes.index(key)].shown, float) for key in keys]
     spaced = [_even_log(axis) for axis in values]
-    of_rest = " At each place the best of the other inputs." if others else ""
+    of_rest = " Each point shows the best of the other inputs." if others else ""
     knowledge = f"The sweep's {plan.rows} designs through the formulas of the budget.{of_rest}"
     if len(keys) == 2:
         z = best.T if axes.index(keys[0]) < axes.index(keys[1]) else best

@@ -13,7 +13,7 @@ def add_to(commands: Any) -> None:
     """Declare the command."""
     _add_explore(commands)
     sweep = commands.add_parser("sweep", help="evaluate a grid of designs, by formula or by simulation, into a table")
-    sweep.add_argument("file", metavar="FILE", help="what to vary, TOML")
+    sweep.add_argument("file", metavar="FILE", help="sweep file (TOML): the design and what to vary")
     sweep.add_argument("-o", "--output", required=True, metavar="OUT", help="OUT.csv or OUT.parquet")
     cores = os.cpu_count() or 1
     sweep.add_argument("--workers", type=count, default=cores, help="local processes (default: all cores)")
@@ -22,32 +22,49 @@ def add_to(commands: Any) -> None:
 
 
 def _add_explore(commands: Any) -> None:
-    explore = commands.add_parser("explore", help="solve backwards, rank, map, search, uncertainty; JSON or CSV")
+    explore = commands.add_parser("explore", help="questions about many designs, as JSON or CSV")
     questions = explore.add_subparsers(dest="question", required=True, metavar="QUESTION")
     helps = {
-        "solve": "the largest noise, interval or time that meets the requirements",
-        "rank": "which inputs a figure depends on, strongest first",
-        "map": "two inputs against a result",
-        "search": "which IMUs and receivers of the catalogue meet the requirements",
-        "uncertainty": "the probability that the design closes when inputs are ranges",
+        "solve": "find the largest noise, interval or time that meets the requirements",
+        "rank": "list the inputs that a figure depends on, strongest first",
+        "map": "compute a result over a grid of two inputs",
+        "search": "list the IMUs and receivers of the catalogue that meet the requirements",
+        "uncertainty": "compute the probability that the design closes when inputs are ranges",
     }
     parsers = {name: questions.add_parser(name, help=text) for name, text in helps.items()}
     for parser in parsers.values():
         design_arguments(parser, one=True)
         parser.add_argument("--csv", action="store_true", help="as CSV instead of JSON")
         parser.set_defaults(run=_explore)
-    parsers["rank"].add_argument("--result", metavar="FIGURE", help="default: the design's first requirement")
-    parsers["map"].add_argument("--x", default="imu.angle_random_walk", metavar="KEY")
-    parsers["map"].add_argument("--y", default="gnss.position_noise", metavar="KEY")
-    parsers["map"].add_argument("--result", default="all requirements", metavar="FIGURE")
+    parsers["rank"].add_argument(
+        "--result", metavar="FIGURE", help="figure to rank for (default: the design's first requirement)"
+    )
+    parsers["map"].add_argument(
+        "--x", default="imu.angle_random_walk", metavar="KEY", help="input on the x axis (default %(default)s)"
+    )
+    parsers["map"].add_argument(
+        "--y", default="gnss.position_noise", metavar="KEY", help="input on the y axis (default %(default)s)"
+    )
+    parsers["map"].add_argument(
+        "--result", default="all requirements", metavar="FIGURE", help="result to map (default %(default)s)"
+    )
     parsers["map"].add_argument("--size", type=count, metavar="N", help="points along a side (default 200)")
     add = parsers["search"].add_argument
-    add("--imus", action="append", default=[], metavar="FILE", help="your own units")
-    add("--receivers", action="append", default=[], metavar="FILE", help="your own receivers")
+    add(
+        "--imus", action="append", default=[], metavar="FILE", help="catalogue file of your own IMUs; may be repeated"
+    )
+    add(
+        "--receivers",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="catalogue file of your own receivers; may be repeated",
+    )
     add = parsers["uncertainty"].add_argument
     add("--vary", action="append", default=[], metavar="KEY=RANGE",
-        help='e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h", log after it, or "0.15 °/√h */ 1.3"')  # fmt: skip
-    add("--seed", type=int, default=1)
+        help='range of an input, e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h" (uniform; with log after it, '
+        'log-uniform) or "0.15 °/√h */ 1.3" (typical value and factor, log-normal); may be repeated')  # fmt: skip
+    add("--seed", type=int, default=1, metavar="S", help="seed of the samples (default 1)")
 
 
 def count(text: str) -> int:

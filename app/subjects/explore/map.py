@@ -80,7 +80,7 @@ class MapPanel(Question):
         chart = map_chart(budget.design, self.x, self.y, self.result)
         self.answer = map_answer(chart, self._value(budget, chart))
         if self._drawn is None or self._chart is None or self._chart.structure != chart.structure:
-            self._drawn = MapFigure(chart)
+            self._drawn = MapFigure(chart, narrow=self.session.narrow)
             self._drawn.plot.on_event(Tap, self._tapped)
             self._place.objects = [pn.pane.Bokeh(self._drawn.plot, sizing_mode="stretch_both")]
         else:

@@ -30,8 +30,9 @@ from nav_model.explore.search import Candidate, left_out, search
 
 MAX_BYTES = 200_000
 _KNOWLEDGE = (
-    "The formulas of the budget, for every row. The main error source has the largest share of the tightest "
-    "requirement's variance [T-18]. Residual biases and vibration factor are your design's for every IMU: data "
+    "Every row is computed with the formulas of the budget. The main error source has the largest share of the "
+    "tightest "
+    "requirement's variance [T-18]. Every IMU has your design's residual biases and vibration factor, since data "
     "sheets do not give them. Receiver noise is white."
 )
 _WHOLE = ".scroll.tall { max-height: none; }"  # the view scrolls, not the table in it

@@ -130,7 +130,7 @@ class SweepPanel(Question):
                 self._say(f"{most} {_ELSEWHERE}", alert=True)
             else:
                 self._plan = plan
-                self._say(f"{plan.rows:,} designs; working out the time …")
+                self._say(f"{plan.rows:,} designs; estimating the time …")
                 pn.state.execute(lambda: self.estimate.start(lambda _: elsewhere(expected_seconds, plan)))
         self.bar.start.disabled = self._plan is None
         self._answer()
@@ -175,7 +175,10 @@ class SweepPanel(Question):
 
     def _draw(self, swept: Swept, keys: list[str]) -> None:
         chart = sweep_chart(swept.plan.design, swept.plan, swept.columns, keys)
-        plot = MapFigure(chart).plot if isinstance(chart, TradeMapChart) else to_bokeh(chart, None).plot
+        if isinstance(chart, TradeMapChart):
+            plot = MapFigure(chart, narrow=self.session.narrow).plot
+        else:
+            plot = to_bokeh(chart, None).plot
         self._place.objects = [pn.pane.Bokeh(plot, sizing_mode="stretch_both")]
         self._head.object = head_html(chart.title, chart.knowledge, described(chart))
 

@@ -278,7 +278,7 @@ def sweep_best(columns: Mapping[str, Swept]) -> NDArray[np.intp]:
 
 def sweep_answer(plan: Plan, columns: Mapping[str, Swept], stale: bool) -> Answer:
     """How many designs of a sweep meet all requirements, and the best of them."""
-    old = ("Of an earlier sweep or design: run again.",) if stale else ()
+    old = ("The results belong to an earlier sweep or design. Run again.",) if stale else ()
     if columns["closes"][0] is None:
         return Answer(f"{plan.rows:,} designs", "open", (*old, "No requirement is set, so no design is judged."))
     good = int(np.sum(np.asarray(columns["closes"], bool)))

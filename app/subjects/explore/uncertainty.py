@@ -17,6 +17,7 @@ from app.subjects.explore.tables import uncertain_answer, uncertain_table
 from app.ui.chart_pane import source_note
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
+from app.ui.theme import NARROW
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
@@ -149,7 +150,7 @@ class UncertaintyPanel(Question):
             on_click=lambda _: self.assume(),
         )  # fmt: skip
         clear = pmui.Button(label="Clear", variant="text", margin=(8, 8), on_click=lambda _: self._clear())
-        scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
+        scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}, "stylesheets": [NARROW]}
         return first_screen(
             left=[pn.Column(pn.FlexBox(assume, clear), *self.rows, **scrolls)],
             right=[pn.Column(self._table, html_pane(_HELP + source_note(_KNOWLEDGE), margin=(4, 14)), **scrolls)],

@@ -136,7 +136,7 @@ class LibraryView(pn.viewable.Viewer):
                 )
             )
         if listing.read_only:
-            rows.insert(0, html_pane("<p>This library can only be read: its file or folder refuses writing.</p>"))
+            rows.insert(0, html_pane("<p>This library is read-only: its file or folder cannot be written.</p>"))
         self._rows.objects = rows
         if self._tag.options != [_ANY, *listing.tags]:
             self._tag.options = [_ANY, *listing.tags]

@@ -43,7 +43,8 @@ from nav_model.design.parts import INPUTS
 from nav_model.errors import InputError
 
 _NONE = "choose a review"
-_NO_REVIEW = Answer("Reviews", "open", ("Opening the library …",))
+_OPENING = Answer("Reviews", "open", ("Opening the library …",))
+_NO_REVIEW = Answer("No review yet", "open", ("Select designs in the library, then start one.",))
 _EMPTY = (
     "<p>Select designs in the library, give the review a title, and start it. The review freezes the designs. "
     "Everybody then comments and decides here, requirement by requirement, until somebody signs it off.</p>"
@@ -64,14 +65,14 @@ class ReviewRoom(pn.viewable.Viewer):
         )
     )
 
-    answer: Answer = declared(param.ClassSelector(class_=Answer, default=_NO_REVIEW, instantiate=False))
+    answer: Answer = declared(param.ClassSelector(class_=Answer, default=_OPENING, instantiate=False))
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk=desk)
         presenting = desk.session.param.presenting
         self._asked: object = None
         self._wanted = ""  # id of the review to show
-        self._stand = _NO_REVIEW
+        self._stand = _OPENING
         self._watch: Any = None  # looks for what others add, while a review is in view
         self._about = pmui.Select(label="Requirement", options={}, width=330, **LOOK)
         self._design = pmui.Select(label="Design", options={}, width=200, **LOOK)
@@ -151,11 +152,11 @@ class ReviewRoom(pn.viewable.Viewer):
         if self._choice.options != options:
             self._choice.options = options
         self._all.html = table
-        self._stand = Answer(
-            counted(len(reviews), "review"), "open",
-            (f"{sum(own.signed is None for own in reviews)} open. Choose one, or start one of selected designs.",),
-        )  # fmt: skip
+        said = f"{sum(own.signed is None for own in reviews)} open. Choose one, or start one of selected designs."
+        self._stand = Answer(counted(len(reviews), "review"), "open", (said,)) if reviews else _NO_REVIEW
         self.review = next((own for own in reviews if own.id == self._wanted), None)
+        if self.review is None:  # as before, perhaps, so that nothing else says it
+            self.answer = self._stand
 
     async def open(self, review: str) -> None:
         """Show a review by its id; an unknown one is said so."""

@@ -57,7 +57,7 @@ def slide(review: Review, point: Point, number: int, count: int) -> str:
         f"{number} of {count}</p>"
         f"<p>D{point.place}: {escape(review.revisions[point.place - 1].name)}</p><h2>{escape(check.label)}</h2>"
         f'<p class="figure num">{escape(point.figure)}</p>{_gauge(check)}'
-        f"<p>{'✓ met' if check.met else '✗ not met'}, margin {point.margin}; dominated by "
+        f"<p>{'✓ met' if check.met else '✗ not met'}, margin {point.margin}; main error source: "
         f"{escape(check.sensor)}</p><p><b>{escape(decided)}</b></p></section>"
     )
 

@@ -192,7 +192,7 @@ def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) 
         y=pictures.y,
         power_db=pictures.power_db,
         names=tuple(NAMES.values()),
-        captions=tuple(f"brightest {signed_decibels(float(power.max()))}" for power in pictures.power_db),
+        captions=tuple(f"peak {signed_decibels(float(power.max()))}" for power in pictures.power_db),
         reference=f"relative to {over}; typical run; {cell}",
         knowledge=f"All images share one scale, relative to {over}. Typical run of the ensemble; {cell}.",
     )

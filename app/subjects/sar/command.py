@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
-    sar = commands.add_parser("sar", help="image quality for every navigation strategy, as JSON")
+    sar = commands.add_parser("sar", help="compute image quality for every navigation strategy, as JSON")
     design_arguments(sar, one=True)
     add = sar.add_argument
     add("--runs", type=int, default=200, help="runs of the ensemble (default 200)")

@@ -60,7 +60,7 @@ _LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 _AS_HIGH_AS_IT_IS = "@media (max-width: 1000px) { :host { flex: none !important; height: auto !important; } }"
 """Sheet of the ranked strategies, whose names take more lines on a narrow window."""
-_EARLIER = "The runs are of an earlier design: run again."
+_EARLIER = "The runs belong to an earlier design. Run again."
 _COMING = "<p class='quiet'>Appears when the strategies have been run.</p>"
 
 

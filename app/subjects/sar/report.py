@@ -91,7 +91,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
             f"{key}-sar-responses",
             "SAR: error histories and impulse responses",
             (
-                Text(f"A millimetre of line of sight is {phase}° of two-way phase [T-13]."),
+                Text(f"One millimetre along the line of sight is {phase}° of two-way phase [T-13]."),
                 *drawn(*(draw(study) for draw in RUN_CHARTS)),
                 lobe,
                 integrated,

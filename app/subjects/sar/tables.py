@@ -42,7 +42,7 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
     advice = closed.advice
     if study is None:
         key, sigma, smoothed = advice.strategy, advice.sigma[advice.strategy], advice.sigma["9"]
-        note = "The runs also cover the others."
+        note = "The formulas cover some of the strategies; the runs cover all."
     else:
         best, now = study.best(), study.best(causal=True)
         key, sigma, smoothed, note = best.key, study.residual(best.key), study.residual("9"), ""

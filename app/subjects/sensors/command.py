@@ -16,7 +16,9 @@ from nav_model.errors import InputError
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
-    parser = commands.add_parser("allan", help="noise parameters from a static log (CSV or NPZ) as JSON")
+    parser = commands.add_parser(
+        "allan", help="get noise parameters or a vibration factor from a log (CSV or NPZ), as JSON"
+    )
     parser.add_argument("log", metavar="LOG", help="a CSV or NPZ file, or - for stdin")
     parser.add_argument("--rate", type=float, metavar="HZ", help="samples per second, if not in the file")
     parser.add_argument("--gyro-unit", metavar="UNIT", help='"deg/s", increments "rad", or per count "0.05 deg/s"')

@@ -52,10 +52,10 @@ from nav_model.errors import InputError
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
 _HELP = (
     "<p>A log taken <b>at rest</b>, an hour or more on a solid base, gives quantization, random walk, bias "
-    "instability, rate random walk and ramp of every axis. A log taken <b>in motion</b> gives the vibration factor "
-    "over the random walks now in the design, and the vibration as a spectrum. CSV or NPZ, at most "
+    "instability, rate random walk and ramp for every axis. A log taken <b>in motion</b> gives the vibration "
+    "factor relative to the design's random walks, and the vibration spectrum. CSV or NPZ, at most "
     f"{UPLOAD_LIMITS.file_bytes / 1e6:.0f} MB and {UPLOAD_LIMITS.rows / 1e6:.0f} million rows; rate, units and "
-    "columns are read from the file where it states them, and asked for where it does not.</p>"
+    "columns are read from the file if it states them. Otherwise, enter them below.</p>"
 )
 _BOXES = {
     "rate": ("Rate [Hz]", "only if not in the file", 150),
@@ -202,9 +202,9 @@ class LogPanel(pn.viewable.Viewer):
         except InputError as error:
             problem = error
         if problem:
-            self._say(f"Not taken over. {problem}")
+            self._say(f"Not used. {problem}")
         else:
-            self._say("Taken over into the design, with its origin. You can undo.", "success")
+            self._say("The design now has the values, with their origin. You can undo.", "success")
 
 
 class StaticResult(pn.viewable.Viewer):

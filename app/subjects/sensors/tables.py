@@ -88,7 +88,7 @@ def offer(result: LogAnalysis) -> Answer:
             continue
         found = triad_random_walk(result, quantity)
         if found is None:
-            lines.append(f"{title}: not resolved on all three axes, so the log offers none.")
+            lines.append(f"{title}: not resolved on all three axes, so no value is offered.")
             continue
         unit, scale = UNITS[quantity]["random_walk"]
         lines.append(
@@ -145,7 +145,7 @@ def _coefficient_cell(axis: AxisNoise, term: str) -> Cell:
 
 
 def remedies(result: LogAnalysis) -> tuple[Bullets, ...]:
-    """What log would show the coefficients that this one does not, each said once."""
+    """Which log would resolve the coefficients that this one does not, each once."""
     found: dict[tuple[str, str], list[str]] = {}
     for axis in result.axes:
         for term, remedy in axis.would_resolve.items():
@@ -156,7 +156,7 @@ def remedies(result: LogAnalysis) -> tuple[Bullets, ...]:
     items = (
         f"{', '.join(terms)} on {_axes(names, result)}: {remedy}" for (remedy, names), terms in by_remedy.items()
     )
-    return _list("What log would show the rest", items)
+    return _list("Which log would resolve the rest", items)
 
 
 def warnings(result: LogAnalysis) -> tuple[Bullets, ...]:

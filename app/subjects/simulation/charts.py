@@ -177,7 +177,7 @@ def consistency_chart(study: SimulationStudy | None) -> Chart:
 def _edges(time: Array, low: float, high: float, label: str) -> tuple[Line, Line]:
     level = np.ones_like(time)
     return (
-        Line("high", f"{label}, top", time, high * level, "reference", "chi-square", label),
+        Line("high", f"{label}, top", time, high * level, "reference", "chi-square", "95 % band"),
         Line("low", f"{label}, bottom", time, low * level, "reference", "chi-square", ""),
     )
 

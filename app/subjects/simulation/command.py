@@ -13,7 +13,7 @@ def add_to(commands: Any) -> None:
     """Declare the command."""
     simulate = commands.add_parser(
         "simulate",
-        help="Monte Carlo of a design against the formulas",
+        help="run a Monte Carlo of a design and compare it with the formulas",
         description="Runs a Monte Carlo of the design, a strapdown INS with a Kalman filter, and compares the errors "
         "with the filter covariance and the formulas. --set also takes sensor errors, receiver and filter tuning, "
         "e.g. --set gyro.bias_instability='25 °/h'.",
@@ -25,12 +25,12 @@ def add_to(commands: Any) -> None:
     add("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
     add("--duration", type=float, metavar="S", help="length of a run (default 500 s, or the file's)")
     add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
-        help="seconds between which there are no fixes; may be repeated")  # fmt: skip
+        help="start and stop of a time without fixes, in seconds; may be repeated")  # fmt: skip
     add("--trajectory", default="wandering", metavar="NAME-or-FILE",
-        help="wandering, straight, turns, climb, or a CSV file")  # fmt: skip
+        help="wandering (default), straight, turns, climb, or a CSV file")  # fmt: skip
     add("--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)")
     add("--states", type=int, choices=(9, 15, 21), default=9,
-        help="of the filter: 15 estimates biases, 21 constant and varying biases separately")  # fmt: skip
+        help="filter states (default 9): 15 estimates biases, 21 constant and varying biases separately")  # fmt: skip
     add("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
     add("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler whose workers do the runs")
     add("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")

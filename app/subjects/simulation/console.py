@@ -108,7 +108,9 @@ def _specification(
         raise _as_option(error) from error
     kept = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
     if keep_runs and kept > _LARGEST_KEPT:
-        raise InputError("-o", f"every run's errors would take {kept / 1e9:.3g} GB; fewer --runs or a longer --every")
+        raise InputError(
+            "-o", f"every run's errors would take {kept / 1e9:.3g} GB; use fewer --runs or a longer --every"
+        )
     return spec
 
 
@@ -126,7 +128,9 @@ def _trajectory(name: str) -> str | TrajectorySpec:
         return read_trajectory(name)
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
-        raise InputError("--trajectory", f"{name!r} is neither one of {known} nor a file to read") from error
+        raise InputError(
+            "--trajectory", f"{name!r} is no file that can be read. Name a CSV file, or choose {known}."
+        ) from error
     except ValueError as error:
         raise InputError("--trajectory", str(error)) from error
 

@@ -344,7 +344,8 @@ class SimulatePage(pn.viewable.Viewer):
         if spec.steps > _LONGEST_RUN or spec.steps * spec.runs > _MOST_SAMPLES:
             raise InputError(
                 "Length",
-                f"{runs} runs of {length:g} s at {spec.imu.rate:g} Hz exceed what the server flies for one person. "
+                f"{runs} runs of {length:g} s at {spec.imu.rate:g} Hz are more than the server simulates for one "
+                "person. "
                 "Enter fewer or shorter runs, or use the command `navbudget simulate`",
             )
         return spec

@@ -14,6 +14,7 @@ from app.ui.chart_pane import ChartPane
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import progress_html
+from app.ui.theme import NARROW
 from app.work.pool import elsewhere
 from app.work.run import Progress, Run
 from nav_model.suborbital.camera_noise import CameraNoise, sweep_camera_noise
@@ -28,7 +29,7 @@ class CameraNoisePanel(pn.viewable.Viewer):
     def __init__(self, session: Session) -> None:
         super().__init__(run=session.new_run())
         self._said = html_pane("", margin=0)
-        self._place = pn.Column(sizing_mode="stretch_both")
+        self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[NARROW])
         self._chart: ChartPane[CameraNoise] | None = None
         self._settings: Settings | None = None
 

@@ -27,7 +27,8 @@ def list_inputs() -> int:
         print(title)
         for declared in group:
             choices = f" ({', '.join(declared.objects)})" if isinstance(declared, Choice) else ""
-            print(f"  {declared.key:40} {DEFAULTS.show(declared.key) or 'none':22} {declared.doc}{choices}")
+            default = DEFAULTS.show(declared.key) or "none"
+            print(f"  {declared.key:40} {default:22} {declared.label}. {declared.doc}{choices}")
     return 0
 
 

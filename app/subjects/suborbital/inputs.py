@@ -46,7 +46,7 @@ class InputPanel(pn.viewable.Viewer):
     session = held(Session)
     settings: Settings = declared(param.ClassSelector(class_=Settings, default=DEFAULTS, instantiate=False))
     trajectory: Trajectory = declared(
-        param.Parameter(doc="Name and content of the file flown; None: the golden flight.")
+        param.Parameter(doc="Name and content of the file flown; None: the reference flight.")
     )
 
     def __init__(self, session: Session) -> None:
@@ -145,12 +145,12 @@ class InputPanel(pn.viewable.Viewer):
             accept=".csv", icon="upload_file", max_file_size=BOUNDS.most_bytes, **_LOOK,
         )  # fmt: skip
         self.trajectory_file.param.watch(self._uploaded, "value")
-        golden = pmui.Button(
-            label="Golden flight again", visible=self.param.trajectory.rx.is_not(None),
+        reset = pmui.Button(
+            label="Reset to reference flight", visible=self.param.trajectory.rx.is_not(None),
             on_click=lambda _: self.param.update(trajectory=None), **_LOOK,
         )  # fmt: skip
         self._file_said = html_pane(_FILE_HELP, margin=(0, 12))
-        return pn.Column(pn.FlexBox(self.trajectory_file, golden, margin=(4, 4, 0, 4)), self._file_said)
+        return pn.Column(pn.FlexBox(self.trajectory_file, reset, margin=(4, 4, 0, 4)), self._file_said)
 
     def _fill(self, opened: list[int]) -> None:
         """Make the controls of the groups that are open and have none yet."""

@@ -37,7 +37,7 @@ class NoisePanel(pn.viewable.Viewer):
         super().__init__(run=session.new_run())
         self._current = current
         runs = pmui.Select.from_param(self.param.runs, width=110, margin=(10, 6, 4, 6))
-        self.bar = RunBar(self.run, self.start, "Fly the ensemble", runs)
+        self.bar = RunBar(self.run, self.start, "Run the ensemble", runs)
         self.bar.cancel.label = "Cancel the ensemble"
 
     def __panel__(self) -> RunBar:
@@ -68,6 +68,4 @@ class NoisePanel(pn.viewable.Viewer):
     def note(self, study: Study) -> None:
         """Say whether the ensemble is of the study on the page."""
         stale = self.run.result is not None and self.ensemble_of(study) is None
-        self.bar.message = (
-            "The inputs have changed since; fly again for an ensemble at these inputs." if stale else ""
-        )
+        self.bar.message = "The inputs have changed. Run again for an ensemble at these inputs." if stale else ""

@@ -13,6 +13,7 @@ import panel as pn
 import param
 
 from app.declared import held
+from app.document.blocks import Answer
 from app.session import Session
 from app.subjects.suborbital.answer import WAITING, answer
 from app.subjects.suborbital.camera import CameraNoisePanel
@@ -117,10 +118,11 @@ class SuborbitalPage(pn.viewable.Viewer):
 
     @param.depends("exact.progress", "exact.message", watch=True)
     def _say_progress(self) -> None:
-        """Before the first answer the strip says how far it is."""
+        """Before the first answer the view says how far it is, and the strip why there will be none."""
         if self.study.shown is None:
-            said = self.exact.message or (self.exact.progress.words if self.exact.progress else "")
-            self._strip.show(WAITING, said)
+            message, progress = self.exact.message, self.exact.progress
+            self._strip.show(Answer("No result yet", "warn", (message,)) if message else WAITING)
+            self.study.say_coming(progress.words if progress else "")
 
     @param.depends("renewal.message", watch=True)
     def _say_renewal(self) -> None:

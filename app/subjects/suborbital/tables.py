@@ -195,7 +195,7 @@ def noise_table(shown: Shown) -> NumberTable:
             for ins, spread in spreads
             for i, channel in enumerate(CHANNELS)
         )
-        said = "No ensemble is flown at these inputs."
+        said = "No ensemble has been run at these inputs."
     else:
         rows = tuple(
             (f"{ins}, {channel}", sigma, rms, rms / sigma if sigma > 0 else None, "yes" if inside else "no")
@@ -223,7 +223,7 @@ def method_table(shown: Shown) -> NumberTable:
             for s in shown.survey.scores
         ),
         "The same images of this flight for all five, one a second, centroid noise "
-        f"{number(sigma, given=True)} arcsec per axis; {shown.survey.scenes_refused} refused by the gate. "
+        f"{number(sigma, given=True)} arcsec per axis; {shown.survey.scenes_refused} rejected. "
         "Covariances [B-9]. TRIAD uses only two stars, the "
         "brightest: its error is large where these are close together, so a few scenes decide its mean. Over 1000 "
         "random scenes of five stars at 10 arcsec, twenty seeds give means of 207 to 362 arcsec; the optimal methods "
@@ -238,7 +238,8 @@ def gravity_table(shown: Shown) -> NumberTable:
         "Cost of a mismatched gravity model",
         ("truth / INS", *(f"{channel} [m]" for channel in CHANNELS)),
         tuple((f"{truth} / {model}", *map(float, error)) for truth, model, error in shown.survey.gravity),
-        "Final error of an otherwise perfect INS on the golden flight in each true field; integrated [B-3]."
+        "Final error of an otherwise perfect INS on the reference flight in each true gravity field; integrated "
+        "[B-3]."
         if shown.survey.gravity
         else "Not available for a trajectory from a file.",
     )

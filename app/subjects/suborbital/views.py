@@ -6,6 +6,7 @@ import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from html import escape
 from typing import Any
 
 import panel as pn
@@ -31,9 +32,10 @@ from app.ui.chart_pane import ChartPane
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
+from app.ui.html_pane import html_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import SortableTable
-from app.ui.theme import NARROW
+from app.ui.theme import FRAME, NARROW
 from nav_model.suborbital.errors import CLASSES, SOURCES
 from nav_model.suborbital.study import GRAVITY_ROW
 from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
@@ -87,6 +89,7 @@ VIEWS: tuple[View, ...] = (
 
 CAMERA_NOISE, INPUTS = "Camera noise", "Inputs"
 
+_COMING = "<p>The charts and tables of this view appear here with the first study.</p>"
 CASES = {"everything": "all"} | {name: name for name in (*CLASSES, *SOURCES, GRAVITY_ROW) if name != "all"}
 
 
@@ -146,8 +149,17 @@ class StudyViews(pn.viewable.Viewer):
 
     def _place(self, view: View) -> pn.Column:
         """Where a view stands; it is filled with the first answer."""
-        self._places[view.name] = pn.Column(sizing_mode="stretch_both", stylesheets=[NARROW])
+        coming = pn.Column(
+            html_pane(_COMING), sizing_mode="stretch_both", min_height=320, styles=FRAME, margin=(8, 10)
+        )
+        self._places[view.name] = pn.Column(coming, sizing_mode="stretch_both", stylesheets=[NARROW])
         return self._places[view.name]
+
+    def say_coming(self, progress: str) -> None:
+        """How far the first study is, in the views that wait for it."""
+        for name, place in self._places.items():
+            if name not in self._panes:
+                place[0][0].object = f"{_COMING}<p class='quiet'>{escape(progress)}</p>"
 
     @param.depends("shown", watch=True)
     def _draw(self) -> None:
@@ -170,11 +182,17 @@ class StudyViews(pn.viewable.Viewer):
             for build in view.tables
         ]
         self._panes[view.name], self._tables[view.name] = panes, tables
-        parts: list[Any] = [pane.view for pane in panes]
+        scrolls: dict[str, Any] = {
+            "sizing_mode": "stretch_both",
+            "styles": {"overflow": "auto"},
+            "stylesheets": [NARROW],
+        }
+        parts: list[Any] = [
+            pn.Column(pane.view, **scrolls) if what(shown).square else pane.view
+            for what, pane in zip(view.charts, panes, strict=True)
+        ]
         if tables:
-            parts.append(
-                pn.Column(*(table for table, _ in tables), sizing_mode="stretch_both", styles={"overflow": "auto"})
-            )
+            parts.append(pn.Column(*(table for table, _ in tables), **scrolls))
         half = len(parts) // 2 or 1
         takes = [take for pane in panes for take in pane.takes()]
         takes += [self._table_take(build, shown) for build in view.tables]

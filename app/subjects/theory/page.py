@@ -154,7 +154,8 @@ def differences() -> str:
     rows = tuple(_difference(row) for row in record().differences)
     table = Table("other-figures", "Figures stated elsewhere, beside ours", columns, rows)
     said = (
-        "Papers, another program, our design notes and simpler methods give another figure. A test shows each case."
+        "A paper, another program, our design notes or a simpler method gives a different figure. A test shows "
+        "each case."
     )
     return _folded(
         "differences", "Where figures differ", f"{len(rows)} figures stated elsewhere", html_of(Text(said), table)

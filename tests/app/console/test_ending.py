@@ -136,7 +136,7 @@ def test_a_fault_of_our_own_is_no_verdict(capsys: pytest.CaptureFixture[str]) ->
     assert ending.run_to_end(lambda: 1 // 0) == 4
     said = capsys.readouterr().err
     assert "ZeroDivisionError" in said
-    assert "a fault of NavBudget's own" in said
+    assert "a fault in NavBudget" in said
 
 
 def test_what_is_around_us_has_a_code_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
@@ -147,7 +147,7 @@ def test_what_is_around_us_has_a_code_of_its_own(capsys: pytest.CaptureFixture[s
     def memory() -> int:
         raise MemoryError
 
-    for command, said in ((killed, "a worker process was ended"), (memory, "memory of this machine")):
+    for command, said in ((killed, "something ended a worker process"), (memory, "too little free memory")):
         assert ending.run_to_end(command) == 3
         told = capsys.readouterr().err
         assert told.startswith("navbudget: ")

@@ -196,7 +196,7 @@ ALLOWED = {
     "gnss.position_noise": ('"1 s"', "Use m, km, cm"),
     "radar.wavelength": ('"0 cm"', "at most 2997.92 cm"),
     "gnss.rate": ('"0 Hz"', "at most 1000 Hz"),
-    "radar.window": ('"hann"', "uniform, hamming, taylor"),
+    "radar.window": ('"hann"', "uniform, hamming or taylor"),
     "imu.vibration_factor": (
         "nan",
         "nan is not allowed. The vibration factor must be at least 0.01 and at most 1000.",

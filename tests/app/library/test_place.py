@@ -56,10 +56,10 @@ def test_a_library_on_read_only_media_is_read_and_says_so(shelf: Path, mems: Bud
         assert library.read_only
         (saved,) = library.designs()
         assert library.revisions(saved.id)[0].author == "Ann"
-        with pytest.raises(InputError, match=r"can only be read here: .*; nothing was saved"):
+        with pytest.raises(InputError, match=r"is read-only: .*; nothing was saved"):
             library.save(mems, "Bob")
         library.close()
-        assert "can only be read" in look_at(str(shelf))
+        assert "read-only" in look_at(str(shelf))
     assert sorted(path.name for path in shelf.parent.iterdir()) == ["library.db"]
 
 
@@ -68,7 +68,7 @@ def test_an_old_library_on_read_only_media_is_refused(shelf: Path) -> None:
     raw.execute("UPDATE schema_version SET version = 1")
     raw.commit()
     raw.close()
-    with _as_somebody_without_rights(), pytest.raises(InputError, match="brought to this version once"):
+    with _as_somebody_without_rights(), pytest.raises(InputError, match="upgraded to this version"):
         Library(shelf)
 
 

@@ -127,8 +127,8 @@ def test_a_value_that_is_not_the_presets_is_marked_and_loses_the_presets_standin
 
 def test_a_slow_gnss_error_brings_its_caution(changed):
     report = report_of([changed(gnss__correlated=True)], NOW)
-    assert any("slow GNSS error is switched on" in text for text in sayings(report))
-    assert not any("slow GNSS error is switched on" in text for text in sayings(report_of([changed()], NOW)))
+    assert any("slow GNSS error is on" in text for text in sayings(report))
+    assert not any("slow GNSS error is on" in text for text in sayings(report_of([changed()], NOW)))
 
 
 def test_steady_state_and_outage_stand_in_the_right_columns(mems):

@@ -104,5 +104,5 @@ def test_words():
 
 
 def test_unknown_figure(open_design):
-    with pytest.raises(InputError, match="is not one of"):
+    with pytest.raises(InputError, match="Choose "):
         rank(open_design, "weight")

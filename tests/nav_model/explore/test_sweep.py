@@ -145,7 +145,7 @@ name = "inline"
         ("[design]\nname='x'\n[vary]\nimu.gyro_bias = {from='0 °/h', to='2 °/h', points=3, spacing='log'}",
          "above zero"),
         ("[design]\nname='x'\n[vary]\nimu.preset = ['nothing']", "not in the catalogue"),
-        ("results=['weight']\n[design]\nname='x'\n[vary]\ngnss.interval=['1 s']", "not one of"),
+        ("results=['weight']\n[design]\nname='x'\n[vary]\ngnss.interval=['1 s']", "Choose "),
         ("rows_per_part=0\n[design]\nname='x'\n[vary]\ngnss.interval=['1 s']", "whole number"),
         ("combine='together'\n[design]\nname='x'\n[vary]\ngnss.interval=['1 s']\ngnss.position_noise=['1 m','2 m']",
          "one length"),

@@ -211,7 +211,7 @@ def test_conditions_say_what_differs() -> None:
     assert "No run" not in plain
     noise = tuple((at, 1e-9 / at, "phase noise") for at in (1.0, 9.0))
     shaken = said(motion__lines=((20.0, 1.0, "acceleration"),), oscillator__phase_noise=noise)
-    assert "No run or flight has the design's vibration, oscillator;" in shaken
+    assert "The runs leave out the design's vibration, oscillator;" in shaken
     spec = specification(PAPER)
     filed = replace(spec, trajectory=TrajectorySpec(kind="file", samples=b"x"))
     assert "The flight comes from the file" in conditions(PAPER, filed)[0]

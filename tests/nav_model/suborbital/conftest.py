@@ -1,13 +1,13 @@
 import pytest
 
-from nav_model.suborbital.flight import TrueFlight, golden_flight
+from nav_model.suborbital.flight import TrueFlight, reference_flight
 from nav_model.suborbital.sky import Sky, hipparcos_sky
 from nav_model.suborbital.study import Study, run_study
 
 
 @pytest.fixture(scope="session")
 def flight() -> TrueFlight:
-    return golden_flight()
+    return reference_flight()
 
 
 @pytest.fixture(scope="session")

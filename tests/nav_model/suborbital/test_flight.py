@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from nav_model.errors import InputError
-from nav_model.suborbital.flight import FlightParameters, golden_flight
+from nav_model.suborbital.flight import FlightParameters, reference_flight
 from nav_model.suborbital.flight_file import format_flight, parse_flight
 
 
-def test_golden_flight_has_the_printed_milestones(flight):
-    """star_tracker.md, "Golden flight (X)"."""
+def test_reference_flight_has_the_printed_milestones(flight):
+    """star_tracker.md, "Reference flight (X)"."""
     time, height = flight.apogee
     assert time == pytest.approx(815.6, abs=0.05)
     assert height == pytest.approx(991.44e3, abs=5.0)
@@ -65,9 +65,9 @@ def test_bad_parameters_are_refused_by_name(change, words):
 
 def test_a_flight_into_the_ground_is_refused():
     with pytest.raises(ValueError, match="reaches the ground"):
-        golden_flight(FlightParameters(duration_s=1700.0))
+        reference_flight(FlightParameters(duration_s=1700.0))
     with pytest.raises(ValueError, match="reaches the ground"):
-        golden_flight(FlightParameters(initial_thrust_m_s2=5.0))
+        reference_flight(FlightParameters(initial_thrust_m_s2=5.0))
 
 
 def test_trajectory_file_round_trip(flight):
@@ -104,4 +104,4 @@ def test_bad_files_are_refused(text, words):
 
 def test_an_unknown_gravity_is_refused():
     with pytest.raises(ValueError, match="gravity"):
-        golden_flight(replace(FlightParameters(), gravity="EGM"))
+        reference_flight(replace(FlightParameters(), gravity="EGM"))

@@ -13,7 +13,7 @@ from nav_model.suborbital.errors import (
     parameter_vector,
     scale_and_misalignment,
 )
-from nav_model.suborbital.flight import FlightParameters, golden_flight
+from nav_model.suborbital.flight import FlightParameters, reference_flight
 from nav_model.suborbital.mechanisation import (
     AttitudeFrames,
     Cancelled,
@@ -222,7 +222,7 @@ def test_refusals(flight):
 
 
 def test_ned_is_refused_near_a_pole():
-    polar = golden_flight(FlightParameters(latitude_rad=np.radians(80.0), azimuth_rad=0.0, duration_s=1000.0))
+    polar = reference_flight(FlightParameters(latitude_rad=np.radians(80.0), azimuth_rad=0.0, duration_s=1000.0))
     with pytest.raises(ValueError, match="pole"):
         mechanise(polar, np.zeros(len(PARAMETERS)), ErrorSet(), axes="ned")
 

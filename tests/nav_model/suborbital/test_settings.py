@@ -12,7 +12,7 @@ from nav_model.suborbital.settings import DEFAULTS, from_design, output_every, r
 from nav_model.suborbital.study import SuborbitalInputs
 
 
-def test_defaults_are_gp1_on_the_golden_flight():
+def test_defaults_are_gp1_on_the_reference_flight():
     assert DEFAULTS.study_inputs() == SuborbitalInputs()
 
 
@@ -55,7 +55,7 @@ def test_dropouts_are_intervals():
         ("gyros.bias", "2000 °/h", "at most 1000 °/h in size"),
         ("tracker.dropouts", "260-200 s", "stop after it starts"),
         ("tracker.dropouts", "soon", "not an interval"),
-        ("camera.method", "guess", "one of TRIAD"),
+        ("camera.method", "guess", "Choose TRIAD"),
         ("camera.brightest", "4.5", "not a whole number"),
         ("sky.magnitude_limit", "inf", "not allowed"),
         ("no.such", "1", "is not an input"),

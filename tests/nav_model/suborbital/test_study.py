@@ -61,14 +61,14 @@ def test_improvement_is_of_sizes(study):
 def test_words_follow_the_numbers(study):
     text = explain(study)
     assert "38.6 km" in text
-    assert "removes what comes through attitude" in text
+    assert "removes errors that come through attitude" in text
     assert "does not stabilise the height" in text
     late = explain(run_study(replace(study.inputs, aiding=Aiding(from_height_m=250e3))))
     assert "too late to help" in late
-    assert "does not change what comes through attitude" in late
-    assert "never gives a frame" in explain(run_study(replace(study.inputs, aiding=Aiding(from_height_m=2e6))))
+    assert "does not change errors that come through attitude" in late
+    assert "gives no frame" in explain(run_study(replace(study.inputs, aiding=Aiding(from_height_m=2e6))))
     worse = explain(run_study(replace(study.inputs, aiding=Aiding(misalignment_rad=(0.0, 0.02, 0.0)))))
-    assert "makes it worse" in worse
+    assert "raises it to" in worse
     assert "misalignment and latency cost" in worse
 
 

@@ -124,7 +124,7 @@ def test_a_study_and_a_design_are_told_apart():
         ('[tracker]\nframe_interval = "0.15 s"', "tracker.frame_interval", "whole number of steps"),
         ('[camera]\nfocal_length = "5 m"', "camera.focal_length", "field of view of"),
         ('[sky]\nmagnitude_limit = "faint"', "sky.magnitude_limit", "not a number"),
-        ('[sky]\nstars = "Gaia"', "sky.stars", "'Gaia' is not one of Hipparcos, synthetic"),
+        ('[sky]\nstars = "Gaia"', "sky.stars", "'Gaia' is not a choice here. Choose Hipparcos or synthetic."),
         ('[flight]\nburn_time = "120 s"', "flight.burn_time", "must rise in this order"),
         ('seed = 3\n[gyros]\nbias = "1 °/h"\n[flight]\nburn_time = "120 s"', "flight.burn_time", "must rise"),
         ('[flight]\nstep = "0.07 s"', "flight.step", "whole number of steps"),

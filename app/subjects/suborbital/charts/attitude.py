@@ -50,7 +50,8 @@ def navigation_attitude_chart(shown: Shown) -> Chart:
     return _attitude(
         shown, "attitude-navigation", "Attitude error, navigation frame", "attitude_navigation_rad",
         ("north", "east", "down"),
-        "On north, east, down; with the tracker what is left is the position error over the radius, dr/r [B-7].",
+        "About the north, east and down axes. With the tracker, the error is the position error divided by the "
+        "radius, dr/r [B-7].",
     )  # fmt: skip
 
 
@@ -111,6 +112,6 @@ def star_count_chart(shown: Shown) -> Chart:
         y_range=(0.0, float(np.max(field)) * 1.1 + 1.0),
         knowledge=f"Every {number(STAR_FRAME_SPACING_S, given=True)} s; {len(settings.sky())} stars at Hp ≤ "
         f"{number(settings['sky.magnitude_limit'], given=True)}, mean {number(np.mean(field))} in the field; "
-        f"{refused} of {len(frames)} frames gated (fewer than {settings.camera().least_stars} "
+        f"{refused} of {len(frames)} frames rejected (fewer than {settings.camera().least_stars} "
         "stars, or roll too uncertain).",
     )

@@ -41,7 +41,7 @@ def map_chart(shown: Shown) -> Chart:
                    "mark", "diamond", "flight"),
         ),
         knowledge=f"{flight.source}. Latitude and longitude on the sphere, Earth turning under the flight; "
-        f"{show(float(flight.ground_range_m[-1]), 'length')} over ground. No map service is asked.",
+        f"{show(float(flight.ground_range_m[-1]), 'length')} over ground.",
     )  # fmt: skip
 
 

@@ -46,7 +46,7 @@ def test_own_sensors(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["explore", "rank", DESIGN, "--result", "weight"], "not one of"),
+        (["explore", "rank", DESIGN, "--result", "weight"], "Choose "),
         (["explore", "map", DESIGN, "--x", "imu.rate"], "cannot be an axis"),
         (["explore", "uncertainty", DESIGN], "No input is uncertain"),
         (["explore", "uncertainty", DESIGN, "--vary", "nonsense"], "not a range"),

@@ -122,8 +122,8 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert "stale" not in tables.object  # the ensemble knows no requirement
     session.change({"gnss.position_noise": 0.001})
     assert all("stale" in pane.object for pane in marked)
-    assert "The runs are of an earlier design: run again." in sar._bar.state.object
-    assert "The runs are of an earlier design" in said(sar)
+    assert "The runs belong to an earlier design. Run again." in sar._bar.state.object
+    assert "The runs belong to an earlier design" in said(sar)
     assert "Use Quadratic fit" in said(sar)  # of the formulas again, as the runs no longer count
     assert "yours is 1 mm" in reasons.object
     session.undo()

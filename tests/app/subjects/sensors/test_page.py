@@ -63,7 +63,7 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     for shown in ("bench.csv", analysis.provenance.sha256, "100 Hz"):
         assert shown in panel.static.head.object
     assert "not resolved" in panel.static.tables.object
-    assert "What log would show the rest" in panel.static.tables.object
+    assert "Which log would resolve the rest" in panel.static.tables.object
     before = session.budget
     panel.static.use.clicks += 1
     assert session.design.imu.angle_random_walk == pytest.approx(ARW, rel=0.03)

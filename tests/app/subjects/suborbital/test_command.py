@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from app.cli import main
-from nav_model.suborbital.flight import golden_flight
+from nav_model.suborbital.flight import reference_flight
 from nav_model.suborbital.flight_file import format_flight
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
-# star_tracker.md, GP-1 on the golden flight: north, east, up [m], accept 5 m.
+# star_tracker.md, GP-1 on the reference flight: north, east, up [m], accept 5 m.
 PRINTED = {
     ("final_m", "accelerometer bias"): (-125.14, -11226.05, 20252.26),
     ("final_m", "gyro bias"): (13885.50, -17114.30, 12985.70),
@@ -64,7 +64,7 @@ def test_a_design_and_options_enter_and_are_named() -> None:
 
 def test_a_study_file_gives_the_same_answer_as_the_options_it_was_saved_from(tmp_path: Path) -> None:
     file, flown = tmp_path / "mine.toml", tmp_path / "flown.csv"
-    flown.write_bytes(format_flight(golden_flight(), every=5))
+    flown.write_bytes(format_flight(reference_flight(), every=5))
     options = ["--set", "gyros.bias=1, 2, -3 °/h", "--latency", "10 ms", "--trajectory", str(flown)]
     code, before, _ = run(*options, "--save", str(file))
     assert code == 0

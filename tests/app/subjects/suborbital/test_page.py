@@ -278,8 +278,8 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
     assert json.loads(here._json().getvalue())["white_noise_monte_carlo"]["runs"] == 50
     here.inputs.put("gyros.white_noise", 1e-5)
     assert here.study.current().ensemble is None
-    assert "No ensemble is flown" in noise_table(here.study.current()).note
-    assert "fly again" in here.noise.bar.message
+    assert "No ensemble has been run" in noise_table(here.study.current()).note
+    assert "Run again" in here.noise.bar.message
 
 
 def test_sensor_errors_are_drawn_per_axis_and_class(survey: Survey) -> None:
