@@ -41,6 +41,7 @@ def test_kernels_are_compiled_this_way():
     assert Function.get_call_type is numba_typing.remembered
 
 
+@pytest.mark.long
 def test_each_pair_of_types_has_its_own_answer():
     numba_typing.remember()
     function = njit(lambda a, b: a * b)

@@ -40,6 +40,7 @@ def _cost(text: str) -> tuple[float, str]:
     return float(memory), said.strip()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "text",
     [

@@ -20,6 +20,7 @@ CASES = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", CASES)
 def test_against_eighty_digits(case, reference):
     a, w, g, h, r, slow, tau = case

@@ -27,6 +27,7 @@ def designs(designs):
     return designs.map(lambda design: design.replace(dict.fromkeys(keys, ()) | {"motion.delay": 0.0}))
 
 
+@pytest.mark.long
 @settings(max_examples=8)
 @given(data=st.data())
 def test_every_solved_value_put_back_gives_margin_zero(data, designs):

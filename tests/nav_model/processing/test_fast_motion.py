@@ -35,6 +35,7 @@ def test_the_design_documents_numbers():
     assert 20 * math.log10(echo(np.array(0.157e-3 * to_phase))) == pytest.approx(-30, abs=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("bandwidth", "delay"), [(None, 5e-3), (None, 0.4), (200.0, 0.0), (200.0, 5e-3), (200.0, 0.4)]
 )
@@ -171,6 +172,7 @@ def test_the_highest_echo_counts_and_slow_lines_do_not():
     assert float(highest_echo([slow], one, aperture, 1.0)) == NOTHING
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("window", ["uniform", "hamming", "taylor"])
 @pytest.mark.parametrize(("density", "falls"), [(1e-4, 0.0), (5e-3, -1.0), (0.02, -2.0)])
 def test_islr_of_random_phase(window, density, falls, compared):
@@ -236,6 +238,7 @@ def _line_fitted(f: Array, aperture: float) -> tuple[Array, Array]:
     return np.abs(turning.mean(axis=1)) ** 2 / 2, np.abs(slope) ** 2 / 2
 
 
+@pytest.mark.long
 def test_what_vibrates_shifts_the_image(open_design):
     """Range and azimuth of a line and of a spectrum that the IMU does not feel, by a line fitted to sinusoids."""
     rows = ((0.1, 1e-6, "length density"), (5.0, 1e-8, "length density"))

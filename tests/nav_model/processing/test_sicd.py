@@ -72,6 +72,7 @@ def covariance(level, upright):
     return whole
 
 
+@pytest.mark.long
 def test_ground_covariance_of_five_hundred_geometries(compared):
     """Half of them broadside, half with a squint of up to 30 degrees forward or backward."""
     rng = np.random.default_rng(2)

@@ -81,6 +81,7 @@ def residuals(case, runs, seed):
     return (np.concatenate([getattr(p, n) for p in parts], axis=1) for n in ("detrended_rms", "quadratic"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [*THREE, *MORE])
 def test_closed_forms_hold_along_the_line_of_sight(name):
     """2000 runs: within 4 standard errors and 5 % (posterior start, few fixes under 5, along-track slope)."""

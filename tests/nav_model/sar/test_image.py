@@ -150,6 +150,7 @@ def test_zero_error_changes_nothing_and_autofocus_sharpens(collection):
     assert np.abs(plain).max() > 1.1 * np.abs(raw).max()
 
 
+@pytest.mark.long
 @real_data
 @pytest.mark.parametrize(("quadratic", "tolerance"), [(np.pi / 2, 0.03), (-np.pi / 2, 0.03), (np.pi, 0.05)])
 def test_a_quadratic_error_widens_the_strongest_scatterer_as_predicted(

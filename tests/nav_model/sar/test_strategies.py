@@ -46,6 +46,7 @@ def assert_mean(sample, expected, sigmas=4.0):
     assert sigmas * error < 0.2 * expected
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["GNSS 1 m", "GNSS 2 cm", "short"])
 def test_closed_forms_of_2_3_5_and_5w(table_designs, ensembles, name):
     (model, aperture), result = table_designs[name], ensembles[name]

@@ -29,6 +29,7 @@ def study():
     return studied(window="taylor", runs=800)
 
 
+@pytest.mark.long
 def test_line_of_sight_variance_is_s1_of_the_axes(study):
     tilt = steady_covariance(HORIZONTAL).posterior[2, 2] / HORIZONTAL.gravity**2
     across = ins_variances(6.0, VRW, ARW, tilt).detrended

@@ -51,6 +51,7 @@ def agree(design, found, runs, slack=0.0):
         assert low - slack < ratio < high + slack, (name, ratio)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "changes"),
     [

@@ -37,6 +37,7 @@ def test_one_arc_minute_of_misalignment_costs_up_to_2_6_km(flight):
     assert cost[0] < 10.0
 
 
+@pytest.mark.long
 def test_a_perfect_camera_leaves_what_does_not_come_through_attitude(study):
     for name in ("accelerometer total", "initial position and velocity"):
         k = study.case(name)

@@ -86,6 +86,7 @@ def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
     assert np.array_equal(run.result.study.result.rms, _study(((40, 60),), runs=80).result.rms)
 
 
+@pytest.mark.long
 def test_what_is_found_so_far_is_shown_and_stays_partial_when_the_run_is_cancelled(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -157,6 +158,7 @@ def test_only_instruments_and_flight_make_a_study_stale() -> None:
         assert not same_subject(DESIGN, DESIGN.replace({key: value}))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("describe", CHARTS)
 def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: SimulationStudy, describe) -> None:
     chart = describe(study)
