@@ -22,10 +22,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _BIN = Path(sys.executable).parent
-_WORKERS = max(2, (os.cpu_count() or 2) // 2)
+_WORKERS = str(max(2, (os.cpu_count() or 2) // 2))
 _LINT = ("ruff check .", "ruff format --check .", "mypy", "lint-imports", "hadolint Dockerfile")
 _HALVES = {"without a browser": ["--ignore", "tests/browser"], "in the browser": ["tests/browser"]}
-_PYTEST = ["pytest", "-p", "no:benchmark", "--dist", "loadfile", "--no-loadscope-reorder"]
+_PYTEST = ["pytest", "-p", "no:benchmark", "-n", _WORKERS, "--dist", "loadfile", "--no-loadscope-reorder"]
 _KINDS: dict[str, list[str]] = {
     "test": [],
     "lint": [],
@@ -72,14 +72,8 @@ class Part:
 def parts(kind: str, order: list[str]) -> list[Part]:
     """What is to be run; lint is not of the slow kind, the browser not of the quick one."""
     lint = Part("lint", [command.split() for command in _LINT])
-    # What is long waits for servers and processes: one worker more has the cores busy meanwhile.
-    workers = {name: _WORKERS + (kind == "test" and name == "without a browser") for name in _HALVES}
     halves = [
-        Part(
-            name,
-            [[*_PYTEST, "-n", str(workers[name]), *_KINDS[kind], *order, *where]],
-            shown=name == "without a browser",
-        )
+        Part(name, [[*_PYTEST, *_KINDS[kind], *order, *where]], shown=name == "without a browser")
         for name, where in _HALVES.items()
     ]
     return {"lint": [lint], "check": [lint, halves[0]], "slow": halves, "test": [lint, *halves]}[kind]
