@@ -124,6 +124,7 @@ def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_place(p
     asyncio.run(go_on())
     until(lambda: sum(_rooms(pair)) == 0, "the end of closed pages")
     asyncio.run(_visit(address, 2))
+    until(lambda: sum(_rooms(pair)) == 0, "the end of the pages of those who came after")
 
 
 async def _visit(address: str, pages: int) -> None:
