@@ -184,14 +184,15 @@ def compute_part(plan: Plan, n: int, suffix: str) -> bytes:
 def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
     """The rows from `start` to `stop` as columns.
 
-    ``row``; every input varied (SI); one sigma of every result; the margin of every requirement given; whether
-    the design closes (empty when it has no requirement); what `nav_model.explore.sweep_flight.fly` found, where
-    the plan says how to fly.
+    ``row``; every input varied (SI); ``processing.mode``, for which the results are; one sigma of every result; the
+    margin of every requirement given; whether the design closes (empty when it has no requirement); what
+    `nav_model.explore.sweep_flight.fly` found, where the plan says how to fly.
     """
     places = plan.indices(start, stop)
     columns: dict[str, Column] = {"row": np.arange(start, stop)}
     for axis, place in zip(plan.axes, places, strict=True):
         columns[axis.key] = [axis.shown[k] for k in place]
+    columns.setdefault("processing.mode", [plan.design.processing.mode] * (stop - start))
     names = list(limits(_varied(plan.design, ())))
     limited = [name for name in FIGURES if name in names or f"requirements.{FIGURES[name]}" in columns]
     results = {name: np.empty(stop - start) for name in plan.results}

@@ -157,9 +157,10 @@ def explore(design: Design, options: argparse.Namespace) -> int:
     if options.question == "rank" and options.result is None:
         options.result = next(iter(limits(design)), next(iter(FIGURES)))
     whole, rows = QUESTIONS[options.question](design, options)
+    mode = design.processing.mode
     if not options.csv:
-        return put_json(lambda: {"processing": {"mode": design.processing.mode}, **whole})
-    table = list(rows)
+        return put_json(lambda: {"processing": {"mode": mode}, **whole})
+    table = [{**row, "processing.mode": mode} for row in rows]
     writer = csv.DictWriter(sys.stdout, table[0], lineterminator="\n")
     writer.writeheader()
     writer.writerows(table)

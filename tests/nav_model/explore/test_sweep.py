@@ -51,6 +51,7 @@ def test_rows_are_analysed_designs(plan_file, tmp_path, open_design):
         budget = analyse(open_design.replace(changes))
         assert float(row["quadratic_phase_sigma_rad"]) == pytest.approx(budget.sar.quadratic, rel=1e-12)
         assert row["closes"] == str(budget.verdict.closes)
+        assert row["processing.mode"] == "real time"
         for check in budget.verdict.checks:
             assert float(row[f"{check.name}_margin"]) == pytest.approx(check.margin, rel=1e-9, abs=1e-12)
     assert not out.with_name("out.csv.parts").exists()
