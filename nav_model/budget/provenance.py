@@ -166,8 +166,8 @@ def cautions(budget: Budget) -> tuple[str, ...]:
         if abs(change) > _TURN_SAID:
             said.append(
                 "The line of sight turns over the aperture. The along-track phase [S-2] has its effect on velocity "
-                "errors. Its effect on position errors {'raises' if change > 0 else 'lowers'} quadratic and "
-                "along-track phase together by {100 * abs(change):.2g} %; the verdict does not include it [P-5]."
+                f"errors. Its effect on position errors {'raises' if change > 0 else 'lowers'} quadratic and "
+                f"along-track phase together by {100 * abs(change):.2g} %; the verdict does not include it [P-5]."
             )
         order = budget.sar.autofocus_order
         change = smoothed.turning_by_order[order - 1] / smoothed.detrended - 1 if order < 3 else 0.0

@@ -295,3 +295,19 @@ def test_real_time_with_velocity_takes_arrays_of_any_input(named, key, correlate
         row = figures(inputs_of(design.replace({"imu.velocity_random_walk": float(walk)}), {key: values}))
         for name, figure in row.items():
             np.testing.assert_allclose(np.broadcast_to(map_of[name], (3, 4))[i], figure, rtol=1e-11, err_msg=name)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_turn_that_counts_is_told_with_its_size(named, order):
+    """A long aperture at short range turns the line of sight far; the words say the ratios of the figures."""
+    near = {"radar.slant_range": 2000.0, "radar.aperture_time": 5.38, "processing.mode": "post-processed"}
+    budget = analyse(named["A"].replace({**near, "radar.autofocus_order": order}))
+    post, said = budget.post_processed, " ".join(cautions(budget))
+    change = 100 * (post.turning_quadratic / math.hypot(post.quadratic, post.along_track_quadratic) - 1)
+    raises = "raises" if change > 0 else "lowers"
+    assert f"{raises} quadratic and along-track phase together by {abs(change):.2g} %" in said
+    change = 100 * (post.turning_by_order[order - 1] / post.detrended - 1) if order < 3 else 0.0
+    assert ("With the turn it is" in said) == (abs(change) > 0.5)
+    if abs(change) > 0.5:
+        assert f"With the turn it is {abs(change):.2g} % {'larger' if change > 0 else 'smaller'}" in said
+    assert "{" not in said
