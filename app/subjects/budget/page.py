@@ -36,7 +36,6 @@ from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE, SWITCH
 from app.ui.tiles import tiles_html
 from app.ui.turns import once_loaded, once_quiet
 from app.upstream.prompt_input import PromptSwitch
-from app.upstream.text_pane import TextPane
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
@@ -173,8 +172,8 @@ class BudgetPage(pn.viewable.Viewer):
         """Tiles and bars, whose text goes only when it is another."""
         self._shown_budget = budget
         figures, bars = self._was
-        _put(self._tiles, tiles_html(key_figures(budget, self._display), figures))
-        _put(self._phase, bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
+        self._tiles.say(tiles_html(key_figures(budget, self._display), figures))
+        self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
 
     def _tell(self) -> None:
         """What waits for a slider to rest: the other processing's verdict, and the lines above the charts: source,
@@ -185,8 +184,8 @@ class BudgetPage(pn.viewable.Viewer):
         phase = charts.phase_chart(budget)
         said = "".join(described(line) for line in self._lines)
         knowledge = timelines.position_chart(budget).knowledge
-        _put(self._phase_head, head_html(f"{phase.title}{told}", phase.knowledge))
-        _put(self._stack_head, head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
+        self._phase_head.say(head_html(f"{phase.title}{told}", phase.knowledge))
+        self._stack_head.say(head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
 
     def _offer_modes(self) -> None:
         budget = self.session.budget
@@ -281,11 +280,6 @@ class BudgetPage(pn.viewable.Viewer):
 
     def _sicd(self) -> io.BytesIO:
         return io.BytesIO(sicd_xml(error_statistics(self.session.budget.design)))
-
-
-def _put(pane: TextPane, text: str) -> None:
-    if pane.object != text:
-        pane.object = text
 
 
 def _ask(budget: Budget) -> str:
