@@ -2,7 +2,8 @@
 
 Panel waits 50 ms with each change, hears every step twice (as "value" and as "value_throttled"), turns the busy flag
 of the whole server on and off for it, which nothing here shows, and lifts the write protection of every parameter for
-as long. It works out what to tell the page of the value that comes from there, which is nothing. It works off a value although the page has sent a newer one: on a busy server they queue.
+as long. It works out how to tell the page what the page has said. It works off a value although the page has sent a
+newer one: on a busy server they queue.
 
 Written for: Panel 1.9.4, panel-material-ui 0.16.6, Tornado 6.6.1
 Upstream: none found, searched 2026-11-23

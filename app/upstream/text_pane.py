@@ -21,7 +21,7 @@ class TextPane(pn.pane.HTML):
 
     def say(self, text: str) -> None:
         """Show another text; in a hold the browser alone is told, and nobody who watches the pane."""
-        if self.object == text:
+        if self.object == text:  # type: ignore[has-type]
             return
         document = pn.state.curdoc
         if document is None or not document.callbacks.hold_value:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -66,7 +66,13 @@ from nav_model.processing.geolocation import Shifts, circular_error, ground_cova
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 from nav_model.processing.smoother import SPECTRUM, STATE_SPACE
 from nav_model.sar import geometry, phase
-from nav_model.sar.impulse_response import ImpulseResponse, ideal_null_cells, quadratic_response, with_echoes
+from nav_model.sar.impulse_response import (
+    ImpulseResponse,
+    half_power_extent,
+    ideal_null_cells,
+    quadratic_response,
+    with_echoes,
+)
 
 __all__ = ["COAST_POINTS", "Budget", "analyse"]
 
@@ -156,12 +162,8 @@ def _after_flight(
 
 def _each(names: Iterable[str], work_out: Callable[[], Mapping[str, Shares]]) -> Mapping[str, Shares]:
     """Shares of each figure, all worked out when one of them is first looked at."""
-    found = cache(work_out)
-
-    def of(name: str) -> Shares:
-        return found()[name]
-
-    return FrozenMapping({name: Later(partial(of, name)) for name in names})
+    found = Later(work_out)
+    return FrozenMapping({name: Later(partial(found.__getitem__, name)) for name in names})
 
 
 def _shares_of(sized: Mapping[str, tuple[float, Shares]]) -> dict[str, Shares]:
@@ -209,7 +211,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         azimuth_shift=value["slope_shift"],
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
-        respond=partial(_response, value["quadratic_phase"], x),
+        respond=partial(_response, x),
     )
     assert moved[0] is not None
     shifts = Shifts(*(np.atleast_1d(value.real)[0] for value in moved[0]))  # the shares' steps are imaginary
@@ -246,12 +248,18 @@ def _refuse_late_data(delay: float, aperture: float) -> None:
 
 def _times(design: Design, times: ArrayLike | None) -> Array:
     if times is None:
-        return np.linspace(0.0, design.coast.duration, COAST_POINTS)
+        return _even_times(design.coast.duration)
     time = np.atleast_1d(np.array(times, float))  # a copy: the budget's arrays are read-only, the caller's stay his
     longest = design.coast.param["duration"].bounds[1]
     if time.ndim != 1 or not np.all(np.isfinite(time) & (time >= 0) & (time <= longest)):
         raise InputError("times", f"{times!r} is not allowed. Give seconds from 0 to {longest:g}.", times)
     return time
+
+
+@lru_cache(maxsize=64)
+def _even_times(duration: float) -> Array:
+    """One object for one duration: what is drawn over it is soon seen to be the same."""
+    return np.linspace(0.0, duration, COAST_POINTS)
 
 
 def _sigmas(moment: Sawtooth) -> Sigmas:
@@ -330,7 +338,6 @@ def _sar(design: Design, x: Inputs, parts: Parts, p: Horizontal, start: Horizont
         )
         for source, variances in budget.items()
     )
-    response = _response(quadratic, x)
     return Sar(
         wavelength=wavelength,
         aperture_time=aperture,
@@ -347,8 +354,8 @@ def _sar(design: Design, x: Inputs, parts: Parts, p: Horizontal, start: Horizont
         lines=lines,
         tilt_shares=tilt_shares,
         velocity_shares=Later(lambda: velocity_shares(x, parts(), p, start)),
-        impulse_response=response,
-        after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, x),
+        half_power_extent=None if quadratic > _NO_IMAGE else half_power_extent(quadratic, x.window),  # type: ignore[arg-type]
+        respond=partial(_response, x),
     )
 
 
@@ -389,8 +396,8 @@ def _of(names: Collection[str], shares: Shares) -> Shares:
     return FrozenMapping({name: shares[name] / whole if whole else 1 / len(names) for name in names})
 
 
-def _response(quadratic: float, x: Inputs) -> ImpulseResponse | None:
-    """Of the 1σ quadratic, with the echoes and the scattered energy of the design's fast sources. [P-9], [P-11]"""
+def _response(x: Inputs, quadratic: float) -> ImpulseResponse | None:
+    """Of a quadratic phase, with the echoes and the scattered energy of the design's fast sources. [P-9], [P-11]"""
     if quadratic > _NO_IMAGE:
         return None
     response = quadratic_response(quadratic, x.window)  # type: ignore[arg-type]

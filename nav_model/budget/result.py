@@ -103,7 +103,8 @@ class Sar:
     """The phase budget of the aperture: s, m, rad.
 
     ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
-    what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe.
+    what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe, and so is
+    ``half_power_extent`` [cells], the width of the first.
     ``tilt_shares`` splits the initial tilt by the source that put it there [T-18], ``velocity_shares`` the
     variance of along-track velocity at the start of the aperture.
     """
@@ -121,8 +122,18 @@ class Sar:
     lines: tuple[PhaseLine, ...]
     tilt_shares: Shares
     velocity_shares: Shares
-    impulse_response: ImpulseResponse | None
-    after_autofocus: ImpulseResponse | None
+    half_power_extent: float | None
+    respond: Callable[[float], ImpulseResponse | None] = field(repr=False, compare=False)
+
+    @cached_property
+    def impulse_response(self) -> ImpulseResponse | None:
+        """Worked out when it is first looked at: side lobes are read at rest."""
+        return self.respond(self.quadratic)
+
+    @cached_property
+    def after_autofocus(self) -> ImpulseResponse | None:
+        """Likewise."""
+        return self.impulse_response if self.autofocus_order == 1 else self.respond(0.0)
 
 
 @dataclass(frozen=True)
@@ -150,12 +161,18 @@ class PostProcessed:
     azimuth_shift: float
     method: str
     shares: Mapping[str, Shares]
-    respond: Callable[[], ImpulseResponse | None] = field(repr=False, compare=False)
+    respond: Callable[[float], ImpulseResponse | None] = field(repr=False, compare=False)
 
     @cached_property
     def impulse_response(self) -> ImpulseResponse | None:
         """Worked out when it is first looked at: a page whose design is in real time shows none."""
-        return self.respond()
+        return self.respond(self.quadratic)
+
+    @property
+    def half_power_extent(self) -> float | None:
+        """Its width, cells."""
+        response = self.impulse_response
+        return None if response is None else float(response.half_power_extent_cells)
 
 
 @dataclass(frozen=True)

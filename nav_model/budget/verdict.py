@@ -9,6 +9,7 @@ from nav_model.budget.figures import FIGURES, PLACING, UNSCALED
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
+from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 
@@ -24,7 +25,7 @@ class _Figure:
 
 def checked(design: Design) -> tuple[str, ...]:
     """Names of the checks a design's requirements ask for, in the order of its verdict; nothing is worked out."""
-    return tuple(name for name, key in FIGURES.items() if getattr(design.requirements, key) is not None)
+    return tuple(name for name, key in FIGURES.items() if design[f"requirements.{key}"] is not None)
 
 
 def confidence_of(design: Design, name: str) -> float:
@@ -54,7 +55,7 @@ def judge(
     for name in checked(design):
         figure, limit_key = figures[name], FIGURES[name]
         limit = getattr(design.requirements, limit_key)
-        declaration = design.requirements.param[limit_key]
+        declaration = declaration_of(f"requirements.{limit_key}")
         value = confidence_of(design, name) * figure.sigma
         margin = 1 - value / limit
         label = str(declaration.label) if name == limit_key else "Along-track quadratic phase"

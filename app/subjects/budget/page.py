@@ -84,7 +84,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._phase = html_pane("", margin=(0, 10, 4, 10))
         self._phase.sizing_mode = "stretch_both"
         self._phase_head = html_pane("", margin=_HEAD)
-        self._response = ChartPane(charts.response_chart, lambda: self.session.budget)
+        self._response = ChartPane(charts.response_chart, lambda: self.session.budget, moving=charts.response_curves)
         self._details = pn.Column()
         figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
         for figure in figures:  # the last has the axis
