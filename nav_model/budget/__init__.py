@@ -33,6 +33,7 @@ from nav_model.budget.figures import (
     placing,
     sampled_both,
     settled,
+    smoothed_figures,
     smoothed_with_shifts,
 )
 from nav_model.budget.inputs import LONGEST_APERTURE, Inputs, inputs_of
@@ -48,6 +49,7 @@ from nav_model.budget.result import (
     Sigmas,
     Spectral,
     SteadyState,
+    Verdict,
 )
 from nav_model.budget.shares import (
     Parts,
@@ -58,7 +60,7 @@ from nav_model.budget.shares import (
     velocity_shares,
     white_parts,
 )
-from nav_model.budget.verdict import judge
+from nav_model.budget.verdict import confidence_of, judge
 from nav_model.design import Design
 from nav_model.errors import InputError
 from nav_model.frozen import FrozenMapping, Later
@@ -148,7 +150,8 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     spectral = _spectral(inputs, sar.cell_length)
     verdict = judge(design, steady_state, coast, sar, placement, spectral)
     later = partial(_after_flight, design, inputs, steady_state, coast, sar, spectral)
-    return Budget(design, steady_state, coast, sar, placement, spectral, verdict, later)
+    margin = partial(_margin_after_flight, design, inputs, verdict)
+    return Budget(design, steady_state, coast, sar, placement, spectral, verdict, later, margin)
 
 
 def _after_flight(
@@ -158,6 +161,16 @@ def _after_flight(
     with _refused(design), np.errstate(invalid="raise", divide="raise"):
         smoothed, placement = _post_processed(inputs)
     return AfterFlight(smoothed, placement, judge(design, steady_state, coast, sar, placement, spectral, smoothed))
+
+
+def _margin_after_flight(design: Design, inputs: Inputs, in_real_time: Verdict) -> float | None:
+    limits = {check.name: check.limit / confidence_of(design, check.name) for check in in_real_time.checks}
+    with _refused(design), np.errstate(invalid="raise", divide="raise"):
+        found = smoothed_figures(inputs, [name for name in limits if name not in COASTING])
+        margins = [1 - float(value) / limits[name] for name, value in found.items()]
+        if not all(map(math.isfinite, margins)):
+            raise FloatingPointError("the smoothed figures are beyond double precision")
+    return min([*margins, *(check.margin for check in in_real_time.checks if check.name in COASTING)], default=None)
 
 
 def _each(names: Iterable[str], work_out: Callable[[], Mapping[str, Shares]]) -> Mapping[str, Shares]:

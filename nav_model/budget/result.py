@@ -332,6 +332,7 @@ class Budget:
     spectral: Spectral
     real_time_verdict: Verdict
     work_out: Callable[[], AfterFlight] = field(repr=False, compare=False)
+    work_out_margin: Callable[[], float | None] = field(repr=False, compare=False)
 
     @cached_property
     def _after_flight(self) -> AfterFlight:
@@ -360,6 +361,17 @@ class Budget:
     def other_verdict(self) -> Verdict:
         """The same requirements against the other processing."""
         return self.real_time_verdict if self._decides_after_flight else self._after_flight.verdict
+
+    @property
+    def other_margin(self) -> float | None:
+        """Least margin of `other_verdict`, to rounding; None without requirements.
+
+        It takes a fraction of the verdict's time: nothing is known of whose it is, nor of what no requirement limits.
+        """
+        if not self._decides_after_flight:
+            return self.work_out_margin()
+        tightest = self.real_time_verdict.tightest
+        return None if tightest is None else tightest.margin
 
     @property
     def has_fast_sources(self) -> bool:

@@ -183,7 +183,7 @@ class BudgetPage(pn.viewable.Viewer):
         told = "" if spread == "1σ" else f", {spread}, limits scaled"
         phase = charts.phase_chart(budget)
         said = "".join(described(line) for line in self._lines)
-        knowledge = timelines.position_chart(budget).knowledge
+        knowledge = timelines.position_knowledge(budget)
         self._phase_head.say(head_html(f"{phase.title}{told}", phase.knowledge))
         self._stack_head.say(head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
 
