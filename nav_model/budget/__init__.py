@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache, lru_cache, partial
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -63,7 +63,7 @@ from nav_model.budget.shares import (
 from nav_model.budget.verdict import confidence_of, judge
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.frozen import FrozenMapping, Later
+from nav_model.frozen import FrozenMapping, Later, Once
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 from nav_model.processing.smoother import SPECTRUM, STATE_SPACE
@@ -136,22 +136,18 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     time = _times(design, times)
     closed = settled(inputs)
     moments, white = sampled_both(inputs)
-    parts = cache(partial(white_parts, inputs))
+    parts = Once(partial(white_parts, inputs))
     steady_state = _steady_state(inputs, parts, closed, moments, white)
     coast = _coast(inputs, parts, closed, moments.posterior, white.posterior, time)
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
     start = closed if inputs.slow is None else moments.posterior
     sar = _sar(design, inputs, parts, closed.horizontal, start.horizontal, steady_state.shares["tilt"])
-    placement = _placement(
-        inputs,
-        free_shifts(inputs, start),
-        _each(PLACING, lambda: _shares_of(shares_by_step(inputs, lambda x: placing(x, free_shifts(x, begun(x)))))),
-    )
+    place = Once(partial(_place, inputs, start))
     spectral = _spectral(inputs, sar.cell_length)
-    verdict = judge(design, steady_state, coast, sar, placement, spectral)
+    verdict = judge(design, steady_state, coast, sar, place, spectral)
     later = partial(_after_flight, design, inputs, steady_state, coast, sar, spectral)
     margin = partial(_margin_after_flight, design, inputs, verdict)
-    return Budget(design, steady_state, coast, sar, placement, spectral, verdict, later, margin)
+    return Budget(design, steady_state, coast, sar, place, spectral, verdict, later, margin)
 
 
 def _after_flight(
@@ -160,7 +156,9 @@ def _after_flight(
     # What no number comes of is refused, not shown.
     with _refused(design), np.errstate(invalid="raise", divide="raise"):
         smoothed, placement = _post_processed(inputs)
-    return AfterFlight(smoothed, placement, judge(design, steady_state, coast, sar, placement, spectral, smoothed))
+    return AfterFlight(
+        smoothed, placement, judge(design, steady_state, coast, sar, lambda: placement, spectral, smoothed)
+    )
 
 
 def _margin_after_flight(design: Design, inputs: Inputs, in_real_time: Verdict) -> float | None:
@@ -181,6 +179,12 @@ def _each(names: Iterable[str], work_out: Callable[[], Mapping[str, Shares]]) ->
 
 def _shares_of(sized: Mapping[str, tuple[float, Shares]]) -> dict[str, Shares]:
     return {name: shares for name, (_, shares) in sized.items()}
+
+
+def _place(x: Inputs, start: Sawtooth) -> Placement:
+    """That of a free INS from the last fix."""
+    shares = _each(PLACING, lambda: _shares_of(shares_by_step(x, lambda y: placing(y, free_shifts(y, begun(y))))))
+    return _placement(x, free_shifts(x, start), shares)
 
 
 def _placement(x: Inputs, moved: Shifts, shares: Mapping[str, Shares]) -> Placement:

@@ -328,11 +328,16 @@ class Budget:
     steady_state: SteadyState
     coast: Outage
     sar: Sar
-    placement: Placement
+    place: Callable[[], Placement] = field(repr=False, compare=False)
     spectral: Spectral
     real_time_verdict: Verdict
     work_out: Callable[[], AfterFlight] = field(repr=False, compare=False)
     work_out_margin: Callable[[], float | None] = field(repr=False, compare=False)
+
+    @property
+    def placement(self) -> Placement:
+        """Where the image of real time lies; worked out when it is first looked at."""
+        return self.place()
 
     @cached_property
     def _after_flight(self) -> AfterFlight:

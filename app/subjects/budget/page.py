@@ -9,6 +9,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 import param
+from bokeh.core.property.validation import validate
 
 from app.charts.kinds import BarChart, Chart
 from app.charts.screen.timelines import Timelines
@@ -130,11 +131,12 @@ class BudgetPage(pn.viewable.Viewer):
             self._hold()
         self._strip.show(verdict_strip(budget), _invalid(self.session.invalid))
         self._lines = self._timelines(budget)
-        self._stack.feed(self._lines)
+        with validate(False):  # of our own making: nothing of it needs a check at each step
+            self._stack.feed(self._lines)
+            self._response.show(budget)
         if self._shown != self.session.shown:
             self._shown = self.session.shown
             self._hold()
-        self._response.show(budget)
         self._feed(budget)
         self._tell_soon()
         if self._close.label != _ask(budget):
