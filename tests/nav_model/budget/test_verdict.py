@@ -74,7 +74,9 @@ def test_the_user_chooses_the_moment_of_the_cycle(moment):
 
 
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
-@pytest.mark.parametrize("names", [(), ("quadratic_phase",), ("ce90", "tilt", "coast_vertical_position"), ("islr",)])
+@pytest.mark.parametrize(
+    "names", [(), ("quadratic_phase",), ("ce90", "tilt"), ("coast_vertical_position",), ("islr",)]
+)
 def test_the_other_margin_is_that_of_the_other_verdict(mode, names):
     limits = {f"requirements.{name}": 0.5 for name in names}
     motion = {"motion.unsensed_lines": ((30.0, 1e-4, "length"),)}
@@ -84,7 +86,8 @@ def test_the_other_margin_is_that_of_the_other_verdict(mode, names):
         assert budget.other_margin is tightest is None
     else:
         assert budget.other_margin == pytest.approx(tightest.margin, rel=1e-12)
-        assert budget.verdict.tightest.margin != budget.other_margin or names == ("islr",)
+        alike = names[0] in ("coast_vertical_position", "islr")  # in both processings
+        assert alike or budget.verdict.tightest.margin != budget.other_margin
 
 
 def test_prior_is_the_default_and_the_worst():
