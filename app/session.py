@@ -215,14 +215,13 @@ class Session(param.Parameterized):
         self._show(analyse(design), lineage)
 
     def _show(self, budget: Budget, lineage: Lineage) -> None:
-        self.param.update(
-            compared=self._before(budget) if self._follows_changes else self.compared,
-            budget=budget,
-            can_undo=bool(self._past),
-            can_redo=bool(self._future),
-            # What is set counts as changed, be it the same.
-            **({} if lineage is self.lineage else {"lineage": lineage}),
-        )
+        with param.parameterized.batch_call_watchers(self):  # "update" looks at every parameter
+            if self._follows_changes:
+                self.compared = self._before(budget)
+            self.budget = budget
+            self.can_undo, self.can_redo = bool(self._past), bool(self._future)
+            if lineage is not self.lineage:  # what is set counts as changed, be it the same
+                self.lineage = lineage
 
 
 def to_share(link: str) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import TypeVar
+from typing import Generic, TypeVar
 
+_T = TypeVar("_T")
 _K = TypeVar("_K")
 _V = TypeVar("_V")
 
@@ -38,6 +39,26 @@ class FrozenMapping(Mapping[_K, _V]):
 
     def __repr__(self) -> str:
         return f"FrozenMapping({self._content!r})"
+
+
+class Once(Generic[_T]):
+    """What is worked out when it is first asked for, and once.
+
+    >>> once = Once(lambda: print("worked out"))
+    >>> once()
+    worked out
+    >>> once()
+    """
+
+    def __init__(self, work_out: Callable[[], _T]) -> None:
+        self._work_out = work_out
+
+    @cached_property
+    def _found(self) -> _T:
+        return self._work_out()
+
+    def __call__(self) -> _T:
+        return self._found
 
 
 class Later(Mapping[_K, _V]):

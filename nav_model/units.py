@@ -10,11 +10,12 @@ float, whatever the unit. The units themselves are in `nav_model.dimensions`.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 from nav_model.dimensions import DIMENSIONS, MAX_EXPONENT
@@ -221,7 +222,17 @@ def to_si(number: float | Fraction, unit: str, dimension: str) -> float:
 
 def from_si(value: float, unit: str, dimension: str) -> float:
     """Value in SI to a number in `unit` (canonical symbol), rounded once."""
+    if math.isfinite(value) and (times := _whole_times(unit, dimension)):
+        return float(value) * times  # rounds once as well
     return float(DIMENSIONS[dimension].number(Fraction(value), unit))
+
+
+@cache
+def _whole_times(unit: str, dimension: str) -> float:
+    """How many of the unit make one in SI, where that is a whole number, or zero."""
+    kind = DIMENSIONS[dimension]
+    share = 0 if kind.decibels else 1 / kind.units[unit]
+    return float(share) if share.denominator == 1 and share < 2**53 else 0.0
 
 
 @lru_cache(maxsize=4096)

@@ -143,5 +143,4 @@ class Sidebar(pn.viewable.Viewer):
             if control.differs(before, self._shown):
                 control.show(self._shown)
         for sketch in self._sketches:
-            if sketch.object != (drawn := geometry_sketch(budget)):
-                sketch.object = drawn
+            sketch.say(geometry_sketch(budget))

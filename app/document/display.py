@@ -58,6 +58,8 @@ class Display:
     def timeline(self, chart: Chart) -> Chart:
         """A chart of standard deviations over time as it is told; each limit is scaled with its curves, so that they
         cross where they did."""
+        if self == ONE_SIGMA:
+            return chart
         turned = self.units == SI and chart.y_label.endswith("[°]")
         unit = math.radians(1) if turned else 1.0
 
@@ -94,6 +96,8 @@ class Display:
 
     def bars(self, chart: BarChart) -> BarChart:
         """Phases by source as they are told, in degrees; limits scaled with them."""
+        if self == ONE_SIGMA:
+            return chart
         k = self.factor()
         return replace(
             chart,

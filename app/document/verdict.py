@@ -118,14 +118,13 @@ def verdict_strip(budget: Budget) -> Answer:
 
 def verdicts_in_short(budget: Budget) -> dict[str, str]:
     """Real time and post-processed, each with its mark and its least margin, as a switch names them -> the mode."""
-    both = {budget.verdict.processing: budget.verdict}
+    tightest, chosen = budget.verdict.tightest, budget.verdict.processing
+    margins = {chosen: None if tightest is None else tightest.margin}
     with suppress(InputError):  # no figures come of it; the design in force has some
-        both[budget.other_verdict.processing] = budget.other_verdict
+        margins[POST_PROCESSED if chosen == REAL_TIME else REAL_TIME] = budget.other_margin
 
     def said(mode: str) -> str:
-        name, verdict = mode[:1].upper() + mode[1:], both.get(mode)
-        if verdict is None or verdict.tightest is None:
-            return name
-        return f"{name} {'✓' if verdict.closes else '✗'} {whole_percent(verdict.tightest.margin)}"
+        name, margin = mode[:1].upper() + mode[1:], margins.get(mode)
+        return name if margin is None else f"{name} {'✓' if margin >= 0 else '✗'} {whole_percent(margin)}"
 
     return {said(mode): mode for mode in (REAL_TIME, POST_PROCESSED)}

@@ -41,9 +41,7 @@ class AnswerStrip(pn.viewable.Viewer):
 
     def show(self, answer: Answer, note: str = "") -> None:
         """Show another answer; ``note`` is a warning that stands before its reasons."""
-        said = _said(answer, note)
-        if self._text.object != said:
-            self._text.object = said
+        self._text.say(_said(answer, note))
         if self._view.css_classes != [answer.tone]:
             self._view.css_classes = [answer.tone]
 

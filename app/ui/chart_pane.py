@@ -32,13 +32,19 @@ class ChartPane(Generic[_T]):
     take away.
 
     With a height of None it fills its place (`app.ui.first_screen`): title, legend and a button for source and method
-    share one line, and the page offers the data elsewhere (`takes`).
+    share one line, and the page offers the data elsewhere (`takes`). Its words wait for a slider to rest: ``moving``
+    describes what does not, if that is less.
     """
 
     def __init__(
-        self, describe: Callable[[_T], AnyChart], current: Callable[[], _T], height: int | None = None
+        self,
+        describe: Callable[[_T], AnyChart],
+        current: Callable[[], _T],
+        height: int | None = None,
+        moving: Callable[[_T], AnyChart] | None = None,
     ) -> None:
         self._describe = describe
+        self._moving = moving or describe
         self._current = current
         chart = describe(current())
         self._fills = height is None
@@ -70,19 +76,18 @@ class ChartPane(Generic[_T]):
 
     def show(self, data: _T) -> None:
         """Feed the figure."""
-        chart = self._describe(data)
+        chart = self._moving(data)
         self.figure.feed(chart)
         if self._fills:
             self._tell_soon()
         else:
             self._tell(chart)
-            self._know.object = _know(chart)
+            self._know.say(_know(chart))
 
     def _tell(self, chart: AnyChart) -> None:
-        heading = self._heading(chart)
-        if self._title.object != heading:
-            self._title.object = heading
-            for take, label in zip(self._takes, _labels(chart), strict=False):
+        self._title.say(self._heading(chart))
+        for take, label in zip(self._takes, _labels(chart), strict=False):
+            if take.label != label:
                 take.label = label
 
     def _heading(self, chart: AnyChart) -> str:

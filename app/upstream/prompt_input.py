@@ -2,8 +2,9 @@
 
 panel-material-ui copies "value" to "value_input" of a box, and its place to "active" of a switch. Both it protects,
 and to write them makes all fifty parameters writable and protects them again: a twentieth of a slider's step each.
+Panel asks for each change whether and how the page may be told, which is known while changes are held: another.
 
-Written for: panel-material-ui 0.16.6
+Written for: Panel 1.9.4, panel-material-ui 0.16.6
 Upstream: none found, searched 2026-11-23
 Needless when: tests/app/upstream/test_prompt_input.py::test_as_shipped_every_parameter_is_touched fails
 """
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 import panel_material_ui as pmui
 import param
+from panel.io.state import state
 
 
 class PromptInput(pmui.TextInput):
@@ -26,10 +28,18 @@ class PromptInput(pmui.TextInput):
         self.value_input = self.value  # type: ignore[has-type]
 
     def follow(self, text: str) -> None:
-        """Show a text; the browser is told once of both."""
-        if self.value != text:  # type: ignore[has-type]
+        """Show a text; in a hold the browser alone is told, and nobody who watches the box."""
+        if self.value == text:  # type: ignore[has-type]
+            return
+        document = state.curdoc
+        if document is None or not document.callbacks.hold_value:
             with param.parameterized.batch_call_watchers(self):
                 self.value = self.value_input = text
+            return
+        with param.parameterized.discard_events(self):
+            self.value = self.value_input = text
+        for ref, (model, _) in self._models.items():
+            self._set_on_model({"value": text, "value_input": text}, state._views[ref][1], model.data)
 
 
 class PromptSwitch(pmui.RadioButtonGroup):

@@ -2,7 +2,8 @@
 
 Panel waits 50 ms with each change, hears every step twice (as "value" and as "value_throttled"), turns the busy flag
 of the whole server on and off for it, which nothing here shows, and lifts the write protection of every parameter for
-as long. It works off a value although the page has sent a newer one: on a busy server they queue.
+as long. It works out how to tell the page what the page has said. It works off a value although the page has sent a
+newer one: on a busy server they queue.
 
 Written for: Panel 1.9.4, panel-material-ui 0.16.6, Tornado 6.6.1
 Upstream: none found, searched 2026-11-23
@@ -52,6 +53,12 @@ class PromptSlider(pmui.FloatSlider):
                     setattr(self, name, value)
         finally:
             self._in_process__events.pop(document, None)
+
+    def _param_change(self, *events: Any) -> None:
+        """Tell the page what is not what it says itself."""
+        said = self._in_process__events.get(state.curdoc, {})
+        if news := [event for event in events if said.get(event.name) != event.new]:
+            super()._param_change(*news)
 
 
 def _more_to_read(document: Document) -> bool:

@@ -13,7 +13,7 @@ Everything broadcasts, so the same function draws a curve and fills a map.
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from nav_model.constants import EARTH_RATE, MEAN_RADIUS
 
 # Schuler angle -> points of the rule that integrate the squared responses up to it to rounding.
 _RULES = ((0.8, 8), (3.0, 14), (20.0, 40))
+_KEPT = 1000  # points of the longest curve that is remembered
 
 
 class RefinedGrowth(NamedTuple):
@@ -70,9 +71,8 @@ def refined_growth(
     radius = MEAN_RADIUS + as_numbers(altitude)
     omega = np.sqrt(g / radius)
     p, own = start, start_vertical
-    free = _responses(omega, t)
+    free, noise = _transition(omega, t)
     sine, tilt, coupled, twice, cosine = free.sine, free.tilt, free.coupled, free.twice, free.cosine
-    noise = _squared_integrals(omega, t)
     horizontal = (
         p.p11 * cosine**2
         + p.p22 * sine**2
@@ -119,6 +119,23 @@ class _Responses(NamedTuple):
     falling: Array
     coupled: Array
     twice: Array
+
+
+def _transition(omega: Array, t: Array) -> tuple[_Responses, _Responses]:
+    """Responses and the integrals of their squares; those of a curve are kept while only the sensors change."""
+    if omega.ndim == 0 and t.ndim == 1 and omega.dtype == t.dtype == float and len(t) <= _KEPT:
+        return _of_curve(float(omega), t.tobytes())
+    return _responses(omega, t), _squared_integrals(omega, t)
+
+
+@lru_cache(maxsize=32)
+def _of_curve(omega: float, times: bytes) -> tuple[_Responses, _Responses]:
+    rate, t = np.array(omega), np.frombuffer(times)
+    found = _responses(rate, t), _squared_integrals(rate, t)
+    for part in found:
+        for response in part:
+            response.flags.writeable = False
+    return found
 
 
 def _responses(omega: Array, t: Array) -> _Responses:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Horizontal, Vertical, horizontal, vertical
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical, horizontal, vertical
 
 
 class LogDerivatives(NamedTuple):
@@ -31,7 +31,10 @@ def log_derivatives(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: Arr
     d ln p11 / d ln x = (x dF/dx) / (4P - B) for the right-hand side F.
     """
     sigma_a, sigma_w, s, g = (np.asarray(x, float) for x in (sigma_a, sigma_w, s, g))
-    p = horizontal(sigma_a, sigma_w, s, g)
+    return _slopes(horizontal(sigma_a, sigma_w, s, g), sigma_a, sigma_w, s, g)
+
+
+def _slopes(p: Horizontal, sigma_a: Array, sigma_w: Array, s: Array, g: Array) -> LogDerivatives:
     gyro = 2 * g * sigma_w * s**5 * p.p11
     accelerometer = s**6 * sigma_a**2
     slope = 3 * gyro + 4 * accelerometer
@@ -64,8 +67,9 @@ def horizontal_parts(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: Ar
     The covariance is homogeneous of degree one in (sigma_a², sigma_w², s²), so half its three logarithmic derivatives
     with respect to these add up to one.
     """
+    sigma_a, sigma_w, s, g = (np.asarray(x, float) for x in (sigma_a, sigma_w, s, g))
     p = horizontal(sigma_a, sigma_w, s, g)
-    d = log_derivatives(sigma_a, sigma_w, s, g)
+    d = _slopes(p, sigma_a, sigma_w, s, g)
     return Parts(
         *(
             Horizontal(*(element * slope / 2 for element, slope in zip(p, slopes, strict=True)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache, partial
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,6 +33,7 @@ from nav_model.budget.figures import (
     placing,
     sampled_both,
     settled,
+    smoothed_figures,
     smoothed_with_shifts,
 )
 from nav_model.budget.inputs import LONGEST_APERTURE, Inputs, inputs_of
@@ -48,6 +49,7 @@ from nav_model.budget.result import (
     Sigmas,
     Spectral,
     SteadyState,
+    Verdict,
 )
 from nav_model.budget.shares import (
     Parts,
@@ -58,15 +60,21 @@ from nav_model.budget.shares import (
     velocity_shares,
     white_parts,
 )
-from nav_model.budget.verdict import judge
+from nav_model.budget.verdict import confidence_of, judge
 from nav_model.design import Design
 from nav_model.errors import InputError
-from nav_model.frozen import FrozenMapping, Later
+from nav_model.frozen import FrozenMapping, Later, Once
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 from nav_model.processing.smoother import SPECTRUM, STATE_SPACE
 from nav_model.sar import geometry, phase
-from nav_model.sar.impulse_response import ImpulseResponse, ideal_null_cells, quadratic_response, with_echoes
+from nav_model.sar.impulse_response import (
+    ImpulseResponse,
+    half_power_extent,
+    ideal_null_cells,
+    quadratic_response,
+    with_echoes,
+)
 
 __all__ = ["COAST_POINTS", "Budget", "analyse"]
 
@@ -128,21 +136,18 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     time = _times(design, times)
     closed = settled(inputs)
     moments, white = sampled_both(inputs)
-    parts = cache(partial(white_parts, inputs))
+    parts = Once(partial(white_parts, inputs))
     steady_state = _steady_state(inputs, parts, closed, moments, white)
     coast = _coast(inputs, parts, closed, moments.posterior, white.posterior, time)
     # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
     start = closed if inputs.slow is None else moments.posterior
     sar = _sar(design, inputs, parts, closed.horizontal, start.horizontal, steady_state.shares["tilt"])
-    placement = _placement(
-        inputs,
-        free_shifts(inputs, start),
-        _each(PLACING, lambda: _shares_of(shares_by_step(inputs, lambda x: placing(x, free_shifts(x, begun(x)))))),
-    )
+    place = Once(partial(_place, inputs, start))
     spectral = _spectral(inputs, sar.cell_length)
-    verdict = judge(design, steady_state, coast, sar, placement, spectral)
+    verdict = judge(design, steady_state, coast, sar, place, spectral)
     later = partial(_after_flight, design, inputs, steady_state, coast, sar, spectral)
-    return Budget(design, steady_state, coast, sar, placement, spectral, verdict, later)
+    margin = partial(_margin_after_flight, design, inputs, verdict)
+    return Budget(design, steady_state, coast, sar, place, spectral, verdict, later, margin)
 
 
 def _after_flight(
@@ -151,21 +156,35 @@ def _after_flight(
     # What no number comes of is refused, not shown.
     with _refused(design), np.errstate(invalid="raise", divide="raise"):
         smoothed, placement = _post_processed(inputs)
-    return AfterFlight(smoothed, placement, judge(design, steady_state, coast, sar, placement, spectral, smoothed))
+    return AfterFlight(
+        smoothed, placement, judge(design, steady_state, coast, sar, lambda: placement, spectral, smoothed)
+    )
+
+
+def _margin_after_flight(design: Design, inputs: Inputs, in_real_time: Verdict) -> float | None:
+    limits = {check.name: check.limit / confidence_of(design, check.name) for check in in_real_time.checks}
+    with _refused(design), np.errstate(invalid="raise", divide="raise"):
+        found = smoothed_figures(inputs, [name for name in limits if name not in COASTING])
+        margins = [1 - float(value) / limits[name] for name, value in found.items()]
+        if not all(map(math.isfinite, margins)):
+            raise FloatingPointError("the smoothed figures are beyond double precision")
+    return min([*margins, *(check.margin for check in in_real_time.checks if check.name in COASTING)], default=None)
 
 
 def _each(names: Iterable[str], work_out: Callable[[], Mapping[str, Shares]]) -> Mapping[str, Shares]:
     """Shares of each figure, all worked out when one of them is first looked at."""
-    found = cache(work_out)
-
-    def of(name: str) -> Shares:
-        return found()[name]
-
-    return FrozenMapping({name: Later(partial(of, name)) for name in names})
+    found = Later(work_out)
+    return FrozenMapping({name: Later(partial(found.__getitem__, name)) for name in names})
 
 
 def _shares_of(sized: Mapping[str, tuple[float, Shares]]) -> dict[str, Shares]:
     return {name: shares for name, (_, shares) in sized.items()}
+
+
+def _place(x: Inputs, start: Sawtooth) -> Placement:
+    """That of a free INS from the last fix."""
+    shares = _each(PLACING, lambda: _shares_of(shares_by_step(x, lambda y: placing(y, free_shifts(y, begun(y))))))
+    return _placement(x, free_shifts(x, start), shares)
 
 
 def _placement(x: Inputs, moved: Shifts, shares: Mapping[str, Shares]) -> Placement:
@@ -209,7 +228,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         azimuth_shift=value["slope_shift"],
         method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
-        respond=partial(_response, value["quadratic_phase"], x),
+        respond=partial(_response, x),
     )
     assert moved[0] is not None
     shifts = Shifts(*(np.atleast_1d(value.real)[0] for value in moved[0]))  # the shares' steps are imaginary
@@ -246,12 +265,18 @@ def _refuse_late_data(delay: float, aperture: float) -> None:
 
 def _times(design: Design, times: ArrayLike | None) -> Array:
     if times is None:
-        return np.linspace(0.0, design.coast.duration, COAST_POINTS)
+        return _even_times(design.coast.duration)
     time = np.atleast_1d(np.array(times, float))  # a copy: the budget's arrays are read-only, the caller's stay his
     longest = design.coast.param["duration"].bounds[1]
     if time.ndim != 1 or not np.all(np.isfinite(time) & (time >= 0) & (time <= longest)):
         raise InputError("times", f"{times!r} is not allowed. Give seconds from 0 to {longest:g}.", times)
     return time
+
+
+@lru_cache(maxsize=64)
+def _even_times(duration: float) -> Array:
+    """One object for one duration: what is drawn over it is soon seen to be the same."""
+    return np.linspace(0.0, duration, COAST_POINTS)
 
 
 def _sigmas(moment: Sawtooth) -> Sigmas:
@@ -330,7 +355,6 @@ def _sar(design: Design, x: Inputs, parts: Parts, p: Horizontal, start: Horizont
         )
         for source, variances in budget.items()
     )
-    response = _response(quadratic, x)
     return Sar(
         wavelength=wavelength,
         aperture_time=aperture,
@@ -347,8 +371,8 @@ def _sar(design: Design, x: Inputs, parts: Parts, p: Horizontal, start: Horizont
         lines=lines,
         tilt_shares=tilt_shares,
         velocity_shares=Later(lambda: velocity_shares(x, parts(), p, start)),
-        impulse_response=response,
-        after_autofocus=response if radar.autofocus_order == 1 else _response(0.0, x),
+        half_power_extent=None if quadratic > _NO_IMAGE else half_power_extent(quadratic, x.window),  # type: ignore[arg-type]
+        respond=partial(_response, x),
     )
 
 
@@ -389,8 +413,8 @@ def _of(names: Collection[str], shares: Shares) -> Shares:
     return FrozenMapping({name: shares[name] / whole if whole else 1 / len(names) for name in names})
 
 
-def _response(quadratic: float, x: Inputs) -> ImpulseResponse | None:
-    """Of the 1σ quadratic, with the echoes and the scattered energy of the design's fast sources. [P-9], [P-11]"""
+def _response(x: Inputs, quadratic: float) -> ImpulseResponse | None:
+    """Of a quadratic phase, with the echoes and the scattered energy of the design's fast sources. [P-9], [P-11]"""
     if quadratic > _NO_IMAGE:
         return None
     response = quadratic_response(quadratic, x.window)  # type: ignore[arg-type]

@@ -103,7 +103,8 @@ class Sar:
     """The phase budget of the aperture: s, m, rad.
 
     ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
-    what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe.
+    what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe, and so is
+    ``half_power_extent`` [cells], the width of the first.
     ``tilt_shares`` splits the initial tilt by the source that put it there [T-18], ``velocity_shares`` the
     variance of along-track velocity at the start of the aperture.
     """
@@ -121,8 +122,18 @@ class Sar:
     lines: tuple[PhaseLine, ...]
     tilt_shares: Shares
     velocity_shares: Shares
-    impulse_response: ImpulseResponse | None
-    after_autofocus: ImpulseResponse | None
+    half_power_extent: float | None
+    respond: Callable[[float], ImpulseResponse | None] = field(repr=False, compare=False)
+
+    @cached_property
+    def impulse_response(self) -> ImpulseResponse | None:
+        """Worked out when it is first looked at: side lobes are read at rest."""
+        return self.respond(self.quadratic)
+
+    @cached_property
+    def after_autofocus(self) -> ImpulseResponse | None:
+        """Likewise."""
+        return self.impulse_response if self.autofocus_order == 1 else self.respond(0.0)
 
 
 @dataclass(frozen=True)
@@ -150,12 +161,18 @@ class PostProcessed:
     azimuth_shift: float
     method: str
     shares: Mapping[str, Shares]
-    respond: Callable[[], ImpulseResponse | None] = field(repr=False, compare=False)
+    respond: Callable[[float], ImpulseResponse | None] = field(repr=False, compare=False)
 
     @cached_property
     def impulse_response(self) -> ImpulseResponse | None:
         """Worked out when it is first looked at: a page whose design is in real time shows none."""
-        return self.respond()
+        return self.respond(self.quadratic)
+
+    @property
+    def half_power_extent(self) -> float | None:
+        """Its width, cells."""
+        response = self.impulse_response
+        return None if response is None else float(response.half_power_extent_cells)
 
 
 @dataclass(frozen=True)
@@ -311,10 +328,16 @@ class Budget:
     steady_state: SteadyState
     coast: Outage
     sar: Sar
-    placement: Placement
+    place: Callable[[], Placement] = field(repr=False, compare=False)
     spectral: Spectral
     real_time_verdict: Verdict
     work_out: Callable[[], AfterFlight] = field(repr=False, compare=False)
+    work_out_margin: Callable[[], float | None] = field(repr=False, compare=False)
+
+    @property
+    def placement(self) -> Placement:
+        """Where the image of real time lies; worked out when it is first looked at."""
+        return self.place()
 
     @cached_property
     def _after_flight(self) -> AfterFlight:
@@ -343,6 +366,17 @@ class Budget:
     def other_verdict(self) -> Verdict:
         """The same requirements against the other processing."""
         return self.real_time_verdict if self._decides_after_flight else self._after_flight.verdict
+
+    @property
+    def other_margin(self) -> float | None:
+        """Least margin of `other_verdict`, to rounding; None without requirements.
+
+        It takes a fraction of the verdict's time: nothing is known of whose it is, nor of what no requirement limits.
+        """
+        if not self._decides_after_flight:
+            return self.work_out_margin()
+        tightest = self.real_time_verdict.tightest
+        return None if tightest is None else tightest.margin
 
     @property
     def has_fast_sources(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from nav_model.budget.fast import LEVELS
@@ -9,6 +10,7 @@ from nav_model.budget.figures import FIGURES, PLACING, UNSCALED
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
+from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 
@@ -24,7 +26,7 @@ class _Figure:
 
 def checked(design: Design) -> tuple[str, ...]:
     """Names of the checks a design's requirements ask for, in the order of its verdict; nothing is worked out."""
-    return tuple(name for name, key in FIGURES.items() if getattr(design.requirements, key) is not None)
+    return tuple(name for name, key in FIGURES.items() if design[f"requirements.{key}"] is not None)
 
 
 def confidence_of(design: Design, name: str) -> float:
@@ -37,7 +39,7 @@ def judge(
     steady_state: SteadyState,
     coast: Outage,
     sar: Sar,
-    placement: Placement,
+    place: Callable[[], Placement],
     spectral: Spectral,
     smoothed: PostProcessed | None = None,
 ) -> Verdict:
@@ -47,14 +49,17 @@ def judge(
     the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
     the along-track term [S-2] as well, which has a check of its own because other sensors answer for it.
     """
-    figures = _figures(design, steady_state, coast, sar, placement) | _levels(spectral)
+    wanted = checked(design)
+    figures = _figures(design, steady_state, coast, sar) | _levels(spectral)
     if smoothed is not None:
-        figures |= _smoothed(design, smoothed, placement)
+        figures |= _smoothed(smoothed)
+    if set(PLACING).intersection(wanted):
+        figures |= _placed(place(), figures["quadratic_phase"].basis)
     checks = []
-    for name in checked(design):
+    for name in wanted:
         figure, limit_key = figures[name], FIGURES[name]
         limit = getattr(design.requirements, limit_key)
-        declaration = design.requirements.param[limit_key]
+        declaration = declaration_of(f"requirements.{limit_key}")
         value = confidence_of(design, name) * figure.sigma
         margin = 1 - value / limit
         label = str(declaration.label) if name == limit_key else "Along-track quadratic phase"
@@ -80,7 +85,7 @@ def judge(
     return Verdict(processing, closes, design.requirements.confidence, tuple(checks), tightest)
 
 
-def _smoothed(design: Design, smoothed: PostProcessed, placement: Placement) -> dict[str, _Figure]:
+def _smoothed(smoothed: PostProcessed) -> dict[str, _Figure]:
     """Every figure that post-processing changes; the end of an outage stays that of real time."""
     sigmas = smoothed.sigmas
     values = {
@@ -95,8 +100,7 @@ def _smoothed(design: Design, smoothed: PostProcessed, placement: Placement) -> 
         "tilt": (sigmas.tilt, "[P-3]"),
     }
     basis = f"smoothed by {smoothed.method}"
-    figures = {name: _Figure(sigma, basis, mark, smoothed.shares[name]) for name, (sigma, mark) in values.items()}
-    return figures | _placed(placement, basis)
+    return {name: _Figure(sigma, basis, mark, smoothed.shares[name]) for name, (sigma, mark) in values.items()}
 
 
 def _levels(spectral: Spectral) -> dict[str, _Figure]:
@@ -114,9 +118,7 @@ def _placed(placement: Placement, basis: str) -> dict[str, _Figure]:
     }
 
 
-def _figures(
-    design: Design, steady_state: SteadyState, coast: Outage, sar: Sar, placement: Placement
-) -> dict[str, _Figure]:
+def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) -> dict[str, _Figure]:
     chosen = design.requirements.steady_state
     sigmas = getattr(steady_state, chosen)
     label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]
@@ -137,7 +139,6 @@ def _figures(
         "quadratic_phase": _Figure(sar.quadratic, budget, "[S-5]", by_source("share")),
         "along_track_quadratic_phase": _Figure(sar.along_track_quadratic, budget, "[S-2]", sar.velocity_shares),
         "cubic_phase": _Figure(sar.cubic, budget, "[S-6]", by_source("cubic_share")),
-        **_placed(placement, budget),
         "detrended_phase": _Figure(sar.detrended, budget, "[T-15], [S-6]", by_source("detrended_share")),
         "horizontal_position": settled("horizontal_position", sigmas.position_horizontal, "[T-3]"),
         "vertical_position": settled("vertical_position", sigmas.position_vertical, "[T-4]"),

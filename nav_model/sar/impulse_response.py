@@ -26,7 +26,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.sar.lobe_measures import ISLR_NULL_DISTANCES, TIE, measure_line, measure_periodic
+from nav_model.sar.lobe_measures import ISLR_NULL_DISTANCES, TIE, half_power_places, measure_line, measure_periodic
 
 Window = Literal["uniform", "hamming", "taylor"]
 WINDOWS: tuple[Window, ...] = ("uniform", "hamming", "taylor")
@@ -212,29 +212,74 @@ def quadratic_response(
     `impulse_response` (N = 1024, x64) within 0.005 dB and 0.001 cell up to a QPE of 9 rad; beyond 8 cells of
     spread (a QPE of 4 pi) it hands over to `impulse_response` with as many samples as the phase needs.
     """
-    if not (np.isfinite(quadratic_rad) and np.isfinite(cubic_rad)):
-        raise ValueError(f"phase: {quadratic_rad}, {cubic_rad} rad; finite numbers are needed")
-    taper = as_taper(window)
-    spread = (2 * abs(quadratic_rad) + 3 * abs(cubic_rad)) / np.pi  # instantaneous frequency at the ends
+    taper, spread = as_taper(window), _spread(quadratic_rad, cubic_rad)
     if spread > _FAST_SPREADS[-1]:
         return _sampled_polynomial_response(quadratic_rad, cubic_rad, taper, spread)
-    reach = next(limit for limit in _FAST_SPREADS if spread <= limit)
-    line = _fast_line(taper, reach)
-    turn = quadratic_rad * line.x**2
-    even = line.weights * np.stack([np.cos(turn), np.sin(turn)])
-    if cubic_rad == 0.0:
-        half = (_product(even, line.cosines) ** 2).sum(axis=0)
-        power = np.concatenate([half[:0:-1], half])
-    else:
-        bend = cubic_rad * line.x**3
-        cosine_part = _product(even * np.cos(bend), line.cosines)
-        sine_part = _product(even * np.sin(bend), line.sines)
-        upper = ((cosine_part + sine_part) ** 2).sum(axis=0)
-        lower = ((cosine_part - sine_part) ** 2).sum(axis=0)
-        power = np.concatenate([lower[:0:-1], upper])
-    peak = int(np.flatnonzero(power >= power.max() * TIE)[-1])  # of two equal lobes, the one ahead
+    line = _fast_line(taper, next(limit for limit in _FAST_SPREADS if spread <= limit))
+    power = _power(line, quadratic_rad, cubic_rad)
+    peak = _peak(power)
     values = measure_line(power, peak, _FAST_PADDING, line.null, line.total_energy, len(power) // 2)
     return _gather(np.array([values]), (), line.null)
+
+
+def half_power_extent(quadratic_rad: float, window: Window | Taper = "uniform") -> float:
+    """``half_power_extent_cells`` of `quadratic_response`, to rounding: without side lobes in a third of its time."""
+    spread = _spread(quadratic_rad)
+    if spread > _FAST_SPREADS[-1]:
+        return float(quadratic_response(quadratic_rad, window).half_power_extent_cells)
+    limit = next(limit for limit in _FAST_SPREADS if spread <= limit)
+    near = round((limit / 2 + _WIDEST) * _FAST_PADDING)
+    power = _power(_fast_line(as_taper(window), limit), quadratic_rad, 0.0, slice(near))
+    low, high = half_power_places(power, _peak(power))
+    return (high - low) / _FAST_PADDING
+
+
+def polynomial_curve(
+    quadratic_rad: float, cubic_rad: float, window: Window | Taper, extent_cells: float, zero_padding: int = 16
+) -> tuple[_FloatArray, _FloatArray]:
+    """`response_curve` of the phase ``quadratic x² + cubic x³``, without and with the cubic: power is (2, m).
+
+    From the aperture's integral where that is fast, from as many samples as `response_curve` takes beyond.
+    """
+    spread = _spread(quadratic_rad, cubic_rad)
+    if spread > _FAST_SPREADS[-1]:
+        x = aperture_positions(MINIMUM_SAMPLES)
+        phases = quadratic_rad * x**2 + np.array([[0.0], [cubic_rad]]) * x**3
+        return response_curve(np.exp(1j * phases), window, extent_cells, zero_padding)
+    line = _fast_line(as_taper(window), next(limit for limit in _FAST_SPREADS if spread <= limit))
+    reach, step = round(extent_cells * zero_padding), _FAST_PADDING // zero_padding
+    shown = slice(0, reach * step + 1, step)
+    power = np.stack([_power(line, quadratic_rad, cubic, shown) for cubic in (0.0, cubic_rad)])
+    with np.errstate(divide="ignore"):
+        return np.arange(-reach, reach + 1) / zero_padding, 10 * np.log10(power)
+
+
+def _spread(quadratic_rad: float, cubic_rad: float = 0.0) -> float:
+    """Instantaneous frequency at the ends of the aperture, cells from end to end."""
+    if not (np.isfinite(quadratic_rad) and np.isfinite(cubic_rad)):
+        raise ValueError(f"phase: {quadratic_rad}, {cubic_rad} rad; finite numbers are needed")
+    return float(2 * abs(quadratic_rad) + 3 * abs(cubic_rad)) / np.pi
+
+
+def _power(line: _FastLine, quadratic_rad: float, cubic_rad: float, columns: slice = slice(None)) -> _FloatArray:
+    """Power on both sides of the target, at the columns of the right half line."""
+    turn = quadratic_rad * line.x**2
+    even = line.weights * np.stack([np.cos(turn), np.sin(turn)])
+    cosines = line.cosines[:, columns]
+    if cubic_rad == 0.0:
+        half = (_product(even, cosines) ** 2).sum(axis=0)
+        return np.concatenate([half[:0:-1], half])
+    bend = cubic_rad * line.x**3
+    cosine_part = _product(even * np.cos(bend), cosines)
+    sine_part = _product(even * np.sin(bend), line.sines[:, columns])
+    upper = ((cosine_part + sine_part) ** 2).sum(axis=0)
+    lower = ((cosine_part - sine_part) ** 2).sum(axis=0)
+    return np.concatenate([lower[:0:-1], upper])
+
+
+def _peak(power: _FloatArray) -> int:
+    """Index of the highest; of two equal lobes, the one ahead."""
+    return int(np.flatnonzero(power >= power.max() * TIE)[-1])
 
 
 def with_echoes(response: ImpulseResponse, echo: float, stays: float, stays_near: float) -> ImpulseResponse:
@@ -332,6 +377,7 @@ def _ideal_null(taper: Taper) -> float:
 
 _FAST_PADDING = ZERO_PADDING  # the same grid, so that both routes find the same shallow minima
 _FAST_SPREADS = (1.0, 3.0, 8.0)  # cells of spread for which a prepared line is kept
+_WIDEST = 3.0  # cells beyond half the spread, farther than half the peak reaches under any window
 
 
 @dataclass(frozen=True)

@@ -37,8 +37,7 @@ def measure_line(
     half = top / 2
 
     left, right = _crossings(power, peak, half)
-    above = np.flatnonzero(power > half)
-    outer_left, outer_right = _outermost(power, above, half)
+    outer_left, outer_right = _outermost(power, half)
 
     rising = np.flatnonzero(power[peak + 1 :] > power[peak:-1])
     right_minimum = peak + (int(rising[0]) if len(rising) else len(power) - 1 - peak)
@@ -107,7 +106,13 @@ def _crossings(power: _FloatArray, peak: int, half: float) -> tuple[float, float
     return left, right
 
 
-def _outermost(power: _FloatArray, above: NDArray[np.intp], half: float) -> tuple[float, float]:
+def half_power_places(power: _FloatArray, peak: int) -> tuple[float, float]:
+    """Indices of the outermost crossings of half the peak."""
+    return _outermost(power, _vertex(power, peak)[1] / 2)
+
+
+def _outermost(power: _FloatArray, half: float) -> tuple[float, float]:
+    above = np.flatnonzero(power > half)
     first, last = int(above[0]), int(above[-1])
     left = _cross(power, first - 1, 1, half) if first > 0 else 0.0
     right = _cross(power, last + 1, -1, half) if last < len(power) - 1 else float(len(power))

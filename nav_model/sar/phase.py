@@ -12,6 +12,8 @@ residual after removing a least-squares polynomial is the sum of the higher coef
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import reduce
+from operator import add
 from typing import NamedTuple
 
 import numpy as np
@@ -130,9 +132,7 @@ def phase_budget(
 
 def total(budget: Mapping[str, PhaseVariances]) -> PhaseVariances:
     """Sum over the sources, which are independent."""
-    return PhaseVariances(
-        *(np.sum(np.broadcast_arrays(*column), axis=0) for column in zip(*budget.values(), strict=True))
-    )
+    return PhaseVariances(*(reduce(add, column) for column in zip(*budget.values(), strict=True)))
 
 
 def along_track_quadratic(

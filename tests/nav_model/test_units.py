@@ -161,6 +161,13 @@ def test_conversion_there_and_back_stays_within_one_rounding(dimension, unit, nu
     assert from_si(to_si(number, unit, dimension), unit, dimension) == pytest.approx(number, rel=3e-16)
 
 
+@pytest.mark.parametrize(("dimension", "unit"), LINEAR, ids=lambda value: value)
+@settings(max_examples=30)
+@given(value=st.floats(min_value=-1e300, max_value=1e300))
+def test_an_amount_is_rounded_once(dimension, unit, value):
+    assert from_si(value, unit, dimension) == float(Fraction(value) / DIMENSIONS[dimension].units[unit])
+
+
 def test_page_conversions():
     """The factors as the theory page prints them."""
     assert to_si(1, "m/s/√h", "velocity random walk") == 1 / 60

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +18,9 @@ from nav_model.analytic import regime
 from nav_model.budget import Budget
 from nav_model.budget.fast import scattered_floor
 from nav_model.sar.geometry import phase_to_metres
-from nav_model.sar.impulse_response import aperture_positions, response_curve
+from nav_model.sar.impulse_response import MINIMUM_SAMPLES, aperture_positions, polynomial_curve, response_curve
 
-_RESPONSE_SAMPLES, _RESPONSE_CELLS = 1024, 6.0  # of the aperture; shown on each side of the target
+_RESPONSE_CELLS = 6.0  # shown on each side of the target
 
 TOTAL = "total"
 """What the sum of the sources in quadrature is called beside them."""
@@ -125,35 +127,15 @@ def regime_chart(budget: Budget) -> Chart:
 
 
 @cache
-def _aperture() -> tuple[Array, Array, Array]:
-    """Places in the aperture, from -1 to 1, their squares and cubes."""
-    x = aperture_positions(_RESPONSE_SAMPLES)
-    return x, x**2, x**3
-
-
-@cache
 def _ideal_response(window: str) -> Array:
     """Power [dB] of an aperture without error."""
-    return response_curve(np.ones(_RESPONSE_SAMPLES), window, _RESPONSE_CELLS)[1]  # type: ignore[arg-type]
+    return polynomial_curve(0.0, 0.0, window, _RESPONSE_CELLS)[1][0]  # type: ignore[arg-type]
 
 
 def response_chart(budget: Budget) -> Chart:
     """Azimuth impulse response: without error, with the 1σ quadratic, with quadratic and cubic."""
-    sar, image, random = budget.sar, budget.smoothed or budget.sar, budget.spectral.random
-    x, square, cube = _aperture()
-    quadratic = image.quadratic * square + budget.spectral.phase(x, sar.aperture_time)
-    phases = np.stack((quadratic, quadratic + image.cubic * cube))
-    keys = ("ideal", "quadratic", "cubic")
-    labels = ("no error", "1σ quadratic", "with cubic")
-    if image.impulse_response is None:
-        cells, power = np.array([0.0]), np.full((3, 1), np.nan)
-    else:
-        cells, spread = response_curve(np.exp(1j * phases), sar.window, _RESPONSE_CELLS)  # type: ignore[arg-type]
-        power = np.vstack((_ideal_response(sar.window), spread))
-        if random > 0:
-            floor = scattered_floor(budget.design, cells, sar.wavelength, sar.aperture_time, random)
-            power[1:] = 10 * np.log10(10 ** (power[1:] / 10) * math.exp(-random) + floor)
-    response = image.impulse_response
+    sar, random = budget.sar, budget.spectral.random
+    response = (budget.smoothed or sar).impulse_response
     said = (
         "No image: more than 1000 rad of quadratic phase."
         if response is None
@@ -165,6 +147,19 @@ def response_chart(budget: Budget) -> Chart:
             f"peak loss {decibels(-float(response.peak_loss_db))}."
         )
     )
+    echoes = " With the paired echoes [P-9]." if budget.spectral.echoes else ""
+    floor = " The floor is the mean power scattered by random motion and the oscillator [P-11]." if random > 0 else ""
+    return replace(response_curves(budget), knowledge=f"{said} Before autofocus.{echoes}{floor}")
+
+
+def response_curves(budget: Budget) -> Chart:
+    """The same without the measures of its side lobes: what a slider moves."""
+    sar, image = budget.sar, budget.smoothed or budget.sar
+    if image.half_power_extent is None:
+        cells, power = np.array([0.0]), np.full((3, 1), np.nan)
+    else:
+        cells, spread = _spread(budget)
+        power = np.vstack((_ideal_response(sar.window), spread))
     metres = cells * sar.cell_length
     return Chart(
         key="response",
@@ -181,15 +176,32 @@ def response_chart(budget: Budget) -> Chart:
                 "aperture integral [S-5]",
             )
             for key, label, values, style in zip(
-                keys, labels, power, ("reference", "quadratic", "with cubic"), strict=True
+                ("ideal", "quadratic", "cubic"),
+                ("no error", "1σ quadratic", "with cubic"),
+                power,
+                ("reference", "quadratic", "with cubic"),
+                strict=True,
             )
         ),
         y_range=(-45.0, 2.0),
-        knowledge=f"{said} Before autofocus.{' With the paired echoes [P-9].' if budget.spectral.echoes else ''}"
-        + (
-            " The floor is the mean power scattered by random motion and the oscillator [P-11]." if random > 0 else ""
-        ),
     )
+
+
+def _spread(budget: Budget) -> tuple[Array, Array]:
+    """Cells from the target, and the power [dB] there with the quadratic and with the cubic too."""
+    sar, image, spectral = budget.sar, budget.smoothed or budget.sar, budget.spectral
+    window: Any = sar.window
+    if not spectral.echoes:
+        cells, power = polynomial_curve(image.quadratic, image.cubic, window, _RESPONSE_CELLS)
+    else:
+        x = aperture_positions(MINIMUM_SAMPLES)
+        quadratic = image.quadratic * x**2 + spectral.phase(x, sar.aperture_time)
+        phases = np.stack((quadratic, quadratic + image.cubic * x**3))
+        cells, power = response_curve(np.exp(1j * phases), window, _RESPONSE_CELLS)
+    if spectral.random > 0:
+        floor = scattered_floor(budget.design, cells, sar.wavelength, sar.aperture_time, spectral.random)
+        power = 10 * np.log10(10 ** (power / 10) * math.exp(-spectral.random) + floor)
+    return cells, power
 
 
 BUDGET_CHARTS = (

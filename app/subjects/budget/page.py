@@ -9,6 +9,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 import param
+from bokeh.core.property.validation import validate
 
 from app.charts.kinds import BarChart, Chart
 from app.charts.screen.timelines import Timelines
@@ -36,7 +37,6 @@ from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE, SWITCH
 from app.ui.tiles import tiles_html
 from app.ui.turns import once_loaded, once_quiet
 from app.upstream.prompt_input import PromptSwitch
-from app.upstream.text_pane import TextPane
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
@@ -85,7 +85,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._phase = html_pane("", margin=(0, 10, 4, 10))
         self._phase.sizing_mode = "stretch_both"
         self._phase_head = html_pane("", margin=_HEAD)
-        self._response = ChartPane(charts.response_chart, lambda: self.session.budget)
+        self._response = ChartPane(charts.response_chart, lambda: self.session.budget, moving=charts.response_curves)
         self._details = pn.Column()
         figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
         for figure in figures:  # the last has the axis
@@ -131,11 +131,12 @@ class BudgetPage(pn.viewable.Viewer):
             self._hold()
         self._strip.show(verdict_strip(budget), _invalid(self.session.invalid))
         self._lines = self._timelines(budget)
-        self._stack.feed(self._lines)
+        with validate(False):  # of our own making: nothing of it needs a check at each step
+            self._stack.feed(self._lines)
+            self._response.show(budget)
         if self._shown != self.session.shown:
             self._shown = self.session.shown
             self._hold()
-        self._response.show(budget)
         self._feed(budget)
         self._tell_soon()
         if self._close.label != _ask(budget):
@@ -173,8 +174,8 @@ class BudgetPage(pn.viewable.Viewer):
         """Tiles and bars, whose text goes only when it is another."""
         self._shown_budget = budget
         figures, bars = self._was
-        _put(self._tiles, tiles_html(key_figures(budget, self._display), figures))
-        _put(self._phase, bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
+        self._tiles.say(tiles_html(key_figures(budget, self._display), figures))
+        self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
 
     def _tell(self) -> None:
         """What waits for a slider to rest: the other processing's verdict, and the lines above the charts: source,
@@ -184,9 +185,9 @@ class BudgetPage(pn.viewable.Viewer):
         told = "" if spread == "1σ" else f", {spread}, limits scaled"
         phase = charts.phase_chart(budget)
         said = "".join(described(line) for line in self._lines)
-        knowledge = timelines.position_chart(budget).knowledge
-        _put(self._phase_head, head_html(f"{phase.title}{told}", phase.knowledge))
-        _put(self._stack_head, head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
+        knowledge = timelines.position_knowledge(budget)
+        self._phase_head.say(head_html(f"{phase.title}{told}", phase.knowledge))
+        self._stack_head.say(head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
 
     def _offer_modes(self) -> None:
         budget = self.session.budget
@@ -281,11 +282,6 @@ class BudgetPage(pn.viewable.Viewer):
 
     def _sicd(self) -> io.BytesIO:
         return io.BytesIO(sicd_xml(error_statistics(self.session.budget.design)))
-
-
-def _put(pane: TextPane, text: str) -> None:
-    if pane.object != text:
-        pane.object = text
 
 
 def _ask(budget: Budget) -> str:

@@ -32,7 +32,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
     coast, sar, smoothed = budget.coast, budget.sar, budget.smoothed
     checks = {check.name: check for check in budget.verdict.checks}
     image = smoothed or sar
-    response = image.impulse_response
+    extent = image.half_power_extent
     autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
     fields = (
         ("Position, horizontal", "position_horizontal", "length", "horizontal_position", "[T-3]"),
@@ -75,10 +75,10 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
         return figure(label, amount, "angle", f"{sight}, {how}{note}", name)
 
     width = KeyFigure("Azimuth width", "not focused", f"ideal {show(sar.cell_length, 'length')}")
-    if response is not None:
+    if extent is not None:
         width = figure(
             "Azimuth width",
-            float(response.half_power_extent_cells) * sar.cell_length,
+            extent * sar.cell_length,
             "length",
             f"with 1σ quadratic; aperture {show(sar.aperture_time, 'time')}, "
             f"{show(sar.aperture_length, 'length')} [S-3]",

@@ -69,13 +69,23 @@ def _validity(budget: Budget) -> str:
     return f"λ·dt = {number(value)} ({word})"
 
 
+def position_knowledge(budget: Budget) -> str:
+    """How the curves of position are known."""
+    coast = budget.coast
+    ratio = coast.end_refined_horizontal / coast.position_horizontal[-1]
+    ratio_v = coast.end_refined_vertical / coast.position_vertical[-1]
+    slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
+    return (
+        f"Curves by formula [T-3], [T-4], [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
+        f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {number(ratio)} and "
+        f"vertical {number(ratio_v)} times the polynomial at {number(coast.duration, given=True)} s.{slow}"
+    )
+
+
 def position_chart(budget: Budget) -> Chart:
     """Position sigma against time: steady state, then outage."""
     steady, coast = budget.steady_state, budget.coast
     lead, end = -_LEAD * coast.duration, coast.duration
-    ratio = coast.end_refined_horizontal / coast.position_horizontal[-1]
-    ratio_v = coast.end_refined_vertical / coast.position_vertical[-1]
-    slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
     x = _grid(budget)
     curves = (
         ("ch", "horizontal", _held(steady.closed.position_horizontal, coast.position_horizontal),
@@ -119,11 +129,7 @@ def position_chart(budget: Budget) -> Chart:
         spans=(_aperture_span(budget),),
         y_log=True,
         y_range=(floor, 2 * top),
-        knowledge=(
-            f"Curves by formula [T-3], [T-4], [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
-            f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {number(ratio)} and "
-            f"vertical {number(ratio_v)} times the polynomial at {number(end, given=True)} s.{slow}"
-        ),
+        knowledge=position_knowledge(budget),
     )
 
 

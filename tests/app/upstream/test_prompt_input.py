@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import panel_material_ui as pmui
 import pytest
+from bokeh.document import Document
+from panel.io.state import set_curdoc
 
 from app.upstream.prompt_input import PromptInput, PromptSwitch
 
@@ -53,3 +55,18 @@ def test_a_text_to_follow_is_one_change(monkeypatch: pytest.MonkeyPatch) -> None
     box.follow("2 m")
     assert (box.value, box.value_input) == ("2 m", "2 m")
     assert told == [{"value", "value_input"}]
+
+
+def test_in_a_hold_the_page_alone_is_told() -> None:
+    box, told = PromptInput(value="1 m"), []
+    document, model = Document(), box.get_root()
+    document.add_root(model)
+    box.param.watch(told.append, ["value", "value_input"])
+    with set_curdoc(document):
+        document.hold()
+        for _ in range(2):
+            box.follow("2 m")
+    assert (box.value, box.value_input) == (model.data.value, model.data.value_input) == ("2 m", "2 m")
+    assert {event.attr for event in document.callbacks._held_events} == {"value", "value_input"}
+    assert len(document.callbacks._held_events) == 2
+    assert not told

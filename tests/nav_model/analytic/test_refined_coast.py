@@ -163,3 +163,19 @@ def test_order_of_times_does_not_matter(worked):
     two = refined_growth(*args, [0.0, 5.0, 30.0], speed=100.0, latitude=0.5)
     np.testing.assert_allclose(one.vertical, two.vertical[[2, 0, 1]], rtol=1e-15)
     assert refined_growth(*args, 0.0, speed=100.0, latitude=0.5).horizontal == pytest.approx(1.0, rel=1e-15)
+
+
+def test_a_curve_remembered_is_the_one_worked_out(worked):
+    """A column of times is not remembered: it goes another way."""
+    p = horizontal(worked.sigma_a, worked.sigma_w, worked.s, worked.g)
+    v = vertical(worked.sigma_a, worked.s)
+    time = np.linspace(0.0, 300.0, 50)
+    for altitude in (0.0, 1e4, 0.0):
+        curve, column = (
+            refined_growth(
+                p, v, worked.sigma_a, worked.sigma_w, worked.g, t, speed=100.0, latitude=0.5, altitude=altitude
+            )
+            for t in (time, time[:, None])
+        )
+        assert curve.horizontal == pytest.approx(column.horizontal[:, 0], rel=1e-14)
+        assert curve.vertical == pytest.approx(column.vertical[:, 0], rel=1e-14)

@@ -14,8 +14,10 @@ from nav_model.sar.impulse_response import (
     Taper,
     aperture_of_phase,
     aperture_positions,
+    half_power_extent,
     ideal_null_cells,
     impulse_response,
+    polynomial_curve,
     quadratic_response,
     response_curve,
     response_of_phase,
@@ -229,6 +231,23 @@ def test_fast_route_equals_the_full_one(quadratic, cubic, window):
     assert abs(fast.shift_cells) == pytest.approx(abs(full.shift_cells), abs=1e-3)
     for name in RATIOS:
         assert getattr(fast, name) == pytest.approx(getattr(full, name), abs=0.005), name
+
+
+@pytest.mark.parametrize("window", WINDOWS)
+@pytest.mark.parametrize("quadratic", [0.0, 0.7, -1.5, 1.58, 4.7, 4.8, 12.5, 13.0, 300.0])
+def test_the_extent_alone_is_that_of_the_response(quadratic, window):
+    whole = quadratic_response(quadratic, window).half_power_extent_cells
+    assert half_power_extent(quadratic, window) == pytest.approx(whole, rel=1e-12)
+
+
+@pytest.mark.parametrize("window", WINDOWS)
+@pytest.mark.parametrize(("quadratic", "cubic"), [(0.0, 0.0), (1.5, 0.5), (4.0, -1.5), (9.0, 1.0), (14.0, 2.0)])
+def test_the_curve_of_a_polynomial_is_that_of_its_samples(quadratic, cubic, window):
+    phases = np.stack([quadratic * X**2, quadratic * X**2 + cubic * X**3])
+    cells, sampled = response_curve(np.exp(1j * phases), window, 6.0)
+    places, power = polynomial_curve(quadratic, cubic, window, 6.0)
+    assert np.array_equal(places, cells)
+    assert 10 ** (power / 20) == pytest.approx(10 ** (sampled / 20), abs=1e-5)
 
 
 def test_fast_route_beyond_its_line_is_the_sampled_one():
