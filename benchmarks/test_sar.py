@@ -12,13 +12,14 @@ from scipy.linalg import solve_discrete_are
 
 from nav_model.analytic.discrete import SlowError, cycle, process_noise, transition
 from nav_model.budget import analyse
+from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.design import Design
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import decompose, run_responses
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study, run_chunk
 from nav_model.sar.fast_engine import simulate_axis
-from nav_model.sar.image import SPEED_OF_LIGHT_M_S, back_project, simulate_phase_history
+from nav_model.sar.image import back_project, simulate_phase_history
 from nav_model.sar.impulse_response import aperture_positions, impulse_response, quadratic_response
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 from nav_model.sar.strategies import Tuning
@@ -140,7 +141,7 @@ def by_numpy(history, axis):
         px, py, pz = history.position[p]
         beyond = np.sqrt((x - px) ** 2 + (y - py) ** 2 + pz**2) - history.reference_range[p]
         value = np.interp(beyond, place, profile.real) + 1j * np.interp(beyond, place, profile.imag)
-        image += value * np.exp(4j * np.pi * history.frequency[0] / SPEED_OF_LIGHT_M_S * beyond)
+        image += value * np.exp(4j * np.pi * history.frequency[0] / SPEED_OF_LIGHT * beyond)
     return image / pulses * bins / samples
 
 
