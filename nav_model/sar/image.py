@@ -7,7 +7,6 @@ small on purpose. The packaged alternatives want a C++ compiler or a GPU on the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -195,9 +194,3 @@ def pulse_errors(time: ArrayLike, error: ArrayLike, pulses: int) -> _FloatArray:
     place = np.linspace(time[0], time[-1], pulses)
     flat = error.reshape(-1, error.shape[-1])
     return np.stack([np.interp(place, time, row) for row in flat]).reshape(*error.shape[:-1], pulses)
-
-
-def strongest(image: NDArray[np.complex128], x: Sequence[float], y: Sequence[float]) -> tuple[float, float]:
-    """Position (x, y) [m] of the brightest pixel."""
-    row, column = np.unravel_index(np.abs(image).argmax(), image.shape)
-    return float(x[int(column)]), float(y[int(row)])

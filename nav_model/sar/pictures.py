@@ -12,9 +12,9 @@ from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.sar.design_case import design_case
 from nav_model.sar.image import (
     back_project,
-    read_phase_history,
     point_target_image,
     pulse_errors,
+    read_phase_history,
 )
 from nav_model.sar.scene import scene_images
 

@@ -15,7 +15,6 @@ from nav_model.sar.image import (
     pulse_errors,
     read_phase_history,
     simulate_phase_history,
-    strongest,
 )
 from nav_model.sar.impulse_response import quadratic_response
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
@@ -43,6 +42,12 @@ def half_power_width(axis, cut):
     ends = [np.interp(half, [cut[right], cut[right - 1]], [axis[right], axis[right - 1]])]
     ends.append(np.interp(half, [cut[left], cut[left + 1]], [axis[left], axis[left + 1]]))
     return ends[0] - ends[1]
+
+
+def strongest(image, x, y):
+    """Position (x, y) [m] of the brightest pixel."""
+    row, column = np.unravel_index(np.abs(image).argmax(), image.shape)
+    return x[column], y[row]
 
 
 def test_targets_appear_where_they_are_with_their_amplitude():
