@@ -3,13 +3,13 @@
 from dataclasses import replace
 
 import pytest
-from app.subjects.suborbital.tabs import TABS
 
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.suborbital.page import SuborbitalPage
+from app.subjects.suborbital.views import VIEWS
 from nav_model.suborbital.errors import ErrorSet, InitialErrors
-from nav_model.suborbital.flight import golden_flight
+from nav_model.suborbital.flight import reference_flight
 from nav_model.suborbital.noise_ensemble import fly_noise
 from nav_model.suborbital.sensitivity import sensitivity
 from nav_model.suborbital.settings import DEFAULTS
@@ -42,12 +42,12 @@ def test_slider(benchmark):
 
 
 def test_sensitivity_matrix(benchmark):
-    flight = golden_flight()
+    flight = reference_flight()
     benchmark(sensitivity, flight, ErrorSet())
 
 
 def test_star_frames_of_a_flight(benchmark):
-    flight, sky = golden_flight(), hipparcos_sky()
+    flight, sky = reference_flight(), hipparcos_sky()
     benchmark.pedantic(track_stars, args=(flight, StarCamera(), sky), rounds=3, warmup_rounds=1)
     benchmark.extra_info["frames"] = flight.steps + 1
     benchmark.extra_info["goal_s"] = 20.0
@@ -65,10 +65,10 @@ def test_noise_ensemble_of_100(benchmark):
 
 
 @pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
-@pytest.mark.parametrize("tab", range(len(TABS)), ids=[tab.name for tab in TABS])
-def test_slider_to_fed_figures(benchmark, page, tab):
-    """What the server does for one step of a slider with a tab in view."""
-    page.tabs.bar.active = tab
+@pytest.mark.parametrize("view", [view.name for view in VIEWS])
+def test_slider_to_fed_figures(benchmark, page, view):
+    """What the server does for one step of a slider with a view on the screen."""
+    page.study.views.chosen = view
     places = iter(range(10**9))
 
     def step():

@@ -61,8 +61,8 @@ class Once(Generic[_T]):
         return self._found
 
 
-class Later(Mapping[_K, _V]):
-    """A mapping that is worked out when it is first looked into; it travels as what was found.
+class Later(FrozenMapping[_K, _V]):
+    """A `FrozenMapping` that is worked out when it is first looked into; it travels as what was found.
 
     Parameters
     ----------
@@ -82,20 +82,8 @@ class Later(Mapping[_K, _V]):
         self._work_out = work_out
 
     @cached_property
-    def _content(self) -> FrozenMapping[_K, _V]:
-        return FrozenMapping(self._work_out())
-
-    def __getitem__(self, key: _K) -> _V:
-        return self._content[key]
-
-    def __iter__(self) -> Iterator[_K]:
-        return iter(self._content)
-
-    def __len__(self) -> int:
-        return len(self._content)
-
-    def __repr__(self) -> str:
-        return repr(self._content)
+    def _content(self) -> dict[_K, _V]:  # type: ignore[override]  # in place of the slot
+        return dict(self._work_out())
 
     def __reduce__(self) -> tuple[type[FrozenMapping[_K, _V]], tuple[dict[_K, _V]]]:
         return FrozenMapping, (dict(self),)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import math
 import zipfile
 import zlib
 from collections.abc import Container
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +20,11 @@ _HEADER_ALLOWANCE = 4096
 
 
 def read_npz_arrays(
-    stream: BinaryIO, file_name: str, most_bytes: int, kinds: str = "fiub", names: Container[str] | None = None
+    data: bytes, file_name: str, most_bytes: int, kinds: str = "fiub", names: Container[str] | None = None
 ) -> dict[str, NDArray[Any]]:
-    """Numeric arrays of an NPZ archive by name: those in `names`, None for all.
+    """Numeric arrays of an NPZ archive by name: those in `names`, or all.
 
-    `kinds` are NumPy's letters of what they may hold.
-
-    Memory and time are those of `most_bytes`, once.
+    `kinds` are NumPy's letters of the dtypes that are allowed. Memory and time are bounded by `most_bytes`.
 
     Raises
     ------
@@ -34,17 +33,10 @@ def read_npz_arrays(
         directory entry declares more than `most_bytes` in total, and entries whose two sizes disagree.
     """
     try:
-        with zipfile.ZipFile(stream) as archive:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
             return _read_members(archive, file_name, most_bytes, kinds, names)
-    except (
-        zipfile.BadZipFile,
-        zipfile.LargeZipFile,
-        NotImplementedError,
-        EOFError,
-        RuntimeError,
-        zlib.error,
-    ) as error:
-        raise InputError(file_name, f"damaged NPZ archive ({error})") from error
+    except _DAMAGED as error:
+        raise InputError(file_name, f"not a readable NPZ archive ({error})") from error
 
 
 def _read_members(

@@ -155,12 +155,8 @@ class Passwords:
             self._stamp = stamp
         return self._people
 
-    def knows(self, name: str) -> bool:
-        """Whether the person is in the file now: who is taken out is out at the next request."""
-        return name in self._current()
-
     def mark(self, name: str) -> str | None:
-        """What tells this person's password from another one they had; None for a name nobody has."""
+        """What tells this person's password from another one they had; None for a name not in the file now."""
         found = self._current().get(name)
         return None if found is None else _text(found.salt + found.key)
 

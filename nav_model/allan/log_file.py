@@ -167,7 +167,7 @@ def _from_csv(content: bytes, name: str, options: LogOptions, limits: Limits) ->
 
 
 def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) -> _Found:
-    arrays = read_npz_arrays(io.BytesIO(content), name, limits.unpacked_bytes)
+    arrays = read_npz_arrays(content, name, limits.unpacked_bytes)
     count_units, rate_hz = _scalars(arrays)
     meanings: dict[str, Meaning] = {}
     chosen = dict(options.arrays or {})

@@ -85,16 +85,6 @@ def read_trajectory_table(content: bytes, name: str, bounds: FileBounds) -> Traj
     return TrajectoryTable(samples, lines)
 
 
-def write_trajectory_table(samples: FloatArray) -> bytes:
-    """The file of samples (n, 7) as `read_trajectory_table` gives them, rounded to a micrometre."""
-    table = np.array(samples)
-    table[:, _DEGREES] = np.degrees(table[:, _DEGREES])
-    text = io.StringIO()
-    digits = ["%.6f", "%.12f", "%.12f", "%.6f", "%.10f", "%.10f", "%.10f"]
-    np.savetxt(text, table, delimiter=",", header=",".join(COLUMNS), comments="", fmt=digits)
-    return text.getvalue().encode("utf-8")
-
-
 def _missing(missing: list[str], header: list[str]) -> str:
     if not any(header):
         return "the file is empty"

@@ -17,15 +17,6 @@ WINDOW_WIDTH: dict[str, float] = {
 Roots of the windows' transforms; a test finds them again.
 """
 
-LIMITS_RAD: dict[str, tuple[float, str]] = {
-    "quadratic, strict": (np.pi / 4, "widening 1.3 %, peak loss 0.24 dB"),
-    "quadratic, usual": (np.pi / 2, "widening 6 %, peak loss 0.97 dB, side lobes -9 dB"),
-    "cubic, tight": (np.pi / 8, "slight asymmetry"),
-    "cubic, usual": (np.pi / 4, "side lobe -10.7 dB on one side"),
-    "wide-band rms": (0.1, "integrated side lobes -20 dB"),
-}
-"""Customary limits on phase error over the aperture and what happens at them. [S-4]"""
-
 
 def phase_to_metres(phase: ArrayLike, wavelength: ArrayLike) -> Array:
     """Line-of-sight error [m] of a two-way phase [rad]: pi/4 is lambda/16. [T-13], [S-4]"""

@@ -7,11 +7,7 @@ small on purpose. The packaged alternatives want a C++ compiler or a GPU on the 
 
 from __future__ import annotations
 
-import io
-import zipfile
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,31 +23,19 @@ MOST_UNPACKED_BYTES = 256 * 2**20
 _FloatArray = NDArray[np.float64]
 _ComplexArray = NDArray[np.complex128]
 
-# Fields of a phase-history file: name in the npz, shape (K frequencies, P pulses), needed or not.
-_FILE_FIELDS: tuple[tuple[str, str, bool], ...] = (
-    ("fp", "KP", True),
-    ("freq", "K", True),
-    ("x", "P", True),
-    ("y", "P", True),
-    ("z", "P", True),
-    ("r0", "P", True),
-    ("af_r_correct", "P", False),
-    ("af_ph_correct", "P", False),
-)
+_FILE_FIELDS = {"fp": "KP", "freq": "K", "x": "P", "y": "P", "z": "P", "r0": "P"}
+"""Fields of a phase-history file and their shapes: K frequencies, P pulses."""
 
 
 @dataclass(frozen=True)
 class PhaseHistory:
     """K frequencies of P pulses, SI: ``samples`` (K, P), ``frequency`` (K,) evenly spaced, antenna
-    ``position`` (P, 3) and ``reference_range`` (P,); autofocus terms (P,) where the source gives them.
-    """
+    ``position`` (P, 3) and ``reference_range`` (P,)."""
 
     samples: _ComplexArray
     frequency: _FloatArray
     position: _FloatArray
     reference_range: _FloatArray
-    autofocus_range: _FloatArray | None = None
-    autofocus_phase: _FloatArray | None = None
 
     def __post_init__(self) -> None:
         steps = np.diff(self.frequency)
@@ -69,106 +53,45 @@ class PhaseHistory:
         return float(SPEED_OF_LIGHT / self.frequency.mean())
 
 
-def read_phase_history(*paths: str | Path) -> PhaseHistory:
-    """Read one or more npz files of the same frequencies as one aperture, pulses in the order given.
+def read_phase_history(name: str, data: bytes) -> PhaseHistory:
+    """Read the bytes of an npz file, called `name` in messages; memory is at most three times `MOST_UNPACKED_BYTES`.
 
-    Fields: ``fp`` (K, P) complex, ``freq`` [Hz] (K,), antenna ``x``, ``y``, ``z`` [m] (P,), ``r0`` [m] (P,);
-    optionally ``af_r_correct`` [m], ``af_ph_correct`` [rad] (P,). ValueError names the file and the field
-    that is missing, of the wrong shape, or not finite.
+    Fields: ``fp`` (K, P) complex, ``freq`` [Hz] (K,), antenna ``x``, ``y``, ``z`` [m] (P,), ``r0`` [m] (P,).
+
+    Raises
+    ------
+    ValueError
+        If the file is no npz file or too large, or a field is missing, of the wrong shape, or not finite.
     """
-    if not paths:
-        raise ValueError("phase history: no file given")
-    parts = [_read_one(Path(path), path) for path in paths]
-    first = parts[0]
-    for path, part in zip(paths[1:], parts[1:], strict=True):
-        if not np.array_equal(part.frequency, first.frequency):
-            raise ValueError(f"{path}: freq differs from that of {paths[0]}; one aperture has one set")
-
-    def joined(name: str) -> _FloatArray | None:
-        values = [getattr(part, name) for part in parts]
-        return None if any(value is None for value in values) else np.concatenate(values)
-
-    return PhaseHistory(
-        samples=np.concatenate([part.samples for part in parts], axis=1),
-        frequency=first.frequency,
-        position=np.concatenate([part.position for part in parts]),
-        reference_range=np.concatenate([part.reference_range for part in parts]),
-        autofocus_range=joined("autofocus_range"),
-        autofocus_phase=joined("autofocus_phase"),
-    )
-
-
-def phase_history_of_bytes(name: str, data: bytes) -> PhaseHistory:
-    """The same from the bytes of one npz file; `name` stands for it in messages.
-
-    ValueError as `read_phase_history`.
-    """
-    return _read_one(io.BytesIO(data), name)
-
-
-def _read_one(source: Path | io.BytesIO, path: str | Path) -> PhaseHistory:
-    """Read an npz `source`, called `path` in messages; memory is at most three times `MOST_UNPACKED_BYTES`."""
-    try:
-        stream = source.open("rb") if isinstance(source, Path) else source
-    except OSError as error:
-        raise ValueError(f"{path}: not a readable npz file ({error})") from error
-    with stream:
-        try:
-            with zipfile.ZipFile(stream) as archive:
-                unpacked = sum(item.file_size for item in archive.infolist())
-        except zipfile.BadZipFile as error:
-            raise ValueError(f"{path}: not a readable npz file ({error}); it needs named fields") from error
-        if unpacked > MOST_UNPACKED_BYTES:
-            raise ValueError(
-                f"{path}: unpacks to {unpacked / 2**20:.0f} MiB; at most {MOST_UNPACKED_BYTES >> 20} MiB are taken"
-            )
-        fields = read_npz_arrays(
-            stream, str(path), MOST_UNPACKED_BYTES, "fiuc", [name for name, _, _ in _FILE_FIELDS]
-        )
+    fields = read_npz_arrays(data, name, MOST_UNPACKED_BYTES, "fiuc", _FILE_FIELDS)
     if "fp" not in fields or fields["fp"].ndim != 2:
-        raise ValueError(f"{path}: fp is missing or not a (frequencies, pulses) array")
+        raise ValueError(f"{name}: fp is missing or not a (frequencies, pulses) array")
     if fields["fp"].size * np.dtype(complex).itemsize > MOST_UNPACKED_BYTES:
         raise ValueError(
-            f"{path}: fp has {fields['fp'].size} samples; "
+            f"{name}: fp has {fields['fp'].size} samples; "
             f"at most {MOST_UNPACKED_BYTES // np.dtype(complex).itemsize} are taken"
         )
     sizes = dict(zip("KP", fields["fp"].shape, strict=True))
-    for name, dimensions, needed in _FILE_FIELDS:
-        if name not in fields:
-            if needed:
-                raise ValueError(f"{path}: field {name} is missing")
-            continue
+    for key, dimensions in _FILE_FIELDS.items():
+        if key not in fields:
+            raise ValueError(f"{name}: field {key} is missing")
         shape = tuple(sizes[letter] for letter in dimensions)
-        if fields[name].shape != shape:
-            raise ValueError(f"{path}: {name} has shape {fields[name].shape}; {shape} is needed")
-        if fields[name].dtype.kind not in "fiuc" or (name != "fp" and fields[name].dtype.kind == "c"):
-            raise ValueError(f"{path}: {name} holds {fields[name].dtype}; numbers are needed")
-        if not np.isfinite(fields[name]).all():
-            raise ValueError(f"{path}: {name} holds values that are not finite")
-    plain = {name: np.asarray(value, float) for name, value in fields.items() if name != "fp"}
+        if fields[key].shape != shape:
+            raise ValueError(f"{name}: {key} has shape {fields[key].shape}; {shape} is needed")
+        if key != "fp" and fields[key].dtype.kind == "c":
+            raise ValueError(f"{name}: {key} holds {fields[key].dtype}; numbers are needed")
+        if not np.isfinite(fields[key]).all():
+            raise ValueError(f"{name}: {key} holds values that are not finite")
+    plain = {key: np.asarray(value, float) for key, value in fields.items() if key != "fp"}
     try:
         return PhaseHistory(
             samples=np.asarray(fields["fp"], complex),
             frequency=plain["freq"],
             position=np.stack([plain["x"], plain["y"], plain["z"]], axis=1),
             reference_range=plain["r0"],
-            autofocus_range=plain.get("af_r_correct"),
-            autofocus_phase=plain.get("af_ph_correct"),
         )
     except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
-
-
-def apply_autofocus(history: PhaseHistory) -> PhaseHistory:
-    """The history with the autofocus terms of its source applied, and dropped so that they act once.
-
-    exp(j (phase - 4 pi f range / c)): of the four signs, the one that sharpens the public collection.
-    """
-    if history.autofocus_range is None or history.autofocus_phase is None:
-        raise ValueError("phase history: it carries no autofocus terms")
-    turn = 4 * np.pi / SPEED_OF_LIGHT * np.outer(history.frequency, history.autofocus_range)
-    samples = history.samples * np.exp(1j * (history.autofocus_phase - turn))
-    return replace(history, samples=samples, autofocus_range=None, autofocus_phase=None)
+        raise ValueError(f"{name}: {error}") from error
 
 
 def simulate_phase_history(
@@ -271,9 +194,3 @@ def pulse_errors(time: ArrayLike, error: ArrayLike, pulses: int) -> _FloatArray:
     place = np.linspace(time[0], time[-1], pulses)
     flat = error.reshape(-1, error.shape[-1])
     return np.stack([np.interp(place, time, row) for row in flat]).reshape(*error.shape[:-1], pulses)
-
-
-def strongest(image: NDArray[np.complex128], x: Sequence[float], y: Sequence[float]) -> tuple[float, float]:
-    """Position (x, y) [m] of the brightest pixel."""
-    row, column = np.unravel_index(np.abs(image).argmax(), image.shape)
-    return float(x[int(column)]), float(y[int(row)])

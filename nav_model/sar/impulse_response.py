@@ -156,13 +156,6 @@ def impulse_response(
     return _gather(measured, aperture.shape[:-1], null)
 
 
-def response_of_phase(
-    phase_rad: ArrayLike, window: Window | Taper = "uniform", zero_padding: int = ZERO_PADDING
-) -> ImpulseResponse:
-    """Impulse response of a phase history (..., m) sampled from end to end: see `aperture_of_phase`."""
-    return impulse_response(aperture_of_phase(phase_rad), window, zero_padding)
-
-
 def response_curve(
     aperture: ArrayLike,
     window: Window | Taper = "uniform",

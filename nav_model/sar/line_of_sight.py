@@ -57,12 +57,6 @@ def ranges_to_target(geometry: ApertureGeometry, time: ArrayLike) -> _FloatArray
     return vectors
 
 
-def directions(geometry: ApertureGeometry, time: ArrayLike) -> _FloatArray:
-    """Unit line of sight u(t), (n, 3): it rotates over the aperture."""
-    vectors = ranges_to_target(geometry, time)
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
-
-
 def range_error(
     geometry: ApertureGeometry,
     time: ArrayLike,
@@ -83,9 +77,3 @@ def range_error(
         error = np.asarray(error, float)
         grown = grown + error * (error - 2 * component)
     return np.asarray(grown / (np.sqrt(distance**2 + grown) + distance))
-
-
-def broadside_variance(across: ArrayLike, down: ArrayLike, grazing_angle: ArrayLike) -> _FloatArray:
-    """Line-of-sight variance [m^2] from across-track and vertical variances at broadside [S-1]."""
-    grazing = np.asarray(grazing_angle, float)
-    return np.asarray(np.cos(grazing) ** 2 * across + np.sin(grazing) ** 2 * np.asarray(down))

@@ -12,9 +12,9 @@ from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.sar.design_case import design_case
 from nav_model.sar.image import (
     back_project,
-    phase_history_of_bytes,
     point_target_image,
     pulse_errors,
+    read_phase_history,
 )
 from nav_model.sar.scene import scene_images
 
@@ -92,7 +92,7 @@ def uploaded_pictures(
     """
     if not (np.isfinite(half_width) and half_width > 0):
         raise ValueError(f"half_width: {half_width} m; a positive, finite number is needed")
-    history = phase_history_of_bytes(name, data)
+    history = read_phase_history(name, data)
     laid = pulse_errors(time, np.atleast_2d(np.asarray(residual, float)), history.samples.shape[1])
     axis = np.linspace(-half_width, half_width, pixels)
     images = [back_project(history, axis, axis, range_error=one, window="taylor") for one in (0 * laid[0], *laid)]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel, part
+from nav_model.compiled import part
 from nav_model.simulation.specification import TriadModel
 
 FloatArray = NDArray[np.float64]
@@ -83,26 +83,3 @@ def measure(triad: Triad, true: FloatArray, dt: float, generator: np.random.Gene
             value = math.floor(total / triad.quantum + 0.5) * triad.quantum
             triad.residual[i] = total - value
         out[i] = value
-
-
-@kernel
-def _measure_all(
-    gyro: Triad,
-    accelerometer: Triad,
-    true: FloatArray,
-    dt: float,
-    generator: np.random.Generator,
-    out: FloatArray,
-) -> None:
-    for k in range(len(true)):
-        measure(accelerometer, true[k, :3], dt, generator, out[k, :3])
-        measure(gyro, true[k, 3:], dt, generator, out[k, 3:])
-
-
-def measure_increments(
-    gyro: Triad, accelerometer: Triad, true: FloatArray, rate: float, generator: np.random.Generator
-) -> FloatArray:
-    """Reported velocity and angle increments, shape (samples, 6), of a whole flight of true ones."""
-    out = np.empty_like(true)
-    _measure_all(gyro, accelerometer, true, 1.0 / rate, generator, out)
-    return out

@@ -1,4 +1,4 @@
-"""A suborbital flight from a trajectory file, and a flight written as one."""
+"""A suborbital flight from a trajectory file."""
 
 from __future__ import annotations
 
@@ -7,31 +7,18 @@ import numpy as np
 from nav_model.constants import EARTH_RATE, SPHERE_RADIUS
 from nav_model.earth.gravity import gravitation
 from nav_model.earth.rotation import (
-    euler_from_matrix,
     matrix_from_euler,
     matrix_from_quaternion,
     quaternion_from_matrix,
 )
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial
-from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table, write_trajectory_table
+from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
 from nav_model.errors import InputError
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.flight import MAX_STEPS, TrueFlight, assemble, step_nodes
 
 BOUNDS = FileBounds(fewest_rows=4, most_rows=200_000, most_bytes=16_000_000)
 """What a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
-
-
-def format_flight(flight: TrueFlight, every: int = 1) -> bytes:
-    """A flight as a trajectory file that `parse_flight` reads, one row per `every` steps."""
-    c_bn = np.swapaxes(local_axes(flight.position_i), -1, -2) @ flight.attitude_bi
-    roll, pitch, yaw = euler_from_matrix(c_bn)
-    # Straight up or down only the sum of roll and yaw means anything: give all of it to yaw.
-    vertical = np.hypot(c_bn[:, 0, 0], c_bn[:, 1, 0]) < 1e-9
-    roll = np.where(vertical, 0.0, roll)
-    yaw = np.where(vertical, np.arctan2(-c_bn[:, 0, 1], c_bn[:, 1, 1]), yaw)
-    columns = [flight.time_s, flight.latitude_rad, flight.longitude_rad, flight.height_m, roll, pitch, yaw]
-    return write_trajectory_table(np.stack(columns, axis=1)[::every])
 
 
 def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = "spherical") -> TrueFlight:

@@ -55,10 +55,6 @@ class Sensitivity:
         flat = self.position.reshape(-1, len(PARAMETERS)) @ p.T
         return np.ascontiguousarray(flat.T).reshape(len(p), len(self.time_s), 3)
 
-    def final_m(self, parameters: FloatArray) -> FloatArray:
-        """Final position errors (cases, 3), north, east, up, m."""
-        return np.asarray(np.atleast_2d(parameters) @ self.position[-1].T)
-
 
 @dataclass(frozen=True)
 class NoiseSpread:

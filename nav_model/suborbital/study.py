@@ -287,7 +287,7 @@ def slide(study: Study, errors: ErrorSet, aiding: Aiding | None = None, renewal:
     """Move every curve of a study to new sensor, initial and tracker errors without integrating it again.
 
     At the study's own inputs the answer is the exact one; away from them the gap is of second order, and
-    `linear_gap` shows it once the study has been run again. Changed periods or frames need other matrices
+    `position_gap` shows it once the study has been run again. Changed periods or frames need other matrices
     (`needs_renewal`): renewal brings those computed elsewhere, else they are computed here. Another flight
     needs a new study. The gravity row does not move.
     """
@@ -320,11 +320,6 @@ class Gap:
     aided_m: FloatArray
     pure_share: FloatArray
     aided_share: FloatArray
-
-
-def linear_gap(slid: Slid, exact: Study) -> Gap:
-    """Gap between slid curves and the study recomputed exactly at the same inputs."""
-    return position_gap(slid.pure_m, slid.aided_m, exact)
 
 
 def position_gap(pure_m: FloatArray, aided_m: FloatArray, exact: Study) -> Gap:

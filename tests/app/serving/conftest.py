@@ -151,7 +151,7 @@ def people(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def guarded(people: Path) -> Iterator[Served]:
-    with _serving("--password-file", str(people)) as served:
+    with _serving("--password-file", str(people), "--processes", "1") as served:
         yield served
 
 

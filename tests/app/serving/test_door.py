@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import http.client
+import json
 import re
 import urllib.parse
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id
 from tornado.web import create_signed_value
-from waiting import PATIENCE
+from waiting import PATIENCE, until
 
 from app.serving.hosts import Hosts
 from app.serving.logins import Logins
@@ -192,44 +196,79 @@ def test_guessing_is_slowed(tmp_path: Path) -> None:
     assert not tries.too_many("a")
 
 
-def test_tries_are_counted_over_all_processes_and_for_an_account_from_everywhere(serving: Any, people: Path) -> None:
-    options = ("--password-file", str(people), "--behind-proxy", "--processes", "2")
-    with serving(*options) as served:
-
-        def attempt(password: str, peer: str, name: str = "ada") -> int:
-            found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
-            assert found
-            body = {"_xsrf": found[1], "username": name, "password": password}
-            return int(served.ask("/login", body, **{"X-Forwarded-For": peer})[0])
-
-        assert [attempt("guess", f"192.0.2.{peer}") for peer in range(10)] == [401] * 10
-        assert attempt(PASSWORD, "192.0.2.99") == 429  # ada's account, from an address that never failed
-        assert attempt(PASSWORD + "2", "192.0.2.99", "bob") == 302
-        assert [attempt("guess", "192.0.2.77", f"name {count}") for count in range(10)] == [401] * 10
-        assert attempt(PASSWORD + "2", "192.0.2.77", "bob") == 429
+@pytest.fixture(scope="module")
+def team(serving: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, Path, Path]]:
+    """Two processes behind a proxy, their password file and their log."""
+    folder = tmp_path_factory.mktemp("team")
+    _write_people(folder / "people")
+    options = ("--password-file", str(folder / "people"), "--behind-proxy", "--processes", "2", "--log", "json")
+    with serving(*options, log=folder / "log") as served:
+        yield served, folder / "people", folder / "log"
 
 
-def test_a_copied_cookie_ends_with_the_login_and_with_the_password(serving: Any, tmp_path: Path) -> None:
-    people = tmp_path / "people"
-    people.write_text(f"{password_line('ada', PASSWORD)}\n{password_line('bob', PASSWORD)}\n")
-    with serving("--password-file", str(people), "--processes", "2") as served:
-        served.log_in("ada", PASSWORD)
-        copied = dict(served.cookies)
+def _write_people(people: Path) -> None:
+    """Four people with one password, hashed with a new salt each time."""
+    people.write_text("".join(f"{password_line(name, PASSWORD)}\n" for name in ("ada", "bob", "cyd", "dee")))
+
+
+def _attempt(served: Any, name: str, password: str, **headers: str) -> tuple[int, str, http.client.HTTPMessage]:
+    found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
+    assert found
+    answer: tuple[int, str, http.client.HTTPMessage] = served.ask(
+        "/login", {"_xsrf": found[1], "username": name, "password": password}, **headers
+    )
+    return answer
+
+
+def test_tries_are_counted_over_all_processes_and_for_an_account_from_everywhere(team: Any) -> None:
+    served = replace(team[0], cookies={})
+
+    def attempt(password: str, peer: str, name: str = "cyd") -> int:
+        return _attempt(served, name, password, **{"X-Forwarded-For": peer})[0]
+
+    assert [attempt("guess", f"192.0.2.{peer}") for peer in range(10)] == [401] * 10
+    assert attempt(PASSWORD, "192.0.2.99") == 429  # cyd's account, from an address that never failed
+    assert attempt(PASSWORD, "192.0.2.99", "dee") == 302
+    assert [attempt("guess", "192.0.2.77", f"name {count}") for count in range(10)] == [401] * 10
+    assert attempt(PASSWORD, "192.0.2.77", "dee") == 429
+
+
+def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(team: Any) -> None:
+    served, _, log = team
+    served = replace(served, cookies={})
+    assert served.ask("/metrics", **{"X-Forwarded-For": "192.0.2.7"})[0] == 403
+    peer = {"X-Forwarded-For": "192.0.2.7", "X-Forwarded-Proto": "https"}
+    _, _, headers = _attempt(served, "ada", PASSWORD, **peer)
+    (user,) = (line for line in headers.get_all("Set-Cookie") or [] if line.startswith("user="))
+    assert "Secure" in user
+
+    def logged() -> bool:
+        events = map(json.loads, log.read_text().splitlines())
+        return any(event.get("event") == "login" and event["peer"] == "192.0.2.7" for event in events)
+
+    until(logged, "the login in the log")
+
+
+def test_a_copied_cookie_ends_with_the_login_and_with_the_password(team: Any) -> None:
+    served, people, _ = team
+    served = replace(served, cookies={})
+    served.log_in("ada", PASSWORD)
+    copied = dict(served.cookies)
+    assert served.ask("/")[0] == 200
+    served.ask("/logout")
+    served.cookies = dict(copied)
+    assert [served.ask("/")[0] for _ in range(6)] == [302] * 6
+    served.cookies = {}
+    for name in ("ada", "bob"):
+        served.log_in(name, PASSWORD)
         assert served.ask("/")[0] == 200
-        served.ask("/logout")
-        served.cookies = dict(copied)
-        assert [served.ask("/")[0] for _ in range(6)] == [302] * 6
+        served.cookies, copied = {}, dict(served.cookies)
+        token = replace(served, cookies=dict(copied)).token()
+        _write_people(people)
+        served.cookies = copied
+        assert [served.ask("/")[0] for _ in range(4)] == [302] * 4
+        assert served.refused(token) == 403
         served.cookies = {}
-        for name in ("ada", "bob"):
-            served.log_in(name, PASSWORD)
-            assert served.ask("/")[0] == 200
-            served.cookies, copied = {}, dict(served.cookies)
-            token = type(served)(served.process, served.port, dict(copied)).token()
-            people.write_text(f"{password_line('ada', PASSWORD)}\n{password_line('bob', PASSWORD)}\n")  # anew
-            served.cookies = copied
-            assert [served.ask("/")[0] for _ in range(4)] == [302] * 4
-            assert served.refused(token) == 403
-            served.cookies = {}
 
 
 def test_another_persons_login_does_not_fit_a_name(visitor: Any) -> None:

@@ -245,8 +245,8 @@ def test_header_that_promises_more_than_the_archive_holds():
 @pytest.mark.parametrize(
     ("content", "complaint"),
     [
-        (b"PK\x03\x04 not really", "damaged NPZ"),
-        (npz(gyro=GYRO, fs=100.0)[:-40], "damaged NPZ"),
+        (b"PK\x03\x04 not really", "not a readable NPZ"),
+        (npz(gyro=GYRO, fs=100.0)[:-40], "not a readable NPZ"),
         (with_member("evil.py", b"print(1)"), "not a plain .npy"),
         (with_member("gyro.npy", b"garbage"), "not a readable .npy"),
         (npz(gyro=np.array(["a", "b"])), "not numbers"),

@@ -4,9 +4,10 @@ import io
 
 import numpy as np
 import pytest
+from flight_files import trajectory_table
 
 from nav_model.earth.sphere import ned_to_inertial
-from nav_model.earth.trajectory_file import COLUMNS, FileBounds, read_trajectory_table, write_trajectory_table
+from nav_model.earth.trajectory_file import COLUMNS, FileBounds, read_trajectory_table
 from nav_model.errors import InputError
 from nav_model.simulation.trajectory import parse_trajectory, plan_trajectory
 from nav_model.suborbital.flight_file import parse_flight
@@ -36,7 +37,7 @@ def test_the_first_line_may_be_written_in_many_ways():
 
 
 def test_what_is_written_is_read_again():
-    again = read_trajectory_table(write_trajectory_table(samples(TEXT)), "flown.csv", BOUNDS)
+    again = read_trajectory_table(trajectory_table(samples(TEXT)), "flown.csv", BOUNDS)
     np.testing.assert_allclose(again.samples, samples(TEXT), atol=1e-11)
     assert again.lines == list(range(2, 14))
 

@@ -13,7 +13,7 @@ from nav_model.sar.decomposition import (
     run_responses,
 )
 from nav_model.sar.fast_engine import simulate_axis
-from nav_model.sar.impulse_response import impulse_response, response_of_phase
+from nav_model.sar.impulse_response import aperture_of_phase, impulse_response
 
 N = 4001
 X = np.linspace(-1, 1, N)
@@ -94,7 +94,7 @@ def test_responses_of_runs_agree_with_the_full_ones(table_designs):
     model, aperture = table_designs["short"]
     phase = 4 * np.pi / 0.03 * simulate_axis(model, aperture, runs=15, seed=2).error[[1, 3]]
     quick = run_responses(phase, "taylor")
-    full = response_of_phase(autofocus(phase), "taylor")
+    full = impulse_response(aperture_of_phase(autofocus(phase)), "taylor")
     np.testing.assert_allclose(
         np.median(quick["width_cells"], axis=-1), np.median(full.width_cells, axis=-1), atol=1e-3
     )

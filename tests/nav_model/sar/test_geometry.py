@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from nav_model.sar.geometry import (
-    LIMITS_RAD,
     WINDOW_WIDTH,
     aperture_time,
     cell_length,
@@ -123,20 +122,6 @@ def test_limits_in_metres():
     """[S-4]: pi/4 = lambda/16, pi/2 = lambda/8, pi = lambda/4."""
     for phase, part in ((math.pi / 4, 16), (math.pi / 2, 8), (math.pi, 4)):
         assert float(phase_to_metres(phase, 0.24)) == pytest.approx(0.24 / part, rel=1e-15)
-
-
-def test_limits_table():
-    assert {name: limit for name, (limit, _) in LIMITS_RAD.items()} == pytest.approx(
-        {
-            "quadratic, strict": math.pi / 4,
-            "quadratic, usual": math.pi / 2,
-            "cubic, tight": math.pi / 8,
-            "cubic, usual": math.pi / 4,
-            "wide-band rms": 0.1,
-        }
-    )
-    # -20 dB at 0.1 rad: 10 log10(e^(s^2) - 1)
-    assert 10 * math.log10(math.expm1(0.01)) == pytest.approx(-20, abs=0.05)
 
 
 @pytest.mark.parametrize("squint", [-0.7, 0.4])

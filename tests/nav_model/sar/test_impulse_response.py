@@ -20,7 +20,6 @@ from nav_model.sar.impulse_response import (
     polynomial_curve,
     quadratic_response,
     response_curve,
-    response_of_phase,
 )
 
 X = aperture_positions(1024)
@@ -260,7 +259,7 @@ def test_fast_route_beyond_its_line_is_the_sampled_one():
 def test_histories_are_interpolated_and_broadcast():
     coarse = np.linspace(-1, 1, 501)
     phases = np.stack([np.pi / 4 * coarse**2, np.pi / 4 * coarse**3]).reshape(2, 1, 501)
-    response = response_of_phase(phases)
+    response = impulse_response(aperture_of_phase(phases))
     assert response.width_cells.shape == (2, 1)
     np.testing.assert_allclose(response.width_cells[:, 0], [0.8975, 0.8880], atol=1e-3)
     np.testing.assert_allclose(response.islr_fixed_db[:, 0], [-8.567, -9.213], atol=0.01)

@@ -8,7 +8,7 @@ import pytest
 
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.sar.image import phase_history_of_bytes
+from nav_model.sar.image import read_phase_history
 from nav_model.sar.pictures import point_pictures, scene_pictures, uploaded_pictures
 
 GOTCHA = Path(__file__).parents[4] / "shared/data/sar_gotcha_pass1_az001_HH.npz"
@@ -56,7 +56,7 @@ def gotcha():
 
 def test_real_data_without_error_is_itself_and_an_error_costs_what_it_must():
     data = gotcha()
-    history = phase_history_of_bytes("az001", data)
+    history = read_phase_history("az001", data)
     time = np.linspace(0, 5, 501)
     error = history.wavelength / (4 * np.pi) * (np.pi / 2) * X**2
     clean, unmoved, blurred = uploaded_pictures("az001", data, time, np.stack([0 * X, error]), 30.0, 240).power_db
@@ -75,10 +75,10 @@ def packed(**fields):
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (lambda: b"not a zip", "mine.npz: not a readable npz"),
+        (lambda: b"not a zip", "mine.npz: not a readable NPZ"),
         (lambda: packed(freq=np.arange(3.0)), "mine.npz: fp is missing"),
         (lambda: packed(fp=np.ones((3, 4), complex), freq=np.arange(3.0)), "mine.npz: field x is missing"),
-        (lambda: packed(fp=np.zeros((6000, 3000), complex)), "mine.npz: unpacks to 275 MiB"),
+        (lambda: packed(fp=np.zeros((6000, 3000), complex)), "mine.npz: unpacks to 288 MB"),
     ],
 )
 def test_bad_files_are_refused_by_name(data, message):

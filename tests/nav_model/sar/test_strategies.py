@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from quadratic_forms import corrected_residual_variance, exact_corrected_variance
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_discrete_are
 
@@ -21,8 +22,6 @@ from nav_model.sar.strategies import (
     tracking_filter,
 )
 from nav_model.sar.strategy_forms import (
-    corrected_residual_variance,
-    exact_corrected_variance,
     fit_quadratic_sigma,
     ins_variances,
     shrunk_residual_variance,

@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from quadratic_forms import beyond_quadratic_variance, exact_corrected_variance, fit_noise_variance
 from scipy.integrate import dblquad
 
 from nav_model.sar.strategy_forms import (
-    beyond_quadratic_variance,
-    exact_corrected_variance,
-    fit_noise_variance,
     fit_quadratic_sigma,
     ins_variances,
     shrunk_residual_variance,

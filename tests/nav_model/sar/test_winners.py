@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from quadratic_forms import corrected_residual_variance
 from scipy.optimize import brentq
 
 from nav_model.analytic.discrete import cycle
 from nav_model.analytic.steady_state import Horizontal
 from nav_model.sar.advice import advise
 from nav_model.sar.strategy_forms import (
-    corrected_residual_variance,
     fit_quadratic_sigma,
     ins_variances,
     shrunk_residual_variance,

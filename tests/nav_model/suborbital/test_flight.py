@@ -3,10 +3,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from flight_files import format_flight
 
 from nav_model.errors import InputError
 from nav_model.suborbital.flight import FlightParameters, reference_flight
-from nav_model.suborbital.flight_file import format_flight, parse_flight
+from nav_model.suborbital.flight_file import parse_flight
 
 
 def test_reference_flight_has_the_printed_milestones(flight):

@@ -4,9 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from flight_files import format_flight
 
 from nav_model.errors import InputError
-from nav_model.suborbital.flight_file import format_flight, parse_flight
+from nav_model.suborbital.flight_file import parse_flight
 from nav_model.suborbital.mechanisation import Cancelled
 from nav_model.suborbital.settings import DEFAULTS, read_changes
 from nav_model.suborbital.study import position_gap

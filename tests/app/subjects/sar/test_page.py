@@ -229,7 +229,7 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     assert "run the strategies first" in form(file=("mine.npz", b"junk"))
     upload.file = None
     run(sar)
-    assert "&lt;b&gt;.npz: not a readable npz" in form(file=("<b>.npz", b"junk"))
+    assert "&lt;b&gt;.npz: not a readable NPZ" in form(file=("<b>.npz", b"junk"))
     assert form(file=("point.npz", _point_file())) == ""
     pictures = upload._pictures
     assert pictures._pictures.object.count("<figure") == 2

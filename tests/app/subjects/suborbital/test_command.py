@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from flight_files import format_flight
 
 from app.cli import main
 from nav_model.suborbital.flight import reference_flight
-from nav_model.suborbital.flight_file import format_flight
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
 # star_tracker.md, GP-1 on the reference flight: north, east, up [m], accept 5 m.

@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from flight_files import format_flight
 from waiting import PATIENCE, soon
 
 from app.serving.server import first_design
@@ -21,7 +22,6 @@ from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.views import VIEWS
 from app.work.alone import run_alone
-from nav_model.suborbital.flight_file import format_flight
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, follows_design
 from nav_model.suborbital.study_file import format_study, from_link, to_link

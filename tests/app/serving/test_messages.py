@@ -1,0 +1,183 @@
+"""A server spoken to over the sockets of its pages, in haste or by somebody who means harm; all share one server."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from open_page import Tab
+from tornado.websocket import WebSocketClosedError
+from waiting import PATIENCE
+
+from app.library.store import Library
+
+PASSWORD = "correct horse battery"
+_SLIDER: dict[str, Any] = {"label": "Angle random walk", "show_value": False}
+_VALUES = 50
+_DATA = ("timelines", "response lines 0")
+
+
+async def _step(tab: Tab) -> None:
+    """A slider step that must be answered."""
+    slider = tab.find(**_SLIDER)
+    answered = tab.expect({(await tab.until(name=name))["id"] for name in _DATA})
+    slider["attributes"]["value"] -= 0.02
+    await tab.set(slider["id"], value=slider["attributes"]["value"])
+    await asyncio.wait_for(answered, PATIENCE)
+
+
+def _change(model: str, attribute: str, value: Any) -> dict[str, Any]:
+    return {"events": [{"kind": "ModelChanged", "model": {"id": model}, "attr": attribute, "new": value}]}
+
+
+def _messages(tab: Tab) -> list[tuple[str, Any]]:
+    slider, box = tab.find(**_SLIDER)["id"], tab.find(label="Angle random walk", name="Angle random walk")["id"]
+    return [
+        ("PATCH-DOC", _change(slider, "value", "a lot")),
+        ("PATCH-DOC", _change(slider, "value", [None])),
+        ("PATCH-DOC", _change(slider, "value", {"type": "number", "value": "nan"})),
+        ("PATCH-DOC", _change(slider, "value", {"type": "number", "value": "+inf"})),
+        ("PATCH-DOC", _change(slider, "value", 1e308)),
+        ("PATCH-DOC", _change(slider, "no_such_thing", 1)),
+        ("PATCH-DOC", _change("p999999", "value", 1)),
+        ("PATCH-DOC", _change(box, "value", "9" * 1_000_000)),
+        ("PATCH-DOC", _change(box, "value", "<script>alert(1)</script>")),
+        ("PATCH-DOC", {"events": [{"kind": "Explode"}]}),
+        (
+            "PATCH-DOC",
+            {"events": [{"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": {"type": "event"}}]},
+        ),
+        ("PATCH-DOC", {"events": [{"kind": "RootRemoved", "model": {"id": slider}}]}),
+        ("PATCH-DOC", "[" * 50_000 + "]" * 50_000),
+        ("PATCH-DOC", "not JSON"),
+        ("PUSH-DOC", {"doc": {"version": "3.9.2", "title": "owned", "roots": []}}),
+        ("NO-SUCH-MESSAGE", {}),
+    ]
+
+
+@pytest.fixture(scope="module")
+def logged(serving: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, set[str]]]:
+    """A server that logs as JSON, and the set of words that its log must not hold when it has ended."""
+    folder = tmp_path_factory.mktemp("logged")
+    secret: set[str] = set()
+    with serving("--log", "json", "--library", str(folder / "library.db"), log=folder / "log") as served:
+        yield served, secret
+    text = (folder / "log").read_text()
+    events = [json.loads(line) for line in text.splitlines()]
+    assert {"started", "request", "session opened", "stopped"} <= {event.get("event") for event in events}
+    assert not [word for word in secret if word in text]
+
+
+def test_hostile_messages_hurt_nobody_else_and_are_told_nothing(logged: Any) -> None:
+    served, secret = logged
+    secret.add("alert(1)")
+    address = f"http://127.0.0.1:{served.port}"
+
+    async def attack() -> None:
+        bystander, attackers = await Tab.open(address), [await Tab.open(address)]
+        for kind, content in _messages(attackers[0]):
+            sent = False
+            while not sent:
+                with suppress(ConnectionError, WebSocketClosedError):  # it may hang up on this or the one before
+                    await attackers[-1].send(kind, content)
+                    sent = True
+                    await attackers[-1].pull()
+                    continue
+                attackers.append(await Tab.open(address))
+        await _step(bystander)  # answered after everything that came before it
+        assert not bystander.errors
+        said = " ".join(error for tab in attackers for error in tab.errors)
+        assert "the server could not do this" in said
+        for internal in ("Traceback", "site-packages", "/app/", ".py"):
+            assert internal not in said
+        for tab in (bystander, *attackers):
+            await tab.close()
+
+    asyncio.run(attack())
+    assert served.ask("/liveness")[0] == 200
+
+
+def test_the_log_never_says_what_a_design_says(logged: Any) -> None:
+    served, secret = logged
+    served.hello(served.token("/?n=SECRETNAME&arw=0.77757deg/sqrt(h)"), search="?n=SECRETNAME&arw=0.77757deg/sqrt(h)")
+    served.hello(served.token("/?n=SECRETNAME&arw=SECRETVALUE"), search="?n=SECRETNAME&arw=SECRETVALUE")
+    served.ask("/SECRETPATH?x=SECRETVALUE")
+    token = served.token()
+
+    async def rubbish() -> None:
+        connection = await served.connect(token)
+        await connection.read_message()
+        await connection.write_message('{"SECRETMESSAGE": 1}')
+        await served.hang_up(connection)
+
+    asyncio.run(rubbish())
+    secret |= {"SECRETNAME", "SECRETVALUE", "SECRETMESSAGE", "0.77757", token}
+
+
+def test_fifty_values_at_once_are_not_fifty_computations(logged: Any) -> None:
+    """A page that sends values faster than they are computed is answered the newest; older ones are dropped."""
+    served, _ = logged
+
+    async def page(address: str) -> tuple[Tab, dict[str, Any]]:
+        tab = await Tab.open(address)
+        return tab, await tab.until(name=_SLIDER["label"], **_SLIDER)
+
+    async def run() -> float:
+        address = f"http://127.0.0.1:{served.port}"
+        (alone, slider), (hurried, moved) = await page(address), await page(address)
+        start = float(slider["attributes"]["value"])
+        last = start - 0.02 * _VALUES
+        before = _said(alone)
+        async with asyncio.timeout(PATIENCE):
+            await alone.set(slider["id"], value=last)
+            while _said(alone)[0] == before[0]:
+                await alone.pull()
+            one = (await asyncio.to_thread(served.metrics))["navbudget_events_total"]
+            for number in range(_VALUES):  # none of the answers is read in between
+                await hurried.set(moved["id"], value=start - 0.02 * (1 + number))
+            while _said(hurried) != _said(alone):
+                await hurried.pull()
+        computed = (await asyncio.to_thread(served.metrics))["navbudget_events_total"] - one
+        await alone.close()
+        await hurried.close()
+        return computed
+
+    assert 1 <= asyncio.run(run()) < _VALUES / 5
+
+
+def _said(tab: Tab) -> tuple[str, str]:
+    """The text of the slider's box, and the answer above the page."""
+    boxes = (model["attributes"] for model in tab.objects if model["attributes"].get("label") == _SLIDER["label"])
+    texts = (str(model["attributes"].get("text", "")) for model in tab.objects)
+    return next(box["value"] for box in boxes if "value_input" in box), next(x for x in texts if "bare strip" in x)
+
+
+@pytest.mark.slow
+def test_nobody_saves_under_another_name(serving: Any, people: Path, tmp_path: Path) -> None:
+    """The field with the name is shown disabled to whoever is logged in; a browser can be made to change it."""
+    place = tmp_path / "library.db"
+    with serving("--password-file", str(people), "--library", str(place), "--processes", "1") as served:
+        served.log_in("ada", PASSWORD)
+        cookies = "; ".join(f"{key}={value}" for key, value in served.cookies.items())
+
+        async def forge(name: str) -> None:
+            tab = await Tab.open(f"http://127.0.0.1:{served.port}", cookies)
+            await tab.turn("Review")
+            field = await tab.until(label="Your name")
+            assert field["attributes"]["value"] == "ada"
+            assert field["attributes"]["disabled"]
+            await tab.set(field["id"], disabled=False, value=name)
+            await tab.click(tab.find(label="Save as new design")["id"])
+            await tab.until(label="1 revision")
+            await tab.close()
+
+        asyncio.run(forge("bob"))
+        asyncio.run(forge(""))
+    library = Library(place)
+    assert [saved.author for saved in library.designs()] == ["ada", "ada"]
+    library.close()
