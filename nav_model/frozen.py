@@ -42,7 +42,7 @@ class FrozenMapping(Mapping[_K, _V]):
 
 
 class Once(Generic[_T]):
-    """What is worked out when it is first asked for, and once.
+    """A value that is computed when it is first asked for, and once. Unlike `functools.cache`, it pickles.
 
     >>> once = Once(lambda: print("worked out"))
     >>> once()
