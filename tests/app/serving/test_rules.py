@@ -80,7 +80,7 @@ def test_password_command(tmp_path: Path) -> None:
     path = tmp_path / "people"
     with path.open("w") as out:
         subprocess.run(
-            [sys.executable, "-m", "app.cli", "password", "ada"],
+            [sys.executable, "-m", "app", "password", "ada"],
             input=PASSWORD + "\n",
             stdout=out,
             text=True,
