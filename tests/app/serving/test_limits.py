@@ -65,11 +65,14 @@ def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(serving: Any, people: 
     log = tmp_path / "log"
     options = ("--password-file", str(people), "--behind-proxy", "--log", "json", "--processes", "1")
     with serving(*options, log=log) as served:
-        assert served.ask("/metrics", **{"X-Forwarded-For": "192.0.2.7"})[0] == 403
+        for sent in ({}, {"X-Real-Ip": "127.0.0.1"}):  # a proxy hands on what it does not know
+            for peer in ("192.0.2.7", "127.0.0.1, 192.0.2.7", "192.0.2.7:1234", "unknown", ""):
+                assert served.ask("/metrics", **{"X-Forwarded-For": peer}, **sent)[0] == 403
         found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
         assert found
         body = {"_xsrf": found[1], "username": "ada", "password": PASSWORD}
-        _, _, headers = served.ask("/login", body, **{"X-Forwarded-For": "192.0.2.7", "X-Forwarded-Proto": "https"})
+        forwarded = {"X-Forwarded-For": "192.0.2.7", "X-Forwarded-Proto": "https"}
+        _, _, headers = served.ask("/login", body, **forwarded, **{"X-Real-Ip": "192.0.2.8", "X-Scheme": "http"})
         (user,) = (line for line in headers.get_all("Set-Cookie") or [] if line.startswith("user="))
         assert "Secure" in user
     assert any(
