@@ -136,11 +136,17 @@ def _run(rules: Rules, library: str) -> int:
 def _password(options: argparse.Namespace) -> int:
     from app.serving.passwords import password_line
 
-    if sys.stdin.isatty():
-        password = getpass.getpass("Password: ")
-        if getpass.getpass("Again: ") != password:
-            raise InputError("password", "the two passwords differ")
-    else:
-        password = sys.stdin.readline().rstrip("\r\n")
+    try:
+        if sys.stdin.isatty():
+            password = getpass.getpass("Password: ")
+            if getpass.getpass("Again: ") != password:
+                raise InputError("password", "the two passwords differ")
+        else:
+            password = sys.stdin.readline().rstrip("\r\n")
+        password.encode()
+    except EOFError as error:
+        raise InputError("password", "none was given") from error
+    except UnicodeError as error:
+        raise InputError("password", "is not UTF-8 text") from error
     print(password_line(options.name, password))
     return 0

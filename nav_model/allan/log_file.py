@@ -127,10 +127,11 @@ def _content(source: str | Path | bytes | BinaryIO, file_name: str | None, limit
     elif isinstance(source, str | Path):
         path = Path(source)
         name = file_name or path.name
-        if not path.is_file():
-            raise InputError(name, "The file does not exist.")
-        with path.open("rb") as handle:
-            content = handle.read(limits.file_bytes + 1)
+        try:
+            with path.open("rb") as handle:
+                content = handle.read(limits.file_bytes + 1)
+        except OSError as error:
+            raise InputError(name, f"cannot be read: {error.strerror or error}") from error
     else:
         content, name = source.read(limits.file_bytes + 1), file_name or "upload"
     if len(content) > limits.file_bytes:

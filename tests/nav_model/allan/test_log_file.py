@@ -284,7 +284,7 @@ def test_path_and_stream_give_the_same_log(tmp_path: Path):
     assert from_path.file_name == "static.csv"
     assert from_path.sha256 == from_stream.sha256
     assert len(from_path.sha256) == 64
-    with pytest.raises(InputError, match="does not exist"):
+    with pytest.raises(InputError, match="No such file"):
         read_log(tmp_path / "missing.csv")
 
 
