@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from nav_model.budget.fast import LEVELS
 from nav_model.budget.figures import FIGURES, PLACING, UNSCALED
+from nav_model.budget.provenance import steady_marks
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
@@ -118,6 +119,7 @@ def _figures(
     design: Design, steady_state: SteadyState, coast: Outage, sar: Sar, placement: Placement
 ) -> dict[str, _Figure]:
     chosen = design.requirements.steady_state
+    level, upright = steady_marks(design)
     sigmas = getattr(steady_state, chosen)
     label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]
 
@@ -139,11 +141,11 @@ def _figures(
         "cubic_phase": _Figure(sar.cubic, budget, "[S-6]", by_source("cubic_share")),
         **_placed(placement, budget),
         "detrended_phase": _Figure(sar.detrended, budget, "[T-15], [S-6]", by_source("detrended_share")),
-        "horizontal_position": settled("horizontal_position", sigmas.position_horizontal, "[T-3]"),
-        "vertical_position": settled("vertical_position", sigmas.position_vertical, "[T-4]"),
-        "horizontal_velocity": settled("horizontal_velocity", sigmas.velocity_horizontal, "[T-3]"),
-        "vertical_velocity": settled("vertical_velocity", sigmas.velocity_vertical, "[T-4]"),
-        "tilt": settled("tilt", sigmas.tilt, "[T-3]"),
+        "horizontal_position": settled("horizontal_position", sigmas.position_horizontal, level),
+        "vertical_position": settled("vertical_position", sigmas.position_vertical, upright),
+        "horizontal_velocity": settled("horizontal_velocity", sigmas.velocity_horizontal, level),
+        "vertical_velocity": settled("vertical_velocity", sigmas.velocity_vertical, upright),
+        "tilt": settled("tilt", sigmas.tilt, level),
         "coast_horizontal_position": _Figure(
             coast.end_refined_horizontal, "refined", "[T-17]", coast.shares_horizontal
         ),
