@@ -42,7 +42,3 @@ def _parser() -> argparse.ArgumentParser:
     for module in (serve, report, *(subject.load("command") for subject in SUBJECTS if subject.command)):
         module.add_to(commands)
     return parser
-
-
-if __name__ == "__main__":
-    sys.exit(main())

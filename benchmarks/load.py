@@ -63,7 +63,7 @@ class Kind:
 
 
 PRODUCT = Kind(
-    ("-m", "app.cli", "serve", "--port", "0", "--max-sessions", "1000"),
+    ("-m", "app", "serve", "--port", "0", "--max-sessions", "1000"),
     "Angle random walk", ("timelines", "response lines 0"), re.compile(r'"value_input","new":"([\d.e-]+) '),
 )  # fmt: skip
 BARE = Kind(

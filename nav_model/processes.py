@@ -7,7 +7,8 @@ import os
 import signal
 import threading
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, InvalidStateError, ProcessPoolExecutor
+from contextlib import suppress
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
@@ -22,7 +23,27 @@ def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Proces
     ValueError
         If ``workers`` is less than 1.
     """
-    return ProcessPoolExecutor(workers, mp_context=_Spawn(), initializer=_begin, initargs=(begin,))
+    return _Pool(workers, mp_context=_Spawn(), initializer=_begin, initargs=(begin,))
+
+
+class _Pool(ProcessPoolExecutor):
+    """Ends when its processes are killed, whatever has been cancelled.
+
+    Python before 3.13 (python/cpython#108974) stops at the first cancelled future while it tells the others that a
+    process has ended: with a traceback, and with a thread that writes for ever into a pipe that nobody reads.
+    """
+
+    def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
+        """As ever."""
+        future = super().submit(*arguments, **options)
+        future.__class__ = _Outcome
+        return future
+
+
+class _Outcome(Future[Any]):
+    def set_exception(self, exception: BaseException | None) -> None:
+        with suppress(InvalidStateError):  # it is cancelled
+            super().set_exception(exception)
 
 
 class _DeafToCtrlC(SpawnProcess):

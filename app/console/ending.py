@@ -77,12 +77,19 @@ def refuse(error: InputError) -> int:
     return _told(str(error), BAD_INPUT)
 
 
+def one_line(text: str) -> str:
+    """A text on one line whatever it quotes: line ends, control characters and what is no text are escaped.
+
+    >>> one_line("a\\nb.toml")
+    'a\\\\nb.toml'
+    """
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
 def _told(text: str, code: int) -> int:
-    # One line whatever it quotes: line ends and control characters of a key or path are escaped.
-    line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
-    if line:
+    if text:
         with suppress(OSError, ValueError):
-            print(f"navbudget: {line}", file=sys.stderr, flush=True)
+            print(f"navbudget: {one_line(text)}", file=sys.stderr, flush=True)
     return code
 
 
@@ -93,9 +100,9 @@ def _open_streams() -> None:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDWR)
-    for name in ("stdout", "stderr"):
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115  # as long as Python runs
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115  # as long as Python runs
 
 
 class _Pipe(io.FileIO):

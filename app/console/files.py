@@ -17,6 +17,8 @@ from nav_model.errors import InputError
 def whole_file(target: Path) -> Iterator[BinaryIO]:
     """A draft beside `target` that takes its place when the block ends well, and vanishes when it does not.
 
+    Where `target` is a link, the file it leads to is replaced. A device or a pipe, such as /dev/null, is written to.
+
     Raises
     ------
     InputError
@@ -29,8 +31,13 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
         raise InputError("-o", f"{str(target.parent)!r} is not a folder; the file cannot be written there")
     if target.is_dir():
         raise InputError("-o", f"{str(target)!r} is a folder; name a file in it")
+    if target.exists() and not target.is_file():
+        with _told_of(target), target.open("wb") as device:
+            yield device
+        return
+    target = target.resolve()
     draft = target.parent / f".{target.name[:100]}.{secrets.token_hex(6)}.part"
-    try:
+    with _told_of(target):
         try:
             with draft.open("xb") as file:
                 yield file
@@ -39,6 +46,15 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
             draft.replace(target)
         finally:
             draft.unlink(missing_ok=True)
+
+
+@contextmanager
+def _told_of(target: Path) -> Iterator[None]:
+    """Faults of writing there as `whole_file` raises them."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
     except OSError as error:
         if is_of_surroundings(error):
             raise

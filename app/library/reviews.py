@@ -371,15 +371,17 @@ def _doubt(review: Review) -> str:
     if review.signed is None:
         return ""
     seal = _seal(review)
-    return CHANGED if review.seal != seal else doubt_about(seal, review.signature)
+    return CHANGED if review.signature and review.seal != seal else doubt_about(seal, review.signature)
 
 
 _NOT_SEALED = ("seal", "signature", "doubt", "revisions")
+_SEALED_OF_REVISIONS = ("name", "author", "note", "saved", "origin")  # the text has its hash among the items
 
 
 def _seal(review: Review) -> str:
     """SHA-256 over everything a signature stands under, except the seal itself."""
     content = {name: value for name, value in asdict(review).items() if name not in _NOT_SEALED}
+    content["revisions"] = [{name: getattr(own, name) for name in _SEALED_OF_REVISIONS} for own in review.revisions]
     return _sha256(json.dumps(content, sort_keys=True, ensure_ascii=False))
 
 

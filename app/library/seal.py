@@ -31,6 +31,18 @@ def use_key(path: Path | None) -> None:
     _path = path
 
 
+def check_key(path: Path) -> None:
+    """Refuse a file that holds no key, before anybody signs.
+
+    Raises
+    ------
+    InputError
+        If the key cannot be read.
+    """
+    use_key(path)
+    _key(make=False)
+
+
 def signature_of(seal: str) -> str:
     """The signature under a seal: kind, public key and signature.
 

@@ -81,6 +81,7 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
 
 def _serve(options: argparse.Namespace) -> int:
     from app.library.place import look_at
+    from app.library.seal import check_key
     from app.serving.rules import Rules, cookie_secret, oauth_from
 
     rules = Rules(
@@ -106,7 +107,13 @@ def _serve(options: argparse.Namespace) -> int:
         log=options.log,
     )
     rules.check()  # before the screen is loaded: a wrong command is refused at once
-    if warning := look_at(options.library):
+    if options.review_key is not None:
+        check_key(options.review_key)
+    try:
+        warning = look_at(options.library)
+    except InputError as error:
+        raise error.under("--library") from error
+    if warning:
         print(f"navbudget: {warning}", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory(prefix="navbudget-") as folder:
         if not rules.login_store:
@@ -136,11 +143,17 @@ def _run(rules: Rules, library: str) -> int:
 def _password(options: argparse.Namespace) -> int:
     from app.serving.passwords import password_line
 
-    if sys.stdin.isatty():
-        password = getpass.getpass("Password: ")
-        if getpass.getpass("Again: ") != password:
-            raise InputError("password", "the two passwords differ")
-    else:
-        password = sys.stdin.readline().rstrip("\r\n")
+    try:
+        if sys.stdin.isatty():
+            password = getpass.getpass("Password: ")
+            if getpass.getpass("Again: ") != password:
+                raise InputError("password", "the two passwords differ")
+        else:
+            password = sys.stdin.readline().rstrip("\r\n")
+        password.encode()
+    except EOFError as error:
+        raise InputError("password", "none was given") from error
+    except UnicodeError as error:
+        raise InputError("password", "is not UTF-8 text") from error
     print(password_line(options.name, password))
     return 0

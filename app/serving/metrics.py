@@ -97,7 +97,7 @@ class MetricsHandler(RequestHandler):
 
     def _may_see(self) -> bool:
         # Behind a proxy on this machine everybody seems to be here: a forwarded request is not from here.
-        forwarded = any(name in self.request.headers for name in _FORWARDED) and not self._rules.behind_proxy
+        forwarded = any(name in self.request.headers for name in _FORWARDED)
         if is_loopback(self.request.remote_ip or "") and not forwarded:
             return True
         if self._rules.password_file is None:

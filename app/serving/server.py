@@ -45,6 +45,7 @@ from app.upstream.given_socket import listen_on
 from app.upstream.given_values import look_at_what_was_given
 from app.upstream.late_session import page_of, sheets_from_here
 from app.upstream.page_marks import mark_own_part
+from app.upstream.proxy_headers import believe_proxies_only
 from app.upstream.request_location import read_any_address
 from app.work import pool as workers
 from nav_model.design import Design
@@ -140,6 +141,7 @@ def serve_on(
     copy_none()
     ask_when_styles_change()
     mark_own_part()
+    believe_proxies_only()
     for name in COMPONENTS:
         import_module(name)
     workers.use(rules.workers, row.board.processes)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,8 @@ from nav_model.npz_arrays import read_npz_arrays
 
 IGNORED = "-"
 RATE_TOLERANCE = 0.01
+_RATES = (1e-3, 1e7)  # Hz
+_LARGEST = 1e9  # rad/s or m/s²: beyond it no sensor's word, and squares of it leave the range of numbers
 _GAP = 1.5
 _UNIT_EXAMPLES = {
     "gyro": "deg/s, rad/s, increments in rad, or counts as 0.05 deg/s",
@@ -127,10 +128,11 @@ def _content(source: str | Path | bytes | BinaryIO, file_name: str | None, limit
     elif isinstance(source, str | Path):
         path = Path(source)
         name = file_name or path.name
-        if not path.is_file():
-            raise InputError(name, "The file does not exist.")
-        with path.open("rb") as handle:
-            content = handle.read(limits.file_bytes + 1)
+        try:
+            with path.open("rb") as handle:
+                content = handle.read(limits.file_bytes + 1)
+        except OSError as error:
+            raise InputError(name, f"cannot be read: {error.strerror or error}") from error
     else:
         content, name = source.read(limits.file_bytes + 1), file_name or "upload"
     if len(content) > limits.file_bytes:
@@ -253,13 +255,15 @@ def _signal(
         if len(column.values) != len(signal):
             raise InputError(name, f"{column.label} has {len(column.values)} samples, {labels} differ in length")
         np.multiply(column.values, scale.factor * (rate_hz if scale.per_sample else 1.0), out=signal[:, axis])
-    bad = np.flatnonzero(~np.isfinite(signal).all(axis=1))
+    usable = np.abs(signal) <= _LARGEST
+    bad = np.flatnonzero(~usable.all(axis=1))
     if len(bad):
-        axis = int(np.flatnonzero(~np.isfinite(signal[bad[0]]))[0])
+        axis = int(np.flatnonzero(~usable[bad[0]])[0])
+        what = f"larger than {_LARGEST:g} in SI units" if np.isfinite(signal[bad[0], axis]) else "not a finite number"
         raise InputError(
             name,
-            f"{found.row_word} {found.first_row + bad[0]}: {role}_{AXIS_LETTERS[axis]} is not "
-            f"a finite number ({len(bad)} such rows)",
+            f"{found.row_word} {found.first_row + bad[0]}: {role}_{AXIS_LETTERS[axis]} is {what} "
+            f"({len(bad)} such rows)",
         )
     source = " .. ".join(dict.fromkeys((columns[0].label, columns[-1].label)))
     kind = "increments per sample" if scale.per_sample else "rates"
@@ -286,8 +290,7 @@ def _scale(role: str, column: _Column, found: _Found, options: LogOptions, name:
 def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> float:
     """The rate from the options, the file's word or its time column, which must agree (RATE_TOLERANCE)."""
     stated = options.rate_hz if options.rate_hz is not None else found.rate_hz
-    if stated is not None and not (math.isfinite(stated) and stated > 0.0):
-        raise InputError(name, f"A rate of {stated} Hz is not allowed. Give a positive number.")
+    _check_rate(stated, name)
     times = [column for column in found.columns if column.meaning.role == "time"]
     if len(times) > 1:
         raise InputError(
@@ -301,6 +304,7 @@ def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> fl
         notes.append(f"rate {stated:g} Hz as stated")
         return stated
     measured = _rate_of_time(times[0], found, name, stated)
+    _check_rate(measured, name)
     if stated is not None and abs(measured / stated - 1.0) > RATE_TOLERANCE:
         raise InputError(
             name,
@@ -308,6 +312,12 @@ def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> fl
         )
     notes.append(f"rate {measured:.6g} Hz from {times[0].label}")
     return stated if stated is not None else measured
+
+
+def _check_rate(rate_hz: float | None, name: str) -> None:
+    low, high = _RATES
+    if rate_hz is not None and not low <= rate_hz <= high:
+        raise InputError(name, f"A rate of {rate_hz:g} Hz is not allowed. It must be {low:g} to {high:g} Hz.")
 
 
 def _rate_of_time(column: _Column, found: _Found, name: str, stated: float | None) -> float:

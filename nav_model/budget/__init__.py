@@ -62,7 +62,7 @@ from nav_model.budget.shares import (
 )
 from nav_model.budget.verdict import confidence_of, judge
 from nav_model.design import Design
-from nav_model.errors import InputError
+from nav_model.errors import InputError, shown
 from nav_model.frozen import FrozenMapping, Later, Once
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
@@ -268,8 +268,10 @@ def _times(design: Design, times: ArrayLike | None) -> Array:
         return _even_times(design.coast.duration)
     time = np.atleast_1d(np.array(times, float))  # a copy: the budget's arrays are read-only, the caller's stay his
     longest = design.coast.param["duration"].bounds[1]
-    if time.ndim != 1 or not np.all(np.isfinite(time) & (time >= 0) & (time <= longest)):
-        raise InputError("times", f"{times!r} is not allowed. Give seconds from 0 to {longest:g}.", times)
+    wrong = time[~((time >= 0) & (time <= longest))]
+    if time.ndim != 1 or wrong.size:
+        said = f"{wrong[0]:g}" if wrong.size else shown(times)
+        raise InputError("times", f"{said} is not allowed. Give seconds from 0 to {longest:g}.", times)
     return time
 
 

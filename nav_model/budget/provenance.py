@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from nav_model.budget.result import Budget
@@ -97,6 +97,14 @@ _TABLE: dict[str, Provenance] = {
     "other_verdict": Provenance("[T-8], [T-17], [S-2], [S-5], [P-3]", "the same limits, processed the other way"),
 }
 
+_CYCLE = frozenset(key for key, entry in _TABLE.items() if entry.note == "cycle rms")
+
+
+def steady_marks(design: Design) -> tuple[str, str]:
+    """The equations of the steady state, horizontal and vertical: with velocity fixes it is another one."""
+    return ("[T-3]", "[T-4]") if design.gnss.velocity_noise is None else ("[P-6]", "[P-6]")
+
+
 _AUGMENTED_NOTE = "no closed form covers the slow GNSS error; white noise only"
 
 
@@ -106,10 +114,14 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
     With a slow GNSS error the closed forms describe the white noise only and say so, and the phase budget
     starts from the tilt of the augmented filter just after the last fix.
     """
-    if not budget.design.gnss.correlated:
-        return MappingProxyType(_TABLE)
     table = dict(_TABLE)
-    for key, entry in _TABLE.items():
+    if budget.design.gnss.velocity_noise is not None:
+        table |= {key: replace(_TABLE[key], equation=steady_marks(budget.design)[0]) for key in _CYCLE}
+        for key in ("steady_state.gyro_dominance", "steady_state.asymptote"):
+            table[key] = replace(_TABLE[key], note="of position fixes alone; velocity fixes are left out")
+    if not budget.design.gnss.correlated:
+        return MappingProxyType(table)
+    for key, entry in tuple(table.items()):
         if key.endswith("shares"):
             table[key] = Provenance(entry.equation, entry.method, "slow GNSS error from the augmented filter")
         elif key.startswith(("steady_state", "coast")) and entry.method == CLOSED:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from nav_model.budget.fast import LEVELS
 from nav_model.budget.figures import FIGURES, PLACING, UNSCALED
+from nav_model.budget.provenance import steady_marks
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
@@ -120,6 +121,7 @@ def _placed(placement: Placement, basis: str) -> dict[str, _Figure]:
 
 def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) -> dict[str, _Figure]:
     chosen = design.requirements.steady_state
+    level, upright = steady_marks(design)
     sigmas = getattr(steady_state, chosen)
     label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]
 
@@ -140,11 +142,11 @@ def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar)
         "along_track_quadratic_phase": _Figure(sar.along_track_quadratic, budget, "[S-2]", sar.velocity_shares),
         "cubic_phase": _Figure(sar.cubic, budget, "[S-6]", by_source("cubic_share")),
         "detrended_phase": _Figure(sar.detrended, budget, "[T-15], [S-6]", by_source("detrended_share")),
-        "horizontal_position": settled("horizontal_position", sigmas.position_horizontal, "[T-3]"),
-        "vertical_position": settled("vertical_position", sigmas.position_vertical, "[T-4]"),
-        "horizontal_velocity": settled("horizontal_velocity", sigmas.velocity_horizontal, "[T-3]"),
-        "vertical_velocity": settled("vertical_velocity", sigmas.velocity_vertical, "[T-4]"),
-        "tilt": settled("tilt", sigmas.tilt, "[T-3]"),
+        "horizontal_position": settled("horizontal_position", sigmas.position_horizontal, level),
+        "vertical_position": settled("vertical_position", sigmas.position_vertical, upright),
+        "horizontal_velocity": settled("horizontal_velocity", sigmas.velocity_horizontal, level),
+        "vertical_velocity": settled("vertical_velocity", sigmas.velocity_vertical, upright),
+        "tilt": settled("tilt", sigmas.tilt, level),
         "coast_horizontal_position": _Figure(
             coast.end_refined_horizontal, "refined", "[T-17]", coast.shares_horizontal
         ),

@@ -20,7 +20,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,7 @@ from nav_model.toml_text import read_toml
 
 _MAX_BYTES = 1_000_000
 MOST_ROWS = 50_000_000
-MOST_POINTS = 100_000  # of one range
+MOST_POINTS = 100_000  # of all lists and ranges of a sweep
 _ROWS_PER_PART = 2000
 _FLIGHTS_PER_PART = 1  # a flight takes seconds
 _FORMAT = 1  # of the parts; part of a plan's identity
@@ -132,7 +132,9 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
     vary = tables.get("vary")
     if not isinstance(vary, dict) or not vary:
         raise InputError("vary", 'gives no input. Try gnss.position_noise = ["2 cm", "1 m"]')
-    axes = tuple(_axis(key, spec) for key, spec in _flat(vary))
+    varied = _flat(vary)
+    _check_size(varied)
+    axes = tuple(_axis(key, spec) for key, spec in varied)
     for i, axis in enumerate(axes):
         if axis.key in {other.key for other in axes[:i]}:
             raise InputError(axis.key, "is varied twice; give it one list or range")
@@ -143,7 +145,8 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
     size = _part_size(tables, _FLIGHTS_PER_PART if flight else _ROWS_PER_PART)
     plan = Plan(design, axes, combine == "together", _results(tables), size, flight)
     if plan.rows > MOST_ROWS:
-        raise InputError("vary", f"asks for {plan.rows} designs; at most {MOST_ROWS} go in one sweep")
+        asked = plan.rows if plan.rows < 10**12 else f"more than 1e{len(str(plan.rows)) - 1}"
+        raise InputError("vary", f"asks for {asked} designs; at most {MOST_ROWS} go in one sweep")
     if flight is not None:
         check_flight(flight, design)
     return plan
@@ -183,6 +186,16 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
         else:
             found.append((f"{prefix}{key}", content))
     return found
+
+
+def _check_size(varied: Sequence[tuple[str, Any]]) -> None:
+    """Refuse a sweep whose lists and ranges alone would take much memory, before they are made."""
+    count = 0
+    for key, spec in varied:
+        points = spec.get("points") if isinstance(spec, dict) else len(spec) if isinstance(spec, list) else 0
+        count += points if isinstance(points, int) and points > 0 else 0
+        if count > MOST_POINTS:
+            raise InputError(key, f"more than {MOST_POINTS} values in all lists and ranges; give at most that many")
 
 
 def _axis(key: str, spec: Any) -> Axis:

@@ -21,7 +21,7 @@ MEMS, TACTICAL, L_BAND = (str(EXAMPLES / f"{name}.toml") for name in ("mems_x_ba
 
 def _process(*arguments, stdin=b"", **environment):
     return subprocess.run(
-        [sys.executable, "-m", "app.cli", *arguments],
+        [sys.executable, "-m", "app", *arguments],
         cwd=ROOT,
         input=stdin,
         capture_output=True,
@@ -238,7 +238,7 @@ def test_a_change_without_its_value_is_named_and_not_taken_for_a_design(capsys, 
 
 
 def test_a_reader_that_leaves_early_is_no_error():
-    shell = f"{sys.executable} -m app.cli evaluate {MEMS} | head -n 1; exit ${{PIPESTATUS[0]}}"
+    shell = f"{sys.executable} -m app evaluate {MEMS} | head -n 1; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", shell], cwd=ROOT, capture_output=True, check=False)
     assert done.returncode == 0
     assert done.stderr == b""

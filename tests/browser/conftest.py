@@ -64,7 +64,7 @@ def browser_type_launch_args(browser_type_launch_args: dict[str, Any]) -> dict[s
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a running `navbudget serve`."""
     library = tmp_path_factory.mktemp("library") / "library.db"
-    command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--library", str(library)]
+    command = [sys.executable, "-m", "app", "serve", "--port", "0", "--library", str(library)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         line = process.stdout.readline()

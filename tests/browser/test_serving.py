@@ -25,7 +25,7 @@ _IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d
 
 @contextmanager
 def _serving(library: Path, *options: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
-    command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--library", str(library), *options]
+    command = [sys.executable, "-m", "app", "serve", "--port", "0", "--library", str(library), *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         line = process.stdout.readline()

@@ -106,7 +106,7 @@ def heavy_tasks(server: str) -> float:
 @pytest.fixture
 def forgetful() -> Iterator[str]:
     """A server that keeps a closed page for two seconds only, for a browser that may come back."""
-    command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--session-lifetime", "2"]
+    command = [sys.executable, "-m", "app", "serve", "--port", "0", "--session-lifetime", "2"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         yield process.stdout.readline().split()[-1]

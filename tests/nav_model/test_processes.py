@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+import time
+from concurrent.futures.process import BrokenProcessPool
 
 import psutil
 import pytest
 from waiting import PATIENCE
+
+from nav_model.processes import worker_pool
 
 _POOL = """
 import os, sys, time
@@ -36,3 +41,14 @@ def test_workers_end_when_their_parent_is_killed(tmp_path, module: str, name: st
         process.kill()
     _, alive = psutil.wait_procs(workers, timeout=PATIENCE)
     assert not alive
+
+
+def test_killed_workers_are_told_of_whatever_else_was_cancelled() -> None:
+    with worker_pool(1) as pool:
+        worker = psutil.Process(pool.submit(os.getpid).result(PATIENCE))
+        asked = [pool.submit(time.sleep, 600) for _ in range(5)]
+        assert asked[2].cancel()  # it waits behind the one that runs and the one handed on
+        worker.kill()
+        for future in (*asked[:2], *asked[3:]):
+            with pytest.raises(BrokenProcessPool):
+                future.result(PATIENCE)

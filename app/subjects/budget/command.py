@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, read_design
-from app.console.ending import refuse
+from app.console.ending import one_line, refuse
 from app.document.sicd import sicd_xml
 from app.document.verdict import check_words
 from nav_model.budget import Budget, analyse
@@ -48,7 +48,10 @@ def add_to(commands: Any) -> None:
 def _evaluate(options: argparse.Namespace) -> int:
     (path,) = paths_of(options)
     design = read_design(path, options.changes)
-    budget = analyse(design, _times(options.times))
+    try:
+        budget = analyse(design, _times(options.times))
+    except InputError as error:
+        raise (error.under("--times") if error.key == "times" else error) from error
     if options.sicd:
         sys.stdout.write(sicd_xml(error_statistics(design)).decode())
         return 0
@@ -74,7 +77,7 @@ def _check(options: argparse.Namespace) -> int:
         except InputError as error:
             worst = refuse(error)
             continue
-        print("\n".join(check_lines(path, budget)))
+        print("\n".join(check_lines(one_line(path), budget)))
         if not budget.verdict.closes:
             worst = max(worst, 1)
     return worst

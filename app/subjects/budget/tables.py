@@ -14,7 +14,7 @@ from app.document.verdict import check_words, limit_in_words, met_cell, requirem
 from app.document.wording import DETRENDED, best_of
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
-from nav_model.budget.provenance import provenance
+from nav_model.budget.provenance import provenance, steady_marks
 from nav_model.budget.result import Check
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -34,11 +34,12 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
     image = smoothed or sar
     extent = image.half_power_extent
     autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
+    level, upright = steady_marks(budget.design)
     fields = (
-        ("Position, horizontal", "position_horizontal", "length", "horizontal_position", "[T-3]"),
-        ("Position, vertical", "position_vertical", "length", "vertical_position", "[T-4]"),
-        ("Velocity, horizontal", "velocity_horizontal", "speed", "horizontal_velocity", "[T-3]"),
-        ("Roll, pitch", "tilt", "angle", "tilt", "[T-3]"),
+        ("Position, horizontal", "position_horizontal", "length", "horizontal_position", level),
+        ("Position, vertical", "position_vertical", "length", "vertical_position", upright),
+        ("Velocity, horizontal", "velocity_horizontal", "speed", "horizontal_velocity", level),
+        ("Roll, pitch", "tilt", "angle", "tilt", level),
     )
 
     def figure(label: str, amount: float, dimension: str, detail: str, name: str = "") -> KeyFigure:
@@ -201,6 +202,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
         name = label if display == ONE_SIGMA else f"{label}, {told}"
         return Cell(name), *map(Cell, shown), Cell(f"{source}, {percent(share)}")
 
+    cycle = ", ".join(dict.fromkeys(steady_marks(budget.design)))
     closed = sources["steady_state.position_sigma_m.horizontal"]
     prior = sources["steady_state.discrete.prior"]
     return Table(
@@ -208,7 +210,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
         f"Errors while fixes come in, {display.spread}",
         (
             Column("Error", width=1.5),
-            Column("Cycle rms [T-3], [T-4]", numeric=True),
+            Column(f"Cycle rms {cycle}", numeric=True),
             Column("Before a fix [T-8]", numeric=True),
             Column("After a fix [T-8]", numeric=True),
             Column("Largest share [T-18]", width=1.2),

@@ -10,7 +10,7 @@ import numpy as np
 from app.charts.kinds import Array, Band, Chart, Limit, Line, Span
 from app.document.numbers import number
 from nav_model.budget import Budget
-from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance
+from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance, steady_marks
 
 _LEAD = 0.2  # of the outage shown: steady state to the left of zero
 DEGREES = 180 / math.pi
@@ -72,11 +72,12 @@ def _validity(budget: Budget) -> str:
 def position_knowledge(budget: Budget) -> str:
     """How the curves of position are known."""
     coast = budget.coast
+    level, upright = steady_marks(budget.design)
     ratio = coast.end_refined_horizontal / coast.position_horizontal[-1]
     ratio_v = coast.end_refined_vertical / coast.position_vertical[-1]
     slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
     return (
-        f"Curves by formula [T-3], [T-4], [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
+        f"Curves by formula {level}, {upright}, [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
         f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {number(ratio)} and "
         f"vertical {number(ratio_v)} times the polynomial at {number(coast.duration, given=True)} s.{slow}"
     )
@@ -85,15 +86,16 @@ def position_knowledge(budget: Budget) -> str:
 def position_chart(budget: Budget) -> Chart:
     """Position sigma against time: steady state, then outage."""
     steady, coast = budget.steady_state, budget.coast
+    level, upright = steady_marks(budget.design)
     lead, end = -_LEAD * coast.duration, coast.duration
     x = _grid(budget)
     curves = (
         ("ch", "horizontal", _held(steady.closed.position_horizontal, coast.position_horizontal),
-         "horizontal", "closed form [T-3], [T-9]"),
+         "horizontal", f"closed form {level}, [T-9]"),
         ("rh", "horizontal, refined", _after(coast.refined_horizontal),
          "horizontal refined", "linear covariance propagation [T-17]"),
         ("cv", "vertical", _held(steady.closed.position_vertical, coast.position_vertical),
-         "vertical", "closed form [T-4], [T-10]"),
+         "vertical", f"closed form {upright}, [T-10]"),
         ("rv", "vertical, refined", _after(coast.refined_vertical),
          "vertical refined", "linear covariance propagation [T-17]"),
         ("ph", "horizontal, perfect start", _after(coast.perfect_start_horizontal),
@@ -136,6 +138,7 @@ def position_chart(budget: Budget) -> Chart:
 def velocity_chart(budget: Budget) -> Chart:
     """Velocity sigma against time."""
     steady, coast = budget.steady_state, budget.coast
+    level, upright = steady_marks(budget.design)
     lead = -_LEAD * coast.duration
     x = _grid(budget)
     return Chart(
@@ -145,9 +148,9 @@ def velocity_chart(budget: Budget) -> Chart:
         y_label="velocity, 1σ [m/s]",
         lines=(
             Line("ch", "horizontal", x, _held(steady.closed.velocity_horizontal, coast.velocity_horizontal),
-                 "horizontal", "closed form [T-3], [T-9]"),
+                 "horizontal", f"closed form {level}, [T-9]"),
             Line("cv", "vertical", x, _held(steady.closed.velocity_vertical, coast.velocity_vertical),
-                 "vertical", "closed form [T-4], [T-10]"),
+                 "vertical", f"closed form {upright}, [T-10]"),
         ),
         bands=(
             _cycle_band(budget, "bh", "horizontal, before/after fix", "velocity_horizontal", "horizontal"),
@@ -156,13 +159,14 @@ def velocity_chart(budget: Budget) -> Chart:
         limits=_limits(budget, (("horizontal_velocity", lead, 0.0), ("vertical_velocity", lead, 0.0))),
         spans=(_aperture_span(budget),),
         y_log=True,
-        knowledge=f"Closed forms [T-3], [T-4], [T-9], [T-10]; band [T-8], {_validity(budget)}.",
+        knowledge=f"Closed forms {level}, {upright}, [T-9], [T-10]; band [T-8], {_validity(budget)}.",
     )  # fmt: skip
 
 
 def attitude_chart(budget: Budget) -> Chart:
     """Tilt sigma and yaw growth against time."""
     steady, coast = budget.steady_state, budget.coast
+    level, _ = steady_marks(budget.design)
     lead = -_LEAD * coast.duration
     x = _grid(budget)
     return Chart(
@@ -172,7 +176,7 @@ def attitude_chart(budget: Budget) -> Chart:
         y_label="attitude, 1σ [°]",
         lines=(
             Line("tilt", "roll and pitch, each", x, _held(steady.closed.tilt * DEGREES, coast.tilt * DEGREES),
-                 "tilt", "closed form [T-3], [T-9]"),
+                 "tilt", f"closed form {level}, [T-9]"),
             Line("yaw", "yaw, growth alone", x, _after(coast.yaw_growth * DEGREES), "yaw", "closed form [T-5]"),
         ),
         bands=(_cycle_band(budget, "bt", "tilt, before/after fix", "tilt", "tilt", DEGREES),),
@@ -180,7 +184,7 @@ def attitude_chart(budget: Budget) -> Chart:
         spans=(_aperture_span(budget),),
         y_log=True,
         knowledge=(
-            f"Tilt [T-3], [T-9] in closed form, band [T-8], {_validity(budget)}. "
+            f"Tilt {level}, [T-9] in closed form, band [T-8], {_validity(budget)}. "
             "Yaw is unobservable on a straight path: only its growth [T-5] is shown."
         ),
     )  # fmt: skip

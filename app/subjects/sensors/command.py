@@ -34,12 +34,13 @@ def add_to(commands: Any) -> None:
 
 def _allan(options: argparse.Namespace) -> int:
     from app.subjects.sensors.log_study import LogRequest, read_options, study_log, study_to_json
+    from nav_model.allan.log_file import Limits
     from nav_model.allan.motion import BenchNoise
 
     if not options.motion and (options.bench_arw or options.bench_vrw):
         options.parser.error("--bench-arw and --bench-vrw belong to --motion")
     request = LogRequest(
-        source=sys.stdin.buffer.read() if options.log == "-" else options.log,
+        source=sys.stdin.buffer.read(Limits().file_bytes + 1) if options.log == "-" else options.log,
         file_name="standard input" if options.log == "-" else None,
         options=read_options(
             options.rate, options.gyro_unit, options.accelerometer_unit, options.columns, options.arrays

@@ -70,11 +70,7 @@ def study_log(request: LogRequest, progress: Progress) -> Study:
         Naming the file, and where in it, when it cannot be opened, read or analysed as asked.
     """
     progress(0.0, READING)
-    try:
-        log = read_log(request.source, request.options, request.file_name, request.limits)
-    except OSError as error:
-        where = request.file_name or str(request.source)
-        raise InputError(where, f"cannot be read: {error.strerror or error}") from error
+    log = read_log(request.source, request.options, request.file_name, request.limits)
     try:
         if request.motion:
             return analyse_motion(log, request.bench, progress=progress)

@@ -55,8 +55,7 @@ def _suborbital(options: argparse.Namespace) -> int:
     if designs or any("=" not in change for change in changes):
         designs = paths_of(options)
         changes = list(options.changes)
-    sections = ("imu.", "gnss.", "coast.", "radar.", "requirements.")
-    of_design = [change for change in changes if change.startswith(sections)]
+    of_design = [change for change in changes if _is_of_design(change.partition("=")[0].strip())]
     asked = dict(part.split("=", 1) for part in changes if part not in of_design)
     asked |= {
         key: text
@@ -72,3 +71,13 @@ def _suborbital(options: argparse.Namespace) -> int:
     }
     data, where = content_of(designs[0], MAX_STUDY) if designs else (None, "")
     return run(data, where, of_design, asked, options.trajectory, options.noise_runs, options.save)
+
+
+def _is_of_design(key: str) -> bool:
+    """Whether a key is one of a design, or of a section that only designs have; what both have is the study's."""
+    from nav_model.design.parts import INPUTS, TOP_KEYS, all_keys
+    from nav_model.suborbital.settings import DEFAULTS
+
+    ours = {name.partition(".")[0] for name in DEFAULTS.values}
+    section = key.partition(".")[0]
+    return key not in DEFAULTS.values and (key in (*TOP_KEYS, *all_keys()) or section in INPUTS.keys() - ours)

@@ -62,7 +62,10 @@ def run(
     if trajectory is not None:
         flown = (Path(trajectory).name, read_bytes(trajectory, BOUNDS.most_bytes))
     if save is not None:
-        put_file(save, format_study(settings, flown).encode("utf-8"))
+        try:
+            put_file(save, format_study(settings, flown).encode("utf-8"))
+        except InputError as error:
+            raise error.under("--save") from error
     try:
         with show_progress() as show:
             survey = run_survey(settings, flown, progress=lambda share, what: show(what, share))

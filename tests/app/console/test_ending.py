@@ -33,7 +33,7 @@ seed = 1
 
 def _run(*command: str, **options: Any) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-m", "app.cli", *command],
+        [sys.executable, "-m", "app", *command],
         cwd=ROOT, text=True, stderr=subprocess.PIPE, start_new_session=True, **options,
     )  # fmt: skip
 
@@ -97,6 +97,20 @@ def test_a_stopped_command_ends_its_workers_says_one_line_and_leaves_nothing_hal
     assert not {name for name in left if name.endswith((".part", ".tmp"))}
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_the_command_is_loaded_ends_it_with_one_line(number: signal.Signals) -> None:
+    telling = [sys.executable, "-X", "importtime", "-m", "app", "check", TACTICAL]
+    with subprocess.Popen(telling, cwd=ROOT, text=True, stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None
+        for line in process.stderr:
+            if "numpy" in line:
+                break
+        process.send_signal(number)
+        said = [line for line in process.stderr if not line.startswith("import time:")]
+        assert process.wait(PATIENCE) == 128 + number
+        assert said == [f"navbudget: {'interrupted' if number == signal.SIGINT else 'terminated'}\n"]
+
+
 # What is written when it is too much to keep, and what is written at the very end.
 _MUCH, _LITTLE = ["evaluate", TACTICAL], ["check", TACTICAL]
 
@@ -122,7 +136,7 @@ def test_a_closed_pipe_is_silent(command: list[str]) -> None:
 
 @pytest.mark.parametrize("command", [f"check {MEMS} {TACTICAL}", f"evaluate {MEMS}"])
 def test_a_reader_that_leaves_early_is_no_fault_and_hears_nothing(command: str) -> None:
-    shell = f"{sys.executable} -m app.cli {command} | head -1; exit ${{PIPESTATUS[0]}}"
+    shell = f"{sys.executable} -m app {command} | head -1; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", shell], cwd=ROOT, capture_output=True, text=True)
     # What `check` said in time is the verdict: one of the two designs does not close.
     assert done.returncode == command.startswith("check")
@@ -140,7 +154,7 @@ def test_a_reader_that_leaves_early_is_no_fault_and_hears_nothing(command: str) 
     ],
 )
 def test_closed_streams_change_no_verdict(design: str, code: int, closed: str) -> None:
-    done = subprocess.run(f"{sys.executable} -m app.cli check {design} {closed}", shell=True, cwd=ROOT)
+    done = subprocess.run(f"{sys.executable} -m app check {design} {closed}", shell=True, cwd=ROOT)
     assert done.returncode == code
 
 

@@ -132,7 +132,7 @@ def test_an_unusable_library_is_told_before_the_server_starts(
     assert main(["serve", "--port", "0", "--library", str(tmp_path / "photo.db")]) == 2
     assert "not a database" in capsys.readouterr().err
     done = subprocess.run(
-        [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--library", str(tmp_path / "photo.db" / "x.db")],
+        [sys.executable, "-m", "app", "serve", "--port", "0", "--library", str(tmp_path / "photo.db" / "x.db")],
         capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 2

@@ -95,6 +95,15 @@ def test_a_review_sealed_anew_is_found_out_on_opening_and_in_the_report(
     assert state_of(forged).tone == "bad"
 
 
+@pytest.mark.parametrize("column", ["name", "author", "note", "saved", "origin", "text", "content_hash"])
+def test_what_the_record_says_of_a_design_is_under_the_signature(
+    library: Library, signed: Review, column: str
+) -> None:
+    with library.engine.begin() as connection:
+        connection.execute(text(f"UPDATE revisions SET {column} = '2001-01-01T00:00:00.000+00:00'"))
+    assert load_review(library, signed.id).doubt == "changed outside the program"
+
+
 def test_without_the_key_nothing_is_said_to_hold(library: Library, signed: Review, key: Path) -> None:
     key.write_bytes(_pem(Ed25519PrivateKey.generate()))
     assert "does not have" in load_review(library, signed.id).doubt

@@ -116,7 +116,7 @@ class Served:
 
 
 @contextmanager
-def _serving(*options: str, log: Path | None = None, program: Sequence[str] = ("-m", "app.cli")) -> Iterator[Served]:
+def _serving(*options: str, log: Path | None = None, program: Sequence[str] = ("-m", "app")) -> Iterator[Served]:
     with open(log or os.devnull, "w") as errors:
         process = subprocess.Popen(
             [sys.executable, *program, "serve", "--port", "0", *options],

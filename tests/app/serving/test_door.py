@@ -236,9 +236,12 @@ def test_tries_are_counted_over_all_processes_and_for_an_account_from_everywhere
 def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(team: Any) -> None:
     served, _, log = team
     served = replace(served, cookies={})
-    assert served.ask("/metrics", **{"X-Forwarded-For": "192.0.2.7"})[0] == 403
-    peer = {"X-Forwarded-For": "192.0.2.7", "X-Forwarded-Proto": "https"}
-    _, _, headers = _attempt(served, "ada", PASSWORD, **peer)
+    for sent in ({}, {"X-Real-Ip": "127.0.0.1"}):  # a proxy hands on what it does not know
+        for peer in ("192.0.2.7", "127.0.0.1, 192.0.2.7", "192.0.2.7:1234", "unknown", ""):
+            assert served.ask("/metrics", **{"X-Forwarded-For": peer}, **sent)[0] == 403
+    forwarded = {"X-Forwarded-For": "192.0.2.7", "X-Forwarded-Proto": "https"}
+    claimed = {"X-Real-Ip": "192.0.2.8", "X-Scheme": "http"}
+    _, _, headers = _attempt(served, "ada", PASSWORD, **forwarded, **claimed)
     (user,) = (line for line in headers.get_all("Set-Cookie") or [] if line.startswith("user="))
     assert "Secure" in user
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE
 
 from app.cli import main
 from app.serving.passwords import Passwords, password_line, read_passwords
@@ -80,7 +81,7 @@ def test_password_command(tmp_path: Path) -> None:
     path = tmp_path / "people"
     with path.open("w") as out:
         subprocess.run(
-            [sys.executable, "-m", "app.cli", "password", "ada"],
+            [sys.executable, "-m", "app", "password", "ada"],
             input=PASSWORD + "\n",
             stdout=out,
             text=True,
@@ -91,6 +92,27 @@ def test_password_command(tmp_path: Path) -> None:
     for name, password in (("a:b", PASSWORD), ("#a", PASSWORD), ("ada", "short"), ("a\nb", PASSWORD)):
         with pytest.raises(InputError):
             password_line(name, password)
+
+
+@pytest.mark.parametrize(
+    ("option", "content", "said"),
+    [
+        ("--library", None, "--library: cannot be opened: unable to open"),
+        ("--library", b"x" * 5000, "--library: cannot be opened: file is not a database"),
+        ("--review-key", None, "Is a directory; name a file with an Ed25519 key"),
+        ("--review-key", b"x", "holds no Ed25519 key"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_told_at_the_start(
+    tmp_path: Path, option: str, content: bytes | None, said: str
+) -> None:
+    path = tmp_path / "file"
+    path.mkdir() if content is None else path.write_bytes(content)
+    command = [sys.executable, "-m", "app", "serve", "--port", "0", option, str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert said in done.stderr
 
 
 def test_hash_is_scrypt_of_the_standard() -> None:

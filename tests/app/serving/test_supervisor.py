@@ -135,7 +135,7 @@ async def _visit(address: str, pages: int) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_when_it_ends_nothing_of_it_stays(number: signal.Signals) -> None:
-    command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--processes", "2", "--grace", "0"]
+    command = [sys.executable, "-m", "app", "serve", "--port", "0", "--processes", "2", "--grace", "0"]
     with ExitStack() as left:
         process = left.enter_context(
             subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

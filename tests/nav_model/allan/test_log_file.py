@@ -1,6 +1,7 @@
 """Reading logs: the layouts of the field, and every malformed upload refused by name."""
 
 import io
+import math
 import struct
 import zipfile
 from pathlib import Path
@@ -150,8 +151,16 @@ def test_wrong_and_irregular_rates_are_refused():
         read_log("\n".join(GOOD[:20] + GOOD[21:]).encode())
     with pytest.raises(InputError, match="does not increase"):
         read_log("\n".join([*GOOD[:20], GOOD[19], *GOOD[20:]]).encode())
-    with pytest.raises(InputError, match="positive"):
-        read_log(csv(GYRO), LogOptions(columns=NAMES[:3], rate_hz=-1.0, gyro_unit="rad/s"))
+    for rate in (-1.0, 0.0, 1e-300, 1e300, math.inf, math.nan):
+        with pytest.raises(InputError, match=r"A rate of .* Hz is not allowed. It must be 0.001 to 1e\+07 Hz."):
+            read_log(csv(GYRO), LogOptions(columns=NAMES[:3], rate_hz=rate, gyro_unit="rad/s"))
+    with pytest.raises(InputError, match=r"It must be 0.001"):
+        read_log(b"time [ns],gyro_x [rad/s]\n" + b"".join(b"%de-300,1\n" % n for n in range(1, 600)))
+
+
+def test_values_no_sensor_has_are_refused_by_line():
+    with pytest.raises(InputError, match=r"line 3: gyro_x is larger than 1e\+09 in SI units \(1 such rows\)"):
+        read_log(b"gyro_x [rad/s]\n1\n-1e308\n2\n", LogOptions(rate_hz=1.0))
 
 
 def test_size_limits():
@@ -284,7 +293,7 @@ def test_path_and_stream_give_the_same_log(tmp_path: Path):
     assert from_path.file_name == "static.csv"
     assert from_path.sha256 == from_stream.sha256
     assert len(from_path.sha256) == 64
-    with pytest.raises(InputError, match="does not exist"):
+    with pytest.raises(InputError, match="No such file"):
         read_log(tmp_path / "missing.csv")
 
 

@@ -165,3 +165,18 @@ def test_the_design_travels_with_its_result():
     assert plain["design"]["content_hash"] == FULL.content_hash
     assert plain["design"]["inputs"]["imu.gyro_bias"] == 1e-6
     assert plain["design"]["name"] == "full"
+
+
+def test_with_velocity_fixes_every_source_of_the_steady_state_is_the_equation_that_has_them():
+    """[T-3] and [T-4] know position fixes only; [P-6] gives what the JSON then says."""
+    design = Design(
+        {"gnss.velocity_noise": 0.03, "requirements.steady_state": "closed", "requirements.tilt": 1.0,
+         "requirements.vertical_position": 1.0}
+    )  # fmt: skip
+    plain = to_json(analyse(design))
+    assert [check["equation"] for check in plain["verdict"]["requirements"]] == ["[P-6]", "[P-6]"]
+    cycle = {key: told for key, told in plain["provenance"].items() if told["note"] == "cycle rms"}
+    assert len(cycle) == 5
+    assert {told["equation"] for told in cycle.values()} == {"[P-6]"}
+    for key in ("gyro_dominance", "asymptote"):
+        assert "velocity fixes are left out" in plain["provenance"][f"steady_state.{key}"]["note"]

@@ -150,8 +150,10 @@ name = "inline"
         ("rows_per_part=0\n[design]\nname='x'\n[vary]\ngnss.interval=['1 s']", "whole number"),
         ("combine='together'\n[design]\nname='x'\n[vary]\ngnss.interval=['1 s']\ngnss.position_noise=['1 m','2 m']",
          "one length"),
-        ("[design]\nname='x'\n[vary]\ngnss.interval={from='1 s', to='2 s', points=100000}\n"
-         "gnss.position_noise={from='1 m', to='2 m', points=100000}", "at most"),
+        ("[design]\nname='x'\n[vary]\ngnss.interval={from='1 s', to='2 s', points=50000}\n"
+         "gnss.position_noise={from='1 m', to='2 m', points=50000}", "asks for 2500000000 designs; at most"),
+        ("combine='together'\n[design]\nname='x'\n[vary]\ngnss.interval={from='1 s', to='2 s', points=100000}\n"
+         "gnss.position_noise=['1 m']", "gnss.position_noise: more than 100000 values"),
     ],
 )  # fmt: skip
 def test_refused_plans(text, message):

@@ -141,6 +141,6 @@ def test_command_writes_the_same_file(open_design, tmp_path):
 
     path = tmp_path / "design.toml"
     path.write_text(format_design(open_design))
-    done = run([executable, "-m", "app.cli", "evaluate", str(path), "--sicd"], capture_output=True, check=True)
+    done = run([executable, "-m", "app", "evaluate", str(path), "--sicd"], capture_output=True, check=True)
     assert done.stdout == sicd_xml(error_statistics(open_design))
     assert isinstance(error_statistics(open_design), ErrorStatistics)

@@ -15,7 +15,8 @@ from app.report.content import report_of
 from app.session import Session
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.page import BudgetPage, requirements
-from app.subjects.budget.tables import key_figures, requirement_table
+from app.subjects.budget.tables import key_figures, requirement_table, steady_table
+from app.subjects.budget.timelines import attitude_chart, position_chart, velocity_chart
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
 from nav_model.design.file import read_design
@@ -153,3 +154,14 @@ def test_the_page_follows_the_budget_it_is_shown(mems: Budget) -> None:
     assert key_figures(other).items[5].value in page._tiles.object
     assert key_figures(mems).items[5].value not in page._tiles.object
     assert [plot.x_range for plot in page._stack.plots] == [page._stack.plots[0].x_range] * 3
+
+
+def test_page_and_report_cite_the_steady_state_that_was_computed() -> None:
+    """[T-3] and [T-4] know position fixes only."""
+    for noise, cited, absent in ((None, "[T-3]", "[P-6]"), (0.03, "[P-6]", "[T-3]")):
+        budget = changed(**{"gnss.velocity_noise": noise, "requirements.steady_state": "closed"})
+        charts = [make(budget) for make in (position_chart, velocity_chart, attitude_chart)]
+        said = [chart.knowledge for chart in charts]
+        said += [chart.lines[0].source for chart in charts]
+        said += [str(key_figures(budget)), str(steady_table(budget, "a"))]
+        assert all(cited in text and absent not in text for text in said)

@@ -135,7 +135,7 @@ def test_cancel_ends_the_process_at_once(tmp_path: Path):
 
 
 def test_a_refusal_comes_back_with_its_key(tmp_path: Path):
-    for path, reason in ((tmp_path / "none.csv", "does not exist"), (tmp_path / "bad.csv", "No numbers found")):
+    for path, reason in ((tmp_path / "none.csv", "No such file"), (tmp_path / "bad.csv", "No numbers found")):
         (tmp_path / "bad.csv").write_text("a,b\nx,y\n")
         with pytest.raises(InputError) as caught:
             asyncio.run(run_alone(study_log, LogRequest(path), progress=lambda fraction, what: None))

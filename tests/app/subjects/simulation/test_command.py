@@ -152,7 +152,7 @@ def test_a_failure_leaves_the_old_file(tmp_path, capsys) -> None:
 
 
 def test_the_command_in_a_process_of_its_own_with_workers() -> None:
-    command = [sys.executable, "-m", "app.cli", "simulate", MEMS, *SHORT, "--runs", "130", "--workers", "2"]
+    command = [sys.executable, "-m", "app", "simulate", MEMS, *SHORT, "--runs", "130", "--workers", "2"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["runs"] == 130

@@ -62,6 +62,18 @@ def test_a_design_and_options_enter_and_are_named() -> None:
     assert abs(gyro["up"]) > 100.0
 
 
+def test_every_section_of_a_design_may_be_changed() -> None:
+    changes = ("name=other", "flight.speed=120 m/s", "processing.mode=post-processed", "motion.delay=1 ms",
+               "oscillator.bistatic=true", "flight.latitude=30°")  # fmt: skip
+    code, answer, said = run(str(EXAMPLES / "mems_x_band.toml"), "--set", *changes)
+    assert code == 0, said
+    assert answer["design"] == "other"
+    assert answer["inputs"]["flight.latitude"]["from"] == "command line"  # the study's own
+    code, _, said = run(str(EXAMPLES / "mems_x_band.toml"), "--set", "motion.wings=1")
+    assert code == 2
+    assert said.startswith("navbudget: motion.wings: unknown key; [motion] has ")
+
+
 def test_a_study_file_gives_the_same_answer_as_the_options_it_was_saved_from(tmp_path: Path) -> None:
     file, flown = tmp_path / "mine.toml", tmp_path / "flown.csv"
     flown.write_bytes(format_flight(reference_flight(), every=5))
