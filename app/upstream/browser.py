@@ -6,7 +6,10 @@ from pathlib import Path
 
 from app.upstream.plain_script import PlainScript
 
-_SCRIPTS = ("style_writes", "canvas_styles", "select_keys", "back_button", "layout_passes", "swallowed_sizes")
+_SCRIPTS = (
+    "style_writes", "canvas_styles", "select_keys", "back_button", "layout_passes", "swallowed_sizes",
+    "skipped_layouts",
+)  # fmt: skip
 
 
 def _script(name: str) -> str:

@@ -9,14 +9,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from nav_model.compiled import kernel
 from nav_model.constants import GRAVITATIONAL_PARAMETER, SPHERE_RADIUS
 from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.checks import require
-from nav_model.suborbital.errors import ErrorSet
+from nav_model.suborbital.errors import PARAMETERS, ErrorSet
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import (
     ACCELEROMETERS,
@@ -31,6 +31,7 @@ from nav_model.suborbital.layout import (
     VELOCITY,
 )
 from nav_model.suborbital.mechanisation import oscillations
+from nav_model.suborbital.sensitivity import unit_errors
 
 
 def schuler_rate(height_m: ArrayLike) -> FloatArray:
@@ -145,83 +146,91 @@ def _channels(
                     v[a, b] = v0 * cv + x0 * 2.0 * w2[i] * sv + f * sv
 
 
-@dataclass(frozen=True)
-class _Forcing:
-    """Forcing of the channels in the middle of every step, north, east, up (n, c, 3), m/s²: of the accelerometers'
-    constant and (before its sine) oscillating errors, of attitude, and all together; the path there (n, 3)."""
+@kernel
+def _force_channels(
+    attitude: FloatArray,
+    force: FloatArray,
+    rate: FloatArray,
+    sines: FloatArray,
+    axes: FloatArray,
+    tilt: FloatArray,
+    used: NDArray[np.bool_],
+    h: float,
+    out: FloatArray,
+) -> None:
+    """Forcing C df + psi x f of a unit of each parameter, resolved in `axes`; tilt (3, P) is psi at lift-off."""
+    n, columns = out.shape[0], out.shape[1]
+    acc, turn = np.zeros((3, columns)), np.zeros((3, columns))
+    f, felt, step = np.empty(3), np.empty(3), np.empty(3)
+    for i in range(n):
+        c = attitude[i]
+        unit_errors(c, force[i], rate[i], sines[i], acc, turn)
+        for a in range(3):
+            f[a] = c[a, 0] * force[i, 0] + c[a, 1] * force[i, 1] + c[a, 2] * force[i, 2]
+        if used[i]:
+            tilt[:] = 0.0
+        for p in range(columns):
+            for a in range(3):
+                step[a] = tilt[a, p] + 0.5 * h * turn[a, p]
+                tilt[a, p] += h * turn[a, p]
+            for a in range(3):
+                b, d = (a + 1) % 3, (a + 2) % 3
+                felt[a] = acc[a, p] + step[b] * f[d] - step[d] * f[b]
+            for b in range(3):
+                out[i, p, b] = felt[0] * axes[i, 0, b] + felt[1] * axes[i, 1, b] + felt[2] * axes[i, 2, b]
 
-    constant: FloatArray
-    amplitude: FloatArray
-    tilt: FloatArray
-    total: FloatArray
-    middle: FloatArray
 
-
-def _forcing(flight: TrueFlight, p: FloatArray, errors: ErrorSet, used: np.ndarray | None) -> _Forcing:
-    n, h = flight.steps, flight.step_s
-    force, rate = flight.specific_force_b[:, 1], flight.angular_rate_b[:, 1]
-    s = oscillations(flight, errors)[1::2]
-    c = flight.half_attitude_bi[1::2]
-
-    def triad(start: int, measured: FloatArray, slow: FloatArray | None, fast: FloatArray | None) -> FloatArray:
-        """C times the constant part of [B-1] (no sines), or the oscillating one."""
-        bias, first = (BIAS, MATRIX) if slow is None else (SLOW_BIAS, SLOW_MATRIX)
-        bias, first = start + bias, start + first
-        turned = (measured @ p[:, first : first + 9].reshape(-1, 3).T).reshape(n, -1, 3)
-        both = p[:, bias : bias + 3]
-        if slow is not None and fast is not None:
-            both, turned = slow[:, None, None] * both, fast[:, None, None] * turned
-        return (both + turned) @ np.swapaxes(c, 1, 2)
-
-    launch = local_axes(flight.position_i[0])
-    step_turn = (triad(GYROS, rate, None, None) + triad(GYROS, rate, s[:, 2], s[:, 3])) * h
-    psi = np.concatenate([np.broadcast_to(p[:, ATTITUDE] @ launch.T, (1, len(p), 3)), step_turn])
-    psi = np.cumsum(psi, axis=0)[:-1]
-    if used is not None and np.any(used):
-        last = np.maximum.accumulate(np.where(used[:-1], np.arange(n), -1))
-        psi = np.where((last >= 0)[:, None, None], psi - psi[np.maximum(last, 0)], psi)
-    force_i = np.einsum("tij,tj->ti", c, force)
+def _forcing(flight: TrueFlight, sines: FloatArray, used: np.ndarray | None) -> tuple[FloatArray, FloatArray]:
+    """Forcing of the channels by a unit of each parameter in the middle of every step, north, east, up (n, 61, 3),
+    m/s²; the path there (n, 3)."""
+    launch, tilt = local_axes(flight.position_i[0]), np.zeros((3, len(PARAMETERS)))
+    tilt[:, ATTITUDE] = launch
     middle = 0.5 * (flight.position_i[1:] + flight.position_i[:-1])
-    turn = local_axes(middle) * np.array([1.0, 1.0, -1.0])
-
-    def local(inertial: FloatArray) -> FloatArray:
-        return np.asarray(inertial @ turn)
-
-    constant, one = triad(ACCELEROMETERS, force, None, None), np.ones(n)
-    tilt = np.cross(psi + 0.5 * step_turn, force_i[:, None])
-    return _Forcing(
-        constant=local(constant),
-        amplitude=local(triad(ACCELEROMETERS, force, one, one)),
-        tilt=local(tilt),
-        total=local(constant + triad(ACCELEROMETERS, force, s[:, 0], s[:, 1]) + tilt),
-        middle=middle,
+    out = np.empty((flight.steps, len(PARAMETERS), 3))
+    _force_channels(
+        np.ascontiguousarray(flight.half_attitude_bi[1::2]),
+        np.ascontiguousarray(flight.specific_force_b[:, 1]),
+        np.ascontiguousarray(flight.angular_rate_b[:, 1]),
+        np.ascontiguousarray(sines),
+        local_axes(middle) * _UP,
+        tilt,
+        np.zeros(flight.steps, dtype=np.bool_) if used is None else np.ascontiguousarray(used, dtype=np.bool_),
+        flight.step_s,
+        out,
     )
+    return out, middle
+
+
+def decoupled_response(
+    flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
+) -> FloatArray:
+    """[B-5] driven along a real flight by a unit of each parameter (61, m, 3), m: north, east, up.
+
+    The forcing C df + psi x f is that of [B-4], resolved in the moving local axes; Coriolis and transport
+    terms are dropped, as in [B]. errors supplies the oscillation periods only; used marks star frames, at which psi
+    vanishes (a perfect camera).
+    """
+    n, h = flight.steps, flight.step_s
+    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+    forcing, middle = _forcing(flight, oscillations(flight, errors)[1::2], used)
+    unit = np.eye(len(PARAMETERS))
+    out = np.empty((len(PARAMETERS), n // every + 1, 3))
+    w2 = GRAVITATIONAL_PARAMETER / np.linalg.norm(middle, axis=1) ** 3
+    _channels(unit[:, POSITION] * _UP, unit[:, VELOCITY] * _UP, forcing, w2, h, every, out)
+    return out
 
 
 def decoupled_errors(
     flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
 ) -> ChannelErrors:
-    """[B-5] driven along a real flight by the parameter vectors (c, 61), for comparison with the INS.
+    """The `decoupled_response` to parameter vectors (c, 61), for comparison with the INS."""
+    response = decoupled_response(flight, errors, used, every)
+    return channel_errors(flight, np.atleast_2d(parameters), response, every)
 
-    The forcing C df + psi x f is that of [B-4], resolved in the moving local axes; Coriolis and transport
-    terms are dropped, as in [B]. used marks star frames, at which psi vanishes (a perfect camera).
-    """
-    p = np.atleast_2d(parameters)
-    n, h = flight.steps, flight.step_s
-    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
-    forcing = _forcing(flight, p, errors, used)
-    up = np.array([1.0, 1.0, -1.0])
-    out = np.empty((len(p), n // every + 1, 3))
-    _channels(
-        p[:, POSITION] * up,
-        p[:, VELOCITY] * up,
-        np.ascontiguousarray(forcing.total),
-        GRAVITATIONAL_PARAMETER / np.linalg.norm(forcing.middle, axis=1) ** 3,
-        h,
-        every,
-        out,
-    )
-    return ChannelErrors(time_s=flight.time_s[::every], position_m=out)
+
+def channel_errors(flight: TrueFlight, parameters: FloatArray, response: FloatArray, every: int) -> ChannelErrors:
+    """What a `decoupled_response` makes of parameter vectors (c, 61)."""
+    return ChannelErrors(flight.time_s[::every], np.einsum("cp,pmi->cmi", parameters, response))
 
 
 def closed_form_errors(
@@ -236,20 +245,22 @@ def closed_form_errors(
     """
     p = np.atleast_2d(parameters)
     require(every >= 1 and flight.steps % every == 0, f"every = {every!r}: must divide the flight's steps")
-    forcing = _forcing(flight, p, errors, None)
     felt = np.linalg.norm(flight.specific_force_b[:, 1], axis=-1)
     burning = felt > _BURNING if np.any(felt > _BURNING) else np.ones(flight.steps, dtype=np.bool_)
     time = flight.time_s[:-1][burning] + 0.5 * flight.step_s
-    still = p.copy()
-    still[:, GYROS : SENSORS.stop] = 0.0  # the attitude error the flight starts with, without what the gyros add
-    first = _forcing(flight, still, errors, None).tilt[burning]
-    grown = forcing.tilt[burning] - first
+    sines = oscillations(flight, errors)[1::2]
+    sines[:, :2] = 1.0  # the accelerometers' amplitude
+    forcing = _forcing(flight, sines, None)[0][burning]
+    mean, slope = np.mean(forcing, axis=0), np.einsum("t,tpi->pi", time, forcing) / np.sum(time**2)
+    slow = np.r_[SLOW_BIAS:MATRIX, SLOW_MATRIX:GYROS] + ACCELEROMETERS
+    steady = np.r_[BIAS:SLOW_BIAS, MATRIX:SLOW_MATRIX, ATTITUDE]
+    gyros = slice(GYROS, SENSORS.stop)
     constants = {
-        "bias": np.mean(forcing.constant[burning] + first, axis=0),
-        "tilt_rate": np.einsum("t,tci->ci", time, grown) / np.sum(time**2),
-        "amplitude": np.mean(forcing.amplitude[burning], axis=0),
-        "position": p[:, POSITION] * np.array([1.0, 1.0, -1.0]),
-        "velocity": p[:, VELOCITY] * np.array([1.0, 1.0, -1.0]),
+        "bias": p[:, steady] @ mean[steady],
+        "tilt_rate": p[:, gyros] @ slope[gyros],
+        "amplitude": p[:, slow] @ mean[slow],
+        "position": p[:, POSITION] * _UP,
+        "velocity": p[:, VELOCITY] * _UP,
     }
     height = float(np.mean(flight.height_m))
     t = flight.time_s[::every]
@@ -263,6 +274,7 @@ def closed_form_errors(
     return ChannelErrors(t, np.concatenate(both, axis=-1), _CLOSED)
 
 
+_UP = np.array([1.0, 1.0, -1.0])
 _BURNING = 0.1
 """Specific force, m/s², above which the motor burns."""
 _CLOSED = "closed forms [B-6] with the means of the powered flight as constants (X): they explain, not predict"

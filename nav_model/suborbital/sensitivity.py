@@ -72,7 +72,9 @@ class NoiseSpread:
 
 
 @part
-def _forcing(c: FloatArray, f: FloatArray, w: FloatArray, s: FloatArray, acc: FloatArray, turn: FloatArray) -> None:
+def unit_errors(
+    c: FloatArray, f: FloatArray, w: FloatArray, s: FloatArray, acc: FloatArray, turn: FloatArray
+) -> None:
     """Columns of C df and C domega for a unit of each sensor parameter, into acc and turn (3, 61)."""
     for a in range(3):
         for b in range(3):
@@ -119,7 +121,7 @@ def _propagate(
             out[i // every] = state
         for node in range(3):
             c = attitude[2 * i + node]
-            _forcing(c, force[i, node], rate[i, node], sines[2 * i + node], acc[node], turn[node])
+            unit_errors(c, force[i, node], rate[i, node], sines[2 * i + node], acc[node], turn[node])
             r = path[2 * i + node]
             r2 = r[0] ** 2 + r[1] ** 2 + r[2] ** 2
             w2 = GRAVITATIONAL_PARAMETER / (r2 * np.sqrt(r2))

@@ -15,8 +15,8 @@ from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.aiding import frame_steps
 from nav_model.suborbital.attitude import METHODS, MethodScore, compare_methods
-from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
-from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.channels import channel_errors, decoupled_response
+from nav_model.suborbital.errors import ErrorSet
 from nav_model.suborbital.flight import TrueFlight, reference_flight
 from nav_model.suborbital.flight_file import parse_flight
 from nav_model.suborbital.mechanisation import Cancelled, NavigationErrors
@@ -141,7 +141,7 @@ def run_survey(
         cancel=cancel,
     )
     say(0.78, "noise and channels")
-    response = decoupled_errors(flight, np.eye(len(PARAMETERS)), inputs.errors, every=every).position_m
+    response = decoupled_response(flight, inputs.errors, every=every)
     covariance = None if track is None else track.covariance
     pure_noise = _noise_parts(flight, inputs.errors, None, None, every)
     aided_noise = _noise_parts(flight, inputs.errors, study.used, covariance, every)
@@ -232,10 +232,9 @@ def renewed(study: Study, settings: Settings) -> Renewed:
     flight, every = study.flight, round(study.inputs.output_interval_s / study.flight.step_s)
     matrices = renew(study, inputs.errors, inputs.aiding)
     same_periods = matrices.pure is study.pure_sensitivity
-    unit = np.eye(len(PARAMETERS))
     return Renewed(
         matrices,
-        None if same_periods else decoupled_errors(flight, unit, inputs.errors, every=every).position_m,
+        None if same_periods else decoupled_response(flight, inputs.errors, every=every),
         _noise_parts(flight, inputs.errors, frame_steps(flight, inputs.aiding), None, every),
     )
 
@@ -268,7 +267,7 @@ def moved(survey: Survey, settings: Settings, renewal: Renewed | None = None) ->
         used=new.used,
         pure=_moved_errors(study, study.pure, slid.pure_m, slid.parameters, new.pure, study.pure_sensitivity),
         aided=_moved_errors(study, study.aided, slid.aided_m, slid.parameters, new.aided, study.aided_sensitivity),
-        channels=ChannelErrors(study.flight.time_s[::every], np.einsum("cp,pmi->cmi", slid.parameters, response)),
+        channels=channel_errors(study.flight, slid.parameters, response, every),
         pure_sensitivity=new.pure,
         aided_sensitivity=new.aided,
         pure_noise=survey.pure_noise.spread(inputs.errors),

@@ -58,6 +58,15 @@ _SWALLOWED = """() => {
   return [said, figure.bbox.width - wide]
 }"""
 
+# What is reached below two parts that have a layout of their own, in the way Bokeh hands sizes down.
+_REACHED = """() => {
+  const { _propagate_layout } = Bokeh.require("models/layouts/layout_dom").LayoutDOMView.prototype
+  const reached = [], part = (name, layout, ...layoutable_views) =>
+    ({ layout, layoutable_views, _propagate_layout, _compute_layout: () => reached.push(name) })
+  part("outer", {}, part("near", null), part("inner", {}, part("deep", null)))._propagate_layout()
+  return reached
+}"""
+
 # For each connection that a page opens: how far the page was.
 _CONNECTIONS = """window.connections = []
 window.WebSocket = class extends WebSocket {
@@ -104,6 +113,14 @@ def test_every_wish_is_a_pass_over_hidden_parts_too(shipped: Page) -> None:
 
 def test_a_size_that_changes_within_is_swallowed(shipped: Page) -> None:
     assert shipped.evaluate(_SWALLOWED) == [False, -50]
+
+
+def test_what_stands_deeper_is_given_no_size(shipped: Page) -> None:
+    assert shipped.evaluate(_REACHED) == ["near"]
+
+
+def test_ours_is_given_its_size(plain: Page) -> None:
+    assert plain.evaluate(_REACHED) == ["near", "deep"]
 
 
 def test_a_choice_does_not_open_by_keyboard(shipped: Page) -> None:

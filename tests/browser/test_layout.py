@@ -78,6 +78,15 @@ _OVERLAPS = """() => {
 }"""
 
 
+# Whether the figure of this name has room for its curves.
+_FRAME_OF = """(name) => {
+  const figures = (view) => [...(view.model.name === name && view.frame ? [view] : []),
+    ...[...(view.child_views ?? [])].flatMap(figures)]
+  const { width, height } = Bokeh.index.roots.flatMap(figures)[0]?.frame.bbox ?? {}
+  return width > 200 && height > 100
+}"""
+
+
 _ALL = ("SAR", "Explore", "Simulate", "Suborbital", "Budget")
 
 
@@ -127,6 +136,14 @@ def test_a_repaint_works_out_no_styles(plain: Page, settled: Callable[[Page], No
     assert found["written"] == 0
     assert found["asked"] < 60  # for a figure; 258 as shipped, and 26 sheets written
     assert found["changed"] == ":host { color: blue; }"
+
+
+def test_a_chart_that_is_unfolded_is_drawn(plain: Page) -> None:
+    """Its frame has a size, not only the place it stands in."""
+    title = plain.get_by_role("button", name="What limits horizontal position").first
+    title.click()
+    plain.wait_for_function(_FRAME_OF, arg="regime")
+    title.click()
 
 
 @pytest.mark.slow

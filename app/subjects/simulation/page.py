@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 import panel as pn
@@ -47,11 +47,8 @@ from app.work.run import Run
 from app.work.simulator import prepare
 from nav_model.budget import Budget
 from nav_model.errors import InputError
-from nav_model.simulation.design_study import specification
+from nav_model.simulation.design_study import SimulationStudy, specification
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
-
-if TYPE_CHECKING:
-    from nav_model.simulation.design_study import SimulationStudy
 
 _FLIGHTS = {
     "Nearly straight": "wandering",

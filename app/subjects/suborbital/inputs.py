@@ -84,7 +84,7 @@ class InputPanel(pn.viewable.Viewer):
         self._sections = [pn.Column() for _ in GROUPS]
         parts = list(zip(GROUPS, self._sections, strict=True))
         half = len(parts) // 2
-        look: dict[str, Any] = {"title_variant": "subtitle1", "sizing_mode": "stretch_width", "margin": 0}
+        look: dict[str, Any] = {"title_variant": "body1", "sizing_mode": "stretch_width", "margin": 0}
         scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
         halves = []
         for first, some in ((0, parts[:half]), (half, parts[half:])):

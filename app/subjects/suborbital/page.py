@@ -29,18 +29,21 @@ from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.tiles import tiles_html
 from app.work.alone import RunLost, run_alone
+from app.work.kept import keep, kept
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
+from nav_model.suborbital.settings import Settings
 from nav_model.suborbital.study import Gap, Study, position_gap
 from nav_model.suborbital.survey import Renewed, Survey, moved, needs_other_matrices, needs_run, renewed, run_survey
 from nav_model.suborbital.survey_json import gap_json, noise_json, survey_json
 
+_KEPT = 4  # studies of 12 MB each
 _SETTLE_SECONDS = 0.6  # a slider that needs a new run has come to rest after this long
 
 
 class SuborbitalPage(pn.viewable.Viewer):
-    """Everything below the tab. The first run starts when the page is opened.
+    """Everything below the tab. The first run starts when the page is opened, unless somebody has had the same.
 
     The result of `exact` is the last exact run; `renewal` makes the matrices that other frames or periods need.
     """
@@ -71,7 +74,7 @@ class SuborbitalPage(pn.viewable.Viewer):
         self.study.views.param.watch(lambda _: self._sweep_camera(), "chosen")
         tools = pn.Row(self.bar, download("Study (JSON)", "suborbital.json", self._json))
         self._view = screen_of_views(pn.Column(self._strip, self.inputs.notice, self._tiles), self.study, tools)
-        if pn.state.curdoc:
+        if pn.state.curdoc and not self._recall():
             self.run()
 
     def __panel__(self) -> pn.Column:
@@ -132,6 +135,11 @@ class SuborbitalPage(pn.viewable.Viewer):
         """Start an exact run at the settings in force, after `settle` seconds; one under way is cancelled."""
         return self.exact.start(lambda run: self._run_survey(run, settle))
 
+    def _recall(self) -> bool:
+        """Take what this server still has of the same study."""
+        self.exact.result = kept("suborbital", _asked(self.inputs.settings))
+        return self.survey is not None
+
     async def _run_survey(self, run: Run, settle: float) -> Survey | None:
         await asyncio.sleep(settle)
         settings, trajectory, before = self.inputs.settings, self.inputs.trajectory, self.study.shown
@@ -144,6 +152,8 @@ class SuborbitalPage(pn.viewable.Viewer):
                 raise
             self.inputs.refuse(self._flown, str(error))
             return self.survey
+        if trajectory is None:
+            keep(survey, "suborbital", _asked(settings), most=_KEPT)
         same_flight = before is not None and not needs_run(before.survey, settings) and trajectory == self._flown
         self._gap, self._flown = None, trajectory
         if before is not None and same_flight and not before.exact:
@@ -192,3 +202,8 @@ class SuborbitalPage(pn.viewable.Viewer):
         if shown.ensemble is not None:
             content["white_noise_monte_carlo"] = noise_json(shown.ensemble)
         return io.BytesIO(json.dumps(content, ensure_ascii=False, allow_nan=False, indent=1).encode("utf-8"))
+
+
+def _asked(settings: Settings) -> str:
+    """All that a study of the reference flight follows from."""
+    return repr(sorted(settings.values.items()))

@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
 import numpy as np
+import panel as pn
 import param
 import pytest
 from waiting import soon
@@ -233,6 +234,19 @@ def test_settings_travel_in_the_link_and_the_server_still_has_the_result(
     assert found._study is study
     assert "Partial: 12 of 20 runs" in said_by(found)
     assert SimulatePage(Session(DESIGN))._result is None
+
+
+# The widget library sets both of its own button parameters.
+@pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+def test_everything_folded_opens_and_shows_the_result_that_comes_later(study: SimulationStudy) -> None:
+    page = SimulatePage(Session(DESIGN))
+    folded = page.__panel__().objects[-1]
+    seen = len(folded.select(pn.pane.Bokeh))
+    folded.active = list(range(len(folded)))
+    assert all(place.objects for place in folded)
+    assert len(folded.select(pn.pane.Bokeh)) == seen
+    page.run.result = Flown(study, 12)
+    assert len(folded.select(pn.pane.Bokeh)) == seen + 4  # path and attitude, outage and spread
 
 
 # The widget library sets both of its own button parameters.

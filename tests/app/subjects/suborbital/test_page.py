@@ -7,20 +7,25 @@ import csv
 import io
 import json
 import time
+from collections import OrderedDict
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from bokeh.document import Document
 from flight_files import format_flight
+from panel.io.state import set_curdoc
 from waiting import PATIENCE, soon
 
 from app.serving.server import first_design
 from app.session import Session
+from app.subjects.suborbital import page
 from app.subjects.suborbital.charts import Shown, attitude, errors, sensors
 from app.subjects.suborbital.controls import InputControl
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.views import VIEWS
+from app.work import kept
 from app.work.alone import run_alone
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, follows_design
@@ -51,7 +56,7 @@ async def run_exactly(page: SuborbitalPage) -> None:
     await page.run()
 
 
-async def flown(page: SuborbitalPage, trajectory: tuple[str, bytes]) -> None:
+async def flown(page: SuborbitalPage, trajectory: tuple[str, bytes] | None) -> None:
     """Fly a file, up to its answer or its refusal."""
     page.inputs.trajectory = trajectory
     await soon(lambda: not page.exact.running, "the end of the run")
@@ -194,6 +199,33 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
     assert 0 < share < 0.05
     assert "The linear answer before was off by" in here._strip._text.object
     assert not here._session.running
+
+
+def test_who_asks_the_same_study_has_it_at_once(here: SuborbitalPage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kept, "_kept", OrderedDict())
+
+    async def flies(*_: object, **__: object) -> Survey | None:
+        return here.survey
+
+    async def opened(link: str) -> tuple[SuborbitalPage, bool]:
+        session = Session(first_design())
+        session.study_link = link
+        with set_curdoc(Document()):
+            other = SuborbitalPage(session)
+        running = other.exact.running
+        other.exact.cancel()
+        return other, running
+
+    monkeypatch.setattr(page, "run_alone", flies)
+    asyncio.run(flown(here, ("mine.csv", b"")))
+    assert asyncio.run(opened(to_link(DEFAULTS)))[1]  # what was flown from a file is another study
+    asyncio.run(flown(here, None))
+    other, running = asyncio.run(opened(to_link(DEFAULTS)))
+    assert not running
+    assert other.survey is here.survey
+    assert other.study.current().exact
+    assert other._strip._text.object == here._strip._text.object
+    assert asyncio.run(opened("study.gyros.bias=6,8,4deg/h"))[1]
 
 
 def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
