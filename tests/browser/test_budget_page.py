@@ -76,6 +76,12 @@ def test_both_processings_are_told_and_the_chosen_one_decides(desk: Page) -> Non
     expect(card(desk, "Residual phase")).to_have_text("21.9°")
     expect(desk.locator("table.bars tr.total")).to_contain_text("70.6°")
     expect(desk.get_by_role("status").first).to_contain_text("21.9°, limit 20°")
+    noise = desk.get_by_role("textbox", name="Position noise", exact=True)
+    noise.fill("30 cm")
+    noise.press("Enter")
+    expect(smoothed).to_be_hidden()  # its margin is another
+    chosen = desk.get_by_role("button", name="Post-processed", pressed=True)
+    expect(chosen).to_have_count(1)
 
 
 # Boxes of what must be seen at once, and how many of each there are.
