@@ -6,7 +6,15 @@ from pathlib import Path
 
 from app.upstream.plain_script import PlainScript
 
-_SCRIPTS = ("style_writes", "canvas_styles", "select_keys", "back_button", "layout_passes", "swallowed_sizes")
+_SCRIPTS = (
+    "style_writes",
+    "canvas_styles",
+    "select_keys",
+    "back_button",
+    "layout_passes",
+    "swallowed_sizes",
+    "deep_layouts",
+)
 
 
 def _script(name: str) -> str:

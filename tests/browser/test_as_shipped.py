@@ -58,6 +58,15 @@ _SWALLOWED = """() => {
   return [said, figure.bbox.width - wide]
 }"""
 
+_REACHED = """() => {
+  const { LayoutDOMView } = Bokeh.require("models/layouts/layout_dom")
+  const holds = (child) =>
+    Object.create(LayoutDOMView.prototype, { layout: { value: {} }, layoutable_views: { value: [child] } })
+  let reached = false
+  holds(holds({ layout: null, _compute_layout() { reached = true } }))._propagate_layout()
+  return reached
+}"""
+
 # For each connection that a page opens: how far the page was.
 _CONNECTIONS = """window.connections = []
 window.WebSocket = class extends WebSocket {
@@ -104,6 +113,10 @@ def test_every_wish_is_a_pass_over_hidden_parts_too(shipped: Page) -> None:
 
 def test_a_size_that_changes_within_is_swallowed(shipped: Page) -> None:
     assert shipped.evaluate(_SWALLOWED) == [False, -50]
+
+
+def test_a_layout_stops_at_the_second_level(shipped: Page) -> None:
+    assert not shipped.evaluate(_REACHED)
 
 
 def test_a_choice_does_not_open_by_keyboard(shipped: Page) -> None:

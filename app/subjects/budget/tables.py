@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
-from app.document.display import ONE_SIGMA, Display
+from app.document.display import ONE_SIGMA, SI, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
 from app.document.verdict import check_words, limit_in_words, met_cell, requirement_quantity
 from app.document.wording import DETRENDED, best_of
@@ -52,25 +52,32 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
             return KeyFigure(
                 label, value, detail, f"{told}, no limit" if name and told != "1σ" else "", amount=amount
             )
-        limit = limit_in_words(budget.design, check)
-        if told != f"{budget.verdict.confidence:g}σ" and display != ONE_SIGMA:
-            limit = f"{limit} at {budget.verdict.confidence:g}σ; {told}"
+        in_si = display.units == SI
+        limit = display.in_si(check.limit, dimension, given=True) if in_si else limit_in_words(budget.design, check)
+        if told != f"{budget.verdict.confidence:g}σ":  # the figure beside it is another multiple
+            limit = f"{limit} at {budget.verdict.confidence:g}σ{'' if told == '1σ' else f'; {told}'}"
         return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
 
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
         chosen = budget.design.requirements.steady_state
         moment, average = getattr(budget.steady_state, chosen), budget.steady_state.closed
+        pair = "horizontal" in name
+        told = display.named(pair=pair)
+
+        def shown(sigmas: object) -> str:
+            return display.show(getattr(sigmas, field), dimension, pair=pair)
+
         if smoothed is not None:
-            detail = f"1σ, smoothed [P-3]; in real time {show(getattr(moment, field), dimension)} [T-8]"
+            detail = f"{told}, smoothed [P-3]; in real time {shown(moment)} [T-8]"
             return figure(label, getattr(smoothed.sigmas, field), dimension, detail, name)
         which = f"{_MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
         if chosen != "closed":
-            which += f"; average {show(getattr(average, field), dimension)} {mark}"
-        return figure(label, getattr(moment, field), dimension, f"1σ, {which}", name)
+            which += f"; average {shown(average)} {mark}"
+        return figure(label, getattr(moment, field), dimension, f"{told}, {which}", name)
 
     def phase(label: str, field: str, name: str, mark: str, note: str = "") -> KeyFigure:
         amount = getattr(image, field)
-        sight = f"{show(float(phase_to_metres(amount, sar.wavelength)), 'length')} along the line of sight"
+        sight = f"{display.show(float(phase_to_metres(amount, sar.wavelength)), 'length')} along the line of sight"
         how = f"formula {mark}" if smoothed is None else "smoothed [P-5]"
         return figure(label, amount, "angle", f"{sight}, {how}{note}", name)
 
@@ -92,11 +99,11 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
                 coast.end_refined_horizontal,
                 "length",
                 f"horizontal, without fixes, in real time [T-17]; "
-                f"vertical {show(coast.end_refined_vertical, 'length')}",
+                f"vertical {display.show(coast.end_refined_vertical, 'length')}",
                 "coast_horizontal_position",
             ),
             phase("Quadratic phase", "quadratic", "quadratic_phase", "[S-5]", autofocus),
-            phase("Residual phase", "detrended", "detrended_phase", "[T-15]"),
+            phase("Detrended phase", "detrended", "detrended_phase", "[T-15]"),
             width,
         ),
     )
@@ -143,7 +150,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
     rows = (
         ("Quadratic phase", "angle", sar.quadratic, smoothed.quadratic, "[S-5]", "[P-5]"),
         ("Cubic phase", "angle", sar.cubic, smoothed.cubic, "[S-6]", "[P-5]"),
-        ("Residual phase after autofocus", "angle", sar.detrended, smoothed.detrended, "[S-6]", "[P-5]"),
+        ("Detrended phase", "angle", sar.detrended, smoothed.detrended, "[S-6]", "[P-5]"),
         ("Along-track quadratic phase", "angle", sar.along_track_quadratic, smoothed.along_track_quadratic, "[S-2]",
          "[P-5]"),
         ("Azimuth shift", "length", free.azimuth, placed.azimuth, "[P-7]", "[P-7]"),
@@ -205,7 +212,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
     prior = sources["steady_state.discrete.prior"]
     return Table(
         f"{key}-steady-table",
-        f"Errors while fixes come in, {display.spread}",
+        f"Errors in real time while fixes come in, {display.spread}",
         (
             Column("Error", width=1.5),
             Column("Cycle rms [T-3], [T-4]", numeric=True),
