@@ -241,7 +241,7 @@ class BudgetPage(pn.viewable.Viewer):
             Folded(
                 (
                     ("Requirements and cautions", lambda: self._told(requirements)),
-                    ("Real time and post-processed: phase and image location", lambda: self._told(_both)),
+                    ("Phase and image location in either processing", lambda: self._told(_both)),
                     ("Sources and methods", lambda: self._told(self._sources)),
                     ("Paired echoes: vibration and oscillator", lambda: self._told(_echoes)),
                     ("What limits horizontal position: gyro or accelerometer?", self._regime),
