@@ -10,10 +10,9 @@ import numpy as np
 from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
 from app.document.display import ONE_SIGMA, SI, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
-from app.document.verdict import check_words, limit_in_words, met_cell, requirement_quantity
+from app.document.verdict import SAID, check_words, limit_in_words, met_cell, requirement_quantity
 from app.document.wording import DETRENDED, best_of
 from nav_model.budget import Budget, analyse
-from nav_model.budget.json import to_json
 from nav_model.budget.provenance import provenance
 from nav_model.budget.result import Check
 from nav_model.design.parts import declaration_of
@@ -253,8 +252,23 @@ def outage_table(budget: Budget, key: str) -> Table:
 
 
 def phase_table(budget: Budget, key: str) -> Table:
-    """The phase budget of the aperture by source."""
-    sar = budget.sar
+    """The phase budget of the aperture by source, of the design's processing."""
+    sar, smoothed = budget.sar, budget.smoothed
+    image = smoothed or sar
+    if smoothed is None:
+        lines = [(x.source, x.quadratic, x.share, x.detrended, x.detrended_share) for x in sar.lines]
+    else:
+        one, other = smoothed.shares["quadratic_phase"], smoothed.shares["detrended_phase"]
+        lines = [
+            (
+                source,
+                math.sqrt(one[source]) * smoothed.quadratic,
+                one[source],
+                math.sqrt(other[source]) * smoothed.detrended,
+                other[source],
+            )
+            for source in one
+        ]
 
     def row(label: str, quadratic: float, share: str, detrended: float, left_share: str) -> tuple[Cell, ...]:
         given = not math.isnan(detrended)
@@ -272,7 +286,8 @@ def phase_table(budget: Budget, key: str) -> Table:
     makers = ", ".join(f"{source} {percent(share)}" for source, share in sar.tilt_shares.items())
     return Table(
         f"{key}-phase-table",
-        "Phase budget of the aperture by source, 1σ, in phase and in line-of-sight millimetres",
+        f"Phase budget of the aperture by source, {SAID[budget.verdict.processing]}, 1σ, in phase and in "
+        "line-of-sight millimetres",
         (
             Column("Source", width=1.7),
             Column("Quadratic [°]", numeric=True, width=1),
@@ -284,15 +299,17 @@ def phase_table(budget: Budget, key: str) -> Table:
         ),
         (
             *(
-                row(x.source, x.quadratic, percent(x.share), x.detrended, percent(x.detrended_share))
-                for x in sar.lines
-                if x.quadratic > 0 or x.detrended > 0
+                row(source, quadratic, percent(share), left, percent(left_share))
+                for source, quadratic, share, left, left_share in lines
+                if quadratic > 0 or left > 0
             ),
-            row("total in quadrature", sar.quadratic, "100 %", sar.detrended, "100 %"),
-            row(ALONG_TRACK, sar.along_track_quadratic, NONE, math.nan, NONE),
+            row("total in quadrature", image.quadratic, "100 %", image.detrended, "100 %"),
+            row(ALONG_TRACK, image.along_track_quadratic, NONE, math.nan, NONE),
         ),
         f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt comes from {makers} "
-        "[T-18].",
+        "[T-18]."
+        if smoothed is None
+        else f"Smoothed over the whole leg, by {smoothed.method} [P-3]; shares of the variance [P-4]; phases [P-5].",
     )
 
 
@@ -339,41 +356,48 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
 def image_table(budget: Budget, key: str) -> Table:
     """The aperture and what the quadratic phase makes of the azimuth response."""
     sar, sources = budget.sar, provenance(budget)
-    response = to_json(budget)["sar"]["impulse_response"]
+    smoothed, phases = budget.smoothed, budget.smoothed or budget.sar
+    response = phases.impulse_response
 
-    def image(name: str, show_value: Callable[[float], str]) -> str:
-        return "no image: more than 1000 rad" if response is None else show_value(float(response[name]))
+    def image(name: str, show_value: Callable[[float], str], scale: float = 1.0) -> str:
+        return "no image: more than 1000 rad" if response is None else show_value(scale * getattr(response, name))
 
     rows = (
         ("Wavelength", show(sar.wavelength, "length"), "sar.wavelength_m"),
         ("Aperture time", show(sar.aperture_time, "time"), "sar.aperture_time_s"),
         ("Aperture length", show(sar.aperture_length, "length"), "sar.aperture_length_m"),
-        ("Quadratic phase, 1σ", f"{degrees(sar.quadratic)}°", "sar.quadratic_phase_sigma_rad"),
-        ("Cubic phase, 1σ", f"{degrees(sar.cubic)}°", "sar.cubic_phase_sigma_rad"),
-        ("Rms phase after autofocus, 1σ", f"{degrees(sar.detrended)}°", "sar.detrended_phase_sigma_rad"),
-        ("Response width", image("width_m", lambda width: show(width, "length")), "sar.impulse_response"),
-        ("Peak side-lobe ratio", image("pslr_db", decibels), "sar.impulse_response"),
-        ("Integrated side-lobe ratio", image("islr_db", decibels), "sar.impulse_response"),
+        ("Quadratic phase, 1σ", f"{degrees(phases.quadratic)}°", "sar.quadratic_phase_sigma_rad"),
+        ("Cubic phase, 1σ", f"{degrees(phases.cubic)}°", "sar.cubic_phase_sigma_rad"),
+        ("Detrended phase, 1σ", f"{degrees(phases.detrended)}°", "sar.detrended_phase_sigma_rad"),
+        (
+            "Response width",
+            image("half_power_extent_cells", lambda width: show(width, "length"), sar.cell_length),
+            "sar.impulse_response",
+        ),
+        ("Peak side-lobe ratio", image("pslr_fixed_db", decibels), "sar.impulse_response"),
+        ("Integrated side-lobe ratio", image("islr_fixed_db", decibels), "sar.impulse_response"),
         ("Peak loss", image("peak_loss_db", decibels), "sar.impulse_response"),
     )
 
+    def equation(name: str) -> str:
+        return "[P-5]" if smoothed is not None and "phase" in name else sources[name].equation
+
     def origin(name: str) -> str:
         source = sources[name]
+        if smoothed is not None and "phase" in name:
+            return f"smoothed by {smoothed.method}"
         stated = name == "sar.aperture_time_s" and budget.design.radar.aperture_time is not None
         return "stated in the design" if stated else ", ".join(filter(None, (source.method, source.note)))
 
     return Table(
         f"{key}-image",
-        "Aperture and azimuth impulse response",
+        f"Aperture and azimuth impulse response, {SAID[budget.verdict.processing]}",
         (
             Column("Figure", width=1.3),
             Column("Value", numeric=True, width=1),
             Column("Equation", width=0.8),
             Column("Method", width=1.7),
         ),
-        tuple(
-            (Cell(label), Cell(value), Cell(sources[name].equation), Cell(origin(name)))
-            for label, value, name in rows
-        ),
+        tuple((Cell(label), Cell(value), Cell(equation(name)), Cell(origin(name))) for label, value, name in rows),
         "Width between the outermost half-power points; side lobes outside the error-free main lobe, whole line.",
     )

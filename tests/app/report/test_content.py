@@ -160,6 +160,23 @@ def test_phase_shares_add_up_and_the_table_is_the_budgets(mems):
     )  # squares of three digits
 
 
+def test_a_report_of_a_design_processed_afterwards_has_its_phases_everywhere(mems):
+    """processing.md prints 70.63°, 33.24°, 21.94° and along the track 18.29°."""
+    smoothed = analyse(mems.design.replace({"processing.mode": "post-processed"}))
+    report = report_of([smoothed], NOW)
+    *sources, total, along = table(report, "d-phase-table").rows
+    assert [total[1].text, total[4].text, along[1].text] == ["70.6", "21.9", "18.3"]
+    assert sum(float(row[1].text) ** 2 for row in sources) == pytest.approx(70.63**2, rel=1e-2)
+    assert "post-processed" in table(report, "d-phase-table").caption
+    values = {row[0].text: row[1].text for row in table(report, "d-image").rows}
+    assert [values[f"{name} phase, 1σ"] for name in ("Quadratic", "Cubic", "Detrended")] == [
+        "70.6°",
+        "33.2°",
+        "21.9°",
+    ]
+    assert values["Response width"] == "20.7 cm"  # the tile's
+
+
 def test_a_comparison_marks_the_smallest_figure_and_lists_what_differs(three):
     report = report_of(three, NOW)
     assert [chapter.key for chapter in report.chapters] == ["c", "d1", "d2", "d3"]
