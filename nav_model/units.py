@@ -62,6 +62,7 @@ _REWRITES: tuple[tuple[str, str], ...] = (
     ("**", "^"),
     ("^2", "²"),
     ("s2", "s²"),
+    ("2/Hz", "²/Hz"),
     ("sec", "s"),
     ("hour", "h"),
     ("hr", "h"),

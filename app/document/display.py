@@ -53,7 +53,12 @@ class Display:
     def show(self, sigma: float, dimension: str, *, pair: bool = False) -> str:
         """A standard deviation [SI] as it is told."""
         value = self.factor(pair=pair) * sigma
-        return f"{number(value)} {_SI_UNITS[dimension]}" if self.units == SI else show(value, dimension)
+        return self.in_si(value, dimension) if self.units == SI else show(value, dimension)
+
+    @staticmethod
+    def in_si(value: float, dimension: str, *, given: bool = False) -> str:
+        """A value [SI] with its SI unit; ``given`` as `number` takes it."""
+        return f"{number(value, given=given)} {_SI_UNITS[dimension]}"
 
     def timeline(self, chart: Chart) -> Chart:
         """A chart of standard deviations over time as it is told; each limit is scaled with its curves, so that they

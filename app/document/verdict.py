@@ -16,6 +16,9 @@ from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.errors import InputError
 from nav_model.processing.paired_echo import NOTHING
 
+SAID = {REAL_TIME: "in real time", POST_PROCESSED: "post-processed"}
+"""A processing as a sentence says it."""
+
 
 class CheckWords(NamedTuple):
     """A check in words: value and limit in the unit the limit is written in, margin, share of its dominant sensor,
@@ -35,6 +38,11 @@ _FIGURES = {
     "closed form from the augmented filter's tilt": "formula with the tilt of the augmented filter",
     "refined": "with Schuler and Coriolis terms",
 }
+
+
+def judged(verdict: Verdict) -> str:
+    """How a verdict is reached: "at 2σ in real time"."""
+    return f"at {verdict.confidence:g}σ {SAID[verdict.processing]}"
 
 
 def check_words(design: Design, check: Check) -> CheckWords:
@@ -90,7 +98,7 @@ def verdict_of(budget: Budget) -> Answer:
     return Answer(
         *_word_and_tone(verdict),
         (
-            f"At {verdict.confidence:g}σ, {met}.",
+            f"{judged(verdict).capitalize()}, {met}.",
             f"Tightest: {tightest.label.lower()}, {words.value} against {words.limit}, margin {words.margin}.",
             f"Main error source: {tightest.sensor}, {words.share} of the variance{through}.",
         ),

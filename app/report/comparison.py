@@ -10,10 +10,11 @@ from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, show_in
 from app.document.verdict import check_words, verdict_of
 from app.document.wording import labelled, title_of
-from app.report.comparison_charts import phase_comparison, position_comparison
+from app.report.comparison_charts import image_of, phase_comparison, position_comparison
 from app.report.inputs import shown_value, sourced_value
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES
+from nav_model.budget.result import Sigmas
 from nav_model.design.parts import INPUTS, declaration_of
 
 _COLUMNS = 5  # designs that fit side by side on a page
@@ -74,6 +75,7 @@ def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
             Cell(labelled(label, title_of(budget.design))),
             Cell(budget.design.content_hash[:12]),
             Cell(answer.word, tone=answer.tone),
+            Cell(budget.verdict.processing),
             *map(Cell, said),
         )
 
@@ -84,6 +86,7 @@ def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
             Column("Design", width=1.6),
             Column("Hash", width=1.1),
             Column("Verdict", width=1.1),
+            Column("Processing", width=1.1),
             Column("Tightest requirement", width=1.2),
             Column("Margin", numeric=True, width=0.9),
             Column("Main error source", width=1.2),
@@ -92,21 +95,24 @@ def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
     )
 
 
+def _settled(budget: Budget) -> Sigmas:
+    """Errors while fixes come in, of the design's processing."""
+    return budget.smoothed.sigmas if budget.smoothed else budget.steady_state.prior
+
+
 _Figure = tuple[str, str, Callable[[Budget], float]]
 _FIGURES: tuple[_Figure, ...] = (
-    ("Horizontal position before a fix [T-8]", "horizontal_position",
-     lambda b: b.steady_state.prior.position_horizontal),
-    ("Vertical position before a fix [T-8]", "vertical_position", lambda b: b.steady_state.prior.position_vertical),
-    ("Horizontal velocity before a fix [T-8]", "horizontal_velocity",
-     lambda b: b.steady_state.prior.velocity_horizontal),
-    ("Vertical velocity before a fix [T-8]", "vertical_velocity", lambda b: b.steady_state.prior.velocity_vertical),
-    ("Tilt before a fix [T-8]", "tilt", lambda b: b.steady_state.prior.tilt),
+    ("Horizontal position", "horizontal_position", lambda b: _settled(b).position_horizontal),
+    ("Vertical position", "vertical_position", lambda b: _settled(b).position_vertical),
+    ("Horizontal velocity", "horizontal_velocity", lambda b: _settled(b).velocity_horizontal),
+    ("Vertical velocity", "vertical_velocity", lambda b: _settled(b).velocity_vertical),
+    ("Tilt", "tilt", lambda b: _settled(b).tilt),
     ("Horizontal position, end of outage [T-17]", "coast_horizontal_position",
      lambda b: b.coast.end_refined_horizontal),
     ("Vertical position, end of outage [T-17]", "coast_vertical_position", lambda b: b.coast.end_refined_vertical),
-    ("Quadratic phase [S-5]", "quadratic_phase", lambda b: b.sar.quadratic),
-    ("Along-track quadratic phase [S-2]", "along_track_quadratic_phase", lambda b: b.sar.along_track_quadratic),
-    ("Rms phase after autofocus [T-15], [S-6]", "detrended_phase", lambda b: b.sar.detrended),
+    ("Quadratic phase", "quadratic_phase", lambda b: image_of(b).quadratic),
+    ("Along-track quadratic phase", "along_track_quadratic_phase", lambda b: image_of(b).along_track_quadratic),
+    ("Detrended phase", "detrended_phase", lambda b: image_of(b).detrended),
 )  # fmt: skip
 
 
@@ -141,7 +147,8 @@ def _figures(
                 (told(label, name), *(cell(figure, design) for design in columns))
                 for figure, (label, name, _) in enumerate(_FIGURES)
             ),
-            "Each design has its own outage, radar and aperture.",
+            "Each design has its own outage, radar, aperture and processing. In real time: just before a fix [T-8], "
+            "phases [S-5], [S-2], [T-15], [S-6]. Post-processed: smoothed [P-3], [P-5]; an outage is in real time.",
         )
 
     return _in_parts(len(budgets), labels, table, wide)

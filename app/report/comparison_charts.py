@@ -9,6 +9,7 @@ import numpy as np
 
 from app.charts.kinds import Bar, BarChart, Chart, Line
 from nav_model.budget import Budget
+from nav_model.budget.result import PostProcessed, Sar
 from nav_model.sar.geometry import phase_to_metres
 
 
@@ -25,27 +26,35 @@ def position_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> Cha
             for i, (budget, label) in enumerate(zip(budgets, labels, strict=True), start=1)
         ),
         y_log=True,
-        knowledge="With Schuler and Coriolis terms [T-17].",
+        knowledge="In real time, with Schuler and Coriolis terms [T-17].",
     )  # fmt: skip
+
+
+def image_of(budget: Budget) -> Sar | PostProcessed:
+    """The phases of a design's processing."""
+    return budget.smoothed or budget.sar
 
 
 def phase_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> BarChart:
     """Quadratic and detrended phase of some budgets."""
 
     def bar(budget: Budget, label: str) -> Bar:
-        phases = np.array([budget.sar.quadratic, budget.sar.detrended])
+        image = image_of(budget)
+        phases = np.array([image.quadratic, image.detrended])
         first, second = map(float, np.degrees(phases))
         first_mm, second_mm = map(float, 1000 * phase_to_metres(phases, budget.sar.wavelength))
-        return Bar(label, first, second, first_mm, second_mm, "[S-5], [T-15], [S-6]")
+        marks = "[P-5]" if budget.smoothed else "[S-5], [T-15], [S-6]"
+        return Bar(label, first, second, first_mm, second_mm, marks)
 
     return BarChart(
         key="phase",
         title="Phase over the aperture",
         x_label="line-of-sight phase over the aperture, 1σ [°]",
         first_label="quadratic",
-        second_label="rms after autofocus",
+        second_label="residual rms after autofocus",
         bars=tuple(bar(budget, label) for budget, label in zip(budgets, labels, strict=True)),
         first_limit=math.nan,
         second_limit=math.nan,
-        knowledge="Totals in quadrature [S-5], [T-15], [S-6]; each with its own radar, aperture and autofocus.",
+        knowledge="Totals in quadrature, in real time [S-5], [T-15], [S-6], post-processed [P-5]; each with its own "
+        "radar, aperture, autofocus and processing.",
     )

@@ -11,6 +11,8 @@ Needless when: tests/app/upstream/test_prompt_input.py::test_as_shipped_every_pa
 
 from __future__ import annotations
 
+from typing import Any
+
 import panel_material_ui as pmui
 import param
 from panel.io.state import state
@@ -43,7 +45,10 @@ class PromptInput(pmui.TextInput):
 
 
 class PromptSwitch(pmui.RadioButtonGroup):
-    """A switch whose words may change with every step of a slider."""
+    """A switch whose words may change with every step of a slider.
+
+    The browser knows the value by its words, so it is told the value again with new ones.
+    """
 
     active = param.Integer(default=None, readonly=False, constant=False, doc="Place of the value among the options.")
 
@@ -51,3 +56,8 @@ class PromptSwitch(pmui.RadioButtonGroup):
     def _sync_active(self) -> None:
         values = self.values
         self.active = values.index(self.value) if self.value in values else None
+
+    def _process_param_change(self, params: dict[str, Any]) -> dict[str, Any]:
+        again = {"value": self.value} if "options" in params else {}
+        changed: dict[str, Any] = super()._process_param_change({**params, **again})
+        return changed

@@ -282,7 +282,8 @@ def _scale(role: str, column: _Column, found: _Found, options: LogOptions, name:
     unit = given or stated
     if unit is None:
         raise InputError(
-            name, f"the unit of {column.label!r} is not stated; give `{role}_unit` ({_UNIT_EXAMPLES[role]})"
+            name,
+            f"The file does not give the unit of {column.label!r}. State the {role} unit: {_UNIT_EXAMPLES[role]}.",
         )
     return scale_of(role, unit)
 

@@ -70,14 +70,15 @@ class Rows(param.Parameter[Any]):
                 raise InputError(self.key, f"{dimension!r} is not one of {', '.join(self.dimensions)}", val)
             if not low <= frequency <= high:  # NaN lands here too
                 raise InputError(
-                    self.key, f"{frequency:g} Hz is not allowed. Give frequencies from {low:g} to {high:g} Hz.", val
+                    self.key, f"{frequency:g} Hz is not allowed. Give frequencies from 0.1 mHz to 1 GHz.", val
                 )
             least, most = _LEAST if self.curve else 0.0, _MOST[dimension]
             if not least <= amount <= most:
                 sayable = math.isfinite(amount) and (amount > 0 or not DIMENSIONS[dimension].decibels)
                 text = _said(amount, dimension) if sayable else f"{amount:g} (SI)"
-                above = "more than zero" if self.curve else "zero or more"
-                said = f"It must be {above} and at most {_said(most, dimension)}."
+                above = "more than zero and " if self.curve else "zero or more and "
+                above = "" if DIMENSIONS[dimension].decibels else above
+                said = f"It must be {above}at most {_said(most, dimension)}."
                 raise InputError(self.key, f"{text} at {frequency:g} Hz is not allowed. {said}", val)
         if self.curve and val:
             self._validate_curve(val)

@@ -162,7 +162,7 @@ def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page
         page.emulate_media(media="print")
         assert "invert" in page.locator(".page").evaluate("e => getComputedStyle(e).filter")
         return
-    for said in ("Does not close", "Residual phase", "initial tilt", "Point target in azimuth"):
+    for said in ("Does not close", "Detrended phase", "initial tilt", "Point target in azimuth"):
         assert said in text[0], said  # verdict, tiles and both phase figures on one sheet
     assert any("Main error source" in sheet for sheet in text)
     for tool in ("Explain every input", "PDF report", "Suborbital", "Position sigma: CSV"):

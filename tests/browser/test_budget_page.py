@@ -73,9 +73,31 @@ def test_both_processings_are_told_and_the_chosen_one_decides(desk: Page) -> Non
     smoothed.click()
     expect(smoothed).to_have_attribute("aria-pressed", "true")
     expect(card(desk, "Quadratic phase")).to_have_text("70.6°")
-    expect(card(desk, "Residual phase")).to_have_text("21.9°")
+    expect(card(desk, "Detrended phase")).to_have_text("21.9°")
     expect(desk.locator("table.bars tr.total")).to_contain_text("70.6°")
     expect(desk.get_by_role("status").first).to_contain_text("21.9°, limit 20°")
+    noise = desk.get_by_role("textbox", name="Position noise", exact=True)
+    noise.fill("30 cm")
+    noise.press("Enter")
+    expect(smoothed).to_be_hidden()  # its margin is another
+    chosen = desk.get_by_role("button", name="Post-processed", pressed=True)
+    expect(chosen).to_have_count(1)
+
+
+# For each figure in view: how much of its width its frame has.
+_FRAMES = """() => {
+  const figures = (view) => [...(view.model.type === "Figure" && view.is_displayed ? [view] : []),
+    ...[...(view.child_views ?? [])].flatMap(figures)]
+  return Bokeh.index.roots.flatMap(figures).map((figure) => figure.frame.bbox.width / figure.bbox.width)
+}"""
+
+
+def test_unfolded_charts_are_drawn_as_wide_as_their_place(visit: Visit) -> None:
+    page = visit()
+    for title in ("What limits horizontal position", "Growth of the position error"):
+        page.get_by_role("button", name=title).click()
+    page.wait_for_function(f"() => ({_FRAMES})().length === 6")
+    page.wait_for_function(f"() => ({_FRAMES})().every(share => share > 0.8)")
 
 
 # Boxes of what must be seen at once, and how many of each there are.
@@ -129,7 +151,7 @@ _ALL_CURVES = """() => {
 def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
     """Every sigma that gyro noise moves, tiles, phase bars; and what was before is told beside it, until cleared."""
     curves, bars = desk.evaluate(_ALL_CURVES), desk.locator("table.bars").inner_text()
-    tiles = [card(desk, name).inner_text() for name in ("Roll, pitch", "Quadratic phase", "Residual phase")]
+    tiles = [card(desk, name).inner_text() for name in ("Roll, pitch", "Quadratic phase", "Detrended phase")]
     assert len(curves) == 6
     slider = desk.get_by_role("slider", name="Angle random walk")
     slider.focus()
@@ -143,7 +165,7 @@ def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
 
     until(moves, "the curves")
     expect(desk.locator("table.bars")).not_to_have_text(bars)
-    for name, before in zip(("Roll, pitch", "Quadratic phase", "Residual phase"), tiles, strict=True):
+    for name, before in zip(("Roll, pitch", "Quadratic phase", "Detrended phase"), tiles, strict=True):
         expect(card(desk, name)).not_to_have_text(before)
     # Steps that reach a busy server one by one are changes of their own: 0.15, 0.153 or 0.157.
     expect(desk.get_by_text(re.compile(r"Compared with: Angle random walk 0\.15\d? °/√h"))).to_be_visible()

@@ -32,8 +32,9 @@ class Way(NamedTuple):
 
 
 def ways(design: Design) -> tuple[Way, ...]:
-    """Values of one input that meet every requirement with the others held, then units that do with the design's own
-    receiver, or with another where none does, the widest margin first. For a worker: some ten milliseconds."""
+    """Largest values of one input that meet every requirement with the others held, then units that do with the
+    design's own receiver, or with another where none does, the widest margin first. For a worker: some ten
+    milliseconds."""
     if not limits(design):
         return ()
     return (*_values(design), *_units(design))
@@ -43,7 +44,7 @@ def _values(design: Design) -> tuple[Way, ...]:
     found = []
     for solution in solve(design, verify="together"):
         value, key = solution.together.value, solution.key
-        if value is None or value >= solution.current:
+        if value is None:
             continue
         dimension = quantity(key).dimension
         unit = design.unit(key) if dimension else ""
@@ -87,14 +88,19 @@ def ways_block(budget: Budget, found: tuple[Way, ...]) -> Block:
     if not budget.verdict.checks:
         return Text("Give a limit under Requirements. The values that meet it then appear here.")
     if not found:
-        said = "Every requirement is met, and no single input is near its limit." if budget.verdict.closes else (
+        said = "Every requirement is met, whatever a single input is." if budget.verdict.closes else (
             "No single input and no unit of the catalogue closes the design. Change two inputs together: the map on "
             "the Explore page shows which."
         )  # fmt: skip
         return Text(said)
+    what = (
+        "The design closes, and would with each of these alone."
+        if budget.verdict.closes
+        else "Each of these alone closes the design."
+    )
     return Table(
         "ways",
-        "Each of these alone closes the design. Press one to take it; Undo takes it back.",
+        f"{what} Press one to take it; Undo takes it back.",
         (Column("Change"), Column("From"), Column("Why")),
         tuple(
             (Cell(f"{way.what}: {way.value}", value=str(i)), Cell(way.now), Cell(way.why))

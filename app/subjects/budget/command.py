@@ -10,15 +10,12 @@ from typing import Any
 from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.ending import one_line, refuse
 from app.document.sicd import sicd_xml
-from app.document.verdict import check_words
+from app.document.verdict import SAID, check_words
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.sicd import error_statistics
 from nav_model.catalogue import catalogue
-from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.errors import InputError
-
-_SAID = {REAL_TIME: "in real time", POST_PROCESSED: "post-processed"}
 
 
 def add_to(commands: Any) -> None:
@@ -105,8 +102,8 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     would = "would close" if other.closes else "would not close"
     beside = check_words(budget.design, other.tightest).margin
     lines += [
-        f"{path}: {_SAID[other.processing]} it {would}; tightest {other.tightest.name}, margin {beside}",
-        f"{path}: {said} at {verdict.confidence:g} sigma {_SAID[verdict.processing]}; tightest {tightest.name}, "
+        f"{path}: {SAID[other.processing]} it {would}; tightest {other.tightest.name}, margin {beside}",
+        f"{path}: {said} at {verdict.confidence:g} sigma {SAID[verdict.processing]}; tightest {tightest.name}, "
         f"margin {margin}",
     ]
     return [line.replace("−", "-") for line in lines]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from html import escape
 from typing import Any
 
 import panel as pn
@@ -25,7 +26,7 @@ from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts, timelines
 from app.subjects.budget.closing import Way, ways, ways_block
-from app.subjects.budget.tables import echo_table, key_figures, requirement_table, steady_table
+from app.subjects.budget.tables import echo_table, key_figures, processing_table, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import ChartPane, ChartView, described, head_html, source_note
 from app.ui.downloads import download
@@ -40,8 +41,9 @@ from app.upstream.prompt_input import PromptSwitch
 from app.work.pool import elsewhere
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
+from nav_model.errors import InputError
 
-_KEY = '<span class="quiet fine">red: limit · grey: aperture · faint: compared</span>'
+_KEY = '<span class="quiet fine">red: limit · grey: aperture · faint: compared{}</span>'
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
 _OVER = {
@@ -187,7 +189,8 @@ class BudgetPage(pn.viewable.Viewer):
         said = "".join(described(line) for line in self._lines)
         knowledge = timelines.position_knowledge(budget)
         self._phase_head.say(head_html(f"{phase.title}{told}", phase.knowledge))
-        self._stack_head.say(head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
+        key = _KEY.format(" · from 0 s: real time" if budget.smoothed else "")
+        self._stack_head.say(head_html(f"Position, velocity, attitude{told}", knowledge, said, key))
 
     def _offer_modes(self) -> None:
         budget = self.session.budget
@@ -203,12 +206,12 @@ class BudgetPage(pn.viewable.Viewer):
         self._panel.visible = not self._panel.visible
         self._close.end_icon = "expand_less" if self._panel.visible else "expand_more"
         if self._panel.visible:
+            if self._ways_of is not self.session.budget:  # nobody presses what was solved for an earlier design
+                self._table.html = "<p role='status'>Solving …</p>"
             self._find_ways()
 
     def _find_ways(self) -> None:
         if self._ways_of is not self.session.budget:
-            if not self._table.html:
-                self._table.html = "<p role='status'>Solving …</p>"
             pn.state.execute(self._solve)
 
     async def _solve(self) -> None:
@@ -239,6 +242,7 @@ class BudgetPage(pn.viewable.Viewer):
             Folded(
                 (
                     ("Requirements and cautions", lambda: self._told(requirements)),
+                    ("Phase and image location in either processing", lambda: self._told(_both)),
                     ("Sources and methods", lambda: self._told(self._sources)),
                     ("Paired echoes: vibration and oscillator", lambda: self._told(_echoes)),
                     ("What limits horizontal position: gyro or accelerometer?", self._regime),
@@ -298,6 +302,14 @@ def _invalid(count: int) -> str:
 def requirements(budget: Budget) -> str:
     """Every requirement with its margin, and what a careful reader must know."""
     return html_of(requirement_table(budget), caution_list(budget))
+
+
+def _both(budget: Budget) -> str:
+    """The figures of the image in either processing."""
+    try:
+        return html_of(processing_table(budget, "d"))
+    except InputError as error:  # of the processing that is not the design's
+        return f"<p>{escape(str(error))}</p>"
 
 
 def _echoes(budget: Budget) -> str:

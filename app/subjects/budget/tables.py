@@ -8,12 +8,11 @@ from collections.abc import Callable
 import numpy as np
 
 from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
-from app.document.display import ONE_SIGMA, Display
+from app.document.display import ONE_SIGMA, SI, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
-from app.document.verdict import check_words, limit_in_words, met_cell, requirement_quantity
+from app.document.verdict import SAID, check_words, limit_in_words, met_cell, requirement_quantity
 from app.document.wording import DETRENDED, best_of
 from nav_model.budget import Budget, analyse
-from nav_model.budget.json import to_json
 from nav_model.budget.provenance import provenance, steady_marks
 from nav_model.budget.result import Check
 from nav_model.design.parts import declaration_of
@@ -53,25 +52,32 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
             return KeyFigure(
                 label, value, detail, f"{told}, no limit" if name and told != "1σ" else "", amount=amount
             )
-        limit = limit_in_words(budget.design, check)
-        if told != f"{budget.verdict.confidence:g}σ" and display != ONE_SIGMA:
-            limit = f"{limit} at {budget.verdict.confidence:g}σ; {told}"
+        in_si = display.units == SI
+        limit = display.in_si(check.limit, dimension, given=True) if in_si else limit_in_words(budget.design, check)
+        if told != f"{budget.verdict.confidence:g}σ":  # the figure beside it is another multiple
+            limit = f"{limit} at {budget.verdict.confidence:g}σ{'' if told == '1σ' else f'; {told}'}"
         return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
 
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
         chosen = budget.design.requirements.steady_state
         moment, average = getattr(budget.steady_state, chosen), budget.steady_state.closed
+        pair = "horizontal" in name
+        told = display.named(pair=pair)
+
+        def shown(sigmas: object) -> str:
+            return display.show(getattr(sigmas, field), dimension, pair=pair)
+
         if smoothed is not None:
-            detail = f"1σ, smoothed [P-3]; in real time {show(getattr(moment, field), dimension)} [T-8]"
+            detail = f"{told}, smoothed [P-3]; in real time {shown(moment)} [T-8]"
             return figure(label, getattr(smoothed.sigmas, field), dimension, detail, name)
         which = f"{_MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
         if chosen != "closed":
-            which += f"; average {show(getattr(average, field), dimension)} {mark}"
-        return figure(label, getattr(moment, field), dimension, f"1σ, {which}", name)
+            which += f"; average {shown(average)} {mark}"
+        return figure(label, getattr(moment, field), dimension, f"{told}, {which}", name)
 
     def phase(label: str, field: str, name: str, mark: str, note: str = "") -> KeyFigure:
         amount = getattr(image, field)
-        sight = f"{show(float(phase_to_metres(amount, sar.wavelength)), 'length')} along the line of sight"
+        sight = f"{display.show(float(phase_to_metres(amount, sar.wavelength)), 'length')} along the line of sight"
         how = f"formula {mark}" if smoothed is None else "smoothed [P-5]"
         return figure(label, amount, "angle", f"{sight}, {how}{note}", name)
 
@@ -93,11 +99,11 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
                 coast.end_refined_horizontal,
                 "length",
                 f"horizontal, without fixes, in real time [T-17]; "
-                f"vertical {show(coast.end_refined_vertical, 'length')}",
+                f"vertical {display.show(coast.end_refined_vertical, 'length')}",
                 "coast_horizontal_position",
             ),
             phase("Quadratic phase", "quadratic", "quadratic_phase", "[S-5]", autofocus),
-            phase("Residual phase", "detrended", "detrended_phase", "[T-15]"),
+            phase("Detrended phase", "detrended", "detrended_phase", "[T-15]"),
             width,
         ),
     )
@@ -144,7 +150,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
     rows = (
         ("Quadratic phase", "angle", sar.quadratic, smoothed.quadratic, "[S-5]", "[P-5]"),
         ("Cubic phase", "angle", sar.cubic, smoothed.cubic, "[S-6]", "[P-5]"),
-        ("Residual phase after autofocus", "angle", sar.detrended, smoothed.detrended, "[S-6]", "[P-5]"),
+        ("Detrended phase", "angle", sar.detrended, smoothed.detrended, "[S-6]", "[P-5]"),
         ("Along-track quadratic phase", "angle", sar.along_track_quadratic, smoothed.along_track_quadratic, "[S-2]",
          "[P-5]"),
         ("Azimuth shift", "length", free.azimuth, placed.azimuth, "[P-7]", "[P-7]"),
@@ -207,7 +213,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
     prior = sources["steady_state.discrete.prior"]
     return Table(
         f"{key}-steady-table",
-        f"Errors while fixes come in, {display.spread}",
+        f"Errors in real time while fixes come in, {display.spread}",
         (
             Column("Error", width=1.5),
             Column(f"Cycle rms {cycle}", numeric=True),
@@ -248,8 +254,23 @@ def outage_table(budget: Budget, key: str) -> Table:
 
 
 def phase_table(budget: Budget, key: str) -> Table:
-    """The phase budget of the aperture by source."""
-    sar = budget.sar
+    """The phase budget of the aperture by source, of the design's processing."""
+    sar, smoothed = budget.sar, budget.smoothed
+    image = smoothed or sar
+    if smoothed is None:
+        lines = [(x.source, x.quadratic, x.share, x.detrended, x.detrended_share) for x in sar.lines]
+    else:
+        one, other = smoothed.shares["quadratic_phase"], smoothed.shares["detrended_phase"]
+        lines = [
+            (
+                source,
+                math.sqrt(one[source]) * smoothed.quadratic,
+                one[source],
+                math.sqrt(other[source]) * smoothed.detrended,
+                other[source],
+            )
+            for source in one
+        ]
 
     def row(label: str, quadratic: float, share: str, detrended: float, left_share: str) -> tuple[Cell, ...]:
         given = not math.isnan(detrended)
@@ -267,7 +288,8 @@ def phase_table(budget: Budget, key: str) -> Table:
     makers = ", ".join(f"{source} {percent(share)}" for source, share in sar.tilt_shares.items())
     return Table(
         f"{key}-phase-table",
-        "Phase budget of the aperture by source, 1σ, in phase and in line-of-sight millimetres",
+        f"Phase budget of the aperture by source, {SAID[budget.verdict.processing]}, 1σ, in phase and in "
+        "line-of-sight millimetres",
         (
             Column("Source", width=1.7),
             Column("Quadratic [°]", numeric=True, width=1),
@@ -279,15 +301,17 @@ def phase_table(budget: Budget, key: str) -> Table:
         ),
         (
             *(
-                row(x.source, x.quadratic, percent(x.share), x.detrended, percent(x.detrended_share))
-                for x in sar.lines
-                if x.quadratic > 0 or x.detrended > 0
+                row(source, quadratic, percent(share), left, percent(left_share))
+                for source, quadratic, share, left, left_share in lines
+                if quadratic > 0 or left > 0
             ),
-            row("total in quadrature", sar.quadratic, "100 %", sar.detrended, "100 %"),
-            row(ALONG_TRACK, sar.along_track_quadratic, NONE, math.nan, NONE),
+            row("total in quadrature", image.quadratic, "100 %", image.detrended, "100 %"),
+            row(ALONG_TRACK, image.along_track_quadratic, NONE, math.nan, NONE),
         ),
         f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt comes from {makers} "
-        "[T-18].",
+        "[T-18]."
+        if smoothed is None
+        else f"Smoothed over the whole leg, by {smoothed.method} [P-3]; shares of the variance [P-4]; phases [P-5].",
     )
 
 
@@ -334,41 +358,48 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
 def image_table(budget: Budget, key: str) -> Table:
     """The aperture and what the quadratic phase makes of the azimuth response."""
     sar, sources = budget.sar, provenance(budget)
-    response = to_json(budget)["sar"]["impulse_response"]
+    smoothed, phases = budget.smoothed, budget.smoothed or budget.sar
+    response = phases.impulse_response
 
-    def image(name: str, show_value: Callable[[float], str]) -> str:
-        return "no image: more than 1000 rad" if response is None else show_value(float(response[name]))
+    def image(name: str, show_value: Callable[[float], str], scale: float = 1.0) -> str:
+        return "no image: more than 1000 rad" if response is None else show_value(scale * getattr(response, name))
 
     rows = (
         ("Wavelength", show(sar.wavelength, "length"), "sar.wavelength_m"),
         ("Aperture time", show(sar.aperture_time, "time"), "sar.aperture_time_s"),
         ("Aperture length", show(sar.aperture_length, "length"), "sar.aperture_length_m"),
-        ("Quadratic phase, 1σ", f"{degrees(sar.quadratic)}°", "sar.quadratic_phase_sigma_rad"),
-        ("Cubic phase, 1σ", f"{degrees(sar.cubic)}°", "sar.cubic_phase_sigma_rad"),
-        ("Rms phase after autofocus, 1σ", f"{degrees(sar.detrended)}°", "sar.detrended_phase_sigma_rad"),
-        ("Response width", image("width_m", lambda width: show(width, "length")), "sar.impulse_response"),
-        ("Peak side-lobe ratio", image("pslr_db", decibels), "sar.impulse_response"),
-        ("Integrated side-lobe ratio", image("islr_db", decibels), "sar.impulse_response"),
+        ("Quadratic phase, 1σ", f"{degrees(phases.quadratic)}°", "sar.quadratic_phase_sigma_rad"),
+        ("Cubic phase, 1σ", f"{degrees(phases.cubic)}°", "sar.cubic_phase_sigma_rad"),
+        ("Detrended phase, 1σ", f"{degrees(phases.detrended)}°", "sar.detrended_phase_sigma_rad"),
+        (
+            "Response width",
+            image("half_power_extent_cells", lambda width: show(width, "length"), sar.cell_length),
+            "sar.impulse_response",
+        ),
+        ("Peak side-lobe ratio", image("pslr_fixed_db", decibels), "sar.impulse_response"),
+        ("Integrated side-lobe ratio", image("islr_fixed_db", decibels), "sar.impulse_response"),
         ("Peak loss", image("peak_loss_db", decibels), "sar.impulse_response"),
     )
 
+    def equation(name: str) -> str:
+        return "[P-5]" if smoothed is not None and "phase" in name else sources[name].equation
+
     def origin(name: str) -> str:
         source = sources[name]
+        if smoothed is not None and "phase" in name:
+            return f"smoothed by {smoothed.method}"
         stated = name == "sar.aperture_time_s" and budget.design.radar.aperture_time is not None
         return "stated in the design" if stated else ", ".join(filter(None, (source.method, source.note)))
 
     return Table(
         f"{key}-image",
-        "Aperture and azimuth impulse response",
+        f"Aperture and azimuth impulse response, {SAID[budget.verdict.processing]}",
         (
             Column("Figure", width=1.3),
             Column("Value", numeric=True, width=1),
             Column("Equation", width=0.8),
             Column("Method", width=1.7),
         ),
-        tuple(
-            (Cell(label), Cell(value), Cell(sources[name].equation), Cell(origin(name)))
-            for label, value, name in rows
-        ),
+        tuple((Cell(label), Cell(value), Cell(equation(name)), Cell(origin(name))) for label, value, name in rows),
         "Width between the outermost half-power points; side lobes outside the error-free main lobe, whole line.",
     )

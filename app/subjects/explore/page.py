@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import panel as pn
 
 from app.declared import held
+from app.document.blocks import Answer
+from app.document.verdict import SAID
 from app.session import Session
 from app.subjects.explore.map import MapPanel
 from app.subjects.explore.question import NO_LIMIT, Question
@@ -18,6 +22,7 @@ from app.subjects.explore.uncertainty import UncertaintyPanel
 from app.ui.answer_strip import AnswerStrip
 from app.ui.first_screen import screen_of_views
 from app.ui.named_views import NamedViews
+from app.ui.turns import in_turns
 from nav_model.budget import Budget
 
 QUESTIONS: Mapping[str, type[Question]] = {
@@ -27,6 +32,9 @@ QUESTIONS: Mapping[str, type[Question]] = {
     "How sure": UncertaintyPanel,
     "Sweep": SweepPanel,
 }
+
+
+_SEEN = 0.02  # seconds in which the strip reaches the browser before the work begins
 
 
 class ExplorePage(pn.viewable.Viewer):
@@ -39,7 +47,7 @@ class ExplorePage(pn.viewable.Viewer):
         self._strip = AnswerStrip(NO_LIMIT)
         self._asked: dict[str, Question] = {}
         self.views = NamedViews("Question", {name: partial(self._ask, name) for name in QUESTIONS})
-        self.views.param.watch(lambda _: self.show(session.budget), "chosen")
+        self.views.param.watch(self._turned, "chosen")
         self.show(session.budget)
         self._view = screen_of_views(self._strip, self.views)
 
@@ -61,8 +69,16 @@ class ExplorePage(pn.viewable.Viewer):
         self.question.show(budget)
         self._tell()
 
+    def _turned(self, event: Any) -> None:
+        """The answer to another question does not stand above this one while this one is worked out: a map takes
+        seconds."""
+        self._strip.show(Answer(event.new, "open", ("Computing …",)))
+        in_turns([lambda: self.show(self.session.budget)], after=_SEEN)
+
     def _tell(self) -> None:
-        self._strip.show(self.question.answer)
+        answer, verdict = self.question.answer, self.session.budget.verdict
+        said = (f"{SAID[verdict.processing].capitalize()}.",) if verdict.checks and self.question.of_design else ()
+        self._strip.show(replace(answer, sentences=(*answer.sentences, *said)))
 
     def go_to(self, place: str) -> None:
         """Ask the question whose name begins like the end of an address, such as "which" of "#explore-which"."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import panel as pn
 import param
@@ -21,6 +22,8 @@ class Question(pn.viewable.Viewer, param.ParameterizedABC):
     """One of the page's views: the page hands it each budget while it is in view."""
 
     session = held(Session)
+    of_design: ClassVar[bool] = True
+    """Whether what the answer says is always of the design in force, its processing too."""
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=NO_LIMIT, instantiate=False))
 
     @abstractmethod

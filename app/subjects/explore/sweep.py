@@ -57,6 +57,8 @@ class Swept:
 class SweepPanel(Question):
     """What to vary, how many designs that is and how long they take; then table and map."""
 
+    of_design = False  # a sweep may be of an earlier one; its table says the processing
+
     run = held(Run)
     estimate = held(Run)
     files = held(Run)

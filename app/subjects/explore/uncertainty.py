@@ -43,6 +43,7 @@ _INPUTS = (
 _ASSUMED = 1.3  # factor of one standard deviation that the button puts on the noises
 _AS_SET, _TYPICAL, _UNIFORM, _LOG = "As set", "Typical ×/÷", "Uniform", "Log-uniform"
 _LABELS = {_TYPICAL: ("typical", "factor (1σ)"), _UNIFORM: ("lowest", "highest"), _LOG: ("lowest", "highest")}
+_COMPUTING = Answer("How sure", "open", ("Computing …",))
 _NO_RANGE = Answer(
     "No input has a range", "open", ("Choose a distribution for at least one input to see how sure the verdict is.",)
 )
@@ -179,6 +180,7 @@ class UncertaintyPanel(Question):
             self._table.object = ""
             self.answer = _NO_RANGE if self.session.budget.verdict.checks else NO_LIMIT
         elif not any(row.problem for row in self.rows):
+            self._table.object, self.answer = "", _COMPUTING
             design, inputs = self.session.design, {key: read_uncertain(key, text) for key, text in texts.items()}
             pn.state.execute(lambda: self.run.start(lambda _: elsewhere(uncertain_verdict, design, inputs)))
 

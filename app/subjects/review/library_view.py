@@ -150,7 +150,7 @@ class LibraryView(pn.viewable.Viewer):
         )  # fmt: skip
         tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in saved.tags)
         when = f"<span>{moment(saved.saved)}</span>"
-        cells = f'{_verdict(saved.closes)}<span class="who">{escape(saved.author)}</span>{when}{tags}'
+        cells = f'{_verdict(saved.closes, saved.verdict)}<span class="who">{escape(saved.author)}</span>{when}{tags}'
         rows = [self._row(f"{saved.id}.{saved.number}", shortened(saved.name, 60), cells, history)]
         if shown and many:
             rows += [
@@ -343,15 +343,15 @@ def _answer(listing: _Listing | InputError) -> Answer:
 _RULE = {"border-bottom": "1px solid color-mix(in srgb, currentColor 12%, transparent)"}
 
 
-def _verdict(closes: bool | None) -> str:
+def _verdict(closes: bool | None, whole: str) -> str:
     word = {True: "✓ closes", False: "✗ does not close", None: "– not checked"}[closes]
-    return f'<span class="mark">{word}</span>'
+    return f'<span class="mark" title="{escape(whole)}">{word}</span>'
 
 
 def _revision_cells(revision: Revision) -> str:
     note = f'<span class="quiet">{escape(shortened(revision.note, 120))}</span>' if revision.note else ""
     origin = " (imported)" if revision.origin else ""
     return (
-        f'{_verdict(revision.closes)}<span class="who">{escape(revision.author)}{origin}</span>'
+        f'{_verdict(revision.closes, revision.verdict)}<span class="who">{escape(revision.author)}{origin}</span>'
         f'<span>{moment(revision.saved)}</span><span class="quiet">{revision.content_hash[:12]}</span>{note}'
     )

@@ -33,7 +33,7 @@ from app.report import report_bytes
 from app.subjects.review import report
 from app.subjects.review.desk import LOOK, Desk, button
 from app.subjects.review.overview import overview, state_of
-from app.subjects.review.slide import decision_row, point_of, slide
+from app.subjects.review.slide import decision_row, frozen_designs, point_of, slide
 from app.ui.decision_table import DecisionTable
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
@@ -151,6 +151,7 @@ class ReviewRoom(pn.viewable.Viewer):
             options[f"{shortened(review.title, 60)} ({state}, {review.opened[:10]}, {review.id[:4]})"] = review.id
         if self._choice.options != options:
             self._choice.options = options
+            self._choice.param.trigger("value")  # the browser knows the value by its words, which may be others now
         self._all.html = table
         said = f"{sum(own.signed is None for own in reviews)} open. Choose one, or start one of selected designs."
         self._stand = Answer(counted(len(reviews), "review"), "open", (said,)) if reviews else _NO_REVIEW
@@ -272,12 +273,10 @@ class ReviewRoom(pn.viewable.Viewer):
             chosen = [self._about.value]
             at = points.index(self._about.value) + 1
             self._slide.object = slide(review, point_of(review, *self._about.value), at, len(points))
-        caption = "; ".join(
-            f"D{item.place}: {shortened(r.name, 40)}, revision {r.number}"
-            for item, r in zip(review.items, review.revisions, strict=True)
-        )
         self._table.param.update(
-            caption=caption, open=review.signed is None, rows=[decision_row(review, *point) for point in chosen]
+            caption=frozen_designs(review),
+            open=review.signed is None,
+            rows=[decision_row(review, *point) for point in chosen],
         )
 
     # --- what people do --------------------------------------------------------------------------------

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from app.document.verdict import check_words
+from app.document.verdict import check_words, judged
+from app.document.wording import shortened
 from app.library.reviews import Review
 from app.library.texts import moment
 from app.subjects.review.report import decided_word
@@ -28,7 +29,15 @@ def point_of(review: Review, place: int, name: str) -> Point:
     budget = review.revisions[place - 1].budget()
     check = next(check for check in budget.verdict.checks if check.name == name)
     words = check_words(budget.design, check)
-    return Point(place, check, f"{words.value} against {words.limit} at {budget.verdict.confidence:g}σ", words.margin)
+    return Point(place, check, f"{words.value} against {words.limit} {judged(budget.verdict)}", words.margin)
+
+
+def frozen_designs(review: Review) -> str:
+    """What the rows of decisions are about, and how the figures in them are judged."""
+    return "; ".join(
+        f"D{item.place}: {shortened(own.name, 40)}, revision {own.number}, {judged(own.budget().verdict)}"
+        for item, own in zip(review.items, review.revisions, strict=True)
+    )
 
 
 def decision_row(review: Review, place: int, name: str) -> dict[str, Any]:

@@ -52,14 +52,15 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
         note = f"It needs post-processing. {note}"
     elif budget.design.processing.mode == REAL_TIME:
         note = f"{note} Post-processed, {NAMES['9']}: {_degrees(smoothed, budget)}°."
-    mark, tone, limit = "", "open", ""
+    word, tone, limit = f"Use {NAMES[key]}", "open", ""
     if closed.required_phase is not None:
         met = float(metres_to_phase(sigma, budget.sar.wavelength)) <= closed.required_phase
-        mark, tone = ("✓ ", "good") if met else ("✗ ", "bad")
+        word, tone = (f"✓ {word}", "good") if met else (f"✗ {NAMES[key]} is best, but misses the limit", "bad")
         limit = f"; the limit is {number(math.degrees(closed.required_phase), given=True)}°"
-    said = f"It leaves {_degrees(sigma, budget)}° rms of phase {LEFT[budget.sar.autofocus_order]}{limit}."
+    source = "by formula" if study is None else f"in {study.runs} runs"
+    said = f"It leaves {_degrees(sigma, budget)}° rms of phase {LEFT[budget.sar.autofocus_order]}, {source}{limit}."
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
-    return Answer(f"{mark}Use {NAMES[key]}", tone, (said, note.strip()) if note else (said,)), (
+    return Answer(word, tone, (said, note.strip()) if note else (said,)), (
         *runs,
         Text(advice.sentence),
         Text(f"Why: {advice.because}"),

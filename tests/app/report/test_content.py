@@ -70,10 +70,10 @@ def test_a_comparison_follows_the_display(mems, three):
     """Against the same two distributions, for the table and both charts; which design is best does not change."""
     plain, told = (report_of([mems, three[0]], NOW, display=each) for each in (Display(), Display("95 %", "SI")))
     pair, axis = stats.rayleigh.ppf(0.95), stats.norm.ppf(0.975)
-    rows = {row[0].text.partition(" [")[0]: row[1:] for row in table(told, "c-figures-0").rows}
-    was = {row[0].text.partition(" [")[0]: row[1:] for row in table(plain, "c-figures-0").rows}
+    rows = {row[0].text: row[1:] for row in table(told, "c-figures-0").rows}
+    was = {row[0].text: row[1:] for row in table(plain, "c-figures-0").rows}
     assert [[cell.mark for cell in row] for row in rows.values()] == [[c.mark for c in row] for row in was.values()]
-    horizontal, phase = rows["Horizontal position before a fix"][0].text, rows["Quadratic phase"][0].text
+    horizontal, phase = rows["Horizontal position, 95 %"][0].text, rows["Quadratic phase, 95 %"][0].text
     assert horizontal == f"{pair * mems.steady_state.prior.position_horizontal:.3g} m"
     assert phase == f"{axis * mems.sar.quadratic:.3g} rad"
     before, after = ({block.key: block.chart for block in each.charts()} for each in (plain, told))
@@ -160,6 +160,23 @@ def test_phase_shares_add_up_and_the_table_is_the_budgets(mems):
     )  # squares of three digits
 
 
+def test_a_report_of_a_design_processed_afterwards_has_its_phases_everywhere(mems):
+    """processing.md prints 70.63°, 33.24°, 21.94° and along the track 18.29°."""
+    smoothed = analyse(mems.design.replace({"processing.mode": "post-processed"}))
+    report = report_of([smoothed], NOW)
+    *sources, total, along = table(report, "d-phase-table").rows
+    assert [total[1].text, total[4].text, along[1].text] == ["70.6", "21.9", "18.3"]
+    assert sum(float(row[1].text) ** 2 for row in sources) == pytest.approx(70.63**2, rel=1e-2)
+    assert "post-processed" in table(report, "d-phase-table").caption
+    values = {row[0].text: row[1].text for row in table(report, "d-image").rows}
+    assert [values[f"{name} phase, 1σ"] for name in ("Quadratic", "Cubic", "Detrended")] == [
+        "70.6°",
+        "33.2°",
+        "21.9°",
+    ]
+    assert values["Response width"] == "20.7 cm"  # the tile's
+
+
 def test_a_comparison_marks_the_smallest_figure_and_lists_what_differs(three):
     report = report_of(three, NOW)
     assert [chapter.key for chapter in report.chapters] == ["c", "d1", "d2", "d3"]
@@ -169,6 +186,23 @@ def test_a_comparison_marks_the_smallest_figure_and_lists_what_differs(three):
     listed = {row[0].text for row in table(report, "c-inputs-0").rows}
     assert "Speed" in listed
     assert "Gravity" not in listed
+
+
+def test_a_comparison_has_the_figures_of_each_designs_processing(mems, cells):
+    """The worked example as processing.md prints it: 70.63° and 21.94° smoothed, 0.1591 m and 8.660 mm/s."""
+    smoothed = analyse(mems.design.replace({"processing.mode": "post-processed"}))
+    report = report_of([mems, smoothed], NOW)
+    rows = {
+        row[0].text.partition(" [")[0]: [cell.text for cell in row[1:]] for row in table(report, "c-figures-0").rows
+    }
+    assert rows["Quadratic phase"] == ["163°", "70.6°"]
+    assert rows["Detrended phase"] == ["48.9°", "21.9°"]
+    assert rows["Along-track quadratic phase"][1] == "18.3°"
+    assert rows["Horizontal position"][1] == "0.159 m"
+    assert rows["Horizontal velocity"][1] == "0.00866 m/s"
+    (phases,) = (block.chart for block in report.charts() if block.key == "c-chart-phase-0")
+    assert phases.bars[1].first == pytest.approx(70.63, rel=1e-3)
+    assert [row[3].text for row in table(report, "c-verdicts-table").rows] == ["real time", "post-processed"]
 
 
 def test_a_comparison_of_the_same_design_has_no_best_and_no_difference(mems, cells):

@@ -193,7 +193,7 @@ def test_the_responses_are_those_of_the_studys_json_both_ways(told, findings):
 def test_the_sar_answer_says_which_why_and_what_would_change_it(told, findings):
     advice = sar_json(findings["sar"].study)["advice"]
     study = findings["sar"].study
-    assert verdict(told, "sar").word == f"✗ Use {study.best().name}"
+    assert verdict(told, "sar").word == f"✗ {study.best().name} is best, but misses the limit"
     assert verdict(told, "sar").tone == "bad"  # the example misses its limit of 20°
     texts = [b.text for s in told if s.key == "d-sar" for b in s.blocks if isinstance(b, Text)]
     assert any(advice["sentence"] in text for text in texts)

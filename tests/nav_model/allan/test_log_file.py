@@ -81,7 +81,7 @@ def test_headerless_file_needs_columns_units_and_rate():
         read_log(content)
     with pytest.raises(InputError, match="Give the rate"):
         read_log(content, LogOptions(columns=NAMES))
-    with pytest.raises(InputError, match=r"unit of 'gyro_x' is not stated.*gyro_unit"):
+    with pytest.raises(InputError, match=r"does not give the unit of 'gyro_x'.*gyro unit"):
         read_log(content, LogOptions(columns=NAMES, rate_hz=100.0))
     log = read_log(content, LogOptions(columns=NAMES, rate_hz=100.0, gyro_unit="rad/s", accelerometer_unit="m/s²"))
     np.testing.assert_allclose(log.accelerometer, FORCE)

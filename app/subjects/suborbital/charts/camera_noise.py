@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.charts.kinds import Chart, Line, Points
+from app.charts.kinds import Array, Chart, Line, Points
 from app.document.blocks import Answer
 from app.document.numbers import number, show
 from nav_model.constants import ARCSECOND
@@ -48,11 +48,22 @@ def camera_noise_answer(swept: CameraNoise, now_rad: float) -> Answer:
     left = f"{show(_at(swept, now_rad), 'length')} with tracker and {show(swept.alone_m, 'length')} without"
     said = [f"At {number(now_rad / ARCSECOND, given=True)} arcsec, noise leaves {left}."]
     if len(worse):
-        said.append(f"Above {number(arcsec[worse[0]], 2)} arcsec the tracker adds more noise than it removes.")
+        level = _crossing(arcsec, swept.total_m, np.full_like(swept.total_m, swept.alone_m), int(worse[0]))
+        said.append(f"Above {number(level, 2)} arcsec the tracker adds more noise than it removes.")
     if not len(over):
         return Answer("Camera noise stays below IMU noise", "good", tuple(said))
-    word = f"Camera noise exceeds IMU noise above about {number(arcsec[over[0]], 2)} arcsec"
+    level = _crossing(arcsec, swept.camera_m, imu, int(over[0]))
+    word = f"Camera noise exceeds IMU noise above about {number(level, 2)} arcsec"
     return Answer(word, "open", tuple(said))
+
+
+def _crossing(x: Array, rising: Array, other: Array, after: int) -> float:
+    """Where one curve comes to lie above another, at or before a point of the grid: straight between points on
+    logarithmic axes, as they are drawn."""
+    if after == 0 or min(rising[after - 1], other[after - 1], other[after]) <= 0:
+        return float(x[after])
+    apart = np.log(rising[after - 1 : after + 1] / other[after - 1 : after + 1])
+    return float(np.exp(np.interp(0.0, apart, np.log(x[after - 1 : after + 1]))))
 
 
 def _at(swept: CameraNoise, now_rad: float) -> float:

@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 
 from app.document.blocks import Table, Text
+from app.document.display import Display
 from app.document.verdict import check_words, verdict_of, verdict_strip
 from app.report.cautions import caution_list
 from app.report.content import report_of
 from app.session import Session
+from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.page import BudgetPage, requirements
 from app.subjects.budget.tables import key_figures, requirement_table, steady_table
@@ -67,8 +69,40 @@ def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -
         "Position, horizontal": ("2 m", True),
         "Position after 100 s": ("50 m", True),
         "Quadratic phase": ("90°", False),
-        "Residual phase": ("20°", False),
+        "Detrended phase": ("20°", False),
     }
+
+
+def test_a_limit_at_another_multiple_than_the_figure_beside_it_says_so() -> None:
+    figures = key_figures(changed(requirements__confidence=2.0))
+    assert figures.items[0].limit == "2 m at 2σ"
+    assert key_figures(changed(requirements__confidence=2.0), Display("2σ")).items[0].limit == "2 m"
+    assert key_figures(changed(), Display("2σ")).items[0].limit == "2 m at 1σ; 2σ"
+    assert key_figures(changed(), Display(units="SI")).items[5].limit == "1.57 rad"
+
+
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_figures_within_a_detail_are_as_wide_as_the_one_they_explain(mode: str) -> None:
+    budget = changed(processing__mode=mode)
+    for one, two in zip(key_figures(budget).items[:7], key_figures(budget, Display("2σ")).items[:7], strict=True):
+        once, twice = (
+            [si(amount) for amount in re.findall(r"[\d.]+ ?(?:[mc]?m(?:/s)?|°)(?!\w)", figure.detail)]
+            for figure in (one, two)
+        )
+        assert twice == pytest.approx([2 * amount for amount in once], rel=6e-3), (one.detail, two.detail)
+        assert "1σ" not in two.detail
+
+
+def test_a_design_that_closes_is_told_how_far_each_input_may_go() -> None:
+    budget = changed(imu__angle_random_walk=0.03 * math.pi / 180 / 60)
+    assert budget.verdict.closes
+    found = {way.what: way for way in ways(budget.design) if not way.what.startswith("IMU")}
+    noise = found["Angle random walk"]
+    assert "closes, and would" in str(ways_block(budget, tuple(found.values())))
+    ((key, most),) = noise.changes.items()
+    assert isinstance(most, float)
+    assert analyse(budget.design.replace({key: most})).verdict.closes
+    assert not analyse(budget.design.replace({key: 1.02 * most})).verdict.closes
 
 
 @pytest.mark.parametrize(
@@ -122,7 +156,7 @@ def test_the_verdict_says_when_its_one_requirement_is_met() -> None:
     design = read_design(EXAMPLES / "mems_x_band.toml").replace({**limits, "requirements.tilt": 1.0})
     said = verdict_of(analyse(design))
     assert (said.word, said.tone) == ("✓ Closes", "good")
-    assert said.sentences[0] == "At 1σ, its one requirement is met."
+    assert said.sentences[0] == "At 1σ in real time, its one requirement is met."
 
 
 def test_page_and_report_say_the_same(mems: Budget) -> None:

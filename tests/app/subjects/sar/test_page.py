@@ -84,7 +84,7 @@ def names(sar: SarPage) -> list[str]:
 
 
 def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPage) -> None:
-    assert "✗ Use INS from filter" in said(sar)
+    assert "✗ INS from filter is best, but misses the limit" in said(sar)
     assert "the limit is 20°" in said(sar)
     assert "Formulas only so far." in sar._bar.state.object
     formulas = ("Whole-leg smoother", "INS from filter", "INS after outage", "Quadratic fit, noise-weighted")
@@ -105,7 +105,8 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert not session.running
     assert "The runs match the design. 50 runs of the error model, seed 0." in sar._bar.state.object
     study = sar._result.study
-    assert f"Use {study.best().name}" in said(sar)
+    assert f"{study.best().name} is best, but misses the limit" in said(sar)
+    assert "in 50 runs; the limit is 20°" in said(sar)
     ranked = sorted((key for key in NAMES if key != "1"), key=study.residual)
     assert names(sar) == [NAMES[key] for key in ranked]
     best = re.search(r'<tr class="best"><th scope="row">([^<]+)', sar._ranks.object)

@@ -21,12 +21,15 @@ from app.serving.server import first_design
 from app.session import Session
 from app.subjects.suborbital import page
 from app.subjects.suborbital.charts import Shown, attitude, errors, sensors
+from app.subjects.suborbital.charts.camera_noise import camera_noise_answer
 from app.subjects.suborbital.controls import InputControl
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.views import VIEWS
 from app.work import kept
 from app.work.alone import run_alone
+from nav_model.constants import ARCSECOND
+from nav_model.suborbital.camera_noise import CameraNoise
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, follows_design
 from nav_model.suborbital.study_file import format_study, from_link, to_link
@@ -359,3 +362,17 @@ def test_cancelling_a_run_ends_it_at_once() -> None:
             await asyncio.wait_for(task, PATIENCE)
 
     asyncio.run(cancelled())
+
+
+def test_camera_noise_exceeds_that_of_the_imu_where_the_curves_cross() -> None:
+    """A camera of 5 m an arcsecond beside an IMU of 20 m: 4 arcsec, between two points of the grid."""
+    arcsec = np.array([1.0, 3.0, 9.0, 27.0])
+    camera = 5.0 * arcsec
+    swept = CameraNoise(
+        centroid_rad=arcsec * ARCSECOND,
+        total_m=np.hypot(camera, 20.0),
+        camera_m=camera,
+        frames=np.full(4, 30),
+        alone_m=4000.0,
+    )
+    assert camera_noise_answer(swept, 3 * ARCSECOND).word == "Camera noise exceeds IMU noise above about 4.0 arcsec"
