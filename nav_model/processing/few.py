@@ -2,9 +2,10 @@
 
 A map is cut into boxes. In each, the values at a dozen rows and columns close to Chebyshev's points give a polynomial
 of the place, and that is compared with values worked out at other places between them. Where it is beyond `BOUND`
-along an axis, the box is halved there; where halving hardly helps, as along an axis that changes how many fixes there
-are, every row or column is taken. What is not smooth, as where a method takes over from another, is for the caller to
-keep apart as maps of their own. All boxes of a round are worked out in one call.
+along an axis, the box is halved there, until every row or column of it is taken. Along an axis that changes how many
+fixes there are, values jump: there every row or column is compared. What else is not smooth, as where a method takes
+over from another, is for the caller to keep apart as maps of their own. All boxes of a round are worked out in one
+call.
 """
 
 from __future__ import annotations
@@ -21,7 +22,6 @@ BOUND = 1e-4
 """Largest difference, at the places compared, of a polynomial from what is worked out there."""
 
 _POINTS = 13  # along a side of a box
-_HELPS = 0.2  # part of the difference that halving must leave at most, to be tried again
 _CHECKED = 4  # rows or columns between the points that are compared, at as many of the points along the other axis
 
 Places = NDArray[np.int64]
@@ -29,17 +29,17 @@ Places = NDArray[np.int64]
 
 @dataclass
 class _Box:
-    """Part of a map: from its first row and column to beyond its last, and the difference that its parent had."""
+    """Part of a map: from its first row and column to beyond its last, and along which axis every one is taken."""
 
     of: int
     ends: tuple[tuple[int, int], tuple[int, int]]
-    before: tuple[float, float] = (np.inf, np.inf)
     whole: tuple[bool, bool] = (False, False)
 
 
 @dataclass
 class _Map:
     wanted: NDArray[np.bool_]
+    jumps: tuple[bool, bool]
     values: Array  # (k, rows, columns)
     known: NDArray[np.bool_]
 
@@ -52,7 +52,10 @@ class _Map:
 
 
 def from_few(
-    wanted: Sequence[NDArray[np.bool_]], size: int, exact: Callable[[Places, Places, Places], Array]
+    wanted: Sequence[NDArray[np.bool_]],
+    jumps: Sequence[tuple[bool, bool]],
+    size: int,
+    exact: Callable[[Places, Places, Places], Array],
 ) -> list[Array]:
     """Values of several maps, within `BOUND` where they are not worked out.
 
@@ -60,6 +63,8 @@ def from_few(
     ----------
     wanted : sequence of array of bool, (rows, columns)
         Where each map is asked for; its function must be known elsewhere in the box around that too.
+    jumps : sequence of pairs of bool
+        Of each map, whether values may jump from row to row, at any column alike, and from column to column.
     size : int
         Values of a design.
     exact : callable
@@ -71,7 +76,10 @@ def from_few(
     list of array, (size, rows, columns)
         Anything outside what is wanted.
     """
-    maps = [_Map(where, np.zeros((size, *where.shape)), np.zeros_like(where)) for where in wanted]
+    maps = [
+        _Map(where, jumping, np.zeros((size, *where.shape)), np.zeros_like(where))
+        for where, jumping in zip(wanted, jumps, strict=True)
+    ]
     boxes = [_Box(n, ((0, where.shape[0]), (0, where.shape[1]))) for n, where in enumerate(wanted)]
     while boxes:
         plans = [(box, plan) for box in boxes if (plan := _plan(box, maps[box.of])) is not None]
@@ -97,10 +105,10 @@ def _plan(box: _Box, of: _Map) -> _Plan | None:
         return None
     box.ends = (top + rows[0], top + rows[-1] + 1), (left + columns[0], left + columns[-1] + 1)
     points = _points(*box.ends[0], box.whole[0]), _points(*box.ends[1], box.whole[1])
-    if np.count_nonzero(inside) <= 1.5 * len(points[0]) * len(points[1]):
+    if all(of.jumps) or np.count_nonzero(inside) <= 1.5 * len(points[0]) * len(points[1]):
         of.asked[top:bottom, left:right] |= inside
         return None
-    between = _between(points[0]), _between(points[1])
+    between = _between(points[0], of.jumps[0]), _between(points[1], of.jumps[1])
     of.ask(*points)
     of.ask(between[0], _some(points[1]))
     of.ask(_some(points[0]), between[1])
@@ -114,7 +122,9 @@ def _points(first: int, end: int, whole: bool) -> Places:
     return np.unique(np.asarray(np.rint(first + (end - 1 - first) * x), np.int64))
 
 
-def _between(points: Places) -> Places:
+def _between(points: Places, everywhere: bool) -> Places:
+    if everywhere:
+        return np.setdiff1d(np.arange(points[0], points[-1]), points)
     middle = (points[:-1] + points[1:]) // 2
     return _some(middle[middle != points[:-1]])
 
@@ -151,12 +161,12 @@ def _settle(box: _Box, plan: _Plan, of: _Map) -> list[_Box]:
     for axis, (first, end) in enumerate(box.ends):
         if off[axis] <= BOUND:
             continue
-        if off[axis] > _HELPS * box.before[axis] or end - first <= 2 * _POINTS:
+        if end - first <= 2 * _POINTS:
             whole[axis] = True
         else:
             middle = (first + end) // 2
             parts[axis] = [(first, middle), (middle, end)]
-    return [_Box(box.of, (rows, columns), off, (whole[0], whole[1])) for rows in parts[0] for columns in parts[1]]
+    return [_Box(box.of, (rows, columns), (whole[0], whole[1])) for rows in parts[0] for columns in parts[1]]
 
 
 def _off(values: Array, plan: _Plan, weights: Array, first: int, axis: int) -> float:

@@ -29,6 +29,8 @@ _PAIRS = {
 }  # fmt: skip
 """Covariances, and the variances that they belong to."""
 
+_COUNTED = ("interval", "velocity_interval", "aperture", "before", "after", "gap")
+
 
 def _values(channel: Channel) -> dict[str, Array]:
     """What a channel has; the vertical one is a horizontal one without gyro noise."""
@@ -112,6 +114,12 @@ class _Part:
     def stepped(self) -> bool:
         return any(map(np.iscomplexobj, self.values.values()))
 
+    @property
+    def jumps(self) -> tuple[bool, bool]:
+        """Along which axes of a map the number of fixes changes, in the aperture or in a leg."""
+        shapes = [self.values[name].shape for name in _COUNTED if name in self.values]
+        return any(len(at) == 2 and at[0] > 1 for at in shapes), any(len(at) > 0 and at[-1] > 1 for at in shapes)
+
     def at(self, place: NDArray[np.bool_] | tuple[_Places, ...]) -> list[Array]:
         """The inputs at some places of the shape that they have together."""
         return [np.broadcast_to(value, self.mask.shape)[place] for value in self.values.values()]
@@ -161,7 +169,8 @@ def _from_few(parts: Sequence[_Part], wanted: Sequence[Mapping[str, Array]]) -> 
         pairs = (found[name] / np.sqrt(variances[_PAIRS[name][0]] * variances[_PAIRS[name][1]]) for name in paired)
         return np.stack([*map(np.log, variances.values()), *pairs])
 
-    solved = from_few([mask for _, _, mask in kinds], len(plain) + len(paired), exact)
+    jumps = [parts[n].jumps for n, _, _ in kinds]
+    solved = from_few([mask for _, _, mask in kinds], jumps, len(plain) + len(paired), exact)
     found = [{name: np.empty(np.count_nonzero(part.mask)) for name in names} for part in parts]
     for (n, _, mask), values in zip(kinds, solved, strict=True):
         here, inside = values[:, mask], mask[parts[n].mask]

@@ -12,7 +12,7 @@ ARW, FIX = "imu.angle_random_walk", "gnss.position_noise"
 SHORT = {"processing.mode": "post-processed", "processing.leg_before": 20.0, "processing.leg_after": 10.0}
 
 
-def worked_out(function, wanted):
+def worked_out(function, wanted, jumps=(False, False)):
     """Values of a map, and at how many places they were worked out."""
     count = 0
 
@@ -22,23 +22,25 @@ def worked_out(function, wanted):
         assert not kind.any()
         return function(rows, columns)[None]
 
-    return from_few([wanted], 1, exact)[0][0], count
+    return from_few([wanted], [jumps], 1, exact)[0][0], count
 
 
 @pytest.mark.parametrize(
-    ("function", "share"),
+    ("function", "jumps", "share"),
     [
-        (lambda i, j: np.log(np.exp(i / 30) + np.exp(j / 25)), 0.06),
-        (lambda i, j: np.log(1 + 1 / (1 + i)) * np.cos(j / 40), 0.1),
-        (lambda i, j: np.floor(i / 7) + np.sin(j / 50), 0.2),  # not smooth along one axis
-        (lambda i, j: np.sin(np.floor(i / 7) + np.floor(j / 9)), 1.0),
-        (lambda i, j: np.where(i > 90, np.nan, i + j), 1.0),
+        (lambda i, j: np.log(np.exp(i / 30) + np.exp(j / 25)), (False, False), 0.06),
+        (lambda i, j: np.log(1 + 1 / (1 + i)) * np.cos(j / 40), (False, False), 0.1),
+        (lambda i, j: np.floor(i / 7) + np.sin(j / 50), (True, False), 0.25),
+        (lambda i, j: np.where(i == 77, 1.0, np.cos(j / 40)), (True, False), 0.2),
+        (lambda i, j: np.sin(i / 50) + (j > 100), (False, True), 0.2),
+        (lambda i, j: np.sin(np.floor(i / 7) + np.floor(j / 9)), (True, True), 1.0),
+        (lambda i, j: np.where(i > 90, np.nan, i + j), (False, False), 1.0),
     ],
 )
-def test_within_the_bound_from_fewer_places(function, share):
+def test_within_the_bound_from_fewer_places(function, jumps, share):
     rows, columns = np.indices((200, 180))
     wanted = rows + columns > 60
-    found, count = worked_out(function, wanted)
+    found, count = worked_out(function, wanted, jumps)
     off = np.abs(found - function(rows, columns))[wanted]
     assert np.nanmax(off) < BOUND
     np.testing.assert_array_equal(np.isnan(found), wanted & np.isnan(function(rows, columns)))
@@ -58,6 +60,7 @@ def test_nothing_wanted_is_nothing_worked_out():
         ("gnss.correlated_noise", "gnss.correlation_time", SHORT | {"gnss.correlated": True}),
         (ARW, FIX, {"processing.mode": "post-processed", "gnss.interval": 10.0}),  # sparse; in parts by spectrum
         (ARW, "processing.leg_after", {"processing.mode": "post-processed"}),
+        ("radar.aperture_time", "gnss.interval", SHORT),
     ],
 )
 def test_cells_of_a_map_in_state_space_are_designs(open_design, x, y, changes):
