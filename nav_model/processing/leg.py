@@ -33,6 +33,7 @@ _POINTS = 32  # fixes inside an aperture, taken one by one; more are taken as ev
 _MODES = ((0.8, 4), (2.5, 8), (7.0, 16), (20.0, 32), (60.0, 64), (120.0, 96))
 """Times in which the error changes that an aperture may hold, and the modes of noise that it then takes; beyond, the
 ends of the leg are too far from most of the aperture to matter, and the spectrum has it."""
+_HELD = [most for most, _ in _MODES]
 _SAME = 1e-3  # relative difference between two fix intervals that are one
 _AT_ONCE = 2**22  # numbers in the largest array of one batch of modes
 _ROWS = 4096  # whose legs are taken together
@@ -235,7 +236,11 @@ def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array
 
 def levels(channel: Channel, aperture: Array) -> NDArray[np.int64]:
     """How finely an aperture is solved: which of `_MODES`, or beyond them by its spectrum."""
-    return np.asarray(np.searchsorted([most for most, _ in _MODES], aperture.real * rates(channel)[0], "right"))
+    return _level(aperture.real * rates(channel)[0])
+
+
+def _level(held: Array) -> NDArray[np.int64]:
+    return np.asarray(np.searchsorted(_HELD, held, "right"))
 
 
 def smoothed_in_leg(
@@ -261,8 +266,8 @@ def smoothed_in_leg(
         ``cubic_`` those of the cubics.
     """
     x, flat, shape = _rows(channel, aperture, leg)
-    even = np.zeros(shape, np.int64)
-    taken = np.ravel(even + (levels(channel, aperture) if level is None else level))
+    held = x.aperture.real * x.fastest
+    taken = _level(held) if level is None else np.ravel(np.broadcast_to(level, shape))
     found = {name: np.empty(taken.shape, x.kind) for name in COLUMNS}
     for rows in np.array_split(np.arange(len(taken)), max(1, len(taken) // _ROWS)):
         _by_modes(x.of(rows), rows, taken[rows], found)
