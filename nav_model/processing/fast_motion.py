@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.analytic.few import from_few
 from nav_model.analytic.steady_state import Array, as_numbers
 from nav_model.processing import compensation
 from nav_model.processing.aperture_filter import AVERAGES, OSCILLATING, filters
 from nav_model.processing.compensation import power_left
-from nav_model.processing.few import from_few
 from nav_model.processing.many_apertures import by_pieces, echo_terms
 
 NEAR_CELLS = 11.0

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.analytic.few import from_few
 from nav_model.analytic.steady_state import Array
-from nav_model.processing.few import from_few
 from nav_model.processing.leg import COLUMNS, levels, smoothed_in_leg
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 
@@ -71,7 +71,7 @@ def smoothed_error(
     Notes
     -----
     By spectrum every design is worked out. In state space a map of thousands of designs is worked out at a few of
-    them, and in between by polynomials that `nav_model.processing.few` compares with others: variances are within
+    them, and in between by polynomials that `nav_model.analytic.few` compares with others: variances are within
     1e-4 of those of each design alone where compared, and covariances within 1e-4 of their variances' mean.
     """
     if not names:

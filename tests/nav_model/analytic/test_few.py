@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from nav_model.analytic.few import BOUND, from_few
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.explore.trade_map import trade_map
-from nav_model.processing.few import BOUND, from_few
 
 ARW, FIX = "imu.angle_random_walk", "gnss.position_noise"
 SHORT = {"processing.mode": "post-processed", "processing.leg_before": 20.0, "processing.leg_after": 10.0}
@@ -61,11 +61,14 @@ def test_nothing_wanted_is_nothing_worked_out():
         (ARW, FIX, {"processing.mode": "post-processed", "gnss.interval": 10.0}),  # sparse; in parts by spectrum
         (ARW, "processing.leg_after", {"processing.mode": "post-processed"}),
         ("radar.aperture_time", "gnss.interval", SHORT),
+        (ARW, "gnss.interval", {"gnss.velocity_noise": 0.03}),  # in real time, velocity takes the doubling
+        (ARW, FIX, {"gnss.velocity_noise": 0.03, "gnss.correlated": True}),
     ],
 )
-def test_cells_of_a_map_in_state_space_are_designs(open_design, x, y, changes):
+def test_cells_of_a_map_are_designs(open_design, x, y, changes):
     design = open_design.replace(changes)
-    names = ("quadratic_phase", "detrended_phase", "azimuth_shift", "ce90", "horizontal_position", "tilt")
+    names = ("quadratic_phase", "detrended_phase", "azimuth_shift", "ce90", "horizontal_position", "tilt",
+             "coast_vertical_position")  # fmt: skip
     trade = trade_map(design, x, y, "horizontal_position")
     grid = figures(inputs_of(design, {x: trade.x, y: trade.y[:, None]}), names)
     rng = np.random.default_rng(7)
