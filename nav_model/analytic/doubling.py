@@ -74,31 +74,49 @@ def before(info: Array, through: Array, noise: Array) -> Array:
     return np.asarray(found + found.swapaxes(-1, -2)).T / 2
 
 
-def twice(one: Segment) -> Segment:
-    """Two equal segments in a row."""
-    if one.info.size > _FEW:
-        both = np.concatenate([one.through, times(one.noise, turned(one.through))], axis=1)
-        onward = solved(plus_one(times(one.noise, one.info)), both)
-        ahead, size = times(one.through, onward), len(both)
+def joined(first: Segment, second: Segment) -> Segment:
+    """One segment after the other."""
+    if first.info.size > _FEW:
+        both = np.concatenate([first.through, times(first.noise, turned(second.through))], axis=1)
+        onward = solved(plus_one(times(first.noise, second.info)), both)
+        ahead, size = times(second.through, onward), len(both)
         return Segment(
-            one.info + even(times(turned(one.through), one.info, onward[:, :size])),
+            first.info + even(times(turned(first.through), second.info, onward[:, :size])),
             ahead[:, :size],
-            one.noise + even(ahead[:, size:]),
+            second.noise + even(ahead[:, size:]),
         )
     # The same for the library's stacks, transposed: a segment is then read from its end, and what is known of its
     # first state and what is added change places.
-    info, through, noise = one.noise.T, one.through.T, one.info.T
-    size, back = len(one.info), through.swapaxes(-1, -2)
-    both = np.concatenate([through, noise @ back], axis=-1)
-    onward = np.linalg.solve(noise @ info + _one(size), both)
-    ahead = through @ onward
-    info, noise = info + back @ (info @ onward[..., :size]), noise + ahead[..., size:]
-    return Segment(noise.T, ahead[..., :size].T, info.T)
+    size, back = len(first.info), first.through.swapaxes(0, 1).T
+    both = np.concatenate([second.through.T, second.info.T @ back], axis=-1)
+    onward = np.linalg.solve(second.info.T @ first.noise.T + _one(size), both)
+    ahead = first.through.T @ onward
+    noise = second.noise.T + second.through.T.swapaxes(-1, -2) @ (first.noise.T @ onward[..., :size])
+    return Segment(first.info + ahead[..., size:].T, ahead[..., :size].T, noise.T)
+
+
+def twice(one: Segment) -> Segment:
+    """Two equal segments in a row."""
+    return joined(one, one)
 
 
 @cache
 def _one(size: int) -> Array:
     return np.eye(size)
+
+
+def repeated(one: Segment, counts: NDArray[np.int64]) -> Segment:
+    """So many equal segments in a row: of shape (n, n, rows), counts (rows)."""
+    row = Segment(0 * one.info, 0 * one.through + _one(len(one.info))[:, :, None], 0 * one.noise)
+    while True:
+        odd = counts % 2 == 1
+        if odd.any():
+            longer = joined(row, one)
+            row = longer if odd.all() else Segment(*(np.where(odd, *both) for both in zip(longer, row, strict=True)))
+        counts = counts // 2
+        if not counts.any():
+            return row
+        one = twice(one)
 
 
 def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None = None) -> Array:

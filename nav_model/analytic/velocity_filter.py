@@ -1,17 +1,23 @@
 """The sampled filter with fixes of position and velocity: its Riccati equation, solved by doubling. [T-8], [P-6]
 
 Two kinds of fixes leave no scalar to factor, as `nav_model.analytic.sampled_filter` does. Everything broadcasts and
-takes complex steps.
+takes complex steps. A map of thousands of designs is worked out at few of them, the rest within 1e-4 of variances.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.doubling import Segment, drift, settled
+from nav_model.analytic.few import from_few
 from nav_model.analytic.stacks import plus_one, solved, times
 from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+
+_MANY = 2000  # designs of a map, beyond which few of them stand for the rest
+_NOTHING = 1e-300  # instead of zero under a logarithm
 
 Channels = tuple[Horizontal, Vertical]
 
@@ -55,18 +61,44 @@ def cycle_with_velocity(
     gyro = np.stack([gyro, 0 * gyro])
     # the fix interval is the unit of time, the noise of a fix that of length
     qa, qw = (a * h * np.sqrt(h) / r) ** 2, (gyro * h * h * np.sqrt(h) / r) ** 2
-    phi, noise = drift(np.ones(()), qa, qw, None if slow is None else ((first / r) ** 2, second / h))
+    inputs = [qa, qw, (r / (h * velocity)) ** 2, *(() if slow is None else ((first / r) ** 2, second / h + 0 * r))]
+    a_map = qa[0].ndim == 2 and qa[0].size > _MANY and not any(map(np.iscomplexobj, inputs))
+    before, after = _of_a_map(inputs) if a_map else _ends(inputs)
+    unit = np.stack([r, r / h, r / h**2, r][: len(before)])
+    before, after = (p * unit[:, None] * unit[None, :] for p in (before, after))
+    return _channels(before, g), _channels(after, g), np.zeros(()) if slow is None else -after[2, 3, 0] / g
+
+
+def _ends(inputs: Sequence[Array]) -> Array:
+    """Covariances just before a fix and after it, of both channels, (2, n, n, 2, ...)."""
+    qa, qw, fast, *slow = inputs
+    phi, noise = drift(np.ones(()), qa, qw, (slow[0], slow[1]) if slow else None)
     phi[0, 2, 1] = phi[1, 2, 1] = 0
-    fast = (r / (h * velocity)) ** 2
     info = np.zeros(phi.shape, np.result_type(fast, noise))
-    seen = [0] if slow is None else [0, 3]
+    seen = [0, 3] if slow else [0]
     info[np.ix_(seen, seen)] = 1
     info[1, 1] = fast
     before = settled(Segment(info, phi, noise))
-    after = solved(plus_one(times(before, info)), before)
-    unit = np.stack([r, r / h, r / h**2, r][: len(phi)])
-    before, after = (p * unit[:, None] * unit[None, :] for p in (before, after))
-    return _channels(before, g), _channels(after, g), np.zeros(()) if slow is None else -after[2, 3, 0] / g
+    return np.stack([before, solved(plus_one(times(before, info)), before)])
+
+
+def _of_a_map(inputs: Sequence[Array]) -> Array:
+    """The same of a map, from few of its designs: variances within 1e-4, and covariances of their variances' mean."""
+    shape = inputs[0].shape[1:]
+
+    def exact(_: NDArray[np.int64], rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Array:
+        p = _ends([value[:, rows, columns] for value in inputs])
+        sigma = np.sqrt(np.maximum(np.einsum("eii...->ei...", p), _NOTHING))
+        p = p / (sigma[:, :, None] * sigma[:, None])
+        np.einsum("eii...->ei...", p)[:] = np.log(sigma)
+        return np.asarray(p.reshape(-1, len(rows)))
+
+    size = 3 if len(inputs) == 3 else 4
+    few = from_few([np.ones(shape, bool)], [(False, False)], 4 * size**2, exact)[0].reshape(2, size, size, 2, *shape)
+    view = np.einsum("eii...->ei...", few)
+    sigma = np.exp(view)
+    view[:] = 1
+    return np.asarray(few * sigma[:, :, None] * sigma[:, None])
 
 
 def _channels(p: Array, g: Array) -> Channels:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.analytic.few import from_few
 from nav_model.analytic.steady_state import Array, as_numbers
 from nav_model.processing import compensation
 from nav_model.processing.aperture_filter import AVERAGES, OSCILLATING, filters
@@ -31,6 +32,7 @@ _ROWS = 256  # designs taken together: bounds the memory
 _MANY = 2000  # real kinds of apertures, beyond which few of them may stand for all
 _BEYOND = 1 + 1e-6
 _NEVER = 1e-300
+_LEAST = 1e-14  # of the largest on a map
 
 
 @dataclass(frozen=True)
@@ -206,8 +208,26 @@ def _real_rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
     highest = _BEYOND * max(OSCILLATING / np.pi, lobe * NEAR_CELLS) / float(aperture[0])
     late = 2 * np.pi * highest * float(np.max(others[0]))
     if len(others) > 1 or late > 1 or not curve.frequency[0] < highest < curve.frequency[-1]:
-        return _each_row(curve, power, rows, lobe)
+        return _from_few(curve, power, rows, lobe)
     return _with_echo(*curve.split(highest), power, rows, lobe, echo_terms(late))
+
+
+def _from_few(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
+    """The same of rows that are a map, every pair of values of two of their columns: within 1e-4, by `from_few`."""
+    own = [np.unique(column) for column in rows.T]
+    shape = tuple(len(values) for values in own if len(values) > 1)
+    if len(shape) != 2 or math.prod(shape) != len(rows):
+        return _each_row(curve, power, rows, lobe)
+
+    corners = [0, shape[1] - 1, len(rows) - shape[1], len(rows) - 1]
+    # what has nothing beside the main lobe, or nothing taken off, has a logarithm nevertheless
+    least = _LEAST * np.max(_each_row(curve, power, rows[corners], lobe), axis=0) + _NEVER
+
+    def exact(_: NDArray[np.int64], row: NDArray[np.int64], column: NDArray[np.int64]) -> Array:
+        return np.asarray(np.log(_each_row(curve, power, rows[row * shape[1] + column], lobe) + least).T)
+
+    found = from_few([np.ones(shape, bool)], [(False, False)], len(_FILTERS) + 2, exact)[0].reshape(-1, len(rows)).T
+    return np.asarray(np.maximum(np.exp(found) - least, 0.0))
 
 
 def _with_echo(low: Curve, high: Curve, power: int, rows: Array, lobe: float, terms: Array) -> Array:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.analytic.doubling import Segment, before, drift, information, twice
+from nav_model.analytic.doubling import Segment, before, drift, information, repeated
 from nav_model.analytic.steady_state import Array
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes
 from nav_model.processing.spectrum import UNEVEN, Channel, Leg, rates, smoothed
@@ -26,16 +26,15 @@ COLUMNS = (
 )  # fmt: skip
 """What `smoothed_in_leg` finds; as `nav_model.processing.spectrum.smoothed`."""
 
-_SPREAD = 0.2  # part of the time in which the error changes, below which fixes may be spread evenly
-_FAR = 12.0  # of those times: what is farther from the aperture tells nothing
+_FAR = 12.0  # times in which the error changes, and as many fixes: what is farther from the aperture tells nothing
 _UNKNOWN = 1e-10  # information of what nothing is known of, as part of one fix's
 _KNOWN = 1e30  # 1/m²: information of a state that is not there
 _POINTS = 32  # fixes inside an aperture, taken one by one; more are taken as evenly spread
 _MODES = ((0.8, 4), (2.5, 8), (7.0, 16), (20.0, 32), (60.0, 64), (120.0, 96))
 """Times in which the error changes that an aperture may hold, and the modes of noise that it then takes; beyond, the
 ends of the leg are too far from most of the aperture to matter, and the spectrum has it."""
+_HELD = [most for most, _ in _MODES]
 _SAME = 1e-3  # relative difference between two fix intervals that are one
-_MOST_HALVINGS = 12
 _AT_ONCE = 2**22  # numbers in the largest array of one batch of modes
 _ROWS = 4096  # whose legs are taken together
 
@@ -108,14 +107,10 @@ def _pace(x: _Row) -> _Pace:
 
 
 def _unit(x: _Row, pace: _Pace) -> Segment:
-    """From one of the fixes that come seldom, at its start, to the next; the others are spread evenly over it."""
+    """From one of the fixes that come seldom, at its start, to the next, with a whole number of the others."""
     ratio = pace.seldom / pace.often
-    parts = np.where(ratio.real > 1 + _SAME, np.minimum(ratio.real, pace.seldom.real * x.fastest / _SPREAD), 1.0)
-    halvings = np.minimum(np.ceil(np.log2(np.maximum(1.0, parts))), _MOST_HALVINGS)
-    unit = Segment(pace.dense * ratio / 2**halvings, *_drift(x, pace.seldom / 2**halvings))
-    for done in range(int(np.max(halvings))):
-        longer = twice(unit)
-        unit = Segment(*(np.where(halvings > done, *both) for both in zip(longer, unit, strict=True)))
+    parts = np.asarray(np.rint(ratio.real), np.int64)
+    unit = repeated(Segment(pace.dense * ratio / parts, *_drift(x, pace.seldom / parts)), parts)
     return unit._replace(info=unit.info + pace.sparse)
 
 
@@ -139,7 +134,7 @@ def _legs(x: _Row, pace: _Pace, reach: Array, between: Segment) -> tuple[Array, 
 def _ends(x: _Row) -> tuple[Array, Array]:
     """What the legs know of the states at the aperture's start and at its end."""
     pace = _pace(x)
-    far = _FAR / x.slowest
+    far = _FAR * (1 / x.slowest + pace.seldom.real)
     # before the aperture, counted from its last fix backward; after it, from its end
     reach = np.stack([np.minimum(x.before - x.gap, far), np.minimum(x.after, far)])
     known, soon = _legs(x, pace, reach, Segment(pace.dense, *_drift(x, pace.often)))
@@ -162,7 +157,10 @@ def _ends(x: _Row) -> tuple[Array, Array]:
 
 
 def _inside(x: _Row, variance: Array, interval: Array, nodes: int) -> Fixes:
-    """Fixes inside the aperture, one by one where they are few; more of them as evenly spread over Gauss's nodes."""
+    """Fixes inside the aperture, one by one where they are few; more of them as evenly spread over Gauss's nodes.
+
+    Spread is each over an interval of which it is the middle, as those at the aperture's ends belong to the legs.
+    """
     count = np.asarray(np.ceil((x.aperture / interval).real - 1e-9), np.int64) - 1
     points = min(int(np.max(count)), _POINTS)
     few = count <= _POINTS
@@ -176,7 +174,8 @@ def _inside(x: _Row, variance: Array, interval: Array, nodes: int) -> Fixes:
     known = np.where(k <= there, 1.0, 0.0) / variance[:, None]
     if not np.all(few):
         x_k, weight = _gauss(points)
-        places = np.where(few[:, None], places, (1 + x_k) / 2)
+        last = np.minimum((count + 0.5) * interval / x.aperture, 1.0)[:, None]
+        places = np.where(few[:, None], places, step / 2 + (last - step / 2) * (1 + x_k) / 2)
         known = np.where(few[:, None], known, weight / 2 * count[:, None] / variance[:, None])
     return Fixes(places, known)
 
@@ -235,7 +234,18 @@ def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array
     return start[..., 0], end[..., 0]
 
 
-def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Array]:
+def levels(channel: Channel, aperture: Array) -> NDArray[np.int64]:
+    """How finely an aperture is solved: which of `_MODES`, or beyond them by its spectrum."""
+    return _level(aperture.real * rates(channel)[0])
+
+
+def _level(held: Array) -> NDArray[np.int64]:
+    return np.asarray(np.searchsorted(_HELD, held, "right"))
+
+
+def smoothed_in_leg(
+    channel: Channel, aperture: Array, leg: Leg, level: NDArray[np.int64] | None = None
+) -> dict[str, Array]:
     """Variances of the smoothed error of one channel over an aperture inside a leg of this length.
 
     Parameters
@@ -244,6 +254,8 @@ def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Ar
     aperture : array
         Seconds.
     leg : Leg
+    level : array of int, optional
+        Instead of that of `levels`, of the shape that the inputs have together.
 
     Returns
     -------
@@ -255,20 +267,20 @@ def smoothed_in_leg(channel: Channel, aperture: Array, leg: Leg) -> dict[str, Ar
     """
     x, flat, shape = _rows(channel, aperture, leg)
     held = x.aperture.real * x.fastest
-    found = {name: np.empty(held.shape, x.kind) for name in COLUMNS}
-    for rows in np.array_split(np.arange(len(held)), max(1, len(held) // _ROWS)):
-        _by_modes(x.of(rows), rows, held[rows], found)
-    if len(rows := np.flatnonzero(held >= _MODES[-1][0])):
+    taken = _level(held) if level is None else np.ravel(np.broadcast_to(level, shape))
+    found = {name: np.empty(taken.shape, x.kind) for name in COLUMNS}
+    for rows in np.array_split(np.arange(len(taken)), max(1, len(taken) // _ROWS)):
+        _by_modes(x.of(rows), rows, taken[rows], found)
+    if len(rows := np.flatnonzero(taken == len(_MODES))):
         _by_spectrum(flat, rows, found)
     return {name: values.reshape(shape) for name, values in found.items()}
 
 
-def _by_modes(x: _Row, places: NDArray[np.int64], held: Array, found: dict[str, Array]) -> None:
+def _by_modes(x: _Row, places: NDArray[np.int64], level: NDArray[np.int64], found: dict[str, Array]) -> None:
     """Put the figures of these rows into `found`, at their places: each by as many modes as its aperture needs."""
-    (start, end), least = _ends(x), 0.0
-    for most, modes in _MODES:
-        rows = np.flatnonzero((held >= least) & (held < most))
-        least = most
+    start, end = _ends(x)
+    for n, (_, modes) in enumerate(_MODES):
+        rows = np.flatnonzero(level == n)
         size = (2 * modes + _POINTS) * (2 * modes + 8)
         for batch in np.array_split(rows, max(1, len(rows) * size // _AT_ONCE)) if len(rows) else ():
             taken = _solved(x.of(batch), start[..., batch], end[..., batch], modes)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.analytic.few import from_few
 from nav_model.analytic.steady_state import Array
-from nav_model.processing.leg import smoothed_in_leg
+from nav_model.processing.leg import COLUMNS, levels, smoothed_in_leg
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 
 SPECTRUM, STATE_SPACE = "spectrum", "state space"
@@ -18,6 +19,17 @@ LONG = 6.0
 """Times 1/w0 of leg on each side: what is missing beyond is 0.1 % of the quadratic phase."""
 
 _DENSE = 0.7  # w0 times the fix interval: sampled fixes act like the noise of their density to 0.02 %
+
+_MANY = 4000  # designs in state space on one map, beyond which few of them stand for the rest
+_NOTHING = 1e-300  # instead of zero under a logarithm
+_PAIRS = {
+    "with_curved": ("quadratic", "curved"), "mean_slope": ("mean", "slope"), "with_turned": ("quadratic", "turned"),
+    "turned_curved": ("turned", "curved"), "cubic_with_turned": ("cubic", "cubic_turned"),
+    "cubic_with_curved": ("cubic", "cubic_curved"), "cubic_turned_curved": ("cubic_turned", "cubic_curved"),
+}  # fmt: skip
+"""Covariances, and the variances that they belong to."""
+
+_COUNTED = ("interval", "velocity_interval", "aperture", "before", "after", "gap")
 
 
 def _values(channel: Channel) -> dict[str, Array]:
@@ -55,6 +67,12 @@ def smoothed_error(
     -------
     list of dict
         For each channel: name -> variances, an array that broadcasts to the shape of all inputs together.
+
+    Notes
+    -----
+    By spectrum every design is worked out. In state space a map of thousands of designs is worked out at a few of
+    them, and in between by polynomials that `nav_model.analytic.few` compares with others: variances are within
+    1e-4 of those of each design alone where compared, and covariances within 1e-4 of their variances' mean.
     """
     if not names:
         return [{} for _ in channels]
@@ -67,25 +85,100 @@ def smoothed_error(
         short.append(where)
     if not any(map(np.any, short)):
         return found
-    # What the spectrum does not hold for, of all channels in one go.
-    taken, masks = [], []
-    for channel, where in zip(channels, short, strict=True):
-        values = (*_values(channel).values(), aperture, *leg)
-        mask = where & np.ones(np.broadcast_shapes(*(value.shape for value in values)), bool)
-        even = np.zeros(mask.shape)
-        taken.append([(value + even)[mask] for value in values])
-        masks.append(mask)
-    rows = [np.concatenate(values) for values in zip(*taken, strict=True)]
-    named = dict(zip(_values(channels[0]), rows, strict=False))
-    exact = smoothed_in_leg(Channel(**named), rows[-4], Leg(*rows[-3:]))
-    ends = np.cumsum([np.count_nonzero(mask) for mask in masks])
-    for columns, mask, end in zip(found, masks, ends, strict=True):
-        part = slice(end - np.count_nonzero(mask), end)
-        whole = bool(np.all(mask))
+    parts = [_part(channel, aperture, leg, where) for channel, where in zip(channels, short, strict=True)]
+    cells = sum(np.count_nonzero(part.mask) for part in parts)
+    a_map = cells > _MANY and all(part.mask.ndim == 2 and not part.stepped for part in parts)
+    exact = _from_few(parts, found) if a_map else _each(parts)
+    for columns, part, values in zip(found, parts, exact, strict=True):
+        whole = bool(np.all(part.mask))
         for name, base in columns.items():
             if whole:
-                columns[name] = exact[name][part].reshape(mask.shape)
+                columns[name] = values[name].reshape(part.mask.shape)
                 continue
-            columns[name] = np.array(np.broadcast_to(base, mask.shape), np.result_type(base, exact[name]))
-            columns[name][mask] = exact[name][part]
+            columns[name] = np.array(np.broadcast_to(base, part.mask.shape), np.result_type(base, values[name]))
+            columns[name][part.mask] = values[name]
+    return found
+
+
+_Places = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Inputs of one channel, by name and then aperture and leg, and where they are smoothed in state space."""
+
+    values: dict[str, Array]
+    mask: NDArray[np.bool_]
+
+    @property
+    def stepped(self) -> bool:
+        return any(map(np.iscomplexobj, self.values.values()))
+
+    @property
+    def jumps(self) -> tuple[bool, bool]:
+        """Along which axes of a map the number of fixes changes, in the aperture or in a leg."""
+        shapes = [self.values[name].shape for name in _COUNTED if name in self.values]
+        return any(len(at) == 2 and at[0] > 1 for at in shapes), any(len(at) > 0 and at[-1] > 1 for at in shapes)
+
+    def at(self, place: NDArray[np.bool_] | tuple[_Places, ...]) -> list[Array]:
+        """The inputs at some places of the shape that they have together."""
+        return [np.broadcast_to(value, self.mask.shape)[place] for value in self.values.values()]
+
+    @property
+    def level(self) -> _Places:
+        *values, aperture, _, _, _ = self.values.values()
+        found = levels(Channel(**dict(zip(self.values, values, strict=False))), aperture)
+        return np.broadcast_to(found, self.mask.shape)
+
+
+def _part(channel: Channel, aperture: Array, leg: Leg, where: NDArray[np.bool_]) -> _Part:
+    values = _values(channel) | {"aperture": aperture, **leg._asdict()}
+    return _Part(values, where & np.ones(np.broadcast_shapes(*(value.shape for value in values.values())), bool))
+
+
+def _in_leg(names: Iterable[str], rows: Sequence[Array], level: _Places | None = None) -> dict[str, Array]:
+    *values, aperture, before, after, gap = rows
+    channel = Channel(**dict(zip(names, values, strict=False)))
+    return smoothed_in_leg(channel, aperture, Leg(before, after, gap), level)
+
+
+def _each(parts: Sequence[_Part]) -> list[dict[str, Array]]:
+    """Every design in state space, of all channels in one go."""
+    rows = [np.concatenate(values) for values in zip(*(part.at(part.mask) for part in parts), strict=True)]
+    exact = _in_leg(parts[0].values, rows)
+    ends = np.cumsum([np.count_nonzero(part.mask) for part in parts])[:-1]
+    split = {name: np.split(values, ends) for name, values in exact.items()}
+    return [{name: values[n] for name, values in split.items()} for n in range(len(parts))]
+
+
+def _from_few(parts: Sequence[_Part], wanted: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:
+    """A map in state space from few of its designs: for every number of modes it is another smooth function."""
+    names = [name for name in COLUMNS if any(name in columns for columns in wanted)]
+    plain = sorted({one for name in names for one in _PAIRS.get(name, (name,))})
+    paired = [name for name in names if name in _PAIRS]
+    kinds = [
+        (n, int(k), part.mask & (part.level == k)) for n, part in enumerate(parts) for k in np.unique(part.level)
+    ]
+
+    def exact(kind: _Places, rows: _Places, columns: _Places) -> Array:
+        # the kinds come one after the other
+        pieces = [parts[n].at((rows[kind == m], columns[kind == m])) for m, (n, _, _) in enumerate(kinds)]
+        inputs = [np.concatenate(values) for values in zip(*pieces, strict=True)]
+        found = _in_leg(parts[0].values, inputs, np.array([k for _, k, _ in kinds])[kind])
+        variances = {name: np.maximum(found[name], _NOTHING) for name in plain}
+        pairs = (found[name] / np.sqrt(variances[_PAIRS[name][0]] * variances[_PAIRS[name][1]]) for name in paired)
+        return np.stack([*map(np.log, variances.values()), *pairs])
+
+    jumps = [parts[n].jumps for n, _, _ in kinds]
+    solved = from_few([mask for _, _, mask in kinds], jumps, len(plain) + len(paired), exact)
+    found = [{name: np.empty(np.count_nonzero(part.mask)) for name in names} for part in parts]
+    for (n, _, mask), values in zip(kinds, solved, strict=True):
+        here, inside = values[:, mask], mask[parts[n].mask]
+        variances = dict(zip(plain, np.exp(here[: len(plain)]), strict=True))
+        for name in names:
+            if name not in _PAIRS:
+                found[n][name][inside] = variances[name]
+        for name, ratio in zip(paired, here[len(plain) :], strict=True):
+            one, other = _PAIRS[name]
+            found[n][name][inside] = ratio * np.sqrt(variances[one] * variances[other])
     return found

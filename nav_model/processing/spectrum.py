@@ -57,19 +57,26 @@ def rates(channel: Channel) -> tuple[Array, Array]:
     """Angular frequencies [rad/s], real, at which the receiver comes to know the drift: the fastest, the slowest.
 
     Where [P-1] meets [P-2]: w0 = (g sigma_w/s)^(1/3) with a gyro, (sigma_a/s)^(1/2) without. The slowest counts the
-    slow GNSS error as noise, and is no faster than tilt comes out of accelerometer noise; the fastest has velocity.
+    slow GNSS error as noise, and is no faster than tilt comes out of accelerometer noise, nor than twice the rate at
+    which position is forgotten where velocity fixes alone hold it, as errors at w0 decay at half of that. The fastest
+    has velocity.
     """
     a, s = channel.accelerometer.real, (channel.fix * np.sqrt(channel.interval)).real
     gyro = 0 * a if channel.gyro is None else channel.gyro.real
     fastest = slowest = np.maximum(np.cbrt(gyro / s), np.sqrt(a / s))
+    more, time = np.zeros(()), np.zeros(())
+    if channel.slow is not None and channel.slow_time is not None:
+        time = channel.slow_time.real
+        more = 2 * channel.slow.real**2 * time
+        for _ in range(4):
+            noise = np.sqrt(s**2 + more / (1 + (slowest * time) ** 2))
+            slowest = np.maximum(np.cbrt(gyro / noise), np.sqrt(a / noise))
     if channel.velocity is not None and channel.velocity_interval is not None:
         v = (channel.velocity * np.sqrt(channel.velocity_interval)).real
         fastest = np.maximum(fastest, np.maximum(np.sqrt(gyro / v), a / v))
-    if channel.slow is not None and channel.slow_time is not None:
-        slow, time = channel.slow.real, channel.slow_time.real
-        for _ in range(4):
-            noise = np.sqrt(s**2 + 2 * slow**2 * time / (1 + (slowest * time) ** 2))
-            slowest = np.maximum(np.cbrt(gyro / noise), np.sqrt(a / noise))
+        # the slower root -w² of 1/S_n = 0, which is s_v/s without a slow error
+        both = s**2 + more + (v * time) ** 2
+        slowest = np.minimum(slowest, 2 * v / np.sqrt((both + np.sqrt(both**2 - (2 * s * v * time) ** 2)) / 2))
     return fastest, np.where(gyro > 0, np.minimum(slowest, gyro / a), slowest)
 
 

@@ -132,6 +132,24 @@ def test_a_map_of_apertures_is_each_of_them(kind):
             )
 
 
+@pytest.mark.parametrize("other", ["delay", "bandwidth"])
+@pytest.mark.parametrize("curve", [VIBRATION, THIRDS], ids=["three points", "thirds of an octave"])
+def test_a_map_over_what_is_compensated_is_each_of_them(curve, other):
+    """A hundred apertures times a hundred delays or bandwidths by way of few are each on its own."""
+    apertures = np.geomspace(0.1, 60.0, 100)[:, None]
+    values = {"delay": np.array(2e-3), "bandwidth": np.array(150.0)}
+    values[other] = {"delay": np.geomspace(1e-5, 1e-1, 100), "bandwidth": np.geomspace(10.0, 1e3, 100)}[other]
+    source = Source(NONE, NONE, curve, None, **values)
+    made = through_aperture(source, apertures, 1.3)
+    for i, j in np.random.default_rng(2).integers(100, size=(150, 2)):
+        alone = replace(source, **{other: values[other][j]})
+        one = through_aperture(alone, apertures[i, 0], 1.3)
+        for name in ("quadratic", "cubic", "left_1", "left_2", "left_3", "mean", "slope", "scattered", "near"):
+            value = getattr(made, name)
+            least = 1e-12 * np.max(value)
+            assert value[i, j] == pytest.approx(float(getattr(one, name)), rel=1.5e-4, abs=least), (name, i, j)
+
+
 def _lines(frequency: float, phase: float, aperture: float):
     source = Source(np.array([frequency]), np.array([phase]))
     return through_aperture(source, np.array(aperture), 1.0)

@@ -137,18 +137,47 @@ def test_batch_least_squares(sparse, compared):
     off, slow_off, methods = [], [], set()
     for _ in range(200 if not sparse else 60):
         channel, aperture, leg = random_design(rng, sparse)
-        names = [name for name in NAMES if channel.gyro is not None or name != "tilt"]
-        ours, theirs = smoothed_error([channel], aperture, leg, names)[0], batch(channel, aperture, leg)
+        theirs = batch(channel, aperture, leg)
+        # Where next to nothing is left of the position error, double precision leaves the batch no digits of it.
+        names = [
+            name
+            for name in NAMES
+            if (channel.gyro is not None or name != "tilt")
+            and (name not in ("left_2", "left_3", "cubic") or theirs[name] > 1e-7 * theirs["position"])
+        ]
+        ours = smoothed_error([channel], aperture, leg, names)[0]
         methods.add(bool(by_state_space(channel, leg)))
-        worst = max(abs(math.sqrt(float(ours[name]) / theirs[name]) - 1) for name in ("quadratic", "left_1"))
+        worst = max(abs(math.sqrt(float(ours[name]) / theirs[name]) - 1) for name in names)
         (slow_off if channel.slow is not None else off).append(worst)
     assert methods == {False, True}
     oracle = "generalised least squares of all fixes at once, SciPy's Cholesky, written out in the test"
     kind, how = "solver written by others", "sparse" if sparse else "dense"
-    compared(f"Smoothed phase, legs of 1/w0 to 20/w0, {how} fixes", "P-3", kind, oracle, max(off), 0.01,
+    compared(f"Smoothed error, legs of 1/w0 to 20/w0, {how} fixes", "P-3", kind, oracle, max(off), 0.01,
              "largest ratio − 1")  # fmt: skip
-    compared(f"Smoothed phase with a slow GNSS error, {how} fixes", "P-3", kind, oracle, max(slow_off), 0.02,
+    compared(f"Smoothed error with a slow GNSS error, {how} fixes", "P-3", kind, oracle, max(slow_off), 0.02,
              "largest ratio − 1")  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"velocity": 0.02, "interval": 2.0},  # position is averaged over all of the leg
+        {"velocity": 0.02, "interval": 2.0, "slow": 1.0, "slow_time": 300.0, "fix": 0.1},
+        {"fix": 0.005, "gyro": 0.027, "interval": 10.0},  # little is known between fixes
+        {"velocity": 0.05, "velocity_interval": 0.5},  # many velocity fixes for each of position
+        {"fix": 0.3, "interval": 0.2},  # too many fixes in the aperture to take them one by one
+    ],
+)
+def test_where_other_times_than_the_drift_count(values):
+    design = {"accelerometer": 1e-3, "gyro": 1.2e-3, "fix": 2.5, "interval": 5.0} | values
+    if "velocity" in design:
+        design = {"velocity_interval": design["interval"], **design}
+    channel = Channel(**{name: np.array(value) for name, value in design.items()})
+    sides = (400.0, 35.0) if design["interval"] > 1 else (40.0, 10.0)
+    leg = Leg(*map(np.array, (*sides, 0.0)))
+    ours, theirs = smoothed_in_leg(channel, np.array(9.7), leg), batch(channel, np.array(9.7), leg)
+    for name in ("quadratic", "left_1", "slope", "mean", "position", "velocity", "tilt"):
+        assert math.sqrt(float(ours[name]) / theirs[name]) == pytest.approx(1, abs=0.004), name
 
 
 @pytest.mark.parametrize("slow", [None, 1.0])
