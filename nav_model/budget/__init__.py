@@ -27,6 +27,7 @@ from nav_model.budget.figures import (
     along_track_phase,
     begun,
     by_state_space,
+    ends_left_out,
     free_shifts,
     outage,
     phase_sources,
@@ -216,6 +217,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
     shares = _shares_of(sized)
     shares["detrended_phase"] = shares[f"detrended_phase_{x.autofocus_order}"]
     by_order = value["detrended_phase_1"], value["detrended_phase_2"], value["detrended_phase_3"]
+    left_out = bool(ends_left_out(x))
     smoothed = PostProcessed(
         sigmas=Sigmas(*(value[name] for name in SETTLED)),
         quadratic=value["quadratic_phase"],
@@ -226,7 +228,8 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         turning_quadratic=value["turning_quadratic_phase"],
         turning_by_order=(value["turning_detrended_phase_1"], value["turning_detrended_phase_2"]),
         azimuth_shift=value["slope_shift"],
-        method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
+        method=STATE_SPACE if bool(by_state_space(x)) and not left_out else SPECTRUM,
+        ends_left_out=left_out,
         shares=FrozenMapping(shares),
         respond=partial(_response, x),
     )

@@ -34,6 +34,8 @@ _MODES = ((0.8, 4), (2.5, 8), (7.0, 16), (20.0, 32), (60.0, 64), (120.0, 96))
 """Times in which the error changes that an aperture may hold, and the modes of noise that it then takes; beyond, the
 ends of the leg are too far from most of the aperture to matter, and the spectrum has it."""
 _HELD = [most for most, _ in _MODES]
+TOO_LONG = len(_MODES)
+"""The level of such an aperture (`levels`)."""
 _SAME = 1e-3  # relative difference between two fix intervals that are one
 _AT_ONCE = 2**22  # numbers in the largest array of one batch of modes
 _ROWS = 4096  # whose legs are taken together
@@ -271,7 +273,7 @@ def smoothed_in_leg(
     found = {name: np.empty(taken.shape, x.kind) for name in COLUMNS}
     for rows in np.array_split(np.arange(len(taken)), max(1, len(taken) // _ROWS)):
         _by_modes(x.of(rows), rows, taken[rows], found)
-    if len(rows := np.flatnonzero(taken == len(_MODES))):
+    if len(rows := np.flatnonzero(taken == TOO_LONG)):
         _by_spectrum(flat, rows, found)
     return {name: values.reshape(shape) for name, values in found.items()}
 
