@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from exact_sight import directions
 from scipy.linalg import cho_factor, cho_solve
 
 from nav_model.analytic.coast import horizontal_growth
@@ -17,7 +18,7 @@ from nav_model.processing.leg import smoothed_in_leg
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes
 from nav_model.processing.smoother import by_state_space, smoothed_error
 from nav_model.processing.spectrum import Channel, Leg, rates
-from nav_model.sar.line_of_sight import ApertureGeometry, directions
+from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.phase import phase_budget, total
 
 NAMES = (

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from exact_sight import directions
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,12 +17,6 @@ from nav_model.sar.line_of_sight import (
 WAVELENGTH = 0.03
 TIME = np.linspace(0, 5, 501)
 angles = st.floats(0, 1.2)
-
-
-def directions(geometry, time):
-    """Unit line of sight u(t), (n, 3)."""
-    vectors = ranges_to_target(geometry, time)
-    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
 def exact(geometry, time, error):
