@@ -199,3 +199,16 @@ def test_page_and_report_cite_the_steady_state_that_was_computed() -> None:
         said += [chart.lines[0].source for chart in charts]
         said += [str(key_figures(budget)), str(steady_table(budget, "a"))]
         assert all(cited in text and absent not in text for text in said)
+
+
+def test_charts_of_formulas_say_real_time_where_the_design_is_post_processed(mems: Budget) -> None:
+    """Their level before the last fix is not the one that is checked: no limit of it stands beside them."""
+    smoothed = changed(processing__mode="post-processed", gnss__velocity_noise=0.03)
+    for draw in (position_chart, velocity_chart, attitude_chart):
+        assert "real time" not in draw(mems).title
+        assert "in real time" in draw(smoothed).title
+        assert "[P-6], [P-6]" not in draw(smoothed).knowledge
+    levels = {limit.key: limit.level for limit in position_chart(smoothed).limits}
+    assert levels["coast_horizontal_position"] == 50
+    assert math.isnan(levels["horizontal_position"])
+    assert {limit.key: limit.level for limit in position_chart(mems).limits}["horizontal_position"] == 2
