@@ -176,7 +176,8 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
             ),
         ),
         "Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
-        f"aperture, by {smoothed.method} [P-3]. Requirements are checked for {budget.verdict.processing}.",
+        f"aperture, by {smoothed.method} [P-3]. CE90 and LE90 hold 90 %. "
+        f"Requirements are checked for {budget.verdict.processing}.",
     )
 
 
@@ -205,6 +206,8 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
             for sigma in sigmas
         )
         told = display.named(pair=pair)
+        if display.factor(pair=pair) != display.factor():
+            label = label.replace("per axis", "radius")
         name = label if display == ONE_SIGMA else f"{label}, {told}"
         return Cell(name), *map(Cell, shown), Cell(f"{source}, {percent(share)}")
 

@@ -212,3 +212,9 @@ def test_charts_of_formulas_say_real_time_where_the_design_is_post_processed(mem
     assert levels["coast_horizontal_position"] == 50
     assert math.isnan(levels["horizontal_position"])
     assert {limit.key: limit.level for limit in position_chart(mems).limits}["horizontal_position"] == 2
+
+
+def test_a_figure_that_holds_a_share_is_a_radius_and_sigmas_are_of_an_axis(mems: Budget) -> None:
+    for spread, word in (("1σ", "per axis"), ("2σ", "per axis"), ("95 %", "radius"), ("CEP", "radius")):
+        labels = [row[0].text for row in steady_table(mems, "d", Display(spread)).rows]
+        assert [label.split(", ")[1] for label in labels if label.startswith("Horizontal")] == [word, word]
