@@ -67,7 +67,7 @@ class _Scale:
                 f"limit {number(self._limit, given=True)}{self._unit}</em>"
             )
         reach = max(length, self._length(was)) if was else length
-        room = 38 + 6 * len(self._unit)  # px, for the number
+        room = 40 + 4 * len(self._unit)  # px, for the number
         place = f"left:min({self._share(reach)}, 100% - {room}px)"
         return (
             f'<td title="{escape(tip)}"><div{over}><i style="width:{self._share(length)}"></i>{outline}{limit}'
