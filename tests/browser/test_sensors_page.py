@@ -48,7 +48,8 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     page.wait_for_function(f"({_CURVE})().length > 20")
     table = page.get_by_role("region", name="Accelerometers: noise coefficients").bounding_box()
     chart = page.locator(".bk-Figure:visible").first.bounding_box()
-    assert table and chart
+    assert table is not None
+    assert chart is not None
     assert table["y"] + table["height"] <= chart["y"], "tables reach into the charts below them"
 
     page.get_by_role("button", name="Use these in the design").click()

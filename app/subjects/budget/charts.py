@@ -152,7 +152,8 @@ def response_chart(budget: Budget) -> Chart:
         "No image: more than 1000 rad of quadratic phase."
         if response is None
         else (
-            f"1σ quadratic: width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')} "
+            f"1σ quadratic, {budget.verdict.processing}: "
+            f"width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')} "
             f"({number(float(response.half_power_extent_cells))} cells), "
             f"PSLR {decibels(float(response.pslr_fixed_db))}, "
             f"ISLR {decibels(float(response.islr_fixed_db))} (outside the error-free main lobe, whole line), "

@@ -385,7 +385,10 @@ def image_table(budget: Budget, key: str) -> Table:
     )
 
     def equation(name: str) -> str:
-        return "[P-5]" if smoothed is not None and "phase" in name else sources[name].equation
+        known = sources[name].equation
+        if smoothed is None:
+            return known
+        return "[P-5]" if "phase" in name else known.replace("[S-5]", "[P-5]")
 
     def origin(name: str) -> str:
         source = sources[name]
