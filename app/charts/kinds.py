@@ -134,7 +134,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Bar:
-    """One row of a bar chart: two lengths [degrees], the same in millimetres, and where they come from."""
+    """One row of a bar chart: two lengths in its unit, the same in millimetres, and where they come from."""
 
     label: str
     first: float
@@ -151,7 +151,10 @@ class Bar:
 
 @dataclass(frozen=True)
 class BarChart:
-    """Horizontal bars, two to a row, each kind with a limit (NaN when there is none)."""
+    """Horizontal bars of an angle, two to a row, each kind with a limit (NaN when there is none).
+
+    ``x_label`` ends with the unit of them all: "[°]" or "[rad]".
+    """
 
     key: str
     title: str
@@ -163,10 +166,16 @@ class BarChart:
     second_limit: float
     knowledge: str = ""
 
+    @property
+    def unit(self) -> str:
+        """What stands after a number: "°", or " rad" with its space."""
+        return " rad" if self.x_label.endswith("[rad]") else "°"
+
     def rows(self) -> Iterator[tuple[str, ...]]:
         """Every number drawn, as rows of a table."""
         kinds = (self.first_label, self.second_label)
-        yield ("source", *(f"{kind} [°]" for kind in kinds), *(f"{kind} [mm]" for kind in kinds), "equation")
+        unit = self.unit.strip()
+        yield ("source", *(f"{kind} [{unit}]" for kind in kinds), *(f"{kind} [mm]" for kind in kinds), "equation")
         for bar in self.bars:
             lengths = (bar.first, bar.second, bar.first_mm, bar.second_mm)
             yield (bar.label, *(repr(float(length)) for length in lengths), bar.source)

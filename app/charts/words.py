@@ -65,12 +65,13 @@ def _line(line: Line) -> str:
 
 
 def _bars(chart: BarChart) -> str:
-    rows = sorted(chart.bars, key=lambda bar: -bar.second)[:_MOST]
+    rows, unit = sorted(chart.bars, key=lambda bar: -bar.second)[:_MOST], chart.unit
     said = "; ".join(
-        f"{bar.label} {_n(bar.first)}° {chart.first_label}, {_n(bar.second)}° {chart.second_label}" for bar in rows
+        f"{bar.label} {_n(bar.first)}{unit} {chart.first_label}, {_n(bar.second)}{unit} {chart.second_label}"
+        for bar in rows
     )
     limits = ", ".join(
-        f"{label} {_n(limit)}°"
+        f"{label} {_n(limit)}{unit}"
         for label, limit in ((chart.first_label, chart.first_limit), (chart.second_label, chart.second_limit))
         if math.isfinite(limit)
     )

@@ -45,6 +45,7 @@ class _Scale:
     def __init__(self, chart: BarChart, was: BarChart | None, kind: str) -> None:
         self._length: Callable[[Bar], float] = lambda bar: getattr(bar, kind)
         self._metres: Callable[[Bar], float] = lambda bar: getattr(bar, f"{kind}_mm")
+        self._unit = chart.unit
         self._limit = getattr(chart, f"{kind}_limit")
         lengths = [self._length(bar) for one in (chart, was) if one for bar in one.bars] + [self._limit]
         self._most = _round_up(max((length for length in lengths if math.isfinite(length)), default=0.0))
@@ -56,25 +57,26 @@ class _Scale:
         length = self._length(bar)
         if not math.isfinite(length):
             return "<td></td>"
-        tip = f"{number(length)}° = {number(self._metres(bar))} mm along the line of sight; {bar.source}"
+        tip = f"{number(length)}{self._unit} = {number(self._metres(bar))} mm along the line of sight; {bar.source}"
         over = ' class="over"' if total and length > self._limit else ""
         outline = f'<b style="width:{self._share(self._length(was))}"></b>' if was else ""
         limit = ""
         if total and math.isfinite(self._limit):
             limit = (
                 f'<u style="left:{self._share(self._limit)}"></u><em style="left:{self._share(self._limit)}">'
-                f"limit {number(self._limit, given=True)}°</em>"
+                f"limit {number(self._limit, given=True)}{self._unit}</em>"
             )
         reach = max(length, self._length(was)) if was else length
-        place = f"left:min({self._share(reach)}, 100% - 44px)"
+        room = 40 + 4 * len(self._unit)  # px, for the number
+        place = f"left:min({self._share(reach)}, 100% - {room}px)"
         return (
             f'<td title="{escape(tip)}"><div{over}><i style="width:{self._share(length)}"></i>{outline}{limit}'
-            f'<span class="num" style="{place}">{number(length)}°</span></div></td>'
+            f'<span class="num" style="{place}">{number(length)}{self._unit}</span></div></td>'
         )
 
     def axis(self) -> str:
         half, most = (number(length, given=True) for length in (self._most / 2, self._most))
-        return f"<div><span>0</span><span>{half}</span><span>{most}°</span></div>"
+        return f"<div><span>0</span><span>{half}</span><span>{most}{self._unit}</span></div>"
 
 
 def _round_up(most: float) -> float:

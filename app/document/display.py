@@ -100,25 +100,28 @@ class Display:
         )
 
     def bars(self, chart: BarChart) -> BarChart:
-        """Phases by source as they are told, in degrees; limits scaled with them."""
+        """Phases by source as they are told; limits scaled with them."""
         if self == ONE_SIGMA:
             return chart
-        k = self.factor()
+        k, label = self.factor(), chart.x_label.replace("1σ", self.named())
+        angle = k
+        if self.units == SI:
+            angle, label = math.radians(k), label.replace("[°]", "[rad]")
         return replace(
             chart,
-            x_label=chart.x_label.replace("1σ", self.named()),
+            x_label=label,
             bars=tuple(
                 replace(
                     bar,
-                    first=k * bar.first,
-                    second=k * bar.second,
+                    first=angle * bar.first,
+                    second=angle * bar.second,
                     first_mm=k * bar.first_mm,
                     second_mm=k * bar.second_mm,
                 )
                 for bar in chart.bars
             ),
-            first_limit=k * chart.first_limit,
-            second_limit=k * chart.second_limit,
+            first_limit=angle * chart.first_limit,
+            second_limit=angle * chart.second_limit,
         )
 
     @property

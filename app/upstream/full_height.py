@@ -11,4 +11,4 @@ Needless when: tests/browser/test_as_shipped.py::test_a_column_does_not_grow_ove
 from __future__ import annotations
 
 FULL_HEIGHT = {"max-height": "none"}
-"""Styles of the page's main column."""
+"""Styles of the page's main column, and of a column of several parts in one that scrolls."""

@@ -96,11 +96,11 @@ _SI_BY_STANDARD: Final = {"angularvelocity": "rad/s", "linearacceleration": "m/s
 
 def scale_of(role: str, unit: str) -> Scale:
     """Scale of a unit text such as "deg/s", "°/s", "0.05 deg/s" (counts of 0.05 deg/s) or "0.1 arcsec"
-    (increments).
+    (increments). That a number is of a count may be said: "0.05 deg/s a count", "0.05 deg/s per count".
 
     Raises InputError under ``gyro_unit`` or ``accelerometer_unit``, with the units allowed.
     """
-    match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?\s*(.+?)\s*", unit)
+    match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?\s*(.+?)(?:(?:\s+a|\s+per|\s*/)\s*count)?\s*", unit)
     text = _normal_unit(match.group(2)) if match else ""
     number = 1.0
     if match and match.group(1):

@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, fix_density, gyro_dominance, position_ratio
+from nav_model.analytic.steady_state import (
+    Array,
+    fix_density,
+    gyro_dominance,
+    horizontal,
+    position_ratio,
+    vertical,
+)
 from nav_model.catalogue import catalogue
 from nav_model.design import Design
 
@@ -25,10 +32,11 @@ def asymptote_error(kappa: ArrayLike) -> Array:
 def design_point(design: Design) -> tuple[float, float]:
     """Gyro dominance of a design and its ratio of horizontal to vertical position variance.
 
-    The ratio is that for equal fixes on both axes; a vertical fix noise of its own does not enter.
+    The ratio is that for equal fixes on both axes; vertical fix noises of their own do not enter. With velocity
+    fixes it is off the curve: gyro dominance alone does not tell it. [P-6]
     """
-    kappa = _dominance(design, design.imu.velocity_random_walk, design.imu.angle_random_walk)
-    return float(kappa), float(position_ratio(kappa))
+    kappa, ratio = _points(design, design.imu.velocity_random_walk, design.imu.angle_random_walk)
+    return float(kappa), float(ratio)
 
 
 def catalogue_points(design: Design) -> tuple[tuple[str, ...], Array, Array]:
@@ -41,17 +49,20 @@ def catalogue_points(design: Design) -> tuple[tuple[str, ...], Array, Array]:
         for entry in catalogue("imu").values()
         if {"velocity_random_walk", "angle_random_walk"} <= set(entry.values)
     ]
-    kappa = _dominance(
+    kappa, ratio = _points(
         design,
         [entry.values["velocity_random_walk"].value for entry in known],
         [entry.values["angle_random_walk"].value for entry in known],
     )
-    return tuple(entry.name for entry in known), kappa, position_ratio(kappa)
+    return tuple(entry.name for entry in known), kappa, ratio
 
 
-def _dominance(design: Design, sigma_a: ArrayLike, sigma_w: ArrayLike) -> Array:
-    factor = design.imu.vibration_factor
-    s = fix_density(design.gnss.position_noise, design.gnss.interval)
-    return gyro_dominance(
-        factor * np.asarray(sigma_a, float), factor * np.asarray(sigma_w, float), s, design.flight.gravity
-    )
+def _points(design: Design, sigma_a: ArrayLike, sigma_w: ArrayLike) -> tuple[Array, Array]:
+    gnss, factor, g = design.gnss, design.imu.vibration_factor, design.flight.gravity
+    a, w = factor * np.asarray(sigma_a, float), factor * np.asarray(sigma_w, float)
+    s = fix_density(gnss.position_noise, gnss.interval)
+    kappa = gyro_dominance(a, w, s, g)
+    if gnss.velocity_noise is None:
+        return kappa, position_ratio(kappa)
+    s_v = fix_density(gnss.velocity_noise, gnss.velocity_interval or gnss.interval)
+    return kappa, horizontal(a, w, s, g, s_v).p11 / vertical(a, s, s_v).v11

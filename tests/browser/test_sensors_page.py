@@ -46,8 +46,15 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     expect(page.get_by_role("heading", name="The log says")).to_be_visible()
     expect(page.get_by_role("region", name="Gyros: noise coefficients")).to_contain_text("not resolved")
     page.wait_for_function(f"({_CURVE})().length > 20")
+    table = page.get_by_role("region", name="Accelerometers: noise coefficients").bounding_box()
+    chart = page.locator(".bk-Figure:visible").first.bounding_box()
+    assert table is not None
+    assert chart is not None
+    assert table["y"] + table["height"] <= chart["y"], "tables reach into the charts below them"
 
     page.get_by_role("button", name="Use these in the design").click()
+    page.locator(".bk-Figure:visible").last.scroll_into_view_if_needed()
+    expect(page.get_by_text("The design now has the values")).to_be_in_viewport()
     expect(page.get_by_text("from static log bench.csv").first).to_be_visible()
     expect(page.get_by_label("Angle random walk").first).to_have_value(re.compile(r"0\.(8[89]|9[01]).* °/√h"))
     accessible(page)

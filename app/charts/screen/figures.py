@@ -299,7 +299,7 @@ def _bars(chart: BarChart, height: int | None) -> Figure:
             "x", "low", "x", "high", source=sources[f"limit {kind}"],
             line_color=STYLES["limit"].colour, line_dash=DASHES[dash], line_width=2,
         )  # fmt: skip
-        tooltip = f"<b>@label</b><br>@{kind}{{0.000}}° = @{kind}_mm{{0.0000}} mm<br>@source"
+        tooltip = f"<b>@label</b><br>@{kind}{{0.000}}{chart.unit} = @{kind}_mm{{0.0000}} mm<br>@source"
         _hover(plot, [bars], tooltip)
     plot.styles = TEXT_SIZE
     return Figure(plot, sources, dict(columns))

@@ -208,7 +208,8 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
 
 def _labels(chart: TradeMapChart, wide: float, high: float, reach: float) -> dict[str, list[Any]]:
     """Where each name is beside its mark: the first place that covers no other name or mark on a map of this size
-    in pixels. On a larger map the marks are further apart. A name without a place is shown on hover only."""
+    in pixels, nor on larger ones, where marks are further apart and names as far from theirs. A name without a
+    place is shown on hover only."""
     x, y = (
         (np.log(values) - np.log(ends[0])) / (np.log(ends[-1]) - np.log(ends[0]))
         if is_log
@@ -218,30 +219,40 @@ def _labels(chart: TradeMapChart, wide: float, high: float, reach: float) -> dic
             (chart.points_y, chart.y, chart.y_log),
         )
     )
-    across, down = wide * x, -high * y
-    taken = [(px - 6, py - 6, px + 6, py + 6) for px, py in zip(across, down, strict=True)]
+    marks = [(across * wide * x, -down * high * y) for across, down in _SIZES]
+    taken = [
+        [(px - 6, py - 6, px + 6, py + 6) for px, py in zip(across, down, strict=True)] for across, down in marks
+    ]
     placed: dict[str, list[Any]] = {"right": [], "down": [], "align": [], "name": []}
-    for point, px, py in zip(chart.points, across, down, strict=True):
-        width = 6.2 * len(point.name)
+    for index, point in enumerate(chart.points):
+        width = 7.0 * len(point.name)
         for right, lower, align in _PLACES:
             if abs(lower) > reach:
                 continue
-            left = px + right - {"left": 0, "right": width, "center": width / 2}[align]
-            box = (left, py + lower - 7, left + width, py + lower + 7)
+            boxes = []
+            for across, down in marks:
+                left = across[index] + right - {"left": 0, "right": width, "center": width / 2}[align]
+                boxes.append((left, down[index] + lower - 7, left + width, down[index] + lower + 7))
+            box = boxes[0]  # what is inside the smallest map is inside a larger one
             inside = box[0] > 0 and box[2] < wide and box[1] > -high and box[3] < 0
-            if inside and not any(_overlap(box, other) for other in taken):
-                taken.append(box)
+            if inside and not any(
+                _overlap(box, other) for box, others in zip(boxes, taken, strict=True) for other in others
+            ):
+                for box, others in zip(boxes, taken, strict=True):
+                    others.append(box)
+                name = point.name
                 break
         else:
-            right, lower, align = 0, 0, "left"
-            box = None
+            right, lower, align, name = 0, 0, "left", ""
         placed["right"].append(right)
         placed["down"].append(lower)
         placed["align"].append(align)
-        placed["name"].append(point.name if box else "")
+        placed["name"].append(name)
     return placed
 
 
+_SIZES = ((1.0, 1.0), (1.0, 1.25), (1.2, 1.6), (1.5, 1.0), (1.5, 1.5), (1.5, 2.0))
+"""Of larger maps, across and down, over the smallest."""
 _PLACES = tuple(
     (right, lower, align)
     for lower in (0, -14, 14, -28, 28, -42, 42)

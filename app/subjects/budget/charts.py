@@ -99,31 +99,43 @@ def regime_chart(budget: Budget) -> Chart:
     kappa, exact, asymptote = _regime_curves()
     here, height = regime.design_point(budget.design)
     names, kappas, ratios = regime.catalogue_points(budget.design)
+    velocity = budget.design.gnss.velocity_noise is not None
+    source, alone = ("closed form [P-6]", ", position fixes alone") if velocity else ("closed form [T-6]", "")
     return Chart(
         key="regime",
         title="What limits horizontal position: gyro or accelerometer",
         x_label="gyro dominance κ [1]",
         y_label="variance, horizontal / vertical [1]",
         lines=(
-            Line("exact", "exact, u⁴ = 1 + κu", kappa, exact, "exact", "closed form [T-6]"),
-            Line("asymptote", "gyro-dominated, κ^(1/3)", kappa, asymptote, "asymptote", "closed form [T-7]"),
+            Line("exact", f"exact, u⁴ = 1 + κu{alone}", kappa, exact, "exact", "closed form [T-6]"),
+            Line("asymptote", f"gyro-dominated, κ^(1/3){alone}", kappa, asymptote, "asymptote", "closed form [T-7]"),
         ),
         points=(
             Points("catalogue", "catalogue with this GNSS", kappas, ratios, names, "reference", "circle",
-                   "closed form [T-6]"),
+                   source),
             Points("design", "this design", np.array([here]), np.array([height]), ("this design",), "limit",
-                   "diamond", "closed form [T-6]"),
+                   "diamond", source),
         ),
         x_log=True,
         y_log=True,
-        knowledge=(
-            f"κ = {number(here)}: "
-            + ("gyro noise limits the horizontal channel" if here > 10 else
-               "accelerometer noise limits it, the gyro hardly matters to position" if here < 0.1 else
-               "both matter")
-            + f"; the asymptote is {percent(abs(float(regime.asymptote_error(here))))} off here [T-6], [T-7]."
-        ),
+        knowledge=_regime_knowledge(here, height, velocity=velocity),
     )  # fmt: skip
+
+
+def _regime_knowledge(kappa: float, ratio: float, *, velocity: bool) -> str:
+    """What rules the horizontal channel; with velocity fixes gyro dominance alone does not say it."""
+    if velocity:
+        return (
+            f"In real time. κ = {number(kappa)}; with this design's velocity fixes the variance ratio is "
+            f"{number(ratio)} [P-6]. The curves [T-6], [T-7] are for position fixes alone."
+        )
+    said = (
+        "gyro noise limits the horizontal channel" if kappa > 10 else
+        "accelerometer noise limits it, the gyro hardly matters to position" if kappa < 0.1 else
+        "both matter"
+    )  # fmt: skip
+    off = percent(abs(float(regime.asymptote_error(kappa))))
+    return f"In real time. κ = {number(kappa)}: {said}; the asymptote is {off} off here [T-6], [T-7]."
 
 
 @cache
@@ -140,7 +152,8 @@ def response_chart(budget: Budget) -> Chart:
         "No image: more than 1000 rad of quadratic phase."
         if response is None
         else (
-            f"1σ quadratic: width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')} "
+            f"1σ quadratic, {budget.verdict.processing}: "
+            f"width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')} "
             f"({number(float(response.half_power_extent_cells))} cells), "
             f"PSLR {decibels(float(response.pslr_fixed_db))}, "
             f"ISLR {decibels(float(response.islr_fixed_db))} (outside the error-free main lobe, whole line), "

@@ -176,7 +176,8 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
             ),
         ),
         "Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
-        f"aperture, by {smoothed.method} [P-3]. Requirements are checked for {budget.verdict.processing}.",
+        f"aperture, by {smoothed.method} [P-3]. CE90 and LE90 hold 90 %. "
+        f"Requirements are checked for {budget.verdict.processing}.",
     )
 
 
@@ -205,6 +206,8 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
             for sigma in sigmas
         )
         told = display.named(pair=pair)
+        if display.factor(pair=pair) != display.factor():
+            label = label.replace("per axis", "radius")
         name = label if display == ONE_SIGMA else f"{label}, {told}"
         return Cell(name), *map(Cell, shown), Cell(f"{source}, {percent(share)}")
 
@@ -382,7 +385,10 @@ def image_table(budget: Budget, key: str) -> Table:
     )
 
     def equation(name: str) -> str:
-        return "[P-5]" if smoothed is not None and "phase" in name else sources[name].equation
+        known = sources[name].equation
+        if smoothed is None:
+            return known
+        return "[P-5]" if "phase" in name else known.replace("[S-5]", "[P-5]")
 
     def origin(name: str) -> str:
         source = sources[name]

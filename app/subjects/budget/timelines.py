@@ -69,15 +69,30 @@ def _validity(budget: Budget) -> str:
     return f"λ·dt = {number(value)} ({word})"
 
 
+def _titled(quantity: str, budget: Budget) -> str:
+    """The title of a chart of formulas, which are of real time whatever the design's processing."""
+    return f"{quantity} sigma in real time" if budget.smoothed else f"{quantity} sigma"
+
+
+def _settled_limits(budget: Budget, *names: str, scale: float = 1.0) -> tuple[Limit, ...]:
+    """Limits before the last fix; not given beside real-time curves when the smoothed figure is what is checked."""
+    spans = ((name, -_LEAD * budget.coast.duration, 0.0) for name in names)
+    return _limits(budget, spans, math.nan if budget.smoothed else scale)
+
+
+def _cited(budget: Budget) -> str:
+    """The equations of the steady state, each once."""
+    return ", ".join(dict.fromkeys(steady_marks(budget.design)))
+
+
 def position_knowledge(budget: Budget) -> str:
     """How the curves of position are known."""
     coast = budget.coast
-    level, upright = steady_marks(budget.design)
     ratio = coast.end_refined_horizontal / coast.position_horizontal[-1]
     ratio_v = coast.end_refined_vertical / coast.position_vertical[-1]
     slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
     return (
-        f"Curves by formula {level}, {upright}, [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
+        f"Curves by formula {_cited(budget)}, [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
         f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {number(ratio)} and "
         f"vertical {number(ratio_v)} times the polynomial at {number(coast.duration, given=True)} s.{slow}"
     )
@@ -87,7 +102,7 @@ def position_chart(budget: Budget) -> Chart:
     """Position sigma against time: steady state, then outage."""
     steady, coast = budget.steady_state, budget.coast
     level, upright = steady_marks(budget.design)
-    lead, end = -_LEAD * coast.duration, coast.duration
+    end = coast.duration
     x = _grid(budget)
     curves = (
         ("ch", "horizontal", _held(steady.closed.position_horizontal, coast.position_horizontal),
@@ -104,14 +119,9 @@ def position_chart(budget: Budget) -> Chart:
          "initial tilt", "closed form [T-12]"),
     )  # fmt: skip
     lines = tuple(Line(key, label, x, y, style, source) for key, label, y, style, source in curves)
-    limits = _limits(
-        budget,
-        (
-            ("horizontal_position", lead, 0.0),
-            ("vertical_position", lead, 0.0),
-            ("coast_horizontal_position", 0.0, end),
-            ("coast_vertical_position", 0.0, end),
-        ),
+    limits = (
+        *_settled_limits(budget, "horizontal_position", "vertical_position"),
+        *_limits(budget, (("coast_horizontal_position", 0.0, end), ("coast_vertical_position", 0.0, end))),
     )
     floor = 0.3 * min(
         steady.posterior.position_horizontal, steady.posterior.position_vertical, steady.closed.position_vertical
@@ -119,7 +129,7 @@ def position_chart(budget: Budget) -> Chart:
     top = max(*(np.nanmax(line.y) for line in lines[:4]), *(0 if math.isnan(x.level) else x.level for x in limits))
     return Chart(
         key="position",
-        title="Position sigma",
+        title=_titled("Position", budget),
         x_label="time since the last fix [s]",
         y_label="position, 1σ [m]",
         lines=lines,
@@ -139,11 +149,10 @@ def velocity_chart(budget: Budget) -> Chart:
     """Velocity sigma against time."""
     steady, coast = budget.steady_state, budget.coast
     level, upright = steady_marks(budget.design)
-    lead = -_LEAD * coast.duration
     x = _grid(budget)
     return Chart(
         key="velocity",
-        title="Velocity sigma",
+        title=_titled("Velocity", budget),
         x_label="time since the last fix [s]",
         y_label="velocity, 1σ [m/s]",
         lines=(
@@ -156,10 +165,10 @@ def velocity_chart(budget: Budget) -> Chart:
             _cycle_band(budget, "bh", "horizontal, before/after fix", "velocity_horizontal", "horizontal"),
             _cycle_band(budget, "bv", "vertical, before/after fix", "velocity_vertical", "vertical"),
         ),
-        limits=_limits(budget, (("horizontal_velocity", lead, 0.0), ("vertical_velocity", lead, 0.0))),
+        limits=_settled_limits(budget, "horizontal_velocity", "vertical_velocity"),
         spans=(_aperture_span(budget),),
         y_log=True,
-        knowledge=f"Closed forms {level}, {upright}, [T-9], [T-10]; band [T-8], {_validity(budget)}.",
+        knowledge=f"Closed forms {_cited(budget)}, [T-9], [T-10]; band [T-8], {_validity(budget)}.",
     )  # fmt: skip
 
 
@@ -167,11 +176,10 @@ def attitude_chart(budget: Budget) -> Chart:
     """Tilt sigma and yaw growth against time."""
     steady, coast = budget.steady_state, budget.coast
     level, _ = steady_marks(budget.design)
-    lead = -_LEAD * coast.duration
     x = _grid(budget)
     return Chart(
         key="attitude",
-        title="Attitude sigma",
+        title=_titled("Attitude", budget),
         x_label="time since the last fix [s]",
         y_label="attitude, 1σ [°]",
         lines=(
@@ -180,7 +188,7 @@ def attitude_chart(budget: Budget) -> Chart:
             Line("yaw", "yaw, growth alone", x, _after(coast.yaw_growth * DEGREES), "yaw", "closed form [T-5]"),
         ),
         bands=(_cycle_band(budget, "bt", "tilt, before/after fix", "tilt", "tilt", DEGREES),),
-        limits=_limits(budget, (("tilt", lead, 0.0),), DEGREES),
+        limits=_settled_limits(budget, "tilt", scale=DEGREES),
         spans=(_aperture_span(budget),),
         y_log=True,
         knowledge=(

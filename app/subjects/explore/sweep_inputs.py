@@ -53,7 +53,7 @@ class SweepRow(pn.viewable.Viewer):
         super().__init__()
         self._design = design
         look: dict[str, Any] = {"size": "small", "margin": (9, 2, 0, 4)}
-        self.input = pmui.Select(label="Input", options=_LABELS, value=key, width=188, **look)
+        self.input = pmui.Select(label="Input", options=_LABELS, value=key, width=230, **look)
         self.low = pmui.TextInput(label="From", width=96, **look)
         self.high = pmui.TextInput(label="To", width=90, **look)
         self.points = pmui.TextInput(label="Points", value="20", width=64, **look)

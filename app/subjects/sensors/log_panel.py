@@ -34,6 +34,7 @@ from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.upstream.file_input import LimitedFileInput
+from app.upstream.full_height import FULL_HEIGHT
 from app.work.alone import run_alone
 from app.work.run import Run
 from nav_model.allan.adoption import (
@@ -64,6 +65,9 @@ _BOXES = {
     "columns": ("Columns of a CSV, in order", "time, gyro_x, … ; - ignores one", 240),
     "arrays": ("Arrays of an NPZ", "gyro=w, accelerometer=f", 220),
 }
+
+# What was pressed may be far below: its answer stays at the top of the view.
+_IN_SIGHT = {"position": "sticky", "top": "4px", "z-index": "5", "background": "var(--panel-surface-color, Canvas)"}
 
 
 class LogPanel(pn.viewable.Viewer):
@@ -97,7 +101,7 @@ class LogPanel(pn.viewable.Viewer):
             margin=(12, 6, 8, 6),
             disabled=self.run.param.running,
         )
-        self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14))
+        self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14), styles=_IN_SIGHT)
         self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self.boxes.values())
         self.bar.start.disabled = True
         self.file.param.watch(self._uploaded, "value")
@@ -108,7 +112,7 @@ class LogPanel(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.Column:
         said = html_pane("<h3>What does my log say?</h3>" + _HELP, margin=(10, 14, 0, 14))
-        return pn.Column(_paper(said, self.bar, self.message), self.static, self.moving)
+        return pn.Column(_paper(said, self.bar), self.message, self.static, self.moving, styles=FULL_HEIGHT)
 
     # --- taking a log in ----------------------------------------------------------------------------------
 

@@ -47,7 +47,9 @@ def test_names_of_regions_on_a_phone(draw, name):
     _check(boxes, 288, 232)
 
 
-@pytest.mark.parametrize(("narrow", "wide", "high", "least"), [(True, 205, 225, 4), (False, 800, 370, 12)])
+@pytest.mark.parametrize(
+    ("narrow", "wide", "high", "least"), [(True, 205, 225, 4), (False, 800, 370, 12), (False, 960, 590, 12)]
+)
 def test_names_of_the_catalogue_on_a_map(narrow, wide, high, least):
     chart = map_chart(example("mems_x_band"), "imu.angle_random_walk", "imu.velocity_random_walk", ALL)
     plot = MapFigure(chart, narrow=narrow).plot

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 from scipy import stats
@@ -68,6 +66,7 @@ def test_tiles_timelines_and_bars_follow_a_choice() -> None:
     assert "0.808 m" in page._tiles.object  # twice 0.4039 m
     assert "limit 2 m at 1σ; 2σ" in page._tiles.object
     assert page._stack.plots[2].yaxis[0].axis_label == "attitude, 2σ [rad]"
-    assert f"{2 * math.degrees(session.budget.sar.quadratic):.3g}°" in page._phase.object
+    assert f"{2 * session.budget.sar.quadratic:.3g} rad</span>" in page._phase.object
+    assert "°</span>" not in page._phase.object
     assert verdict_strip(session.budget) == strip
     assert session.link.endswith("show=2s.si")

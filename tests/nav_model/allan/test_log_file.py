@@ -280,6 +280,8 @@ def test_names_and_units():
     assert meaning_of("latitude") is None
     assert scale_of("accelerometer", "125 ug s").per_sample
     assert scale_of("gyro", "0.1 arcsec").factor == pytest.approx(np.radians(0.1 / 3600))
+    for said in ("0.05 deg/s", "0.05 deg/s a count", "0.05 deg/s per count", "0.05 deg/s/count"):
+        assert scale_of("gyro", said).factor == pytest.approx(np.radians(0.05))
     for text in ("furlong", "", "-1 deg/s", "0 deg/s", "1.2.3 deg/s"):
         with pytest.raises(InputError, match="gyro_unit"):
             scale_of("gyro", text)

@@ -1,6 +1,7 @@
 """Closed-form steady state against Riccati solutions, high precision and its own asymptotes."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
+from nav_model.analytic.regime import catalogue_points, design_point
 from nav_model.analytic.steady_state import (
     Horizontal,
     fix_density,
@@ -19,7 +21,10 @@ from nav_model.analytic.steady_state import (
     vertical,
     yaw_variance,
 )
+from nav_model.budget import analyse
+from nav_model.design.file import read_design
 
+EXAMPLES = Path(__file__).parents[3] / "examples"
 SIGMA_A = st.floats(1e-6, 1e-2)
 SIGMA_W = st.floats(1e-8, 1e-3)
 DENSITY = st.floats(1e-3, 1e2)
@@ -221,3 +226,16 @@ def test_broadcasting():
         assert whole[1, 2, 2] == pytest.approx(float(single), rel=1e-15)
     assert p.matrix().shape == (4, 3, 5, 3, 3)
     np.testing.assert_array_equal(np.stack(Horizontal.of(p.matrix()))[0], p.p11)
+
+
+@pytest.mark.parametrize("velocity", [None, 0.03])
+def test_regime_points_are_the_budgets_own_ratio(velocity):
+    """With velocity fixes too, which take the gyro's lead away."""
+    design = read_design(EXAMPLES / "mems_x_band.toml").replace({"gnss.velocity_noise": velocity})
+    budget = analyse(design)
+    closed = budget.steady_state.closed
+    kappa, ratio = design_point(design)
+    assert kappa == pytest.approx(budget.steady_state.gyro_dominance)
+    assert ratio == pytest.approx((closed.position_horizontal / closed.position_vertical) ** 2, rel=1e-9)
+    _, _, ratios = catalogue_points(design)
+    assert (velocity is None) == bool(max(ratios) > 5)

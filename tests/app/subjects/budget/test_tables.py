@@ -14,10 +14,11 @@ from app.document.verdict import check_words, verdict_of, verdict_strip
 from app.report.cautions import caution_list
 from app.report.content import report_of
 from app.session import Session
+from app.subjects.budget.charts import response_chart
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.page import BudgetPage, requirements
-from app.subjects.budget.tables import key_figures, requirement_table, steady_table
+from app.subjects.budget.tables import image_table, key_figures, requirement_table, steady_table
 from app.subjects.budget.timelines import attitude_chart, position_chart, velocity_chart
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
@@ -199,3 +200,32 @@ def test_page_and_report_cite_the_steady_state_that_was_computed() -> None:
         said += [chart.lines[0].source for chart in charts]
         said += [str(key_figures(budget)), str(steady_table(budget, "a"))]
         assert all(cited in text and absent not in text for text in said)
+
+
+def test_charts_of_formulas_say_real_time_where_the_design_is_post_processed(mems: Budget) -> None:
+    """Their level before the last fix is not the one that is checked: no limit of it stands beside them."""
+    smoothed = changed(processing__mode="post-processed", gnss__velocity_noise=0.03)
+    for draw in (position_chart, velocity_chart, attitude_chart):
+        assert "real time" not in draw(mems).title
+        assert "in real time" in draw(smoothed).title
+        assert "[P-6], [P-6]" not in draw(smoothed).knowledge
+    levels = {limit.key: limit.level for limit in position_chart(smoothed).limits}
+    assert levels["coast_horizontal_position"] == 50
+    assert math.isnan(levels["horizontal_position"])
+    assert {limit.key: limit.level for limit in position_chart(mems).limits}["horizontal_position"] == 2
+
+
+def test_a_figure_that_holds_a_share_is_a_radius_and_sigmas_are_of_an_axis(mems: Budget) -> None:
+    for spread, word in (("1σ", "per axis"), ("2σ", "per axis"), ("95 %", "radius"), ("CEP", "radius")):
+        labels = [row[0].text for row in steady_table(mems, "d", Display(spread)).rows]
+        assert [label.split(", ")[1] for label in labels if label.startswith("Horizontal")] == [word, word]
+
+
+def test_what_the_image_comes_from_is_of_the_designs_processing(mems: Budget) -> None:
+    """The response of a smoothed quadratic phase is not that of real time [S-5]."""
+    smoothed = changed(processing__mode="post-processed")
+    for budget, said, mark in ((mems, "real time", "[S-5]"), (smoothed, "post-processed", "[P-5]")):
+        assert response_chart(budget).knowledge.startswith(f"1σ quadratic, {said}: width")
+        rows = {row[0].text: row[2].text for row in image_table(budget, "d").rows}
+        assert rows["Response width"] == f"[S-3], {mark}"
+        assert rows["Quadratic phase, 1σ"] == mark
