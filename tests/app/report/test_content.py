@@ -60,7 +60,7 @@ def test_figures_of_the_budget_follow_the_display_and_the_verdict_does_not(mems)
         for was, now in zip(before[key].lines, after[key].lines, strict=True):
             np.testing.assert_allclose(now.y, was.y * (pair if "horizontal" in was.label else axis), rtol=1e-12)
         assert after[key].y_label.startswith(f"{key}, 95 % [")
-    assert after["phase"].first_limit == pytest.approx(axis * before["phase"].first_limit)
+    assert after["phase"].first_limit == pytest.approx(math.radians(axis * before["phase"].first_limit))
     assert told.chapters[0].verdict == plain.chapters[0].verdict
     assert table(told, "d-verdict") == table(plain, "d-verdict")
     assert ("Figures of the budget", "95 %, SI units; all others 1σ") in told.chapters[0].facts
@@ -80,7 +80,8 @@ def test_a_comparison_follows_the_display(mems, three):
     now, then = (charts["c-chart-position-0"] for charts in (after, before))
     np.testing.assert_allclose(now.lines[0].y, pair * then.lines[0].y, rtol=1e-12)
     assert now.y_label == "horizontal position, 95 % [m]"
-    assert after["c-chart-phase-0"].bars[0].first == pytest.approx(axis * before["c-chart-phase-0"].bars[0].first)
+    in_degrees = before["c-chart-phase-0"].bars[0].first
+    assert after["c-chart-phase-0"].bars[0].first == pytest.approx(math.radians(axis * in_degrees))
 
 
 def test_the_verdict_sentence_stands_first_and_names_margin_and_sensor(mems, three):
