@@ -37,7 +37,6 @@ from nav_model.errors import InputError
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"
 """Sheet of what stands only where the sidebar is a drawer over the page."""
-_SEEN = 0.02  # seconds in which a page's empty place reaches the browser, before the work of filling it begins
 _ONE_SIGMA_ONLY = {"simulation", "sar", "suborbital", "explore"}
 _SAID_OTHERWISE = "This page shows 1σ in the units of data sheets. Budget and report show {}."
 _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
@@ -182,7 +181,7 @@ class Frame(pn.viewable.Viewer):
         # An address that led here stays as it is: a new one would cut off what Forward leads to.
         if location and not self._addressed and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
-        in_turns([functools.partial(self._fill, event.new)], after=_SEEN)
+        in_turns([functools.partial(self._fill, event.new)])
 
     def _fill(self, index: int) -> None:
         """Make a page that was turned to, or bring it up to date, and go to the place on it that was asked for."""

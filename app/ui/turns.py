@@ -15,6 +15,7 @@ from bokeh.document import Document
 from app.upstream.frozen_models import frozen_models
 
 _LONGEST = 0.1  # seconds of a turn in which another piece is begun; what a turn costs besides is about as much
+_SEEN = 0.02  # seconds in which what was changed reaches the browser
 _BETWEEN = 0.01  # seconds: the dozen frames of a slider step come in, and it is answered
 _QUIET = 0.4  # seconds: a key held down repeats ten times faster, one pressed again and again as fast
 
@@ -23,11 +24,11 @@ def _is_open(document: Document) -> bool:
     return document.session_context is not None and not document.session_context.destroyed
 
 
-def in_turns(pieces: Iterable[Callable[[], None]], after: float = 0.0) -> None:
+def in_turns(pieces: Iterable[Callable[[], None]]) -> None:
     """Do the pieces in order, a few in each turn of the server, until all are done or the page is closed.
 
-    The first begins ``after`` so many seconds, in which what was changed before reaches the browser. In a script or
-    a test, where there is no server: all at once.
+    What was changed before reaches the browser before the first begins. In a script or a test, where there is no
+    server: all at once.
     """
     document, waiting = pn.state.curdoc, deque(pieces)
     if document is None or document.session_context is None:
@@ -36,7 +37,7 @@ def in_turns(pieces: Iterable[Callable[[], None]], after: float = 0.0) -> None:
         return
 
     async def run() -> None:
-        await asyncio.sleep(after)
+        await asyncio.sleep(_SEEN)
         while waiting and _is_open(document):
             until = time.monotonic() + _LONGEST
             with pn.io.hold(), frozen_models(document):

@@ -230,7 +230,7 @@ def half_power_extent(quadratic_rad: float, window: Window | Taper = "uniform") 
 def polynomial_curve(
     quadratic_rad: float, cubic_rad: float, window: Window | Taper, extent_cells: float, zero_padding: int = 16
 ) -> tuple[_FloatArray, _FloatArray]:
-    """`response_curve` of the phase ``quadratic x² + cubic x³``, without and with the cubic: power is (2, m).
+    """`response_curve` of the phase ``quadratic x² + cubic x³``, without and with the cubic: power [dB] is (2, m).
 
     From the aperture's integral where that is fast, from as many samples as `response_curve` takes beyond.
     """

@@ -34,9 +34,6 @@ QUESTIONS: Mapping[str, type[Question]] = {
 }
 
 
-_SEEN = 0.02  # seconds in which the strip reaches the browser before the work begins
-
-
 class ExplorePage(pn.viewable.Viewer):
     """Everything below the tab. A question is made when first asked and follows the design while it is in view."""
 
@@ -73,7 +70,7 @@ class ExplorePage(pn.viewable.Viewer):
         """The answer to another question does not stand above this one while this one is worked out: a map takes
         seconds."""
         self._strip.show(Answer(event.new, "open", ("Computing …",)))
-        in_turns([lambda: self.show(self.session.budget)], after=_SEEN)
+        in_turns([lambda: self.show(self.session.budget)])
 
     def _tell(self) -> None:
         answer, verdict = self.question.answer, self.session.budget.verdict
