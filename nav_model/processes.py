@@ -11,6 +11,7 @@ from concurrent.futures import Future, InvalidStateError, ProcessPoolExecutor
 from contextlib import suppress
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
+from weakref import WeakSet
 
 
 def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> ProcessPoolExecutor:
@@ -26,18 +27,36 @@ def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Proces
     return _Pool(workers, mp_context=_Spawn(), initializer=_begin, initargs=(begin,))
 
 
+def kill_workers() -> None:
+    """End every process that a pool of this process started, whatever it is doing, and so the pools."""
+    for process in multiprocessing.active_children():
+        process.kill()
+    for pool in list(_pools):
+        pool.results._writer.close()
+
+
 class _Pool(ProcessPoolExecutor):
-    """Ends when its processes are killed, whatever has been cancelled.
+    """Ends when its processes are killed, whatever has been cancelled and whatever was being sent.
 
     Python before 3.13 (python/cpython#108974) stops at the first cancelled future while it tells the others that a
-    process has ended: with a traceback, and with a thread that writes for ever into a pipe that nobody reads.
+    process has ended: with a traceback, and with a thread that writes for ever into a pipe that nobody reads. Every
+    Python waits for the rest of a result that a killed process was sending, as this process holds that end of the
+    pipe open too: `kill_workers` closes it.
     """
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self.results: Any = self._result_queue  # the pool forgets it when it is shut down, its thread does not
+        _pools.add(self)
 
     def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
         """As ever."""
         future = super().submit(*arguments, **options)
         future.__class__ = _Outcome
         return future
+
+
+_pools: WeakSet[_Pool] = WeakSet()
 
 
 class _Outcome(Future[Any]):

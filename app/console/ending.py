@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import io
-import multiprocessing
 import os
 import signal
 import stat
@@ -17,6 +16,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from nav_model.errors import InputError, shown
+from nav_model.processes import kill_workers
 
 DONE, OPEN, BAD_INPUT, SURROUNDINGS, OWN_FAULT = 0, 1, 2, 3, 4
 """Exit codes: done or closes, does not close, bad input, a fault of the surroundings, a fault of NavBudget's own."""
@@ -148,8 +148,7 @@ def _stoppable() -> Iterator[None]:
     def stop(number: int, _: Any) -> None:
         for told in _WORDS:  # the way out is short, and must not be cut
             signal.signal(told, signal.SIG_IGN)
-        for child in multiprocessing.active_children():
-            child.kill()
+        kill_workers()
         raise Stopped(number)
 
     for number in _WORDS:

@@ -13,7 +13,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import TypeVar, TypeVarTuple
 
-from nav_model.processes import worker_pool
+from nav_model.processes import kill_workers, worker_pool
 
 _A = TypeVarTuple("_A")
 _T = TypeVar("_T")
@@ -87,9 +87,8 @@ def under_way() -> int:
 
 def stop() -> None:
     """End every worker process now, whatever it is doing."""
+    kill_workers()
     if pool.cache_info().currsize:
         pool().shutdown(wait=False, cancel_futures=True)
-    for process in multiprocessing.active_children():
-        process.terminate()
     for process in multiprocessing.active_children():
         process.join(timeout=5)

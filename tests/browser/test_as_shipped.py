@@ -167,7 +167,8 @@ def test_ours_are_imported_by_the_browser(plain: Page) -> None:
 
 
 def test_a_page_connects_when_all_has_run(shipped: Page) -> None:
-    assert shipped.evaluate("() => connections") == ["interactive"]
+    [reached] = shipped.evaluate("() => connections")
+    assert reached in {"interactive", "complete"}
 
 
 def test_ours_connects_while_a_library_is_still_to_come(page: Page, server: str) -> None:
@@ -178,4 +179,4 @@ def test_ours_connects_while_a_library_is_still_to_come(page: Page, server: str)
         page.goto(server, wait_until="commit")
     late.pop().continue_()
     page.wait_for_function(_IDLE, timeout=1e3 * PATIENCE)
-    assert page.evaluate("() => connections.length") == 1
+    assert page.evaluate("() => connections") == ["loading"]

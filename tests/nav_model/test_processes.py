@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import gc
 import os
+import struct
 import subprocess
 import sys
 import time
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.queues import SimpleQueue
+from pathlib import Path
 
 import psutil
 import pytest
-from waiting import PATIENCE
+from waiting import PATIENCE, until
 
-from nav_model.processes import worker_pool
+from nav_model.processes import kill_workers, worker_pool
 
 _POOL = """
 import os, sys, time
@@ -50,5 +54,23 @@ def test_killed_workers_are_told_of_whatever_else_was_cancelled() -> None:
         assert asked[2].cancel()  # it waits behind the one that runs and the one handed on
         worker.kill()
         for future in (*asked[:2], *asked[3:]):
+            with pytest.raises(BrokenProcessPool):
+                future.result(PATIENCE)
+
+
+def _send_half_a_result(told: str) -> None:
+    """As a worker does that is killed while it sends: what says that more is to come, and no more."""
+    [queue] = [thing for thing in gc.get_objects() if isinstance(thing, SimpleQueue)]
+    os.write(queue._writer.fileno(), struct.pack("!i", 10**6) + b"half")
+    Path(told).touch()
+    time.sleep(600)
+
+
+def test_workers_killed_while_they_send_a_result_end_their_pool(tmp_path: Path) -> None:
+    with worker_pool(1) as pool:
+        asked = [pool.submit(_send_half_a_result, str(tmp_path / "told")), pool.submit(os.getpid)]
+        until((tmp_path / "told").exists, "half a result")
+        kill_workers()
+        for future in asked:
             with pytest.raises(BrokenProcessPool):
                 future.result(PATIENCE)
