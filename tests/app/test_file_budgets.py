@@ -64,7 +64,7 @@ print(taken() - before, said)
         ("log", "packed(gyro__npy=npy(10**8, '|u1', b'0' * 10**8))", 20, "unpacks to 100 MB"),
         ("history", "packed(fp__npy=npy(10**12, '<c16'))", 20, "declares 16000000000000 bytes"),
         ("history", "packed(fp__npy=npy(3 * 10**8, '|u1', b'0' * 3 * 10**8))", 20, "unpacks to 300 MB"),
-        ("library", "packed(a__toml=b'#' * 10**9)[:20_000_000]", 20, "unpacks to more than 1000000 bytes"),
+        ("library", "packed(a__toml=b'#' * 10**8)", 20, "unpacks to more than 1000000 bytes"),
         ("library", "packed(**{f'a{i}__toml': b'' for i in range(2001)})", 20, "2001 files; at most 2000"),
         ("library", "packed(library__json=b'[' * 19_000_000)", 100, "has more than 100000 parts"),
         ("library", "packed(library__json=b'{\"format\":1,\"designs\":[' + b'[],' * 6_000_000)", 100,
