@@ -52,7 +52,10 @@ class Display:
 
     def show(self, sigma: float, dimension: str, *, pair: bool = False) -> str:
         """A standard deviation [SI] as it is told."""
-        value = self.factor(pair=pair) * sigma
+        return self.plain(self.factor(pair=pair) * sigma, dimension)
+
+    def plain(self, value: float, dimension: str) -> str:
+        """What is no standard deviation, such as a width [SI], as it is told."""
         return self.in_si(value, dimension) if self.units == SI else show(value, dimension)
 
     @staticmethod

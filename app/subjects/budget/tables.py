@@ -43,10 +43,8 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
 
     def figure(label: str, amount: float, dimension: str, detail: str, name: str = "") -> KeyFigure:
         pair = "horizontal" in name
-        check, value = (
-            checks.get(name),
-            display.show(amount, dimension, pair=pair) if name else show(amount, dimension),
-        )
+        check = checks.get(name)
+        value = display.show(amount, dimension, pair=pair) if name else display.plain(amount, dimension)
         told = display.named(pair=pair)
         if check is None:
             return KeyFigure(
@@ -81,14 +79,14 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
         how = f"formula {mark}" if smoothed is None else "smoothed [P-5]"
         return figure(label, amount, "angle", f"{sight}, {how}{note}", name)
 
-    width = KeyFigure("Azimuth width", "not focused", f"ideal {show(sar.cell_length, 'length')}")
+    width = KeyFigure("Azimuth width", "not focused", f"ideal {display.plain(sar.cell_length, 'length')}")
     if extent is not None:
         width = figure(
             "Azimuth width",
             extent * sar.cell_length,
             "length",
-            f"with 1σ quadratic; aperture {show(sar.aperture_time, 'time')}, "
-            f"{show(sar.aperture_length, 'length')} [S-3]",
+            f"with 1σ quadratic; aperture {display.plain(sar.aperture_time, 'time')}, "
+            f"{display.plain(sar.aperture_length, 'length')} [S-3]",
         )
     return KeyFigures(
         "Key figures, one sigma",
