@@ -14,10 +14,10 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.stacks import even, plus_one, solved, times, turned
-from nav_model.analytic.steady_state import Array
+from nav_model.analytic.steady_state import Array, as_numbers
 
 _MOST_STEPS = 60
 _FEW = 400  # numbers in all; with fewer, the library is faster than our stacks
@@ -32,16 +32,18 @@ class Segment(NamedTuple):
     noise: Array
 
 
-def drift(step: Array, accelerometer: Array, gyro: Array, slow: tuple[Array, Array] | None) -> tuple[Array, Array]:
-    """Transition and noise of the states over a step without fixes.
+def drift(
+    step: Array, accelerometer: ArrayLike, gyro: ArrayLike, slow: tuple[ArrayLike, ArrayLike] | None = None
+) -> tuple[Array, Array]:
+    """Transition and covariance of the noise of the states over a step without fixes, exact: (n, n, ...), n 3 or 4.
 
     Parameters
     ----------
     step : array
         Seconds.
-    accelerometer, gyro : array
+    accelerometer, gyro : array_like
         Densities of the white noises, m²/s³ and m²/s⁵.
-    slow : pair of array, optional
+    slow : pair of array_like, optional
         Variance of the slow error [m²], its correlation time [s].
     """
     values = step, accelerometer, gyro, *(slow or ())
@@ -51,7 +53,7 @@ def drift(step: Array, accelerometer: Array, gyro: Array, slow: tuple[Array, Arr
     phi[range(size), range(size)] = 1
     phi[0, 1] = phi[1, 2] = step
     phi[0, 2] = step * step / 2
-    a, w = accelerometer * step, gyro * step
+    a, w = as_numbers(accelerometer) * step, as_numbers(gyro) * step
     noise[0, 0] = a * step**2 / 3 + w * step**4 / 20
     noise[0, 1] = noise[1, 0] = a * step / 2 + w * step**3 / 8
     noise[0, 2] = noise[2, 0] = w * step**2 / 6
@@ -59,8 +61,8 @@ def drift(step: Array, accelerometer: Array, gyro: Array, slow: tuple[Array, Arr
     noise[1, 2] = noise[2, 1] = w * step / 2
     noise[2, 2] = w
     if slow is not None:
-        phi[3, 3] = np.exp(-step / slow[1])
-        noise[3, 3] = -slow[0] * np.expm1(-2 * step / slow[1])
+        phi[3, 3] = np.exp(-step / as_numbers(slow[1]))
+        noise[3, 3] = -as_numbers(slow[0]) * np.expm1(-2 * step / as_numbers(slow[1]))
     return phi, noise
 
 

@@ -27,6 +27,11 @@ def turned(matrix: Array) -> Array:
     return matrix.swapaxes(0, 1)
 
 
+def matrices_last(stack: Array) -> Array:
+    """The stack as NumPy's linear algebra takes it, (..., n, m)."""
+    return np.moveaxis(stack, (0, 1), (-2, -1))
+
+
 def even(matrix: Array) -> Array:
     """The symmetric part, of what is symmetric but for rounding."""
     return (matrix + turned(matrix)) * 0.5

@@ -19,12 +19,10 @@ from nav_model.processing.spectrum import Channel, Leg
 from nav_model.sar.axis_model import (
     AxisModel,
     draw_state,
-    filter_noise,
-    filter_transition,
+    filter_drift,
     fix_rows,
+    inertial_drift,
     measure,
-    process_noise,
-    transition,
 )
 from nav_model.sar.smoother import rts_smooth, smoother_gain
 
@@ -52,8 +50,8 @@ def filtered(
 ) -> Filtered:
     """From the error ``start`` (runs, m) just after the first fix; ``at_fixes`` (3, runs, k) is the noise path."""
     priors, posteriors, prior_covariances, covariances = [start], [start], [covariance], [covariance]
-    phi, grown = filter_transition(model, model.fix_interval), filter_noise(model, model.fix_interval)
-    rows, inertial = fix_rows(model), transition(model.fix_interval)
+    phi, grown = filter_drift(model, model.fix_interval)
+    rows, inertial = fix_rows(model), inertial_drift(model, model.fix_interval)[0]
     for k in range(1, len(fixes.noise)):
         prior = posteriors[-1] @ phi.T
         prior[:, :3] += at_fixes[:, :, k].T - at_fixes[:, :, k - 1].T @ inertial.T
@@ -95,8 +93,8 @@ def filtered_in_leg(
     covariance = _inverse(before)
     # The estimate that knows less errs by something more that is independent of the error of the one that knows more.
     start = settled[0] + draw_state(covariance - settled[1], runs, random)
-    gathered = draw_state(process_noise(model, rest), runs, random)
-    onward = path[1].T @ transition(rest).T + gathered
+    phi, noise = inertial_drift(model, rest)
+    onward = path[1].T @ phi.T + draw_state(noise, runs, random)
     fresh = draw_fresh(model, runs, random, model.fix_interval)
     more = Fixes(
         np.concatenate([fixes.noise, np.zeros_like(fixes.noise[:1])]), np.concatenate([fixes.fresh, fresh[None]])
@@ -123,16 +121,16 @@ def smoothed(
     model: AxisModel, done: Filtered, position: _FloatArray, time: _FloatArray, fix_time: _FloatArray
 ) -> _FloatArray:
     """Position error (runs, n) of the smoother that has all fixes of `done`, from the filter's between the fixes."""
-    phi = filter_transition(model, model.fix_interval)
+    phi = filter_drift(model, model.fix_interval)[0]
     every = np.broadcast_to(phi, (len(done.prior) - 1, *phi.shape))
     at_fixes = rts_smooth(done.posterior, done.covariance, done.prior, done.prior_covariance, every)
     found = position.copy()
     for k, span in _stretches(time, fix_time):
         if k + 1 < len(done.prior):
             age = time[span] - fix_time[k]
-            forward = filter_transition(model, age)
-            predicted = forward @ done.covariance[k] @ np.swapaxes(forward, 1, 2) + filter_noise(model, age)
-            onward = filter_transition(model, model.fix_interval - age)
+            forward, grown = filter_drift(model, age)
+            predicted = forward @ done.covariance[k] @ np.swapaxes(forward, 1, 2) + grown
+            onward = filter_drift(model, model.fix_interval - age)[0]
             gain_row = smoother_gain(predicted, onward, done.prior_covariance[k + 1])[:, 0, :]
             found[:, span] += (at_fixes[k + 1] - done.prior[k + 1]) @ gain_row.T
     return found

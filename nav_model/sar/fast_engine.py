@@ -10,14 +10,12 @@ from nav_model.sar.axis_filter import Fixes, carried, draw_fresh, filtered, filt
 from nav_model.sar.axis_model import (
     AxisModel,
     draw_state,
-    filter_noise,
-    filter_transition,
+    filter_drift,
     fix_rows,
+    inertial_drift,
     measure,
     noise_path,
-    process_noise,
     steady_covariance,
-    transition,
 )
 from nav_model.sar.fit_noise import slow_fit
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
@@ -153,14 +151,14 @@ def _before_aperture(
     rest = coast_time - whole * model.fix_interval
     covariance, drift = posterior, unabsorbed[1]
     for step in [rest] * (rest > 1e-9) + [model.fix_interval] * whole:
-        phi = transition(step)
-        noise = draw_state(process_noise(model, step), runs, random)
+        phi, gathered = inertial_drift(model, step)
+        noise = draw_state(gathered, runs, random)
         ramp = np.outer(drift, [step**3 / 6, step**2 / 2, step])
         coasted = coasted @ phi.T + noise + ramp
-        forward = filter_transition(model, step)
+        forward, grown = filter_drift(model, step)
         state = state @ forward.T
         state[:, :3] += noise
-        gain, covariance = measure(forward @ covariance @ forward.T + filter_noise(model, step), model)
+        gain, covariance = measure(forward @ covariance @ forward.T + grown, model)
         fresh = draw_fresh(model, runs, random, step)
         slow = np.exp(-step / model.slow_time) * slow + fresh
         state[:, 3:] -= fresh[:, None]

@@ -18,8 +18,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nav_model.analytic.doubling import drift
+from nav_model.analytic.stacks import matrices_last
 from nav_model.analytic.steady_state import as_numbers
-from nav_model.sar.axis_model import noise_covariance, transition
 
 _FloatArray = NDArray[np.float64]
 
@@ -91,8 +92,8 @@ def free_quadratic_variance(
         np.asarray(x, float) for x in (aperture_time, coast_time, accelerometer_noise, tilt_noise, jerk)
     )
     s_a, s_g = s_a**2, s_g**2
-    forward = transition(coast)
-    carried = forward @ start @ np.swapaxes(forward, -1, -2) + noise_covariance(s_a, s_g, coast)
+    forward, gathered = map(matrices_last, drift(coast, s_a, s_g))
+    carried = forward @ start @ np.swapaxes(forward, -1, -2) + gathered
     q, v, p = np.moveaxis(weights, -1, 0)
     h, age = t / 2, coast + t / 2
     by_state = np.stack(np.broadcast_arrays(p, (v + p) * h, (q + 2 * v + 13 / 7 * p) * t**2 / 8), axis=-1)
