@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.charts.kinds import Drawing
-from nav_model.equations import Equation, Symbol
+from nav_model.equations.entry import Equation, Symbol
 
 
 @dataclass(frozen=True)

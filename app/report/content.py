@@ -17,7 +17,8 @@ from app.report.inputs import input_table
 from app.subjects import BY_KEY
 from nav_model.budget import Budget
 from nav_model.design.file import format_design
-from nav_model.equations import REFERENCES, with_cited
+from nav_model.equations import with_cited
+from nav_model.equations.literature import REFERENCES
 
 _REPORT = "Navigation error budget"
 
