@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from nav_model.analytic.sensitivity import horizontal_parts, vertical_parts
 from nav_model.analytic.steady_state import Array, Horizontal, Vertical
 from nav_model.budget.figures import COASTING, settled
 from nav_model.budget.inputs import RECTIFICATION, Inputs
-from nav_model.frozen import FrozenMapping
+from nav_model.frozen import FrozenMapping, Later
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
 ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
@@ -70,6 +71,16 @@ def white_parts(x: Inputs) -> WhiteParts:
         return {name: type(whole)(*(element[n] for element in elements)) for n, name in enumerate(names)}
 
     return WhiteParts(of(found.horizontal), of(found.vertical))
+
+
+def each(names: Iterable[str], work_out: Callable[[], Mapping[str, Shares]]) -> Mapping[str, Shares]:
+    """Shares of each figure, all worked out when one of them is first looked at."""
+    found = Later(work_out)
+    return FrozenMapping({name: Later(partial(found.__getitem__, name)) for name in names})
+
+
+def shares_of(sized: Mapping[str, tuple[float, Shares]]) -> dict[str, Shares]:
+    return {name: shares for name, (_, shares) in sized.items()}
 
 
 def steady_shares(parts: WhiteParts, prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
