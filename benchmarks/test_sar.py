@@ -20,8 +20,9 @@ from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study, run_chunk
 from nav_model.sar.fast_engine import simulate_axis
 from nav_model.sar.image import back_project, simulate_phase_history
-from nav_model.sar.impulse_response import aperture_positions, impulse_response, quadratic_response
+from nav_model.sar.impulse_response import aperture_positions, impulse_response
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
+from nav_model.sar.polynomial_response import quadratic_response
 from nav_model.sar.strategies import Tuning
 from nav_model.sar.winners import Conditions, map_of_winners
 

@@ -13,7 +13,8 @@ from nav_model.design import Design
 from nav_model.design.rows import Row
 from nav_model.processing import paired_echo
 from nav_model.processing.fast_motion import Curve, Fast, Source, density_of, through_aperture
-from nav_model.sar.impulse_response import aperture_positions, as_taper, ideal_null_cells
+from nav_model.sar.impulse_response import aperture_positions
+from nav_model.sar.window import as_taper, ideal_null_cells
 
 VIBRATION, UNSENSED, OSCILLATOR = "vibration", "unsensed motion", "oscillator"
 """Names of the sources in every budget."""

@@ -18,13 +18,9 @@ from nav_model.frozen import FrozenMapping, Later
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 from nav_model.sar import geometry, phase
-from nav_model.sar.impulse_response import (
-    ImpulseResponse,
-    half_power_extent,
-    ideal_null_cells,
-    quadratic_response,
-    with_echoes,
-)
+from nav_model.sar.impulse_response import ImpulseResponse, with_echoes
+from nav_model.sar.polynomial_response import half_power_extent, quadratic_response
+from nav_model.sar.window import ideal_null_cells
 
 _NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
 

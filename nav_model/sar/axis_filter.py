@@ -16,14 +16,7 @@ from numpy.typing import NDArray
 
 from nav_model.processing.leg import known_at_ends
 from nav_model.processing.spectrum import Channel, Leg
-from nav_model.sar.axis_model import (
-    AxisModel,
-    draw_state,
-    filter_drift,
-    fix_rows,
-    inertial_drift,
-    measure,
-)
+from nav_model.sar.axis_model import AxisModel, draw_state, filter_drift, fix_rows, inertial_drift, measure
 from nav_model.sar.smoother import rts_smooth, smoother_gain
 
 _FloatArray = NDArray[np.float64]

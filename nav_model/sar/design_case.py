@@ -21,11 +21,11 @@ from nav_model.processing.spectrum import Leg
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import ApertureFlight, flight_of
 from nav_model.sar.geometry import line_of_sight_weights
-from nav_model.sar.impulse_response import Window
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.strategies import NAMES
 from nav_model.sar.strategy_forms import QUADRATIC_MEAN_SQUARE
 from nav_model.sar.turning import TURNING, smoothed_bent_variance, turn_weights
+from nav_model.sar.window import Window
 from nav_model.sar.winners import Conditions
 
 Engine = Literal["fast", "simulator"]

@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.npz_arrays import read_npz_arrays
-from nav_model.sar.impulse_response import Taper, Window, aperture_positions, as_taper
+from nav_model.sar.impulse_response import aperture_positions
 from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
+from nav_model.sar.window import Taper, Window, as_taper
 
 RANGE_PADDING = 16
 MOST_UNPACKED_BYTES = 256 * 2**20

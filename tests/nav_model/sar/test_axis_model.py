@@ -4,13 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
 
-from nav_model.sar.axis_model import (
-    AxisModel,
-    draw_state,
-    inertial_drift,
-    noise_path,
-    steady_covariance,
-)
+from nav_model.sar.axis_model import AxisModel, draw_state, inertial_drift, noise_path, steady_covariance
 from nav_model.sar.smoother import rts_smooth
 
 
