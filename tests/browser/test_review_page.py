@@ -12,18 +12,13 @@ from typing import Any
 import pypdf
 import pytest
 from deaf import Deaf
-from playwright.sync_api import Browser, Download, Locator, Page, expect
+from on_page import content
+from playwright.sync_api import Browser, Locator, Page, expect
 from waiting import PATIENCE
 
 Visit = Callable[..., Page]
 Check = Callable[..., None]
 HOSTILE = "<img src=x onerror=\"document.title='owned'\"><script>document.title='owned'</script>{{7*7}}"
-
-
-def content(download: Download) -> bytes:
-    path = download.path()
-    assert path is not None
-    return Path(path).read_bytes()
 
 
 def tab(page: Page, name: str) -> None:

@@ -26,7 +26,8 @@ from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts, timelines
 from app.subjects.budget.closing import Way, ways, ways_block
-from app.subjects.budget.tables import echo_table, key_figures, processing_table, requirement_table, steady_table
+from app.subjects.budget.key_figures import key_figures
+from app.subjects.budget.tables import echo_table, processing_table, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import ChartPane, ChartView, described, head_html, source_note
 from app.ui.downloads import download
