@@ -1,5 +1,4 @@
-"""Fit of one axis as real logs need it: sensor filters, vibration lines and departures from the model are
-found first.
+"""Fit of one axis of a real log: sensor filters, vibration lines and departures from the model are found first.
 
 A clean log is fitted over its whole band with nothing removed. Where the five terms do not describe the log,
 the top of the band (anti-alias filter) and narrow lines (vibration) are set aside, and what departure remains

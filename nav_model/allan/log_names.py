@@ -1,4 +1,4 @@
-"""What a column or array of an inertial log is called, and in what unit: the layouts found in the field.
+"""Names and units of the columns or arrays of an inertial log, in the layouts that are in use.
 
 Understood: `gyro_x [deg/s]`, `gx_dps`, `wx(rad/s)`, `acc_x_g`, `az`, EuRoC's `w_RS_S_x [rad s^-1]`, ROS's
 `angular_velocity.x` (SI by REP 103), increments `dtheta_x`, `dvel_z`, counts with `gyro_dps_per_count`.

@@ -1,9 +1,9 @@
-"""A row of equal stretches of flight with fixes, made by doubling one: filters that settle, and legs of any length.
+"""Settled filters and legs of any length, made by doubling a segment of flight with fixes.
 
 States are position, velocity, acceleration by tilt, and the slow error of the fixes where there is one. A segment of
 flight with fixes is what they measure of its first state, and how the last state follows from the first and from
-noise. Two equal segments in a row are one of twice the length: a leg of any number of fixes takes as many steps as
-that number has binary digits, and a filter settles in some fifteen.
+noise. Two equal segments in a row are one of twice the length: a leg of n fixes takes as many steps as n has binary
+digits, and a filter settles in about fifteen.
 
 Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
 """
@@ -20,12 +20,13 @@ from nav_model.analytic.stacks import even, plus_one, solved, times, turned
 from nav_model.analytic.steady_state import Array, as_numbers
 
 _MOST_STEPS = 60
-_FEW = 400  # numbers in all; with fewer, the library is faster than our stacks
+_FEW = 400  # elements; with fewer, NumPy's own functions are faster than our stacks
 _SETTLED = 1e-14
 
 
 class Segment(NamedTuple):
-    """What is known of the first state, the last by the first, and the covariance of what is added, (n, n, ...)."""
+    """Information about the first state, transition from the first to the last, covariance of the noise added: (n, n,
+    ...)."""
 
     info: Array
     through: Array
@@ -67,10 +68,10 @@ def drift(
 
 
 def before(info: Array, through: Array, noise: Array) -> Array:
-    """Information about the state before a stretch of drift, of what is known after it."""
+    """Information about the state before a drift, from the information about the state after it."""
     if info.size > _FEW:
         return times(turned(through), even(solved(plus_one(times(info, noise)), info)), through)
-    # transposed they are stacks as the library has them: the matrices last, symmetric but for the way through
+    # Transposed they are stacks as NumPy has them, matrices last. All but `through` are symmetric.
     known, back = info.T, through.T
     found = back @ np.linalg.solve(known @ noise.T + _one(len(info)), known @ back.swapaxes(-1, -2))
     return np.asarray(found + found.swapaxes(-1, -2)).T / 2
@@ -108,7 +109,7 @@ def _one(size: int) -> Array:
 
 
 def repeated(one: Segment, counts: NDArray[np.int64]) -> Segment:
-    """So many equal segments in a row: of shape (n, n, rows), counts (rows)."""
+    """`counts` (rows) equal segments in a row; segments have the shape (n, n, rows)."""
     row = Segment(0 * one.info, 0 * one.through + _one(len(one.info))[:, :, None], 0 * one.noise)
     while True:
         odd = counts % 2 == 1
@@ -122,7 +123,7 @@ def repeated(one: Segment, counts: NDArray[np.int64]) -> Segment:
 
 
 def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None = None) -> Array:
-    """What a row of equal segments tells of the first state.
+    """Information that a row of equal segments gives about the first state.
 
     Parameters
     ----------
@@ -131,7 +132,7 @@ def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None =
     counts : array of int, (kinds, rows)
         How many of them.
     beyond : array, (n, n, kinds, rows), optional
-        What is known of the last state.
+        Information about the last state.
     """
     known = np.zeros((*unit.info.shape[:2], *counts.shape), np.result_type(*unit)) if beyond is None else beyond
     left, fresh = counts, beyond is None
@@ -153,7 +154,7 @@ def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None =
 
 
 def settled(unit: Segment) -> Array:
-    """Covariance just before a fix of the filter that has seen such segments for ever.
+    """Covariance just before a fix of the filter in steady state, after many such segments.
 
     Raises
     ------

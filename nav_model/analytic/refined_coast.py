@@ -1,4 +1,4 @@
-"""The outage with what the polynomials leave out. [T-17]
+"""The outage with the Schuler, gravity-gradient and Coriolis terms that the polynomials omit. [T-17]
 
 Beside [T-1], the horizontal channels feel the Schuler term -g/R, the vertical channel gravity's gradient
 +2g/R and the horizontal velocity error through Coriolis and the centrifugal term:
@@ -82,7 +82,7 @@ def refined_growth(
         + qa * noise.sine
         + g**2 * qw * noise.tilt
     )
-    # What one horizontal channel's velocity error does to the vertical, for a coupling of one.
+    # Effect of one horizontal channel's velocity error on the vertical channel, for a coupling of one.
     pull = omega**2
     through = (
         p.p22 * coupled**2

@@ -1,4 +1,4 @@
-"""Which sensor rules the horizontal channel: regime number of designs and of the catalogue. [T-6], [T-7]"""
+"""Which sensor limits the horizontal channel: gyro dominance of designs and of the catalogue. [T-6], [T-7]"""
 
 from __future__ import annotations
 

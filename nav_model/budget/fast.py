@@ -1,4 +1,4 @@
-"""Vibration, unsensed motion and oscillator of a design: sources as lines and spectra, through its aperture."""
+"""Vibration, unsensed motion and oscillator of a design, as lines and spectra seen through its aperture."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def rectified(design: Design, value: Value) -> Array | None:
 
 
 def not_flown(design: Design) -> tuple[str, ...]:
-    """What runs and flights leave out of a design's budget, a sentence; nothing where they have all of it."""
+    """A sentence on what simulated runs and flights omit of a design's budget; empty if nothing."""
     motion = design.motion
     given = {
         VIBRATION: motion.lines or motion.spectrum,
@@ -138,7 +138,7 @@ def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) 
 
 
 def stays(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> tuple[Array, Array]:
-    """Power that stays at a target, and what would stay if only the errors within ten null distances were there."""
+    """Power that stays at a target, and the same with only the errors within ten null distances."""
     sources, lobe = tuple(made), ideal_null_cells(window)  # type: ignore[arg-type]
     near = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe, "near")
     return np.exp(-paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)), np.exp(-near)

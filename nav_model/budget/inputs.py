@@ -1,4 +1,4 @@
-"""The inputs of a budget as the closed forms take them: SI numbers, or arrays that broadcast together."""
+"""The inputs of the closed forms of a budget: SI numbers, or arrays that broadcast together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whose a variance is: each source's share, by linearity of the closed forms in the noises. [T-18]"""
+"""Shares of each source in a variance, by linearity of the closed forms in the noises. [T-18]"""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def white_parts(x: Inputs) -> WhiteParts:
 
 
 def each(names: Iterable[str], work_out: Callable[[], Mapping[str, Shares]]) -> Mapping[str, Shares]:
-    """Shares of each figure, all worked out when one of them is first looked at."""
+    """Shares of each figure, all computed when one of them is first read."""
     found = Later(work_out)
     return FrozenMapping({name: Later(partial(found.__getitem__, name)) for name in names})
 
@@ -100,7 +100,7 @@ def steady_shares(parts: WhiteParts, prior: Sawtooth, white: Sawtooth) -> Mappin
 
 
 def _with_slow(by_kind: dict[str, dict[str, float]], prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
-    """Shares in the settled variances with that of the slow GNSS error, which the white ones give way to."""
+    """Shares in the settled variances with the slow GNSS error's, which reduces those of the white noises."""
     if prior is not white:
         pairs = {
             "horizontal_position": (prior.horizontal.p11, white.horizontal.p11),
@@ -182,7 +182,7 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
     """Value of each figure and the shares of its sources, where the variance is of degree one in theirs. [P-4]
 
     A source's share is the figure's logarithmic derivative by the source's size, taken by a complex step: the filter
-    and the smoother are optimal, so it is what the source alone leaves. All sources are stepped in one evaluation.
+    and the smoother are optimal, so it is the error of that source alone. All sources are stepped in one evaluation.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
     for row, value in zip(table, figures.values(), strict=True):
         row[:] = value
     parts = np.maximum(table.imag / (table.real * _STEP), 0)
-    # Values so far apart that rounding hides every slope: nothing is known of whose it is.
+    # The values are so far apart that rounding hides every slope: the shares are unknown.
     parts[~np.any(parts > 0, axis=1)] = 1.0
     return {
         figure: (size, _normalised(dict(zip(names, row, strict=True))))

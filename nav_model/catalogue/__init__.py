@@ -1,4 +1,4 @@
-"""The catalogue of inertial units, radars and receiver classes: values, their source, how far to trust them."""
+"""The catalogue of inertial units, radars and receiver classes: values, sources and reliability."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def catalogue(kind: Kind) -> Mapping[str, Entry]:
 
 
 def read_catalogue(text: str, kind: Kind) -> Mapping[str, Entry]:
-    """Entries of a catalogue file's text, so that a user's own sensors come in the same format.
+    """Entries of a catalogue file's text, also of a user's own sensors.
 
     Raises
     ------

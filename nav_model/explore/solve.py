@@ -1,8 +1,8 @@
-"""Solve backwards: the largest value of one input that still meets each requirement, the others held.
+"""The largest value of one input that still meets each requirement, with the other inputs fixed.
 
 Every figure grows with every input solved for, so each answer is one root. All roots are bracketed and found
-together, in the logarithm of the input, through the broadcasting closed forms; each answer is then put back
-through `analyse`, which must find a margin of zero.
+together, in the logarithm of the input, through the broadcasting closed forms; each answer is then verified by
+`analyse`, which must find a margin of zero.
 """
 
 from __future__ import annotations
@@ -143,8 +143,8 @@ def _verified(design: Design, answer: Answer) -> Answer:
     if answer.value is None:
         return answer
     margin = _margin(design, answer, answer.value)
-    # A smoother's figures step where a fix more enters the leg, a line's echo where it leaves the main lobe: the
-    # answer then is the step, on the side that meets the limit if one does, with its own margin.
+    # Some figures are discontinuous: a smoother's where one more fix enters the leg, an echo where its line leaves
+    # the main lobe. The answer is then the step, on the side that meets the limit if one does, with its own margin.
     steps = design.processing.mode != REAL_TIME or bool(inputs_of(design).fast)
     if not abs(margin) <= 1e-9 and not steps:
         raise ArithmeticError(f"{answer.key} = {answer.value!r} gives {answer.binding} a margin of {margin:.3g}")
@@ -162,7 +162,7 @@ def _margin(design: Design, answer: Answer, value: float) -> float:
 
 
 def _bounds(key: str) -> tuple[float, float]:
-    """Range of an input on a log scale: zero is stood for by something far below any sensor."""
+    """Range of an input on a log scale: zero is replaced by a value far below any sensor."""
     low, high = quantity(key).limits
     return (max(low, _SMALLEST * high), high)
 
@@ -239,7 +239,7 @@ def resolution_for(design: Design, aperture: float) -> float:
 
 
 def remedies(solutions: tuple[Solution, ...], requirement: str) -> tuple[Answer, ...]:
-    """What would help where one input cannot: the other inputs' answers for the same requirement (or all)."""
+    """Alternatives where one input cannot help: the other inputs' answers for the same requirement (or all)."""
     answers = (
         next((a for a in (*solution.each, solution.together) if a.requirement == requirement), None)
         for solution in solutions

@@ -35,7 +35,7 @@ Kind = Literal["uniform", "log-uniform", "lognormal"]
 class Uncertain:
     """One input's distribution, SI.
 
-    "uniform" and "log-uniform" lie between ``low`` and ``high``; "lognormal" has the median ``low`` and one
+    "uniform" and "log-uniform" are between ``low`` and ``high``; "lognormal" has the median ``low`` and one
     standard deviation of a factor ``high``.
     """
 

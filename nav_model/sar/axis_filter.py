@@ -1,8 +1,8 @@
 """The filter of one axis over the aperture and its smoothers, on the errors of many runs at once.
 
-The filter works on errors, so its gains are the same for every run. A smoother with the whole leg needs no fix of the
-legs one by one: those before the aperture and those after it are information about the states there
-(`nav_model.processing.leg`), and what that information has of error is drawn from its own covariance, which is exact.
+The filter works on errors, so its gains are the same for every run. A smoother over the whole leg does not need the
+fixes of the legs one by one: those before and after the aperture give information about the states at its ends
+(`nav_model.processing.leg`), whose error is drawn from its covariance. This is exact.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Filtered(NamedTuple):
 
 
 class Fixes(NamedTuple):
-    """Fixes of the aperture: their noise (k, runs, kinds), and what is new in the slow error at each (k, runs)."""
+    """Fixes of the aperture: their noise (k, runs, kinds), and the innovation of the slow error at each (k, runs)."""
 
     noise: _FloatArray
     fresh: _FloatArray
@@ -66,13 +66,14 @@ def filtered_in_leg(
     rest: float,
     random: np.random.Generator,
 ) -> Filtered:
-    """The filter that starts with the leg, up to the first fix after the aperture and with what all later ones tell.
+    """The filter that starts with the leg, up to the first fix after the aperture, with the information of all later
+    ones.
 
     Parameters
     ----------
     model : AxisModel
     settled : pair of array
-        Error (runs, m) just after the first fix of the filter that has flown for ever, and its covariance.
+        Error (runs, m) just after the first fix of the filter in steady state, and its covariance.
     path : pair of array
         Noise path at the fixes of the aperture (3, runs, k), and at its end (3, runs).
     fixes : Fixes
@@ -84,7 +85,7 @@ def filtered_in_leg(
     runs, count = len(settled[0]), len(fixes.noise)
     before, after = _legs(model, count * model.fix_interval, rest)
     covariance = _inverse(before)
-    # The estimate that knows less errs by something more that is independent of the error of the one that knows more.
+    # The error of the estimate with fewer fixes is that of the other plus an independent part.
     start = settled[0] + draw_state(covariance - settled[1], runs, random)
     phi, noise = inertial_drift(model, rest)
     onward = path[1].T @ phi.T + draw_state(noise, runs, random)
@@ -136,7 +137,7 @@ def carried(state: _FloatArray, age: _FloatArray) -> _FloatArray:
 
 
 def draw_fresh(model: AxisModel, runs: int, random: np.random.Generator, step: float) -> _FloatArray:
-    """What is new in the slow error of the fixes after a step [s], (runs,)."""
+    """Innovation of the slow error of the fixes after a step [s], (runs,)."""
     if not model.slow_sigma:
         return np.zeros(runs)
     return model.slow_sigma * math.sqrt(-math.expm1(-2 * step / model.slow_time)) * random.standard_normal(runs)
@@ -149,7 +150,7 @@ def _stretches(time: _FloatArray, fix_time: _FloatArray) -> list[tuple[int, slic
 
 
 def _legs(model: AxisModel, span: float, rest: float) -> tuple[_FloatArray, _FloatArray]:
-    """Information of the fixes up to the aperture's first, and of those from the first after the aperture on."""
+    """Information of the fixes up to the aperture's first one, and of the fixes after the aperture."""
     velocity = model.velocity_sigma or None
     slow = (model.slow_sigma, model.slow_time) if model.slow_sigma else (None, None)
     values = (

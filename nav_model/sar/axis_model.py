@@ -2,12 +2,12 @@
 
     p' = v,   v' = a + w_a,   a' = g w_g
 
-with w_a, w_g white of densities S_a = sigma_a^2, S_g = sigma_w^2 [T-1]. The model is linear, so the error of
-a navigator between two fixes is the noise path of the aperture plus the transition of a constant difference:
-everything below is exact at the sample times, whatever the step.
+with w_a, w_g white of densities S_a = sigma_a^2, S_g = sigma_w^2 [T-1]. The model is linear, so the error between two
+fixes is the noise path of the aperture plus the transition of a constant difference: everything below is exact at the
+sample times for any step.
 
-With a slow GNSS error the filter carries it as a fourth state, first-order Gauss-Markov [T-8]: the functions
-named for the filter give matrices of three rows without it and four with it.
+With a slow GNSS error the filter has a fourth state, first-order Gauss-Markov [T-8]: functions with "filter" in their
+name give matrices of three rows without it and four with it.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ class AxisModel:
     ``fix_interval`` [s]; ``accelerometer_bias`` [m/s^2] and ``gyro_bias`` [rad/s] are 1 sigma of what the
     filter has not absorbed at the start of the aperture. ``slow_sigma`` [m] and ``slow_time`` [s] of the slow
     error of the fixes, on top of their noise; zero for none. ``velocity_sigma`` [m/s] of the velocity that comes with
-    each fix; zero for none. ``leg_before`` and ``leg_after`` [s] with fixes on both sides of the aperture: what the
-    whole-leg smoother has.
+    each fix; zero for none. ``leg_before`` and ``leg_after`` [s] are the times with fixes before and after the
+    aperture, for the whole-leg smoother.
     """
 
     accelerometer_noise: float
@@ -99,7 +99,7 @@ def filter_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _Float
 
 
 def fix_rows(model: AxisModel) -> _FloatArray:
-    """What a fix measures of the filter's states, (kinds, m): position with its slow error, and velocity."""
+    """Measurement rows of a fix, (kinds, m): position with its slow error, and velocity."""
     rows = np.zeros((len(model.fix_sigmas), 4 if model.slow_sigma else 3))
     rows[0, 0] = 1.0
     rows[0, 3:] = 1.0

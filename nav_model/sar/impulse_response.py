@@ -37,11 +37,11 @@ _ComplexArray = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class ImpulseResponse:
-    """What an aperture does to a point. Arrays (or scalars) of the shape of the apertures given.
+    """Measures of a point target's response. Arrays (or scalars) of the shape of the apertures given.
 
     ``width_cells``: between the half-power crossings next to the peak. ``half_power_extent_cells``: between
     the outermost half-power crossings, larger than the width when the lobe is split. ``pslr_*``, ``islr_*``
-    [dB]: see the module's page for "null", "fixed", whole line and ten nulls. ``peak_loss_db``: peak power
+    [dB]: see the module for "null", "fixed", whole line and ten nulls. ``peak_loss_db``: peak power
     over that of the error-free response (zero or negative). ``shift_cells``: of the peak, positive for a
     phase that grows along the aperture. ``ideal_null_cells``: the null distance used for "fixed".
     """
@@ -140,7 +140,7 @@ def response_curve(
 
 @cache
 def _chirps(samples: int, zero_padding: int, reach: int) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """What the middle of a long padded transform is made with by a short one, but for a phase at each point.
+    """Chirps that give the middle of a long padded transform by a short one, up to a phase at each point.
 
     Source: Bluestein, IEEE Transactions on Audio and Electroacoustics 18(4), 1970.
     """
@@ -166,7 +166,7 @@ def with_echoes(response: ImpulseResponse, echo: float, stays: float, stays_near
     echo : float
         Amplitude of the highest echo over the target's.
     stays, stays_near : float
-        Power that stays in the response; what would stay with the errors within ten null distances alone.
+        Power that stays in the response; the same with only the errors within ten null distances.
     """
 
     def ratio(db: NDArray[np.float64] | float, power: float) -> float:

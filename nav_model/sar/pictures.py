@@ -1,4 +1,4 @@
-"""What the navigation errors of a study do to a picture: a point, a few targets, a real phase history."""
+"""Pictures with the navigation errors of a study: a point, a few targets, a real phase history."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def scene_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
 def uploaded_pictures(
     name: str, data: bytes, time: ArrayLike, residual: ArrayLike, half_width: float, pixels: int = 256
 ) -> Pictures:
-    """A user's phase history formed as it is and with each residual (k, n) [m]: (1 + k, y, x), brightest at 0 dB.
+    """Images of a user's phase history, as it is and with each residual (k, n) [m]: (1 + k, y, x), brightest at 0 dB.
 
     The residual, which belongs to the design's aperture, is laid over the file's pulses from first to last; the
     phase it makes is that of the file's wavelength. The picture is +- ``half_width`` [m] about the scene centre,

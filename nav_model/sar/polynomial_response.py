@@ -48,7 +48,7 @@ def quadratic_response(
 
 
 def half_power_extent(quadratic_rad: float, window: Window | Taper = "uniform") -> float:
-    """``half_power_extent_cells`` of `quadratic_response`, to rounding: without side lobes in a third of its time."""
+    """``half_power_extent_cells`` of `quadratic_response`, in a third of its time, as side lobes are not measured."""
     spread = _spread(quadratic_rad)
     if spread > _FAST_SPREADS[-1]:
         return float(quadratic_response(quadratic_rad, window).half_power_extent_cells)
@@ -64,7 +64,7 @@ def polynomial_curve(
 ) -> tuple[_FloatArray, _FloatArray]:
     """`response_curve` of the phase ``quadratic x² + cubic x³``, without and with the cubic: power [dB] is (2, m).
 
-    From the aperture's integral where that is fast, from as many samples as `response_curve` takes beyond.
+    By quadrature where that is fast, otherwise from the samples of `response_curve`.
     """
     spread = _spread(quadratic_rad, cubic_rad)
     if spread > _FAST_SPREADS[-1]:
@@ -103,12 +103,12 @@ def _power(line: _FastLine, quadratic_rad: float, cubic_rad: float, columns: sli
 
 
 def _peak(power: _FloatArray) -> int:
-    """Index of the highest; of two equal lobes, the one ahead."""
+    """Index of the highest; of two equal lobes, the later one."""
     return int(np.flatnonzero(power >= power.max() * TIE)[-1])
 
 
 _UNTHREADED = 1 << 18
-"""Multiplications up to which OpenBLAS leaves its threads asleep: on a busy machine waking them takes manyfold."""
+"""Multiplications up to which OpenBLAS uses one thread: on a busy machine, waking others takes far longer."""
 
 
 def _product(rows: _FloatArray, matrix: _FloatArray) -> _FloatArray:

@@ -1,4 +1,4 @@
-"""A small scene of point targets as the design's radar would image it, for each navigation error."""
+"""Images of a small scene of point targets by the design's radar, for each navigation error."""
 
 from __future__ import annotations
 

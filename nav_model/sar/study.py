@@ -1,4 +1,4 @@
-"""Runs of one aperture: three axes, exact line of sight, every strategy, and what is measured of each run."""
+"""Runs of one aperture: three axes, exact line of sight, every strategy, and the measures of each run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the turning line of sight makes of the errors of each axis: more than [S-2], and under squint.
+"""Quadratic phase from the turning line of sight, axis by axis: beyond [S-2], and under squint.
 
 Over the aperture, x from -1 to 1, the line of sight is to second order
 
@@ -7,7 +7,7 @@ Over the aperture, x from -1 to 1, the line of sight is to second order
 with u0 that of mid-aperture and e along the track. The quadratic of u . dp is then, axis by axis, a weighted sum
 of three functionals of the axis's error p: the quadratics of p, of x p (its velocity) and of x² p (its position).
 A free INS's are Gaussian with the covariance written here: from the state it starts in, and from its noise (found
-symbolically). Higher orders that the turn makes are left out.
+symbolically). Higher orders of the turn are omitted.
 """
 
 from __future__ import annotations
@@ -112,7 +112,8 @@ def bent_variance(
     coast_time: ArrayLike = 0.0,
     jerk: ArrayLike = 0.0,
 ) -> _FloatArray:
-    """What the turn adds to the variance [m²] of the quadratic: with the weights, less with the first alone.
+    """What the turn adds to the variance [m²] of the quadratic: the variance with all weights minus that with the
+    first.
 
     Arguments as `free_quadratic_variance`. It may be negative: the turn can work against the quadratic.
     """

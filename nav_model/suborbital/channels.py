@@ -229,7 +229,7 @@ def decoupled_errors(
 
 
 def channel_errors(flight: TrueFlight, parameters: FloatArray, response: FloatArray, every: int) -> ChannelErrors:
-    """What a `decoupled_response` makes of parameter vectors (c, 61)."""
+    """Errors of parameter vectors (c, 61) from a `decoupled_response`."""
     return ChannelErrors(flight.time_s[::every], np.einsum("cp,pmi->cmi", parameters, response))
 
 
@@ -238,10 +238,10 @@ def closed_form_errors(
 ) -> ChannelErrors:
     """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for.
 
-    They want one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A
+    They assume one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A
     are the means of the accelerometers' local errors while the motor burns, f e the slope (least squares
     through zero) of the acceleration that attitude errors cause then (X). An initial attitude error acts as a
-    bias of f psi. They hold as long as those stay what they were.
+    bias of f psi. They hold while these stay constant.
     """
     p = np.atleast_2d(parameters)
     require(every >= 1 and flight.steps % every == 0, f"every = {every!r}: must divide the flight's steps")

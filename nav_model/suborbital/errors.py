@@ -1,4 +1,4 @@
-"""Sensor errors [B-1] and initial errors of the suborbital INS, as plain inputs and as one vector.
+"""Sensor errors [B-1] and initial errors of the suborbital INS, as inputs and as one parameter vector.
 
     df = B_a + (S_a + N_a) f + w_a,   domega = B_g + (S_g + N_g) omega + w_g
     each parameter = constant + oscillation X_o sin(2 pi t / T)
@@ -105,7 +105,7 @@ class InitialErrors:
 
 
 def _triple(values: tuple[float, float, float], unit: str, dimension: str) -> Triple:
-    """Rounded once, so that a value written in its unit is the very same number."""
+    """Converted with one rounding, so that a value written in its unit gives the same number."""
     x, y, z = (to_si(Fraction(repr(value)), unit, dimension) for value in values)
     return x, y, z
 
@@ -137,7 +137,7 @@ GP1_INITIAL = InitialErrors(
 
 @dataclass(frozen=True)
 class ErrorSet:
-    """Everything that is wrong with the INS. The default is the set GP-1 (X) of star_tracker.md."""
+    """All errors of the INS. The default is the set GP-1 (X) of star_tracker.md."""
 
     accelerometers: SensorErrors = GP1_ACCELEROMETERS
     gyros: SensorErrors = GP1_GYROS

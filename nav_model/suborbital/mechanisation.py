@@ -146,8 +146,7 @@ def _local_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy:
 
 @part
 def _star_attitude(y: FloatArray, frame: FloatArray, local: bool, time: float) -> None:
-    """Put the camera's body-to-inertial attitude into the state [B-7]; in local axes through the INS
-    position."""
+    """Write the camera's body-to-inertial attitude into the state [B-7]; in local axes by way of the INS position."""
     if not local:
         for a in range(3):
             for b in range(3):

@@ -1,4 +1,4 @@
-"""A survey as JSON: the contract's keys, and beside them every input with its origin and what else was found."""
+"""A survey as JSON: the contract's keys, every input with its origin, and all further results."""
 
 from __future__ import annotations
 
