@@ -18,7 +18,7 @@ _QUIET_SECONDS = 5.0  # between lines where nobody watches a terminal
 
 @contextmanager
 def show_progress() -> Iterator[Callable[[str, float], None]]:
-    """A function of what is being done and of the share done (0 to 1), which prints both with the time left."""
+    """A function of the activity and the share done (0 to 1), which prints both with the time left."""
     terminal = sys.stderr.isatty()
     clock, said = Clock(), -math.inf
 

@@ -1,4 +1,4 @@
-"""What a report is made of: plain data that knows neither HTML nor PDF.
+"""The blocks of a report: plain data, independent of HTML and PDF.
 
 Every text is literal: renderers escape it. A mark such as ``[T-9]`` in a text is a reference to the equation of
 that mark. A `Cell`'s mark is a word set off from its text; it is always printed, so nothing hangs on colour.
@@ -59,7 +59,7 @@ class Table:
 
 @dataclass(frozen=True)
 class ChartBlock:
-    """A chart with what it shows in words, for who cannot see it."""
+    """A chart with a description for screen readers."""
 
     key: str
     chart: Drawing
@@ -97,7 +97,7 @@ class Symbols:
 
 @dataclass(frozen=True)
 class Approval:
-    """Lines to sign on; ``subjects`` say what is signed for."""
+    """Lines for signatures; ``subjects`` say what is signed."""
 
     roles: tuple[str, ...]
     subjects: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Rows of dots and bands as HTML: a ranking that anybody can read, drawn by the browser without a canvas."""
+"""Rows of dots and bands as HTML: a ranking that screen readers can read, without a canvas."""
 
 from __future__ import annotations
 

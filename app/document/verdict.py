@@ -1,4 +1,4 @@
-"""How a verdict and its checks are said: on a page, in a report, by the command, in the library."""
+"""Verdicts and their checks in words, for pages, reports, the command and the library."""
 
 from __future__ import annotations
 

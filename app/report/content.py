@@ -1,4 +1,4 @@
-"""A report's content: one source for HTML and PDF. What a subject has to say it says itself (`app.subjects`)."""
+"""The content of a report, the same for HTML and PDF. Each subject supplies its sections (`app.subjects`)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page's first screen: it fills the window, so that the answer and what decides it are seen at once."""
+"""A page's first screen: it fills the window with the answer and its main figures."""
 
 from __future__ import annotations
 
@@ -63,5 +63,6 @@ def first_screen(
 
 
 def screen_of_views(strip: Any, views: Any, *below: Any) -> pn.Column:
-    """A page whose views take turns: the answer, the switch, the view chosen in the rest of the window, and tools."""
+    """A page with one view at a time: the answer, the switch, the chosen view in the rest of the window, and
+    tools."""
     return pn.Column(strip, views, *below, height=_ABOUT, stylesheets=[_VIEWS, NARROW])

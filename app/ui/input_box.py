@@ -1,5 +1,4 @@
-"""A box for one input, with or without a slider: what is refused is said at the box, and the last good value stays in
-force."""
+"""A box for one input, with or without a slider: an error is shown at the box, and the last valid value is kept."""
 
 from __future__ import annotations
 
@@ -21,7 +20,7 @@ from nav_model.errors import InputError
 class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
     """Box and perhaps slider of one input.
 
-    What the widgets say is compared with the value in force: a widget that only follows it changes nothing.
+    Widget values are compared with the current value: a widget that only follows it changes nothing.
 
     Parameters
     ----------

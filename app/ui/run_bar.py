@@ -1,4 +1,4 @@
-"""The bar of a run: start, cancel, how far it is, and why it ended without a result."""
+"""The bar of a run: start, cancel, progress, and why it ended without a result."""
 
 from __future__ import annotations
 

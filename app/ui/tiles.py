@@ -1,4 +1,4 @@
-"""A row of tiles: the few figures that decide, each with its limit, its margin as a bar and in words."""
+"""A row of tiles: the main figures, each with its limit, its margin as a bar and in words."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Work of a page that waits: large parts made piece by piece, between which everybody else's sliders move, what is
-below the first screen, and what need not follow every step of a slider."""
+"""Deferred work of a page: large parts built piece by piece, so that others' sliders keep moving, parts below the
+first screen, and parts that need not follow every slider step."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ _below: WeakKeyDictionary[Document, list[Callable[[], object]]] = WeakKeyDiction
 
 
 def once_loaded(work: Callable[[], object]) -> None:
-    """Have the work done when the first screen has reached the browser; all that waits for that is one change.
+    """Do the work when the first screen has reached the browser; all such work is one change.
 
     At once if it has, and in a script or a test, where there is no page.
     """

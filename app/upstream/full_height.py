@@ -1,4 +1,4 @@
-"""A column may grow over the window it stands in.
+"""A column may be taller than the window.
 
 Bokeh lets nothing grow over 100 % of what it stands in: in a page's main column the window, for each table and column
 below. What is taller would hang over the next.

@@ -1,4 +1,4 @@
-"""A pane of HTML sends its text alone when the text changes.
+"""An HTML pane sends only its text when the text changes.
 
 Panel works out and sends all of its look again, its sheet included: half of a slider's step. And it asks, for each
 text, whether and how the page may be told, which is known while changes are held: three times the work of telling it.

@@ -1,4 +1,4 @@
-"""One long run of one person: started, followed and cancelled in one way, whatever it computes."""
+"""One long run of a user, of any computation: start, progress, cancel, result."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class Run(param.Parameterized):
         return self._task
 
     def cancel(self) -> None:
-        """Stop at once; what a worker is busy with is dropped."""
+        """Cancel at once; the worker's task is dropped."""
         if self._task is not None:
             self._task.cancel()
 

@@ -1,4 +1,4 @@
-"""The simulator made ready on this server: compiled once, beside the pages, before the first run waits for it."""
+"""Compiles the simulator once per server, in the background, before the first run needs it."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ class ChoiceControl(pn.viewable.Viewer):
         return self._view
 
     def differs(self, old: Design, new: Design) -> bool:
-        """Whether the choice is another."""
+        """Whether the choice has changed."""
         return bool(old[self.key] != new[self.key])
 
     def show(self, design: Design) -> None:

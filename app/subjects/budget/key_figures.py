@@ -14,7 +14,7 @@ _MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix
 
 
 def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
-    """The figures that decide, of the design's processing, each with which one it is and its limit."""
+    """The main figures of the design's processing, each with its kind and limit."""
     coast, sar, smoothed = budget.coast, budget.sar, budget.smoothed
     checks = {check.name: check for check in budget.verdict.checks}
     image = smoothed or sar

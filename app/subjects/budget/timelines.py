@@ -18,7 +18,7 @@ DEGREES = 180 / math.pi
 
 
 def limit_at_sigma(budget: Budget, name: str, scale: float = 1.0) -> float:
-    """A requirement's limit brought to one sigma, NaN when it is not given."""
+    """A requirement's limit scaled to one sigma, NaN when it is not given."""
     limit = getattr(budget.design.requirements, name)
     return math.nan if limit is None else scale * float(limit) / budget.design.requirements.confidence
 
@@ -36,7 +36,7 @@ def _grid(budget: Budget) -> Array:
 
 
 def _held(level: float, curve: Array) -> Array:
-    """A curve after zero, its steady-state level before."""
+    """A curve after zero, with its steady-state level before it."""
     return np.concatenate(([level, level], curve))
 
 

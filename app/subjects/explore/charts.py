@@ -1,4 +1,4 @@
-"""The charts of the Explore page: what a figure answers to, and a map of two inputs."""
+"""The charts of the Explore page: ranking of inputs, and a map of two inputs."""
 
 from __future__ import annotations
 

@@ -67,8 +67,7 @@ class ExplorePage(pn.viewable.Viewer):
         self._tell()
 
     def _turned(self, event: Any) -> None:
-        """The answer to another question does not stand above this one while this one is worked out: a map takes
-        seconds."""
+        """Clear the answer to the last question while this one is computed, as a map takes seconds."""
         self._strip.show(Answer(event.new, "open", ("Computing …",)))
         in_turns([lambda: self.show(self.session.budget)])
 

@@ -1,4 +1,4 @@
-"""What the questions of the Explore page have in common: one view each, and an answer for the strip above it."""
+"""Base class of the questions of the Explore page: a view, and an answer for the strip above it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How sure the verdict is: inputs as ranges, the verdict as a probability."""
+"""Uncertainty of the verdict: inputs as ranges, the verdict as a probability."""
 
 from __future__ import annotations
 

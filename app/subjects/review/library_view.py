@@ -1,4 +1,4 @@
-"""The library's part of the Review page: save, find, pick, archive, take away and bring in."""
+"""The library's part of the Review page: save, find, pick, archive, export and import."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _EMPTY = (
 
 
 class LibraryView(pn.viewable.Viewer):
-    """Above the list what can be done to the design in force, below it what can be done to the picked ones."""
+    """Actions on the current design above the list, actions on the picked ones below it."""
 
     desk = held(Desk)
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=_LIBRARY, instantiate=False))

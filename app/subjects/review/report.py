@@ -1,4 +1,4 @@
-"""The record of a review, as sections of a report: what was frozen, who said and decided what, who signed."""
+"""The record of a review, as sections of a report: frozen designs, comments, decisions, signature."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reviews' part of the Review page: open one, decide in its table, comment, sign, present, take away."""
+"""The reviews' part of the Review page: open, decide in the table, comment, sign, present, report."""
 
 from __future__ import annotations
 

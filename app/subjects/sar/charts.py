@@ -97,7 +97,7 @@ def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None)
 
 
 def _chosen(budget: Budget) -> str:
-    """Whether the whole-leg smoother competes."""
+    """Whether the whole-leg smoother is a candidate."""
     if budget.design.processing.mode == POST_PROCESSED:
         return f"The design is post-processed, so {NAMES['9']} can be the best."
     return (

@@ -1,4 +1,4 @@
-"""The SAR page: which strategy to navigate through the aperture with, its price in the image, and the pictures."""
+"""The SAR page: the best navigation strategy, its image quality, and the pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The Sensors page: where the design's noise comes from, what a log says, and the catalogue, one at a time."""
+"""The Sensors page: origins of the design's noise values, log analysis, and the catalogue, one view at a time."""
 
 from __future__ import annotations
 

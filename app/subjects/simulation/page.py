@@ -1,4 +1,4 @@
-"""The Simulate page: the design flown many times, and whether the formulas hold."""
+"""The Simulate page: Monte Carlo of the design, and whether the formulas hold."""
 
 from __future__ import annotations
 

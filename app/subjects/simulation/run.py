@@ -1,4 +1,4 @@
-"""A Monte Carlo of a design as work for a `Run`: flown by the worker processes, looked at as it goes."""
+"""Runs a Monte Carlo of a design in worker processes, for a `Run`, with partial results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A Monte Carlo study as blocks: was the filter consistent, do the formulas hold, where do they not and why."""
+"""A Monte Carlo study as blocks: filter consistency, and where and why the formulas differ."""
 
 from __future__ import annotations
 

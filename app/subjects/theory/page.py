@@ -150,7 +150,7 @@ def _figure(value: float) -> str:
 
 
 def differences() -> str:
-    """Where somebody states another figure, and which holds."""
+    """Published figures that differ from ours, and which one is right."""
     columns = tuple(map(Column, ("Result", "Stated elsewhere", "Here", "Holds", "Why")))
     rows = tuple(_difference(row) for row in record().differences)
     table = Table("other-figures", "Figures stated elsewhere, beside ours", columns, rows)
