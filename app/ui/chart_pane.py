@@ -33,7 +33,7 @@ class ChartPane(Generic[_T]):
 
     With a height of None it fills its place (`app.ui.first_screen`): title, legend and a button for source and method
     share one line, and the page offers the data elsewhere (`takes`). Its texts are updated when a slider stops;
-    ``moving``, if given, draws the part that follows at once.
+    ``moving``, if given, describes the part that follows at once.
     """
 
     def __init__(

@@ -247,9 +247,9 @@ def remedies(solutions: tuple[Solution, ...], requirement: str) -> tuple[Answer,
     return tuple(answer for answer in answers if answer is not None and answer.outcome == "limited")
 
 
-def round_down(value: float, digits: int = 3) -> float:
-    """The largest number of so many significant digits that is not above `value`: it still meets the limit."""
+def round_down(value: float) -> float:
+    """The largest number of three significant digits that is not above `value`, so that it still meets the limit."""
     if value <= 0:
         return 0.0
-    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return math.floor(value / unit * (1 + 1e-12)) * unit

@@ -21,6 +21,7 @@ from nav_model.sar.lobe_measures import ISLR_NULL_DISTANCES, TIE, half_power_pla
 from nav_model.sar.window import Taper, Window, as_taper, ideal_null_cells
 
 _FAST_PADDING = ZERO_PADDING  # the same grid, so that both routes find the same shallow minima
+_CURVE_PADDING = 16  # samples to a cell of a curve
 _FAST_SPREADS = (1.0, 3.0, 8.0)  # cells of spread for which a prepared line is kept
 _WIDEST = 3.0  # cells beyond half the spread, farther than half the peak reaches under any window
 
@@ -60,7 +61,7 @@ def half_power_extent(quadratic_rad: float, window: Window | Taper = "uniform") 
 
 
 def polynomial_curve(
-    quadratic_rad: float, cubic_rad: float, window: Window | Taper, extent_cells: float, zero_padding: int = 16
+    quadratic_rad: float, cubic_rad: float, window: Window | Taper, extent_cells: float
 ) -> tuple[_FloatArray, _FloatArray]:
     """`response_curve` of the phase ``quadratic x² + cubic x³``, without and with the cubic: power [dB] is (2, m).
 
@@ -70,13 +71,13 @@ def polynomial_curve(
     if spread > _FAST_SPREADS[-1]:
         x = aperture_positions(MINIMUM_SAMPLES)
         phases = quadratic_rad * x**2 + np.array([[0.0], [cubic_rad]]) * x**3
-        return response_curve(np.exp(1j * phases), window, extent_cells, zero_padding)
+        return response_curve(np.exp(1j * phases), window, extent_cells, _CURVE_PADDING)
     line = _fast_line(as_taper(window), next(limit for limit in _FAST_SPREADS if spread <= limit))
-    reach, step = round(extent_cells * zero_padding), _FAST_PADDING // zero_padding
+    reach, step = round(extent_cells * _CURVE_PADDING), _FAST_PADDING // _CURVE_PADDING
     shown = slice(0, reach * step + 1, step)
     power = np.stack([_power(line, quadratic_rad, cubic, shown) for cubic in (0.0, cubic_rad)])
     with np.errstate(divide="ignore"):
-        return np.arange(-reach, reach + 1) / zero_padding, 10 * np.log10(power)
+        return np.arange(-reach, reach + 1) / _CURVE_PADDING, 10 * np.log10(power)
 
 
 def _spread(quadratic_rad: float, cubic_rad: float = 0.0) -> float:

@@ -191,21 +191,19 @@ class WinnerMap(NamedTuple):
     best_sigma: _FloatArray
 
 
-def map_of_winners(conditions: Conditions, worth: float = WORTH) -> WinnerMap:
+def map_of_winners(conditions: Conditions) -> WinnerMap:
     """The strategy that wins among those with a closed form, by detrended sigma along the line of sight: in real time
     among those that need no fix after the aperture.
 
     On one axis 5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in
-    the order of `MAP_STRATEGIES`) within the fraction ``worth`` of the best is the one named. Along the line of
+    the order of `MAP_STRATEGIES`) within the fraction `WORTH` of the best is the one named. Along the line of
     sight it can lose: its fitted line brings the fixes' velocity noise, which the turn bends [S-2].
     ``start`` goes with the fix noise and the sensors of each point, so give arrays of that shape.
     ``best_sigma`` is that of the strategy named.
     """
-    if not 0 <= worth < 1:
-        raise ValueError(f"worth: {worth}; a fraction from 0 to below 1 is needed")
     sigma = np.sqrt(strategy_variances(conditions).detrended)
     able = sigma if conditions.post_processed else sigma[: len(IN_APERTURE)]
-    winner = (able <= able.min(axis=0) * (1 + worth)).argmax(axis=0)
+    winner = (able <= able.min(axis=0) * (1 + WORTH)).argmax(axis=0)
     named = np.take_along_axis(sigma, winner[None], axis=0)[0]
     return WinnerMap(MAP_STRATEGIES[: len(sigma)], winner, sigma, named)
 

@@ -14,11 +14,10 @@ from concurrent.futures import (
     FIRST_COMPLETED,
     Executor,
     Future,
-    ThreadPoolExecutor,
     wait,
 )
 from concurrent.futures.process import BrokenProcessPool
-from typing import Final, Literal, Protocol
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,13 +59,10 @@ def run_chunk(spec: SimulationSpec, scale: FloatArray, start: int, stop: int) ->
     return statistics
 
 
-def local_pool(workers: int, kind: Literal["process", "thread"] = "process") -> Executor:
-    """A pool of this machine's processes (spawned, so safe beside threads) or threads. Shut it down after
-    use."""
+def local_pool(workers: int) -> Executor:
+    """A pool of this machine's processes (spawned, so safe beside threads). Shut it down after use."""
     if workers < 1:
         raise refused("workers", workers, "must be 1 or more")
-    if kind == "thread":
-        return ThreadPoolExecutor(workers, thread_name_prefix="simulation")
     return worker_pool(workers)
 
 

@@ -39,11 +39,9 @@ MISALIGNMENT_PATTERN: Matrix = ((0.0, 1.0, -1.0), (-1.0, 0.0, 1.0), (1.0, -1.0, 
 """The antisymmetric pattern "mis" of the set GP-1."""
 
 
-def scale_and_misalignment(scale: float, misalignment: float | None = None) -> Matrix:
-    """S + N as scale I + misalignment * pattern (dimensionless; misalignment defaults to scale, as in
-    GP-1)."""
-    off = scale if misalignment is None else misalignment
-    m = scale * np.eye(3) + off * np.array(MISALIGNMENT_PATTERN)
+def scale_and_misalignment(size: float) -> Matrix:
+    """S + N of the set GP-1, dimensionless: scale factors and misalignments of one size."""
+    m = size * (np.eye(3) + np.array(MISALIGNMENT_PATTERN))
     rows = [(float(row[0]), float(row[1]), float(row[2])) for row in m]
     return rows[0], rows[1], rows[2]
 

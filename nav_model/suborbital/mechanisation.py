@@ -259,7 +259,6 @@ def mechanise(
     gravity: str = "spherical",
     axes: str = "inertial",
     every: int = 10,
-    progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> InsRun:
     """Run the INS over a flight for c cases.
@@ -316,8 +315,6 @@ def mechanise(
             every,
             out[case],
         )
-        if progress is not None:
-            progress((case + 1) / count)
     index = np.arange(0, n + 1, every)
     time = flight.time_s[index]
     attitude, velocity, position = out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:12], out[..., 12:]
