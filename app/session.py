@@ -127,12 +127,12 @@ class Session(param.Parameterized):
 
     @property
     def design(self) -> Design:
-        """The design in force."""
+        """The current design."""
         return self.budget.design
 
     @property
     def link(self) -> str:
-        """The design in force and the studies beside it, as a link's query."""
+        """The current design and its studies' settings, as a link's query."""
         shown = f"{_SHOWN}{self.shown}" if self.shown else ""
         parts = (to_query(self.design), self.study_link, *self.settings.values(), shown)
         return "&".join(part for part in parts if part)
@@ -143,7 +143,7 @@ class Session(param.Parameterized):
         return to_share(self.link)
 
     def take_studies(self, link: str) -> None:
-        """Take what a link says of the studies beside the design (the second part of `split_link`)."""
+        """Take the settings of studies from a link (the second part of `split_link`)."""
         parts = link.split("&")
 
         def of(prefix: str) -> str:
@@ -152,7 +152,7 @@ class Session(param.Parameterized):
         self.param.update(study_link=of(STUDY_PREFIX), settings={kind: of(f"{kind}.") for kind in SETTINGS})
 
     def came_from(self, revision: Any) -> None:
-        """The design in force is a saved revision: the base of what becomes of it."""
+        """The current design is a saved revision: the base of what becomes of it."""
         if self.lineage.base != revision:
             self.lineage.base = revision
             self.param.trigger("lineage")
@@ -232,7 +232,7 @@ def to_share(link: str) -> str:
 
 
 def link_parts(query: str) -> tuple[str, str, str]:
-    """A link's query in three: the design's part, that of the studies beside it, and how figures are told."""
+    """A link's query in three: the design's part, the studies' settings, and the display of figures."""
     of_design, of_study = split_link(query)
     parts = of_design.split("&")
     shown = next((part.removeprefix(_SHOWN) for part in parts if part.startswith(_SHOWN)), "")

@@ -17,7 +17,7 @@ from nav_model.errors import InputError
 def whole_file(target: Path) -> Iterator[BinaryIO]:
     """A temporary file beside `target` that replaces it if the block succeeds, and is deleted otherwise.
 
-    Where `target` is a link, the file it leads to is replaced. A device or a pipe, such as /dev/null, is written to.
+    Where `target` is a link, its target is replaced. A device or a pipe, such as /dev/null, is written to.
 
     Raises
     ------

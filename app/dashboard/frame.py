@@ -49,7 +49,7 @@ class Page(Protocol):
         """What is in view."""
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
 
 
 class Frame(pn.viewable.Viewer):
@@ -90,7 +90,7 @@ class Frame(pn.viewable.Viewer):
             tell_here(self._say)
             pn.state.on_session_destroyed(lambda _: session.close())
         if pn.state.location:
-            # What stands behind # reaches the server from the page only, before the page can be changed.
+            # The part of the address after # reaches the server only from the page, before the page can be changed.
             location = pn.state.location
             pn.state.onload(lambda: self._go_to(self._first_page(location)))
             location.param.watch(lambda event: self._go_to(event.new) if self._loaded else None, "hash")
@@ -178,7 +178,7 @@ class Frame(pn.viewable.Viewer):
             if event.new not in self._pages:
                 self._places[event.new].objects = [html_pane(_SKELETON.format(SUBJECTS[event.new].title))]
         name, location = SUBJECTS[event.new].title.lower(), pn.state.location
-        # An address that led here stays as it is: a new one would cut off what Forward leads to.
+        # The address that opened this page stays as it is: a new one would clear the browser's Forward history.
         if location and not self._addressed and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
         in_turns([functools.partial(self._fill, event.new)])
@@ -199,7 +199,7 @@ class Frame(pn.viewable.Viewer):
             go_to(wanted)
 
     def _first_page(self, location: Any) -> str:
-        """The page a link is for: what stands behind # unless the query says more."""
+        """The first page of a link: the name after #, unless the query decides."""
         if is_review_link(location.search):
             return "review"
         return str(location.hash) or ("suborbital" if self.session.study_link else "")

@@ -28,7 +28,7 @@ _FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with. The se
 
 
 class Sidebar(pn.viewable.Viewer):
-    """Every input of the design in force; a section's controls are made when it is first opened.
+    """Every input of the current design; a section's controls are made when it is first opened.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ class Sidebar(pn.viewable.Viewer):
                 control.explained = self.explained
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         before, self._shown = self._shown, budget.design
         for control in self._controls:
             if control.differs(before, self._shown):

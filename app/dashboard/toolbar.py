@@ -69,7 +69,7 @@ class Toolbar(pn.viewable.Viewer):
         return self.bar
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         if self.bar.named != budget.design.name:
             self.bar.named = budget.design.name
 

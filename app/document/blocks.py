@@ -16,7 +16,7 @@ from nav_model.equations.entry import Equation, Symbol
 class Cell:
     """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set.
 
-    ``sort`` is what a sorted table goes by in place of the text; an empty text puts the row last. ``value`` is what
+    ``sort`` replaces the text when the table is sorted; an empty text puts the row last. ``value`` is what
     a person chooses with the row (`Table.choose`).
     """
 
@@ -31,7 +31,7 @@ class Cell:
 class Column:
     """A column's head; ``width`` is its weight, 0 for as wide as its content.
 
-    Neighbours of one ``group`` stand under that as a common head.
+    Neighbours of one ``group`` share that as a head.
     """
 
     title: str

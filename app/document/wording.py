@@ -69,7 +69,7 @@ def labelled(label: str, name: str) -> str:
 
 
 def design_labels(count: int) -> list[str]:
-    """What designs are called beside one another; one alone has no label."""
+    """Labels of designs in a comparison; a single design has none."""
     return [""] if count == 1 else [f"D{i}" for i in range(1, count + 1)]
 
 

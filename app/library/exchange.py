@@ -31,7 +31,7 @@ _MAX_PARTS = 50 * _MAX_FILES  # objects, lists and what is in them
 _QUOTED = re.compile(r'"(?:[^"\\]++|\\.?)*+"?', re.DOTALL)
 _FORMAT = 1
 _TOLD = ("name", "author", "note", "saved")  # by whoever saved a revision
-_KEPT = ("file", *_TOLD)  # of the list, by an import; the rest is worked out anew
+_KEPT = ("file", *_TOLD)  # of the list, by an import; the rest is recomputed
 _JUDGED = ("content_hash", "verdict", "product")
 
 

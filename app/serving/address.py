@@ -45,10 +45,10 @@ class SharedSocket(socket.socket):
         self._began = self._asked = -1.0
 
     def accept(self) -> tuple[socket.socket, Any]:
-        """As ever; BlockingIOError, as when nobody is waiting, while it is another's turn."""
+        """As ever; BlockingIOError, as when nobody is waiting, while another process should accept."""
         board, now = self._row.board, time.monotonic()
         if board.get(self._row.process, "sessions") > board.fewest("sessions"):
-            if now - self._asked > _ANOTHER:  # the loop asks on and on while somebody waits
+            if now - self._asked > _ANOTHER:  # the event loop asks repeatedly while somebody waits
                 self._began = now
             self._asked = now
             if now - self._began < _STEP_BACK:

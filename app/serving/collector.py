@@ -16,7 +16,7 @@ from collections.abc import Callable
 from app.upstream.collections import leave_collecting
 
 _LOOK = 1.0  # seconds between two looks
-_QUIET = 2.0  # seconds without a message after which nobody is taken to wait
+_QUIET = 2.0  # seconds without a message after which the server counts as idle
 _MOST_CLOSED = 25  # pages closed and not yet freed, some 10 MB each
 _LONGEST = 900.0  # seconds of work without a pause
 _NEVER = 1_000_000  # collections of the middle generation before one of everything

@@ -66,7 +66,7 @@ def set_up(kind: str) -> None:
     root.handlers[:] = [handler]
     root.setLevel(logging.WARNING)
     LOGGER.setLevel(logging.INFO if as_json else logging.WARNING)
-    for name in ("bokeh", "panel", "tornado"):  # they bring handlers of their own
+    for name in ("bokeh", "panel", "tornado"):  # they install their own handlers
         logger = logging.getLogger(name)
         logger.handlers[:] = []
         logger.propagate = True

@@ -167,7 +167,7 @@ def serve_on(
         websocket_max_message_size=rules.max_message,
         http_server_kwargs={"max_body_size": _MAX_BODY, "max_header_size": _MAX_HEADER},
         use_xheaders=rules.behind_proxy,
-        sign_sessions=True,  # a session nobody was given cannot be opened
+        sign_sessions=True,  # a session that was not issued cannot be opened
         secret_key=secret,
         unused_session_lifetime_milliseconds=round(1000 * rules.session_lifetime),
         check_unused_sessions_milliseconds=min(10_000, round(500 * rules.session_lifetime)),

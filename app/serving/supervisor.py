@@ -120,7 +120,7 @@ class _Family:
             self._stop()
 
     def _stop(self) -> None:
-        self.listening.close()  # or visitors would wait for an answer that nobody gives
+        self.listening.close()  # or visitors would wait for a process that does not answer
         for member in list(self.members.values()):
             if member.pid is not None and member.exitcode is None:
                 os.kill(member.pid, signal.SIGTERM)
@@ -176,7 +176,7 @@ class _Family:
 
 def _serve_pages(listening: socket.socket, port: int, rules: Rules, library: str, row: Row, secret: bytes) -> None:
     """What each process does."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal's Ctrl-C the parent tells, as SIGTERM
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent turns a terminal's Ctrl-C into SIGTERM
     end_with_parent()
     set_up(rules.log)
     from app.library.place import use_library

@@ -40,7 +40,7 @@ class AnswerStrip(pn.viewable.Viewer):
         return self._view
 
     def show(self, answer: Answer, note: str = "") -> None:
-        """Show another answer; ``note`` is a warning that stands before its reasons."""
+        """Show another answer; ``note`` is a warning before its reasons."""
         self._text.say(_said(answer, note))
         if self._view.css_classes != [answer.tone]:
             self._view.css_classes = [answer.tone]

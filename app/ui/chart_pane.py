@@ -75,7 +75,7 @@ class ChartPane(Generic[_T]):
         return takes(self._describe, self._current)
 
     def show(self, data: _T) -> None:
-        """Feed the figure."""
+        """Update the figure."""
         chart = self._moving(data)
         self.figure.feed(chart)
         if self._fills:
@@ -97,7 +97,7 @@ class ChartPane(Generic[_T]):
 
 
 class ChartView(ChartPane[Budget]):
-    """A chart of the budget in force."""
+    """A chart of the current budget."""
 
     def __init__(self, describe: Callable[[Budget], AnyChart], session: Session, height: int) -> None:
         super().__init__(describe, lambda: session.budget, height)

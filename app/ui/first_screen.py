@@ -27,8 +27,8 @@ def first_screen(
 
     ``bottom`` is a row under them.
 
-    Each half has one part, or two on top of each other. On a narrow window everything stands in one column and as
-    high as it wants. A ``height`` of "100%" fills a place within the window, such as a view of `screen_of_views`.
+    Each half has one part, or two on top of each other. On a narrow window everything is in one column at its natural
+    height. A ``height`` of "100%" fills a place within the window, such as a view of `screen_of_views`.
 
     Examples
     --------

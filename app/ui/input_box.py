@@ -50,14 +50,14 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
 
     @abstractmethod
     def value(self) -> object:
-        """The value in force."""
+        """The current value."""
 
     @abstractmethod
     def text(self) -> str:
-        """The value in force as the box shows it."""
+        """The current value as the box shows it."""
 
     def size(self) -> float | None:
-        """The value in force as the slider shows it, SI; None: there is no slider, or it stays where it is."""
+        """The current value as the slider shows it, SI; None: there is no slider, or it stays where it is."""
         return None
 
     @abstractmethod
@@ -75,7 +75,7 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
     # --- how all follow and take -----------------------------------------------------------------------------
 
     def follow(self) -> None:
-        """Show the value in force; a text that was refused stays until there is another value."""
+        """Show the current value; a text that was refused stays until there is another value."""
         value, size = self.value(), self.size() if self.slider is not None else None
         if value != self._last:
             self._last = value

@@ -34,7 +34,7 @@ class LogSlider(PromptSlider):
     unit, dimension : str
         What the thumb's bubble shows the value in; empty for a plain number.
     zero : bool
-        Whether the far left stands for zero.
+        Whether the far left means zero.
     value : float
         Where to start [SI].
     """

@@ -12,7 +12,7 @@ from app.session import Session
 
 
 class StudySettings:
-    """Settings of one kind of study beside the design, in the session's link.
+    """Settings of one kind of study, in the session's link.
 
     Parameters
     ----------

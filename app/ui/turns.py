@@ -75,7 +75,7 @@ def _complete(document: Document) -> None:
 
 def once_quiet(work: Callable[[], None]) -> Callable[[], None]:
     """A call that has the work done at once, and, while it is called again and again, not until that has ended: for
-    what nobody reads, and nothing computes with, while a slider moves.
+    parts that are not read or used while a slider moves.
 
     In a script or a test, where there is no server: at every call.
     """

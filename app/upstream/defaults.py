@@ -1,6 +1,6 @@
 """Default values of a Bokeh model are computed once per kind of model.
 
-Each look at a property that nobody has set copies and checks its default anew, which is half of the work of sending a
+Each read of an unset property copies and checks its default anew, which is half of the work of sending a
 page and a third of finding what a change of its parts has added. Values that could change are left alone: each model
 has its own. That of an empty list or dict is a new one, unchecked.
 

@@ -1,8 +1,8 @@
 """Only the properties that a model was given are processed when it is created, searched for models, and serialized.
 
 As shipped each of the three asks every property, of which a model has fifty and was given five: a third of what the
-server spends on an opening page. What nobody set has its default, which the browser knows too; and no default that
-all models of a kind share holds another model.
+server spends on an opening page. Unset properties have their default, which the browser knows too; and no default
+that all models of a kind share holds another model.
 
 One thing is not noticed any more: that a property without a default was never set, before the page is sent.
 

@@ -20,7 +20,7 @@ class TextPane(pn.pane.HTML):
     """HTML whose text changes often."""
 
     def say(self, text: str) -> None:
-        """Show another text; in a hold the browser alone is told, and nobody who watches the pane."""
+        """Show another text; in a hold only the browser is notified, not the watchers of the pane."""
         if self.object == text:  # type: ignore[has-type]
             return
         document = pn.state.curdoc

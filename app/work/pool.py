@@ -81,7 +81,7 @@ async def elsewhere(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
 
 
 def under_way() -> int:
-    """Tasks waiting or running, in the pool or in processes of their own."""
+    """Tasks waiting or running, in the pool or in separate processes."""
     return _under_way
 
 

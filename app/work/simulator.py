@@ -26,7 +26,7 @@ def prepare() -> asyncio.Task[None]:
 
 
 async def _compile() -> None:
-    """In a process of its own: the pool's are for people who wait. What goes wrong there the first run tells."""
+    """In a separate process: the pool's are for users who wait. A failure here is reported by the first run."""
     process = multiprocessing.get_context("spawn").Process(target=warm_up, daemon=True)
     process.start()
     await asyncio.to_thread(process.join)

@@ -62,7 +62,7 @@ def degrees_of_freedom(alpha: int, factor: int, samples: int) -> float:
     if ratio > 3.0:
         a0, a1 = _TABLE_2[alpha]
         return ratio * log_term / (a0 - a1 / ratio)
-    # As many terms as are summed at most stand for all: fewer and coarser steps over the same length of log.
+    # At most this many terms are summed: fewer and coarser steps over the same length of log.
     step = _MOST_TERMS / ratio
     if alpha == 1:
         middle = float(_covariance(np.zeros(1), step, alpha)[0]) ** 2

@@ -127,7 +127,7 @@ def meaning_of(name: str) -> Meaning | None:
         return None
     found = _from_words(words, unit)
     if found is None and unit is None:
-        # The unit may stand at the end of the name: gyro_x_dps, acc_g, imu_ms.
+        # The unit may be at the end of the name: gyro_x_dps, acc_g, imu_ms.
         for count in (1, 2):
             text = _normal_unit("_".join(words[-count:]))
             shorter = _from_words(words[:-count], text) if len(words) > count else None

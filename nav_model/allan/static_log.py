@@ -24,7 +24,7 @@ from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings, saturated_share
 from nav_model.errors import InputError
 
-# Both shares were set on the logs at hand: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
+# Both shares were set on the available logs: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
 # accelerometers under a 0.6 Hz line.
 # The white floor stands for the random walk when it makes up at least this share of the Allan variance about
 # 1 s.

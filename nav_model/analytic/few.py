@@ -1,10 +1,10 @@
 """Values over a map of designs, computed at a few designs and interpolated by polynomials, with a check.
 
 A map is cut into boxes. In each, the values at a dozen rows and columns close to Chebyshev's points give a polynomial
-of the place, and that is compared with values worked out at other places between them. Where it is beyond `BOUND`
+of the place, and that is compared with values computed at other places between them. Where it is beyond `BOUND`
 along an axis, the box is halved there, until every row or column of it is taken. Along an axis that changes how many
 fixes there are, values jump: there every row or column is compared. Other discontinuities, such as where one method
-takes over from another, must be separate maps of the caller. All boxes of a round are worked out in one call.
+takes over from another, must be separate maps of the caller. All boxes of a round are computed in one call.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from nav_model.analytic.steady_state import Array
 
 BOUND = 1e-4
-"""Largest difference, at the places compared, of a polynomial from what is worked out there."""
+"""Largest difference, at the places compared, of a polynomial from what is computed there."""
 
 _POINTS = 13  # along a side of a box
 _CHECKED = 4  # rows or columns between the points that are compared, at as many of the points along the other axis

@@ -6,9 +6,9 @@ Beside [T-1], the horizontal channels feel the Schuler term -g/R, the vertical c
 after about 45 s.
 
 With omega² = g/R and mu² = 2 omega², the transition of this linear system is made of sin, cos, sinh and cosh.
-The variance is what the transition makes of the covariance at the last fix plus the integrals of the squared
-impulse responses, which are smooth and positive and are integrated by Gauss and Legendre's rule to rounding.
-Everything broadcasts, so the same function draws a curve and fills a map.
+The variance is the propagated covariance of the last fix plus the integrals of the squared impulse responses, which
+are smooth and positive and are integrated by Gauss and Legendre's rule to rounding. Everything broadcasts, so the
+same function draws a curve and fills a map.
 """
 
 from __future__ import annotations

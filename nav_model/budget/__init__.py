@@ -56,7 +56,7 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     """
     with refused(design):
         budget = _analyse(design, times)
-        assert budget.verdict  # of a post-processed design it is worked out here, so that a refusal is raised here
+        assert budget.verdict  # of a post-processed design it is computed here, so that a refusal is raised here
         return budget
 
 

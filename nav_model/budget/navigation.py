@@ -23,7 +23,7 @@ COAST_POINTS = 300
 
 
 def outage_times(design: Design, times: ArrayLike | None) -> Array:
-    """Seconds since the last fix at which the outage is worked out: those given, or `COAST_POINTS` even ones.
+    """Seconds since the last fix at which the outage is computed: those given, or `COAST_POINTS` even ones.
 
     Raises
     ------

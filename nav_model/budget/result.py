@@ -142,7 +142,7 @@ class PostProcessed:
 
     ``by_order`` is the residual phase after autofocus to order 1, 2 and 3, ``detrended`` that of the design's order.
     ``turning_quadratic`` is the quadratic phase along the line of sight as it turns over the aperture: ``quadratic``
-    and ``along_track_quadratic``, which verdicts hold, and what the turn makes of the position;
+    and ``along_track_quadratic``, which verdicts check, and the effect of the turn on the position error;
     ``turning_by_order`` are the residuals after autofocus to order 1 and 2 alike. After order 3 the turn is 0.3 % at
     most where it is less than 0.05 rad to each side, and some 2 % at 0.2 rad.
     ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.

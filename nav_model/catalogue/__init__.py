@@ -56,7 +56,7 @@ class SourcedValue:
 class Entry:
     """One unit of the catalogue.
 
-    `values` fill the inputs of the same section of a design; `extra` is shown beside them and fills nothing
+    `values` fill the inputs of the same section of a design; `extra` is only shown
     (data-sheet biases of an inertial unit; speed and altitude of a radar's platform).
     """
 

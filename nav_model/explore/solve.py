@@ -38,7 +38,7 @@ SOLVED = (
 )
 """Inputs solved for; a vertical fix noise only where the design states one."""
 
-_SMALLEST = 1e-12  # of the upper bound: where an input may approach zero, and stands for it
+_SMALLEST = 1e-12  # of the upper bound: used as zero where an input may approach zero
 _SAMPLES = 25
 _STEPS = 60
 _CLOSE = 1e-13  # of log(value/limit)
@@ -128,7 +128,7 @@ def _current(design: Design, key: str) -> float:
 
 
 def _together(key: str, each: tuple[Answer, ...]) -> Answer:
-    """The least of the answers; a requirement that cannot be met stands for all."""
+    """The least of the answers; a requirement that cannot be met decides for all."""
     stuck = [answer for answer in each if answer.outcome == "no value"]
     if stuck:
         return Answer(key, ALL, "no value", None, None, stuck[0].binding, any(a.depends for a in stuck))

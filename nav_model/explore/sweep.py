@@ -62,8 +62,7 @@ def run_sweep(
     ----------
     plan : Plan
     output : path
-        Ending in .csv or .parquet (needs pyarrow, the extra ``sweep``). Parts stand in ``OUTPUT.parts`` until the
-        end.
+        Ending in .csv or .parquet (needs pyarrow, the extra ``sweep``). Parts are in ``OUTPUT.parts`` until the end.
     workers : int
         Local processes; with one, the work is done here.
     scheduler : str, optional
@@ -233,7 +232,7 @@ def whole_sweep(
     ----------
     plan : Plan
     progress : callable
-        Called with the share done and how far that is, in words.
+        Called with the share done and a description of the progress.
 
     Examples
     --------
@@ -338,7 +337,7 @@ def _join(plan: Plan, parts: Path, target: Path) -> None:
                 for n, name in enumerate(names):
                     with name.open("rb") as part:
                         if n:
-                            part.readline()  # the header stands once
+                            part.readline()  # the header is written once
                         shutil.copyfileobj(part, whole)
         with beside.open("rb") as whole:
             os.fsync(whole.fileno())

@@ -291,7 +291,8 @@ def _by_modes(x: _Row, places: NDArray[np.int64], level: NDArray[np.int64], foun
 
 
 def _by_spectrum(flat: dict[str, Array], rows: NDArray[np.int64], found: dict[str, Array]) -> None:
-    """Put the figures of these rows into `found`: their apertures are long beside the time in which errors change."""
+    """Put the figures of these rows into `found`: their apertures are long compared with the time constant of the
+    errors."""
     given = {name: value[rows] for name, value in flat.items()}
     squared = ("accelerometer", "gyro", "fix", "velocity", "slow")
     values = {

@@ -75,7 +75,7 @@ def smoothed_error(
 
     Notes
     -----
-    By spectrum every design is worked out. In state space a map of thousands of designs is worked out at a few of
+    By spectrum every design is computed. In state space a map of thousands of designs is computed at a few of
     them, and in between by polynomials that `nav_model.analytic.few` compares with others: variances are within
     1e-4 of those of each design alone where compared, and covariances within 1e-4 of their variances' mean.
     """

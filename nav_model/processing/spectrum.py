@@ -126,7 +126,7 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
     '2.170 mm'
     """
     rows = len(aperture) if aperture.ndim > 1 else 1
-    if rows > 1:  # every row of a map has frequencies of its own: one at a time stays in the cache
+    if rows > 1:  # every row of a map has different frequencies: one at a time fits the cache
         parts = [smoothed(_row(channel, k, aperture.ndim), aperture[k], names) for k in range(rows)]
         return {
             name: parts[0][name] if name in UNEVEN else np.stack([part[name] for part in parts]) for name in names

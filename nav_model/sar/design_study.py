@@ -1,8 +1,8 @@
 """The strategies for one design: an ensemble of runs and the closed forms, and their conclusions.
 
 `design_study` does all of it at once. A page that shows progress does the same in steps: `design_case`,
-`choose_tuning`, `run_chunk` for each of `chunks(runs, engine)`, `typical_history`, then `gather`. Chunks have
-seeds of their own, so the result does not depend on where or in which order they run; they exchange plain data.
+`choose_tuning`, `run_chunk` for each of `chunks(runs, engine)`, `typical_history`, then `gather`. Each chunk has its
+own seeds, so the result does not depend on where or in which order they run; they exchange plain data.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ class ApertureFlight(NamedTuple):
 
 def flight_of(design: Design, aperture_time: float, coast_time: float) -> ApertureFlight:
     """The flight of a design: straight and level, until its filter has settled, then the coast, then the aperture and
-    the leg after it, as far as that tells of the aperture.
+    the leg after it, as far as that affects the aperture.
 
     The coast is rounded to whole fix intervals.
 
@@ -132,7 +132,7 @@ def histories(
     turn = np.array(
         [[math.cos(heading), math.sin(heading), 0], [-math.sin(heading), math.cos(heading), 0], [0, 0, 1]]
     )
-    # The record has roll, pitch and yaw; the filter's covariance is of its own small angles.
+    # The record has roll, pitch and yaw; the filter's covariance is of small angles.
     own_angles = np.linalg.inv(schedule.error_map[at])
 
     def sampled(values: _FloatArray, instants: _FloatArray) -> _FloatArray:

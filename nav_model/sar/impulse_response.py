@@ -2,7 +2,7 @@
 
 One cell is ``lambda R / (2 V T_a)`` in azimuth, 1/T_a in frequency: the distance from the peak of the
 unweighted, error-free response to its first null. Aperture samples sit at the middle of their intervals,
-``x_n = (2 n + 1 - N) / N`` in (-1, 1), so that sums stand for integrals over the whole aperture.
+``x_n = (2 n + 1 - N) / N`` in (-1, 1), so that sums approximate integrals over the whole aperture.
 
 Side-lobe ratios are given both ways (sar.md, "Impulse response"):
 

@@ -34,7 +34,7 @@ _TARGETS = (
 class Pictures:
     """Power [dB] (k, y, x) on one scale; ``x`` azimuth and ``y`` range [m] about the middle.
 
-    ``range_cell`` [m]; ``bandwidth_cut`` tells that it was coarsened to keep the band below 0.3 of the carrier.
+    ``range_cell`` [m]; ``bandwidth_cut``: whether it was coarsened to keep the band below 0.3 of the carrier.
     """
 
     x: _FloatArray
@@ -47,7 +47,7 @@ class Pictures:
 def point_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
     """The focused point under each residual (k, n) [m], dB over the error-free peak.
 
-    A design has no range resolution of its own: its azimuth resolution is taken for it.
+    A design has no range resolution: its azimuth resolution is used.
     """
     cell, cut = _range_cell(budget)
     azimuth, ranges = np.linspace(-_POINT_AZIMUTH, _POINT_AZIMUTH, 121), np.linspace(-_POINT_RANGE, _POINT_RANGE, 61)

@@ -167,7 +167,7 @@ def tracking_filter(
     """Strategy 6 (reconstruction): p'' = a_INS + wn^2 (p_EKF - p) + 2 zeta wn (v_EKF - v), in errors.
 
     Starts from the filter; a_INS is taken as the velocity increments of the INS. Semi-implicit Euler at the
-    sampling rate, which wants wn times the step well below one.
+    sampling rate, which needs wn times the step well below one.
     """
     steps = np.diff(time)
     stiffness, drag = tuning.natural_frequency**2, 2 * tuning.damping * tuning.natural_frequency
@@ -210,7 +210,7 @@ def apply_strategies(histories: NavigationHistories, weight: float, tuning: Tuni
     """Every strategy on the same histories; `weight` is that of 5w (`strategy_forms.shrunk_weight`).
 
     With fewer than three fixes in the aperture there is no quadratic to fit: 5 and 5w are then the same as 2
-    (the result's ``fixes`` tells).
+    (see the result's ``fixes``).
     """
     tuning = tuning or Tuning()
     h = histories

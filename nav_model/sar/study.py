@@ -53,7 +53,7 @@ def simulate_axes(
     rate: float,
     tuning: Tuning,
 ) -> list[StrategyErrors]:
-    """Every strategy on each axis (along, across, down), each with a seed of its own."""
+    """Every strategy on each axis (along, across, down), each with its own seed."""
     return [
         simulate_axis(model, aperture_time, coast_time, runs, one, rate, tuning)
         for model, one in zip(models, seed.spawn(3), strict=True)
@@ -100,7 +100,7 @@ def typical_run(detrended_rms: _FloatArray) -> int:
 
 
 def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: int = 60) -> Tuning:
-    """Gains of the reconstructions 6 and 7 with the least median detrended rms, on seeds of their own.
+    """Gains of the reconstructions 6 and 7 with the least median detrended rms, on separate seeds.
 
     A grid search on one axis; the seeds are never those of a study's runs.
     """

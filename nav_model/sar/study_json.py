@@ -22,7 +22,7 @@ _JSON_MAP_POINTS = 40
 def to_json(study: SarStudy, beside: SarStudy | None = None) -> dict[str, Any]:
     """Every number of the study, and its cautions.
 
-    ``beside``: where the study is of flights, the fast engine's of the same design, to compare with.
+    ``beside``: for a study of flights, the fast engine's study of the same design, for comparison.
     """
     budget = study.budget
     sar = budget.sar

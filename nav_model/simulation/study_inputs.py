@@ -45,7 +45,7 @@ def _correlation_time() -> Any:
 
 
 class Gyro(Part):
-    """Gyroscope errors beside the white noise and the residual bias of the design."""
+    """Gyroscope errors in addition to the white noise and the residual bias of the design."""
 
     section = "gyro"
     title = "Gyros"
@@ -71,7 +71,7 @@ class Gyro(Part):
 
 
 class Accelerometer(Part):
-    """Accelerometer errors beside the white noise and the residual bias of the design."""
+    """Accelerometer errors in addition to the white noise and the residual bias of the design."""
 
     section = "accelerometer"
     title = "Accelerometers"
@@ -106,7 +106,7 @@ def _arm(label: str) -> Any:
 
 
 class Receiver(Part):
-    """The receiver beside its position fixes."""
+    """The receiver's inputs in addition to its position fixes."""
 
     section = "receiver"
     title = "Receiver"

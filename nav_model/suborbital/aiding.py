@@ -49,7 +49,7 @@ class Aiding:
 
     @property
     def perfect(self) -> bool:
-        """True when the frames carry no error of their own."""
+        """True when the frames have no error."""
         return self.latency_s == 0.0 and not any(self.misalignment_rad)
 
 

@@ -1,4 +1,4 @@
-"""Star camera [B-8]: which stars stand where on the detector, and what attitude they give along a flight.
+"""Star camera [B-8]: star positions on the detector, and the attitude from them along a flight.
 
 Camera axes: Z along the boresight, which is -z of the body, X along x of the body, Y along -y of the body.
 The camera measures directions with `centroid_sigma_rad` per axis in the tangent plane.

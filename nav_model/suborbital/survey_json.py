@@ -81,7 +81,7 @@ def gap_json(gap: Gap) -> dict[str, Any]:
 
 
 def noise_json(ensemble: NoiseEnsemble) -> dict[str, Any]:
-    """A white-noise ensemble: final rms, the predicted sigma beside it, and the interval it is judged by."""
+    """A white-noise ensemble: final rms, the predicted sigma, and the interval for its verdict."""
     channels = ("north", "east", "up")
 
     def named(values: FloatArray) -> dict[str, float]:

@@ -63,7 +63,7 @@ class ChoiceControl(pn.viewable.Viewer):
         return bool(old[self.key] != new[self.key])
 
     def show(self, design: Design) -> None:
-        """Follow the design in force."""
+        """Follow the current design."""
         if self.widget.value != design[self.key]:
             self.widget.value = design[self.key]
 

@@ -46,7 +46,7 @@ class PresetControl(pn.viewable.Viewer):
         )
 
     def show(self, design: Design) -> None:
-        """Follow the design in force."""
+        """Follow the current design."""
         name = preset_of(design, self.section) or ""
         changed = len(deviations(design, self.section))
         entry = find("imu" if self.section == "imu" else "radar", name) if name else None

@@ -108,21 +108,21 @@ class QuantityControl(InputBox):
         return design[self.key], design.unit(self.key), preset_of(design, section), design.origins.get(self.key)
 
     def show(self, design: Design) -> None:
-        """Follow the design in force."""
+        """Follow the current design."""
         self.follow()
 
     def follow(self) -> None:
-        """Show the value in force and its unit."""
+        """Show the current value and its unit."""
         if self.unit is not None and self.unit.value != (unit := self._session.design.unit(self.key)):
             self.unit.value = unit
         super().follow()
 
     def value(self) -> Value:
-        """The value in force, SI."""
+        """The current value, SI."""
         return self._session.design[self.key]
 
     def text(self) -> str:
-        """The value in force in its unit."""
+        """The current value in its unit."""
         value = self.value()
         if value is None:
             return ""
@@ -131,7 +131,7 @@ class QuantityControl(InputBox):
         return format_quantity(value, self._session.design.unit(self.key), dimension) if dimension else f"{value:g}"
 
     def size(self) -> float | None:
-        """The value in force, SI."""
+        """The current value, SI."""
         value = self.value()
         return float(value) if isinstance(value, float | int) else None
 

@@ -40,15 +40,15 @@ class RowsControl(InputBox):
         return (old[self.key], old.origins.get(self.key)) != (new[self.key], new.origins.get(self.key))
 
     def show(self, design: Design) -> None:
-        """Follow the design in force."""
+        """Follow the current design."""
         self.follow()
 
     def value(self) -> object:
-        """The table in force."""
+        """The current table."""
         return self._session.design[self.key]
 
     def text(self) -> str:
-        """The table in force as text."""
+        """The current table as text."""
         return self._declaration.show(self._session.design[self.key])  # type: ignore[arg-type]
 
     def help(self) -> str:

@@ -129,12 +129,12 @@ class BudgetPage(pn.viewable.Viewer):
         return [self._display.timeline(chart) for chart in timelines.together(budget)]
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         if self.session.compared is not self._compared:
             self._hold()
         self._strip.show(verdict_strip(budget), _invalid(self.session.invalid))
         self._lines = self._timelines(budget)
-        with validate(False):  # of our own making: nothing of it needs a check at each step
+        with validate(False):  # computed here, so it needs no check at each step
             self._stack.feed(self._lines)
             self._response.show(budget)
         if self._shown != self.session.shown:
@@ -207,7 +207,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._panel.visible = not self._panel.visible
         self._close.end_icon = "expand_less" if self._panel.visible else "expand_more"
         if self._panel.visible:
-            if self._ways_of is not self.session.budget:  # nobody presses what was solved for an earlier design
+            if self._ways_of is not self.session.budget:  # buttons for an earlier design are removed
                 self._table.html = "<p role='status'>Solving …</p>"
             self._find_ways()
 

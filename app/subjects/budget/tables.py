@@ -274,7 +274,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
 
 
 def image_table(budget: Budget, key: str) -> Table:
-    """The aperture and what the quadratic phase makes of the azimuth response."""
+    """The aperture, and the azimuth response with the quadratic phase."""
     sar, sources = budget.sar, provenance(budget)
     smoothed, phases = budget.smoothed, budget.smoothed or budget.sar
     response = phases.impulse_response

@@ -63,7 +63,7 @@ class MapPanel(Question):
         )
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force: the cross moves, the map where it must."""
+        """Follow the current budget: the cross moves, the map where it must."""
         self._draw()
 
     @param.depends("x", "y", "result", watch=True)

@@ -62,7 +62,7 @@ class ExplorePage(pn.viewable.Viewer):
         return self._asked[self.views.chosen]
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         self.question.show(budget)
         self._tell()
 

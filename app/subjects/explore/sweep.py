@@ -109,7 +109,7 @@ class SweepPanel(Question):
         return row
 
     def show(self, budget: Budget) -> None:
-        """Follow the design: the sweep is of the design in force."""
+        """Follow the design: the sweep is of the current design."""
         self._read()
 
     def _file(self) -> io.BytesIO:

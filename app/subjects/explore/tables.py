@@ -175,7 +175,7 @@ def _solved_row(design: Design, solution: Solution) -> tuple[Cell, ...]:
 
 
 def map_answer(chart: TradeMapChart, here: float) -> Answer:
-    """Where the design stands on a map: ``here`` is its result over the map's reference."""
+    """The design's place on a map: ``here`` is its result over the map's reference."""
     result = chart.title.partition(":")[0]
     hint = "Click the map to take a point into the design."
     if chart.limited:

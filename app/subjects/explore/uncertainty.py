@@ -159,7 +159,7 @@ class UncertaintyPanel(Question):
         )  # fmt: skip
 
     def show(self, budget: Budget) -> None:
-        """Ask again for the design in force."""
+        """Ask again for the current design."""
         self._ask()
 
     def assume(self) -> None:

@@ -283,7 +283,7 @@ class LibraryView(pn.viewable.Viewer):
         self.desk.say(f"Saved: revision {saved.number} of {saved.name}. {saved.verdict}")
 
     async def _catch_up(self, base: Revision) -> None:
-        """After somebody else's save: the next press is on top of theirs, as the button then says."""
+        """After somebody else's save: the next save is on top of theirs, as the button then says."""
         history = await self.desk.ask(lambda place: place.revisions(base.design))
         if history and history[0].number != base.number:
             self.desk.base = history[0]

@@ -115,7 +115,7 @@ def audit_table(review: Review) -> Table:
 
 
 def _program(frozen: str) -> Cell:
-    """With which version the review was opened; figures are always worked out by the one that shows them."""
+    """With which version the review was opened; figures are always computed by the version that shows them."""
     here = version("navbudget")
     if frozen == here:
         return Cell(f"NavBudget {frozen}")

@@ -262,7 +262,7 @@ class ReviewRoom(pn.viewable.Viewer):
         self._design.value = self._design.value or 1
 
     def _turned(self, *_: param.parameterized.Event) -> None:
-        """Show every row to decide on, or to a room the one at hand with its slide."""
+        """Show every row to decide on, or, when presenting, the current one with its slide."""
         review, presenting = self.review, self.desk.session.presenting
         if review is None:
             return

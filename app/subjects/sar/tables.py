@@ -1,6 +1,6 @@
 """The strategies as blocks: which to use and why, their errors and parts, the impulse responses.
 
-Closed forms follow the budget in force; results of runs use the wavelength of their study. Where there are no
+Closed forms follow the current budget; results of runs use the wavelength of their study. Where there are no
 runs yet, their cells say so.
 """
 

@@ -1,6 +1,6 @@
 """Analysis of a log for the command line and the Sensors page: reading, analysis at rest or in motion, progress.
 
-Everything here pickles, so that the page can run it in a process of its own (`app.work.alone`).
+Everything here pickles, so that the page can run it in a separate process (`app.work.alone`).
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ class SensorsPage(pn.viewable.Viewer):
         self._views.chosen = views.get(place.lower(), self._views.chosen)
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         self._strip.show(origin_answer(budget.design))
         self._origins.object = html_of(origin_table(budget.design))
         self._mark()

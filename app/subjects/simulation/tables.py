@@ -64,7 +64,7 @@ def conditions_told(study: SimulationStudy, _: str) -> Bullets:
 
 
 def run_table(study: SimulationStudy, key: str) -> Table:
-    """What was flown."""
+    """The parameters of the runs."""
     spec = study.result.spec
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = number(spec.runs * spec.duration / 3600, given=True)
