@@ -46,7 +46,7 @@ class Once(Generic[_T]):
 
     >>> once = Once(lambda: print("worked out"))
     >>> once()
-    computed
+    worked out
     >>> once()
     """
 

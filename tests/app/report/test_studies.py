@@ -1,4 +1,4 @@
-"""Studies in the report: its numbers are those of the study's JSON, and only studies of the design are told."""
+"""Studies in the report: its numbers are those of the study's JSON, and studies of other designs are omitted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Studies that the command `report` runs and tells."""
+"""Studies run by the command `report`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When everything is looked at: not while somebody waits, and not never."""
+"""Full garbage collections: not while somebody waits, but often enough."""
 
 import gc
 import subprocess

@@ -1,4 +1,4 @@
-"""Who wins along the line of sight, against the per-axis forms, root finding and random walks."""
+"""The best strategy along the line of sight, against the per-axis forms, root finding and random walks."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Many runs: the same whoever flies them, right against closed forms, and honest about consistency."""
+"""Many runs: reproducible, right against closed forms, and with a correct consistency verdict."""
 
 from __future__ import annotations
 

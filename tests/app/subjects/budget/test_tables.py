@@ -1,4 +1,4 @@
-"""What a budget says on its page, in its report and by the command: the same, and the budget's own."""
+"""Page, report and command show the same figures, those of the budget."""
 
 from __future__ import annotations
 
