@@ -1,1 +1,1 @@
-"""The faces of NavBudget: command line, dashboard and reports. Holds no formula."""
+"""The user interfaces of NavBudget: command line, dashboard and reports. No formulas here."""

@@ -1,7 +1,7 @@
-"""The way into the command `navbudget`: `python -m app` or the script of that name.
+"""Entry point of the command `navbudget`: `python -m app` or the script of that name.
 
-To load the command takes most of a second. A signal that arrives meanwhile, or once the command has ended, ends the
-process at once: nothing has been begun, or everything is done. What it does in between, `app.console.ending` says.
+Loading the command takes most of a second. A signal before or after the command runs ends the process at once;
+`app.console.ending` handles signals while it runs.
 """
 
 from __future__ import annotations

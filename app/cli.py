@@ -1,8 +1,8 @@
 """The command `navbudget`. Results go to standard output, messages to standard error.
 
 Exit codes: 0 done (for ``check``: every design closes), 1 a design does not close, 2 bad input, 3 a fault of the
-surroundings, 4 one of ours, 130 and 143 stopped (`app.console.ending`). Nothing heavier than the model itself is
-imported before a command needs it.
+system, 4 a fault in NavBudget, 130 and 143 stopped (`app.console.ending`). Heavy modules are imported only by the
+commands that need them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from app.subjects import SUBJECTS
 
 
 class _Parser(argparse.ArgumentParser):
-    """Refuses a wrong command line with one line, like any other bad input."""
+    """A parser that reports a wrong command line in one line, like any other bad input."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {message}\n")

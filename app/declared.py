@@ -1,4 +1,4 @@
-"""Parameters of a view under the type of what they hold, which Param's own types do not always know."""
+"""Typed parameters for views: Param's own types do not always state what a parameter holds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ T = TypeVar("T")
 
 
 def held(kind: type[T], *, constant: bool = True) -> T:
-    """A parameter that holds an instance of `kind`, never nothing and never a copy.
+    """A parameter that holds an instance of `kind`, never None and never a copy.
 
     Declared on a class, ``session = held(Session)`` reads as that instance, for the type checker too.
     """
@@ -18,5 +18,5 @@ def held(kind: type[T], *, constant: bool = True) -> T:
 
 
 def declared(parameter: param.Parameter[Any]) -> Any:
-    """A parameter as what it holds: ``figure: str = declared(param.Selector(...))``."""
+    """A parameter typed as its value: ``figure: str = declared(param.Selector(...))``."""
     return parameter

@@ -1,7 +1,7 @@
-"""What one person has on the screen: the design in force, its budget, and the way back.
+"""The state of one user's page: the current design, its budget, and undo.
 
-No widget lives here. Controls call `change`; pages watch `budget`. A change that is refused leaves everything
-as it was and comes back as the message to show.
+No widget lives here. Controls call `change`; pages watch `budget`. A refused change leaves everything unchanged and
+returns the message to show.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from nav_model.units import format_quantity
 WATCHED = tuple(f"{section}.{name}" for section, inputs in INPUTS.items() for name in inputs)
 """Every input that a person can set, by its dotted key."""
 _SHOWN = "show="
-_MOST_TO_SHARE = 2000  # characters that every mail program and chat keeps whole
+_MOST_TO_SHARE = 2000  # characters that mail programs and chats do not break
 _MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
 _HISTORY = 200
 
 
 class Lineage:
-    """What a design and all its changes have in common: ``base`` is the saved revision they came from, if any."""
+    """The origin of a design and all its changes: ``base`` is the saved revision they came from, if any."""
 
     def __init__(self) -> None:
         self.base: Any = None
@@ -40,14 +40,14 @@ class Lineage:
 
 @dataclass(frozen=True)
 class Compared:
-    """What the budget in force is held against: its name in words, and its budget."""
+    """The design that the current one is compared with: its name in words, and its budget."""
 
     name: str
     budget: Budget
 
 
 class Session(param.Parameterized):
-    """The design in force and its history.
+    """The current design and its history.
 
     ``budget`` changes with every accepted change; ``design`` is always ``budget.design``. ``lineage`` changes when a
     whole design takes the place of another, and is triggered when its base is another. ``running`` is for long work
@@ -88,12 +88,12 @@ class Session(param.Parameterized):
         self._follows_changes = True
 
     def compare(self, chosen: Compared | None) -> None:
-        """Hold the budget against a design until another is chosen; None: against nothing, whatever changes."""
+        """Compare the budget with a design until another is chosen; None: compare with nothing."""
         self._follows_changes = False
         self.compared = chosen
 
     def compare_with_changes(self) -> None:
-        """Hold the budget against what was in force before the last change, and follow further changes."""
+        """Compare the budget with that before the last change, and follow further changes."""
         self._follows_changes = True
         self.compared = self._before(self.budget)
 
@@ -127,12 +127,12 @@ class Session(param.Parameterized):
 
     @property
     def design(self) -> Design:
-        """The design in force."""
+        """The current design."""
         return self.budget.design
 
     @property
     def link(self) -> str:
-        """The design in force and the studies beside it, as a link's query."""
+        """The current design and its studies' settings, as a link's query."""
         shown = f"{_SHOWN}{self.shown}" if self.shown else ""
         parts = (to_query(self.design), self.study_link, *self.settings.values(), shown)
         return "&".join(part for part in parts if part)
@@ -143,7 +143,7 @@ class Session(param.Parameterized):
         return to_share(self.link)
 
     def take_studies(self, link: str) -> None:
-        """Take what a link says of the studies beside the design (the second part of `split_link`)."""
+        """Take the settings of studies from a link (the second part of `split_link`)."""
         parts = link.split("&")
 
         def of(prefix: str) -> str:
@@ -152,7 +152,7 @@ class Session(param.Parameterized):
         self.param.update(study_link=of(STUDY_PREFIX), settings={kind: of(f"{kind}.") for kind in SETTINGS})
 
     def came_from(self, revision: Any) -> None:
-        """The design in force is a saved revision: the base of what becomes of it."""
+        """The current design is a saved revision: the base of what becomes of it."""
         if self.lineage.base != revision:
             self.lineage.base = revision
             self.param.trigger("lineage")
@@ -163,11 +163,11 @@ class Session(param.Parameterized):
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
     ) -> InputError | None:
-        """Put changes in force, as `Design.replace` takes them; returns what is wrong with them, if anything."""
+        """Apply changes, as `Design.replace` takes them; returns the error message, if any."""
         return self._adopt(lambda: self.design.replace(changes, written, origins), frozenset(changes), self.lineage)
 
     def adopt(self, design: Design) -> InputError | None:
-        """Put a whole design in force, which begins a lineage: an opened file, an example, a link."""
+        """Replace the whole design, which begins a lineage: an opened file, an example, a link."""
         problem = self._adopt(lambda: design, frozenset(), Lineage())
         if problem is None:
             self.adopted += 1
@@ -201,7 +201,7 @@ class Session(param.Parameterized):
             self._step(*self._past.pop())
 
     def redo(self) -> None:
-        """Forward again to the design undone."""
+        """Redo the design that was undone."""
         if self._future:
             self._past.append((self.design, self.lineage))
             self._step(*self._future.pop())
@@ -232,7 +232,7 @@ def to_share(link: str) -> str:
 
 
 def link_parts(query: str) -> tuple[str, str, str]:
-    """A link's query in three: the design's part, that of the studies beside it, and how figures are told."""
+    """A link's query in three: the design's part, the studies' settings, and the display of figures."""
     of_design, of_study = split_link(query)
     parts = of_design.split("&")
     shown = next((part.removeprefix(_SHOWN) for part in parts if part.startswith(_SHOWN)), "")
@@ -240,7 +240,7 @@ def link_parts(query: str) -> tuple[str, str, str]:
 
 
 def _change_in_words(old: Design, new: Design) -> str:
-    """What a design is called beside the one that it became by a change."""
+    """Name of a design in a comparison with its changed version."""
     keys = [key for key in WATCHED if old[key] != new[key]]
     if len(keys) != 1:
         return "the design before the last change"

@@ -14,14 +14,15 @@ from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.budget import analyse
 from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.design import Design
-from nav_model.sar.axis_model import AxisModel, process_noise, transition
+from nav_model.sar.axis_model import AxisModel, inertial_drift
 from nav_model.sar.decomposition import decompose, run_responses
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study, run_chunk
 from nav_model.sar.fast_engine import simulate_axis
 from nav_model.sar.image import back_project, simulate_phase_history
-from nav_model.sar.impulse_response import aperture_positions, impulse_response, quadratic_response
+from nav_model.sar.impulse_response import aperture_positions, impulse_response
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
+from nav_model.sar.polynomial_response import quadratic_response
 from nav_model.sar.strategies import Tuning
 from nav_model.sar.winners import Conditions, map_of_winners
 
@@ -54,8 +55,7 @@ def test_impulse_response(benchmark, window):
 def by_textbook(runs, time_s=20.0, rate=100.0):
     """A Kalman filter and a free INS of one axis as a textbook writes them: run by run, a prediction a sample."""
     random = np.random.default_rng(1)
-    phi = transition(1 / rate)
-    noise = process_noise(HORIZONTAL, 1 / rate)
+    phi, noise = inertial_drift(HORIZONTAL, 1 / rate)
     root = np.linalg.cholesky(noise + 1e-24 * np.eye(3))
     row = np.array([[1.0, 0.0, 0.0]])
     for _ in range(runs):
@@ -119,7 +119,7 @@ def test_map_of_winners_100_by_100(benchmark, slow, squint):
             )
         )  # fmt: skip
 
-    phi, q = transition(1.0), process_noise(HORIZONTAL, 1.0)
+    phi, q = inertial_drift(HORIZONTAL, 1.0)
     benchmark(whole)
     own = cpu(whole)
     riccati = cpu(lambda: [solve_discrete_are(phi.T, np.eye(3)[:, :1], q, np.eye(1)) for _ in range(100)])

@@ -1,6 +1,6 @@
-"""Navigation error budgets: the physics, without any screen.
+"""Navigation error budgets: the physics, without a user interface.
 
-The names below are the whole of what a script needs; they load their modules when first used.
+The names below are all that a script needs. Each loads its module when it is first used.
 
 Examples
 --------
@@ -43,7 +43,7 @@ else:
     }
 
     def __getattr__(name: str) -> object:
-        """The names of the door, each loaded when asked for: `nav_model.suborbital` does without designs."""
+        """Load a public name when it is first used: `nav_model.suborbital` needs no designs."""
         if name not in _HOMES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         return getattr(import_module(_HOMES[name]), name)

@@ -1,4 +1,5 @@
-"""Two decorators for compiled code: `kernel` for what Python calls, `part` for what only kernels call.
+"""Two decorators for compiled code: `kernel` for functions that Python calls, `part` for those that only kernels
+call.
 
 Numba compiles a cached kernel again when its own file has changed, but not when a kernel that it calls, in another
 file, has: results would come from code that no longer exists. Each kernel here carries the digest of all their files,

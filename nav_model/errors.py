@@ -1,4 +1,4 @@
-"""Bad input, told once: the one exception that a person's input ends in."""
+"""The one exception for bad input."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """Bad input. Its message is ``key: reason``; whoever needs a part of it takes the field.
+    """Bad input. Its message is ``key: reason``; both parts and the value are fields.
 
     Parameters
     ----------
@@ -32,16 +32,16 @@ class InputError(ValueError):
         self.value = value
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, object]]:
-        """So that it comes back whole from a worker process."""
+        """Keep all fields when sent from a worker process."""
         return type(self), (self.key, self.reason, self.value)
 
     def under(self, key: str) -> InputError:
-        """The same complaint under another name: an option of the command line, a file."""
+        """The same error under another name, such as a command-line option or a file."""
         return type(self)(key, self.reason, self.value)
 
 
 def not_a_choice(given: Any, options: Iterable[object]) -> str:
-    """The reason where one of a few names is taken and another was given.
+    """The reason for a name that is not among the allowed ones.
 
     >>> not_a_choice("kaiser", ["uniform", "hamming", "taylor"])
     "'kaiser' is not a choice here. Choose uniform, hamming or taylor."

@@ -1,4 +1,4 @@
-"""Mappings that cannot be changed and that travel between processes."""
+"""Mappings that cannot be changed and that pickle; values computed on demand."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _V = TypeVar("_V")
 class FrozenMapping(Mapping[_K, _V]):
     """A copy of `content` that can be read only.
 
-    As `types.MappingProxyType`, but it pickles and no other name for its content is left to write through.
+    As `types.MappingProxyType`, but it pickles, and its content cannot be changed through another name.
 
     >>> shares = FrozenMapping({"gyro noise": 1.0})
     >>> shares["gyro noise"]
@@ -42,7 +42,7 @@ class FrozenMapping(Mapping[_K, _V]):
 
 
 class Once(Generic[_T]):
-    """A value that is computed when it is first asked for, and once. Unlike `functools.cache`, it pickles.
+    """A value that is computed once, at the first call. Unlike `functools.cache`, it pickles.
 
     >>> once = Once(lambda: print("worked out"))
     >>> once()
@@ -62,7 +62,7 @@ class Once(Generic[_T]):
 
 
 class Later(FrozenMapping[_K, _V]):
-    """A `FrozenMapping` that is worked out when it is first looked into; it travels as what was found.
+    """A `FrozenMapping` that is computed when it is first read; pickling computes it too.
 
     Parameters
     ----------

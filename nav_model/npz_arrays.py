@@ -1,4 +1,4 @@
-"""NPZ archive -> numeric arrays, without pickles, every declared size checked before a byte is unpacked."""
+"""Numeric arrays of an NPZ archive, without pickles; every declared size is checked before anything is unpacked."""
 
 from __future__ import annotations
 

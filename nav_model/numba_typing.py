@@ -1,8 +1,8 @@
-"""What Numba has found out about an operation's types is remembered.
+"""Remembers what Numba has found about the types of an operation, which speeds up compiling.
 
 For every `a[i]` in a kernel Numba asks up to eleven templates in turn, and each of them compares all the compiler's
 flags: a fifth of the time that compiling takes. The answer depends on the function with its templates, the types
-and the flags alone, which is what each template's own memory goes by.
+and the flags alone, which are also the keys of each template's own cache.
 
 Written for: numba 0.68.1
 Upstream: none found, searched 2026-11-22

@@ -1,4 +1,4 @@
-"""Worker processes that end with the process that started them, however that one ends."""
+"""Worker processes that end when the process that started them ends, even if it is killed."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def kill_workers() -> None:
 
 
 class _Pool(ProcessPoolExecutor):
-    """Ends when its processes are killed, whatever has been cancelled and whatever was being sent.
+    """A pool that shuts down when its processes are killed, even with cancelled tasks or a result half sent.
 
     Python before 3.13 (python/cpython#108974) stops at the first cancelled future while it tells the others that a
     process has ended: with a traceback, and with a thread that writes for ever into a pipe that nobody reads. Every
@@ -66,8 +66,8 @@ class _Outcome(Future[Any]):
 
 
 class _DeafToCtrlC(SpawnProcess):
-    """A terminal's Ctrl-C reaches every process of the command: only the one that was started answers it, and ends
-    the others."""
+    """Ignores Ctrl-C, which a terminal sends to every process of the command: the parent handles it and ends the
+    others."""
 
     def start(self) -> None:
         if not hasattr(signal, "pthread_sigmask"):  # Windows
@@ -85,7 +85,7 @@ class _Spawn(SpawnContext):
 
 
 def end_with_parent() -> None:
-    """Have this process end when the one that started it has ended.
+    """End this process when its parent has ended.
 
     A pool's process waits for work on a pipe that the pool's other processes hold open too: a parent that was killed
     would leave them waiting for ever.

@@ -1,8 +1,7 @@
-"""TOML text that others wrote, bounded before it is parsed.
+"""Reads TOML text from others, with its size limited before it is parsed.
 
 Python's parser takes memory and time as the square of the number of parts of a key: one of 15,000 dots needs a
-gigabyte. What is nested, how many keys there are and how many parts one has is therefore counted first, in one pass
-whose cost is that of the text's length.
+gigabyte. Nesting, keys and parts of keys are therefore counted first, in one pass in linear time.
 
 Memory is at most 50 times the text's, time a second a megabyte; tests/nav_model/test_toml_text.py holds hostile texts
 to both.
@@ -82,7 +81,7 @@ def _size(count: int) -> str:
 
 
 def _check(text: str, where: str, kind: str) -> None:
-    """Refuse what there is too much of."""
+    """Refuse more keys, parts or nesting than allowed."""
     bare = _QUOTED.sub("_", text).translate({ord(" "): None, ord("\t"): None})
     for part in re.split(r"[\n=\[\]{},]", bare):
         if part.count(".") >= MOST_PARTS:

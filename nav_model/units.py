@@ -22,7 +22,7 @@ from nav_model.dimensions import DIMENSIONS, MAX_EXPONENT
 
 
 class QuantityError(ValueError):
-    """A text that is not a quantity of the dimension asked for: an `InputError` that does not know its key yet.
+    """A text that is not a quantity of the dimension asked for: an `InputError` whose key is not known yet.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class QuantityError(ValueError):
         self.value = value
 
     def __reduce__(self) -> tuple[type[QuantityError], tuple[str, object]]:
-        """So that it comes back whole from a worker process."""
+        """Keep all fields when sent from a worker process."""
         return type(self), (self.reason, self.value)
 
 

@@ -36,6 +36,7 @@ LONG = (
     "app/library/test_store.py::test_processes",
     "app/report/test_files.py",
     "app/report/test_studies.py",
+    "app/report/test_studies_by_command.py",
     "app/report/test_writing.py",
     "app/serving/test_collector.py",
     "app/serving/test_components.py",

@@ -1,1 +1,1 @@
-"""Charts, told once as plain data (`kinds`) and drawn twice: by Bokeh on `screen`, by Matplotlib for `print`."""
+"""Charts as plain data (`kinds`), drawn by Bokeh on `screen` and by Matplotlib for `print`."""

@@ -1,8 +1,8 @@
-"""What a chart is made of: plain data that knows no plotting library.
+"""The kinds of charts, as plain data without a plotting library.
 
-A chart's structure (its series, by key) does not depend on the design; only the numbers do, so a figure on
-screen is made once and fed. Where a series has nothing to show it is NaN. Lines that share one `x` array
-object travel to the browser together.
+A chart's structure (its series, by key) does not depend on the design; only the numbers do, so a figure on screen is
+made once and updated. A series without values is NaN. Lines that share one `x` array object are sent to the browser
+together.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 def spread_of(axis: str) -> str:
-    """How wide the figures of an axis are, as its label says.
+    """The spread of an axis's values, from its label.
 
     >>> spread_of("position, 95 % [m]"), spread_of("height [m]")
     ('95 %', '1σ')
@@ -145,7 +145,7 @@ class Bar:
 
     @property
     def shows(self) -> bool:
-        """Whether there is anything of this source."""
+        """Whether either bar has a length above zero."""
         return any(math.isfinite(length) and length > 0 for length in (self.first, self.second))
 
 
@@ -168,7 +168,7 @@ class BarChart:
 
     @property
     def unit(self) -> str:
-        """What stands after a number: "°", or " rad" with its space."""
+        """The unit after a number: "°", or " rad" with its space."""
         return " rad" if self.x_label.endswith("[rad]") else "°"
 
     def rows(self) -> Iterator[tuple[str, ...]]:
@@ -221,7 +221,7 @@ class DotChart:
 
 @dataclass(frozen=True)
 class MapChart:
-    """A map on two log axes: which of some names holds where, named in place; points and one contour on it.
+    """A map on two log axes: regions with their names, points and one contour.
 
     ``x`` (n,), ``y`` (m,) evenly spaced in the logarithm; ``winner`` (m, n) index into ``names``;
     ``values`` (m, n) what the contour is a level of; ``styles``: one for each name.
@@ -276,7 +276,7 @@ class PictureChart:
 
     @property
     def axes(self) -> str:
-        """Both axes in words, for images that stand without ticks."""
+        """Both axes in words, for images without ticks."""
         return f"{_extent(self.x_label, self.x)} across, {_extent(self.y_label, self.y)} upwards"
 
 
@@ -286,7 +286,7 @@ LEVELS = (0.5, 1.0, 2.0)
 
 @dataclass(frozen=True)
 class RankBar:
-    """What one change of one input does to a figure: per cent less, and the same in words."""
+    """Effect of one change of one input on a figure: reduction in per cent, and in words."""
 
     label: str
     percent: float
@@ -342,12 +342,12 @@ class TradeMapChart:
 
     @property
     def limited(self) -> bool:
-        """Whether the reference is a limit."""
+        """Whether ``level`` is a limit."""
         return not math.isnan(self.trade.limit)
 
     @property
     def structure(self) -> tuple[str, str, str]:
-        """What the figure is built for; another structure needs another figure."""
+        """What the figure's structure depends on; if it changes, a new figure is needed."""
         return self.x_label, self.y_label, self.trade.result
 
     def rows(self) -> Iterator[tuple[str, ...]]:

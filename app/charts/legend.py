@@ -1,4 +1,4 @@
-"""A chart's legend as HTML under the figure: it wraps on a phone and reads aloud, which a canvas does not."""
+"""A chart's legend as HTML under the figure, which wraps on a phone and is read by screen readers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
 
 
 def _map_entries(chart: MapChart) -> list[tuple[str, str]]:
-    """Regions that are too small for their name, then what is drawn over them."""
+    """Regions that are too small for their name, then points and contour."""
     named = region_names(chart)
     entries = [
         (_box(STYLES[style], 0.55), name)

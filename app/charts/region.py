@@ -1,4 +1,4 @@
-"""Where things are on a map: a level's contour, and the name of a region, the same place on screen and on paper."""
+"""Places on a map, the same on screen and on paper: the contour of a level, and the names of regions."""
 
 from __future__ import annotations
 
@@ -51,5 +51,5 @@ def region_names(chart: MapChart) -> dict[int, tuple[float, float, str]]:
 
 
 def _share(values: Array, axis: Array) -> Array:
-    """Where values are along a log axis: 0 at its beginning, 1 at its end."""
+    """Position of values along a log axis: 0 at its beginning, 1 at its end."""
     return np.asarray(np.log(values / axis[0]) / np.log(axis[-1] / axis[0]))

@@ -1,4 +1,4 @@
-"""How a quantity looks, in every chart, on screen and in print: colour, dash and width by its key."""
+"""Colour, dash and width of each quantity by its key, in every chart on screen and in print."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 class Style:
     """Colour, dash (a key of `DASHES`) and width [px].
 
-    Any two lines of one chart differ by dash, or by half again the width, or by much lightness, so that they are
-    told apart in grey and by whoever sees few colours; and each stands out from white and from the dark page.
+    Any two lines of one chart differ by dash, or by half again the width, or by much lightness, so that they can be
+    told apart in grey and by colour-blind people; each has contrast with white and with the dark page.
     """
 
     colour: str

@@ -1,4 +1,4 @@
-"""A chart in a few sentences, for who cannot see it: what is drawn against what, and the values that matter."""
+"""A chart in a few sentences, for screen readers: its axes and main values."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What the commands share: arguments, files, output, progress."""
+"""Shared parts of the commands: arguments, files, output, progress."""

@@ -1,4 +1,4 @@
-"""What commands have in common: designs named on the line, JSON put away, refusals in one line."""
+"""Shared parts of the commands: designs named on the command line, JSON output, errors in one line."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
 
 
 def paths_of(options: argparse.Namespace) -> list[str]:
-    """The designs named; a path that --set swallowed is given back."""
+    """The design files named, also a path that argparse took as a value of --set."""
     paths, changes = list(options.designs), list(options.changes)
     known = all_keys()
     while changes and "=" not in changes[-1] and changes[-1] not in known and not (options.one and paths):
@@ -50,14 +50,15 @@ def read_design(path: str, changes: Sequence[str]) -> Design:
 
 
 def content_of(path: str, most: int) -> tuple[bytes, str]:
-    """What a file or standard input holds, at most a byte more than it may, and what to call it."""
+    """The content of a file or of standard input, at most one byte more than allowed, and its name for messages."""
     if path == "-":
         return sys.stdin.buffer.read(most + 1), "standard input"
     return read_bytes(path, most), path
 
 
 def put_json(work: Callable[[], Any], output: Path | None = None) -> int:
-    """What the work makes, to standard output or whole into a file, which is refused before the work begins."""
+    """Write the result of the work to standard output or completely into a file, which is checked before the work
+    begins."""
 
     def text() -> str:
         return json.dumps(work(), ensure_ascii=False, allow_nan=False, indent=1) + "\n"

@@ -1,4 +1,4 @@
-"""How a command ends when it cannot go on: stopped by a signal, or by a fault of what is around it."""
+"""How a command ends early: by a signal, or by a fault of the system."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ class Stopped(KeyboardInterrupt):
 
 
 def is_of_surroundings(fault: OSError) -> bool:
-    """Whether nothing that a person typed is to blame: the disk is full, the machine out of files or memory."""
+    """Whether the system is the cause and not the input: disk full, out of files or memory."""
     return fault.errno in _SURROUNDINGS
 
 
 def run_to_end(command: Callable[[], int]) -> int:
-    """Run a command and write out what it said; the exit code, with a line on standard error for anything odd.
+    """Run a command and flush its output; returns the exit code, with a line on standard error for any fault.
 
     SIGINT and SIGTERM end the worker processes, with what waits for them, and unwind the command, so that nothing
-    half written stays: 128 and the signal's number, as shells count. A reader that takes what it wants and leaves
-    (`| head`) is no fault; a pipe that nobody reads is one, told by the code alone.
+    half written stays; the code is 128 plus the signal's number. A reader that leaves early (`| head`) is no fault; a
+    pipe that nobody reads is one, shown by the code alone.
     """
     _open_streams()
     taken = _count_what_is_read()
@@ -73,12 +73,12 @@ def run_to_end(command: Callable[[], int]) -> int:
 
 
 def refuse(error: InputError) -> int:
-    """Tell bad input in one line; the exit code."""
+    """Print bad input in one line; returns the exit code."""
     return _told(str(error), BAD_INPUT)
 
 
 def one_line(text: str) -> str:
-    """A text on one line whatever it quotes: line ends, control characters and what is no text are escaped.
+    """A text on one line: line ends, control characters and invalid text are escaped.
 
     >>> one_line("a\\nb.toml")
     'a\\\\nb.toml'
@@ -94,7 +94,7 @@ def _told(text: str, code: int) -> int:
 
 
 def _open_streams() -> None:
-    """What was closed leads nowhere: a file opened later must not take its number."""
+    """Open closed standard streams to nowhere, so that a file opened later does not take their number."""
     for number in range(3):
         try:
             os.fstat(number)
@@ -106,7 +106,7 @@ def _open_streams() -> None:
 
 
 class _Pipe(io.FileIO):
-    """A pipe that counts the bytes its reader's side has taken."""
+    """A pipe that counts the bytes that its reader has taken."""
 
     bytes = 0
 
@@ -129,7 +129,7 @@ def _count_what_is_read() -> _Pipe | None:
 
 
 def _let_go() -> None:
-    """What cannot be written out any more is not tried again when Python ends, which would say so."""
+    """Drop output that cannot be written, so that Python does not try again, and complain, when it ends."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

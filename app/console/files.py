@@ -1,4 +1,4 @@
-"""Writing files whole: a reader sees the old file or the new one, never half of it."""
+"""Atomic writing of files: a reader sees the old file or the new one, never half of it."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from nav_model.errors import InputError
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[BinaryIO]:
-    """A draft beside `target` that takes its place when the block ends well, and vanishes when it does not.
+    """A temporary file beside `target` that replaces it if the block succeeds, and is deleted otherwise.
 
-    Where `target` is a link, the file it leads to is replaced. A device or a pipe, such as /dev/null, is written to.
+    Where `target` is a link, its target is replaced. A device or a pipe, such as /dev/null, is written to.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
 
 @contextmanager
 def _told_of(target: Path) -> Iterator[None]:
-    """Faults of writing there as `whole_file` raises them."""
+    """Convert faults of writing to the errors of `whole_file`."""
     try:
         yield
     except BrokenPipeError:
@@ -62,6 +62,6 @@ def _told_of(target: Path) -> Iterator[None]:
 
 
 def put_file(target: Path, data: bytes) -> None:
-    """Write `data` to `target`, whole or not at all; raises as `whole_file`."""
+    """Write `data` to `target`, completely or not at all; raises as `whole_file`."""
     with whole_file(target) as file:
         file.write(data)

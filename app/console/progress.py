@@ -13,12 +13,12 @@ from app.work.run import Clock
 COMPILES = "preparing the simulator; its first use on a machine compiles it"
 """What a command says before it flies anything."""
 
-_QUIET_SECONDS = 5.0  # between lines where nobody watches a terminal
+_QUIET_SECONDS = 5.0  # between lines where standard error is not a terminal
 
 
 @contextmanager
 def show_progress() -> Iterator[Callable[[str, float], None]]:
-    """A function of what is being done and of the share done (0 to 1), which prints both with the time left."""
+    """A function of the activity and the share done (0 to 1), which prints both with the time left."""
     terminal = sys.stderr.isatty()
     clock, said = Clock(), -math.inf
 
@@ -29,7 +29,7 @@ def show_progress() -> Iterator[Callable[[str, float], None]]:
             return
         said = now
         line = clock.progress(what, share).words
-        # One piece: a command that is stopped says so on a line of its own.
+        # One piece: a command that is stopped reports it on a separate line.
         print(f"\r\x1b[K{line}" if terminal else f"{line}\n", end="", file=sys.stderr, flush=True)
 
     try:

@@ -1,7 +1,7 @@
-"""The bar on top of the page as the browser draws it: name, design, tabs, tools. What its buttons do is told to
-`app.dashboard.toolbar`.
+"""The bar on top of the page, drawn by the browser: name, design, tabs, tools. `app.dashboard.toolbar` handles its
+buttons.
 
-One component of our own: as widgets of the component library the same took a third of the time to the first view.
+It is one custom component: with widgets of the component library it took a third of the time to the first view.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _KINDS = {"toml": "application/toml", "html": "text/html", "pdf": "application/p
 
 
 class Bar(PlainScript):
-    """The bar; ``told`` is called with what a person does on it, a dict with the name of the deed under "do"."""
+    """The bar; ``told`` is called for each action of the user, with a dict that has the action's name under "do"."""
 
     named = param.String(doc="Name of the design, which a person can change here.")
     titles = param.List(default=[], doc="Of the tabs.")

@@ -1,4 +1,4 @@
-"""What the design is compared with: the value before the last change, a saved design, a file, or nothing."""
+"""The choice of comparison: the value before the last change, a saved design, a file, or nothing."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST = 100  # designs offered, the last saved first
 
 
 class ComparisonChoice(PlainScript):
-    """The line that names the compared design, clears it, and offers others."""
+    """The line with the compared design, a button to clear it, and others to choose."""
 
     compared = param.String(doc="Name of what is compared; empty: nothing.")
     saved = param.List(default=[], doc="Pairs of key and name of the saved designs.")

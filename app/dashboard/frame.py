@@ -1,4 +1,4 @@
-"""The frame around every page: one bar on top with tabs and tools, the design on the left."""
+"""The frame of every page: a bar on top with tabs and tools, the design on the left."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
 
 
 class Page(Protocol):
-    """What a tab must offer."""
+    """The interface of a tab's page."""
 
     def __panel__(self) -> pn.viewable.Viewable:
         """What is in view."""
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
 
 
 class Frame(pn.viewable.Viewer):
@@ -90,7 +90,7 @@ class Frame(pn.viewable.Viewer):
             tell_here(self._say)
             pn.state.on_session_destroyed(lambda _: session.close())
         if pn.state.location:
-            # What stands behind # reaches the server from the page only, before the page can be changed.
+            # The part of the address after # reaches the server only from the page, before the page can be changed.
             location = pn.state.location
             pn.state.onload(lambda: self._go_to(self._first_page(location)))
             location.param.watch(lambda event: self._go_to(event.new) if self._loaded else None, "hash")
@@ -118,7 +118,7 @@ class Frame(pn.viewable.Viewer):
         self._keep_soon()
 
     def _keep(self) -> None:
-        """Have the browser's tab keep what is in force, should the page be loaded again."""
+        """Have the browser's tab keep the current design, in case the page is reloaded."""
         base, link = self.session.lineage.base, self.session.link
         key = base.key if base else ""
         with pn.io.hold():
@@ -128,7 +128,7 @@ class Frame(pn.viewable.Viewer):
             self._toolbar.bar.link = to_share(link)
 
     def _come_back(self, link: str, base: str) -> None:
-        """Take up again what the browser's tab kept of this page before it was loaded again."""
+        """Restore what the browser's tab kept before this page was reloaded."""
         of_design, of_study, shown = link_parts(link)
         try:
             self.session.shown = display_of(shown).word
@@ -156,7 +156,7 @@ class Frame(pn.viewable.Viewer):
 
     @param.depends("session.presenting", watch=True)
     def _present(self) -> None:
-        """Leave the screen to the decision at hand, and come back."""
+        """Show only the current decision on the screen, or everything again."""
         self._shell.sidebar_open = not self.session.presenting
 
     def _say_width(self) -> None:
@@ -167,7 +167,7 @@ class Frame(pn.viewable.Viewer):
             self._told.object = f'<p class="quiet">{_SAID_OTHERWISE.format(display.said)}</p>'
 
     def _turned(self, event: Any) -> None:
-        """Show the page's place at once, and fill it in the next turn: nobody looks at another page meanwhile."""
+        """Show the page's empty place at once and fill it in the next turn of the event loop."""
         if leave := getattr(self._pages.get(event.old), "leave", None):
             leave()
         with pn.io.hold():
@@ -178,13 +178,13 @@ class Frame(pn.viewable.Viewer):
             if event.new not in self._pages:
                 self._places[event.new].objects = [html_pane(_SKELETON.format(SUBJECTS[event.new].title))]
         name, location = SUBJECTS[event.new].title.lower(), pn.state.location
-        # An address that led here stays as it is: a new one would cut off what Forward leads to.
+        # The address that opened this page stays as it is: a new one would clear the browser's Forward history.
         if location and not self._addressed and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
         in_turns([functools.partial(self._fill, event.new)])
 
     def _fill(self, index: int) -> None:
-        """Make a page that was turned to, or bring it up to date, and go to the place on it that was asked for."""
+        """Create or update the page that was chosen, and go to the requested place on it."""
         try:
             self._open_page(index)
         finally:  # a page that could not be made leaves its place empty
@@ -199,13 +199,13 @@ class Frame(pn.viewable.Viewer):
             go_to(wanted)
 
     def _first_page(self, location: Any) -> str:
-        """The page a link is for: what stands behind # unless the query says more."""
+        """The first page of a link: the name after #, unless the query decides."""
         if is_review_link(location.search):
             return "review"
         return str(location.hash) or ("suborbital" if self.session.study_link else "")
 
     def _lead_to(self, address: str) -> None:
-        """Turn to the page of an address, as if it had been called up."""
+        """Show the page of an address, as if it had been opened there."""
         location = pn.state.location
         if location and location.hash != f"#{address}":
             location.hash = f"#{address}"  # which leads there
@@ -213,7 +213,7 @@ class Frame(pn.viewable.Viewer):
             self._go_to(address)
 
     def _go_to(self, address: str) -> None:
-        """Turn to the page an address names, and to the place on it that may stand behind a hyphen."""
+        """Show the page that an address names, and the place on it that may follow a hyphen."""
         self._loaded = True
         name, _, self._wanted = (address.lstrip("#") or SUBJECTS[self._opening.page].title).partition("-")
         index = index_of(name)
@@ -269,7 +269,7 @@ class Frame(pn.viewable.Viewer):
         return page
 
     def _say(self, text: str, severity: str = "error", *, markup: bool = False) -> None:
-        """Tell the person something above the page; an empty text takes the last message away."""
+        """Show a message above the page; an empty text removes the last one."""
         said = text if markup else html.escape(text)
         self._notice.param.update(object=said, severity=severity, visible=bool(said), closed=False)
 

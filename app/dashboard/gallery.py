@@ -1,4 +1,4 @@
-"""Designs to start from: what each is about, whether it closes, and a button that opens it."""
+"""The example designs: description, verdict, and a button to open each."""
 
 from __future__ import annotations
 

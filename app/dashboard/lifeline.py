@@ -1,5 +1,5 @@
-"""What holds when the page loses its server or is loaded again: nothing on it pretends to be computed, the design
-comes back, and dark stays dark."""
+"""When the page loses its server or is reloaded: results are marked as not current, the design is restored, and dark
+mode is kept."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ THEME_COOKIE = "navbudget-theme"
 
 
 class Lifeline(PlainScript):
-    """Keeps the design in the browser's tab, gives it back to a page loaded again there, and says so when the server
-    is gone.
+    """Keeps the design in the browser's tab, restores it when the page is reloaded, and says when the server is gone.
 
     The tab forgets it when it is closed, or when somebody else logs in on it. A page that is opened, not loaded
     again, takes nothing back: it shows what its address says. ``come_back`` is called with what was kept: the texts

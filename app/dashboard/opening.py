@@ -1,7 +1,7 @@
-"""What a page knows of its browser when it is made: the tab its address names, dark or light, narrow or wide.
+"""What a new page knows of its browser: the tab in its address, dark or light, narrow or wide.
 
-A browser tells the server nothing of these, so a script in the page puts them into a cookie before it connects. Who
-takes no cookies gets the first tab, light and wide.
+A browser tells the server nothing of these, so a script in the page puts them into a cookie before it connects.
+Without cookies the page starts with the first tab, light and wide.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Opening(NamedTuple):
 
 
 def opening() -> Opening:
-    """Of the session that is being made."""
+    """The opening state of the session that is being made."""
     cookies = connecting_cookies()
     system, width, page = (*cookies.get(_COOKIE, "").split("."), "", "", "")[:3]
     chosen = cookies.get(THEME_COOKIE, system)

@@ -1,4 +1,4 @@
-"""Which finished studies go into the report: one to tick for each, and a word on those it would lack."""
+"""The choice of finished studies for the report, and a note on missing ones."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from app.subjects import STUDIES
 
 
 class ReportChoice:
-    """The studies a report may hold; every study of the design in force is ticked until a person unticks it."""
+    """The studies for a report; every study of the current design is ticked until the user unticks it."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
         self._unticked: set[str] = set()
 
     def chosen(self) -> dict[str, Any]:
-        """The findings to tell, by kind; those of another design too, so that the report says it leaves them out."""
+        """The findings to report, by kind; also those of another design, so that the report says that it omits
+        them."""
         return {kind: found for kind, found in self._session.findings.items() if kind not in self._unticked}
 
     def tick(self, kind: str, ticked: bool) -> None:
@@ -33,7 +34,7 @@ class ReportChoice:
         ]
 
     def lacking(self) -> str:
-        """What a report written now would lack, in words."""
+        """What a report written now would omit, in words."""
         left = [STUDIES[kind].study for kind, fits in self._fits().items() if not fits]
         said = [f"Not in the report, because they belong to another design: {', '.join(left)}."] if left else []
         if self._session.running:

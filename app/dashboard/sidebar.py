@@ -1,4 +1,4 @@
-"""The design on the left: what it is compared with, and its inputs section by section."""
+"""The design on the left: the comparison, and its inputs by section."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _FIRST_OPEN = (0, 1)  # IMU and GNSS: the question most people come with. The se
 
 
 class Sidebar(pn.viewable.Viewer):
-    """Every input of the design in force; a section's controls are made when it is first opened.
+    """Every input of the current design; a section's controls are made when it is first opened.
 
     Parameters
     ----------
@@ -119,12 +119,12 @@ class Sidebar(pn.viewable.Viewer):
         self._lead_to(start.address)
 
     def _count_invalid(self, *_: Any) -> None:
-        """Tell the pages how many boxes hold a text that is not in force."""
+        """Tell the pages how many boxes hold an invalid text."""
         self.session.invalid = sum(bool(control.error) for control in self._controls if isinstance(control, InputBox))
 
     @param.depends("session.adopted", watch=True)
     def _forget_invalid(self) -> None:
-        """A whole design took the place of another: no box keeps what was typed for the last, nothing is asked."""
+        """Clear invalid boxes and hide the first question after a whole design was replaced."""
         self._start.visible = self._asked.visible = False
         for control in self._controls:
             if isinstance(control, InputBox) and control.error:
@@ -137,7 +137,7 @@ class Sidebar(pn.viewable.Viewer):
                 control.explained = self.explained
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         before, self._shown = self._shown, budget.design
         for control in self._controls:
             if control.differs(before, self._shown):

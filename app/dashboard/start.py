@@ -1,4 +1,4 @@
-"""The first question on an empty start: what a person comes with, the inputs it takes, and the page that answers."""
+"""The first question of an empty start: the user's task, its inputs, and the page that answers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from app.upstream.plain_script import PlainScript
 
 
 class Start(NamedTuple):
-    """What a person comes with: where the answer is, what to do in a sentence, and the inputs it takes."""
+    """A task of the user: the page with its answer, one sentence of instruction, and its inputs."""
 
     address: str
     says: str

@@ -1,4 +1,4 @@
-"""What the buttons of the bar do: undo, files, link, reports, examples."""
+"""The actions of the bar's buttons: undo, files, link, reports, examples."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from nav_model.errors import InputError
 
 
 class Say(Protocol):
-    """Tells the person something above the page; ``markup`` is text unless it says otherwise."""
+    """Shows a message above the page; it is plain text unless ``markup`` says otherwise."""
 
     def __call__(self, text: str, severity: str = "error", *, markup: bool = False) -> None: ...
 
 
 class Toolbar(pn.viewable.Viewer):
-    """Everything that acts on the design as a whole.
+    """Actions on the design as a whole.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Toolbar(pn.viewable.Viewer):
         return self.bar
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         if self.bar.named != budget.design.name:
             self.bar.named = budget.design.name
 
@@ -140,7 +140,8 @@ class Toolbar(pn.viewable.Viewer):
 
         async def write() -> bytes:
             budget, findings, shown = self.session.budget, self._choice.chosen(), self.session.shown
-            # Told here, in a thread: what was found is large, its sections are not, and they travel to the worker.
+            # Sections are made here, in a thread: findings are large, their sections are small enough to send to the
+            # worker.
             study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
             return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study], None, shown)
 

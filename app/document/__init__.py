@@ -1,1 +1,1 @@
-"""What a page or a report is made of, as plain data, and its renderers."""
+"""The content of pages and reports as plain data, and its renderers."""

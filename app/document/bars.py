@@ -1,4 +1,4 @@
-"""Bars in pairs as HTML: a table that anybody can read, drawn by the browser without a canvas."""
+"""Pairs of bars as HTML: a table that screen readers can read, without a canvas."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ _STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8, 10, 15)
 def bars_html(chart: BarChart, total: str, was: BarChart | None = None) -> str:
     """A bar chart as a table with a bar in each cell.
 
-    Rows without anything to show are left out. The limit stands on the row called ``total`` alone; what ``was``
-    before stands as an outline.
+    Rows without values are omitted. Only the row ``total`` shows the limit; values before a change (``was``) are
+    outlines.
     """
     old = {bar.label: bar for bar in was.bars} if was else {}
     first, second = (_Scale(chart, was, kind) for kind in ("first", "second"))

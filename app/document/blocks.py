@@ -1,4 +1,4 @@
-"""What a report is made of: plain data that knows neither HTML nor PDF.
+"""The blocks of a report: plain data, independent of HTML and PDF.
 
 Every text is literal: renderers escape it. A mark such as ``[T-9]`` in a text is a reference to the equation of
 that mark. A `Cell`'s mark is a word set off from its text; it is always printed, so nothing hangs on colour.
@@ -9,14 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.charts.kinds import Drawing
-from nav_model.equations import Equation, Symbol
+from nav_model.equations.entry import Equation, Symbol
 
 
 @dataclass(frozen=True)
 class Cell:
     """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set.
 
-    ``sort`` is what a sorted table goes by in place of the text; an empty text puts the row last. ``value`` is what
+    ``sort`` replaces the text when the table is sorted; an empty text puts the row last. ``value`` is what
     a person chooses with the row (`Table.choose`).
     """
 
@@ -31,7 +31,7 @@ class Cell:
 class Column:
     """A column's head; ``width`` is its weight, 0 for as wide as its content.
 
-    Neighbours of one ``group`` stand under that as a common head.
+    Neighbours of one ``group`` share that as a head.
     """
 
     title: str
@@ -59,7 +59,7 @@ class Table:
 
 @dataclass(frozen=True)
 class ChartBlock:
-    """A chart with what it shows in words, for who cannot see it."""
+    """A chart with a description for screen readers."""
 
     key: str
     chart: Drawing
@@ -97,7 +97,7 @@ class Symbols:
 
 @dataclass(frozen=True)
 class Approval:
-    """Lines to sign on; ``subjects`` say what is signed for."""
+    """Lines for signatures; ``subjects`` say what is signed."""
 
     roles: tuple[str, ...]
     subjects: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Charts as blocks of a report, each with what it shows in words."""
+"""Charts as blocks of a report, each with a description in words."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from app.document.blocks import ChartBlock
 
 
 def chart_block(chart: Drawing, key: str) -> ChartBlock:
-    """A chart with its description; what has nothing to show leaves no trace, not even in the legend."""
+    """A chart with its description; series without values are removed, also from the legend."""
     if isinstance(chart, Chart):
         chart = _with_something_to_show(chart)
     return ChartBlock(f"{key}-chart-{chart.key}", chart, f"{chart.title}. {in_words(chart)} {chart.knowledge}")

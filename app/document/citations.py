@@ -18,7 +18,7 @@ def marks_in(sections: Iterable[Section]) -> set[str]:
 
 
 def _texts(thing: Any) -> Iterator[str]:
-    """Every string in a tree of dataclasses and tuples; of arrays there is nothing to read."""
+    """Every string in a tree of dataclasses and tuples; arrays are skipped."""
     if isinstance(thing, str):
         yield thing
     elif isinstance(thing, ChartBlock):

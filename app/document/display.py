@@ -1,4 +1,4 @@
-"""The one rule of display choices: how wide a figure is told, and in which units. Verdicts do not follow it.
+"""Display choices: the spread and the units in which figures are shown. Verdicts do not depend on them.
 
 A figure is a standard deviation of one axis. A horizontal position has two equal axes: a percentage is a radius,
 by the Rayleigh distribution, and CEP is the radius that holds half. Other figures have no CEP: they stay at 1σ.
@@ -28,7 +28,7 @@ _SI_UNITS = {"length": "m", "speed": "m/s", "angle": "rad", "time": "s"}
 
 @dataclass(frozen=True)
 class Display:
-    """How figures are told: one of `SPREADS`, and one of `UNITS`.
+    """How figures are shown: one of `SPREADS`, and one of `UNITS`.
 
     Examples
     --------
@@ -47,15 +47,15 @@ class Display:
         return two if pair else one
 
     def named(self, *, pair: bool = False) -> str:
-        """What is told, such as "2σ" or "CEP"."""
+        """The spread shown, such as "2σ" or "CEP"."""
         return self.spread if pair or self.spread != "CEP" else "1σ"
 
     def show(self, sigma: float, dimension: str, *, pair: bool = False) -> str:
-        """A standard deviation [SI] as it is told."""
+        """A standard deviation [SI] as it is shown."""
         return self.plain(self.factor(pair=pair) * sigma, dimension)
 
     def plain(self, value: float, dimension: str) -> str:
-        """What is no standard deviation, such as a width [SI], as it is told."""
+        """What is no standard deviation, such as a width [SI], as it is shown."""
         return self.in_si(value, dimension) if self.units == SI else show(value, dimension)
 
     @staticmethod
@@ -64,8 +64,8 @@ class Display:
         return f"{number(value, given=given)} {_SI_UNITS[dimension]}"
 
     def timeline(self, chart: Chart) -> Chart:
-        """A chart of standard deviations over time as it is told; each limit is scaled with its curves, so that they
-        cross where they did."""
+        """A chart of standard deviations over time as it is shown; limits are scaled with their curves, so that
+        crossings stay."""
         if self == ONE_SIGMA:
             return chart
         turned = self.units == SI and chart.y_label.endswith("[°]")
@@ -103,7 +103,7 @@ class Display:
         )
 
     def bars(self, chart: BarChart) -> BarChart:
-        """Phases by source as they are told; limits scaled with them."""
+        """Phases by source as they are shown; limits scaled with them."""
         if self == ONE_SIGMA:
             return chart
         k, label = self.factor(), chart.x_label.replace("1σ", self.named())
@@ -134,7 +134,7 @@ class Display:
 
     @property
     def word(self) -> str:
-        """As links and the browser keep it; empty for the usual one."""
+        """The choice in links and in the browser's memory; empty for the default."""
         if self == ONE_SIGMA:
             return ""
         return _SPREADS[self.spread][0] + (".si" if self.units == SI else "")

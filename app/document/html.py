@@ -99,7 +99,7 @@ def _height(chart: AnyChart) -> int:
 def _library() -> str:
     """BokehJS itself, without the widgets and tables a report has no use for.
 
-    Its text, not its rendered tags: in a process that serves pages, those would name the server's own files.
+    The script's text, not rendered tags: in a serving process these would refer to the server's own files.
     """
     scripts = Resources(mode="inline", components=["bokeh"]).js_raw
     return "\n".join(f'<script type="text/javascript">\n{script}\n</script>' for script in scripts)
@@ -127,7 +127,7 @@ def _math(report: Report) -> dict[str, Markup]:
 
 @cache
 def mathml(items: tuple[tuple[str, bool], ...]) -> tuple[str, ...]:
-    """Typst math, each with whether it stands as a block of its own -> MathML."""
+    """MathML of Typst math; each item says whether it is a separate block."""
     data = json.dumps([{"math": math, "block": block} for math, block in items], ensure_ascii=False)
     page = typst.compile(_TYPST_MATH.encode(), format="html", sys_inputs={"items": data}).decode()
     # A browser without a mathematical font leaves out the sign of a root, which makes the equation a wrong one.

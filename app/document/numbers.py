@@ -103,7 +103,7 @@ def signed_decibels(value: float) -> str:
 
 
 def hundredths(value: float, sign: str = "-") -> str:
-    """What is read to a hundredth whatever its size, such as decibels; no minus before a zero.
+    """A number with two decimals, such as decibels; no minus before a zero.
 
     >>> hundredths(-0.001), hundredths(-13.264), hundredths(0.15, sign="+")
     ('0.00', '−13.26', '+0.15')

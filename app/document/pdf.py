@@ -36,10 +36,10 @@ def to_pdf(report: Report) -> bytes:
 
 
 def _compiled(root: Path, written: datetime) -> bytes:
-    """The page as PDF. What the wheel's faces cannot show, a name in Chinese say, is looked for in the system's.
+    """The page as PDF. Characters that the wheel's fonts lack, such as Chinese, are taken from the system's fonts.
 
-    Where they cannot show it either, a box stands in its place and the file makes no claim to PDF/UA-1, which
-    forbids boxes (and private code points).
+    If these lack them too, a box is shown and the file does not claim PDF/UA-1, which forbids boxes (and private code
+    points).
     """
     tries: tuple[tuple[bool, Literal["ua-1"] | None], ...] = ((False, "ua-1"), (True, "ua-1"), (True, None))
     for system_fonts, standard in tries:

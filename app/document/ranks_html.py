@@ -1,4 +1,4 @@
-"""Rows of dots and bands as HTML: a ranking that anybody can read, drawn by the browser without a canvas."""
+"""Rows of dots and bands as HTML: a ranking that screen readers can read, without a canvas."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _COMING = "after the runs"
 def ranks_html(chart: DotChart, notes: Mapping[str, str], best: str) -> str:
     """A dot chart as a table with a bar in each row, on a logarithmic axis.
 
-    ``notes``: label -> what stands small beside it; ``best``: the label that is marked.
+    ``notes``: label -> small text beside it; ``best``: the label that is marked.
     """
     scale = _Scale(chart)
     rows = "".join(

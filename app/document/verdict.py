@@ -1,4 +1,4 @@
-"""How a verdict and its checks are said: on a page, in a report, by the command, in the library."""
+"""Verdicts and their checks in words, for pages, reports, the command and the library."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def met_cell(check: Check) -> Cell:
 def requirement_quantity(design: Design, check: str, value: float, *, given: bool = False) -> str:
     """A value [SI] of a check in the unit its requirement is written in.
 
-    The along-track phase has the unit of the quadratic phase, whose limit it is held against.
+    The along-track phase has the unit of the quadratic phase, whose limit applies to it.
     """
     key = f"requirements.{FIGURES[check]}"
     if declaration_of(key).dimension == "level" and value <= NOTHING:
@@ -128,7 +128,7 @@ def verdicts_in_short(budget: Budget) -> dict[str, str]:
     """Real time and post-processed, each with its mark and its least margin, as a switch names them -> the mode."""
     tightest, chosen = budget.verdict.tightest, budget.verdict.processing
     margins = {chosen: None if tightest is None else tightest.margin}
-    with suppress(InputError):  # no figures come of it; the design in force has some
+    with suppress(InputError):  # no figures come of it; the current design has some
         margins[POST_PROCESSED if chosen == REAL_TIME else REAL_TIME] = budget.other_margin
 
     def said(mode: str) -> str:

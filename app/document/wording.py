@@ -1,4 +1,4 @@
-"""What designs, chapters and shares are called."""
+"""Names of designs, chapters and shares."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ _WHEN_EMPTY = {
 
 
 def when_empty(key: str) -> str:
-    """What holds where an input is not given: a requirement is not checked, a velocity noise means no velocity."""
+    """The meaning of an input that is not given: a requirement is not checked, no velocity noise means no velocity
+    fixes."""
     return "not checked" if key.startswith("requirements.") else _WHEN_EMPTY.get(key, "none")
 
 
@@ -52,7 +53,7 @@ def identified(design: Design) -> str:
 
 
 def printable(text: str) -> str:
-    """A text without control characters and byte-order marks, which no face can show; line breaks stay."""
+    """A text without control characters and byte-order marks, which no font can show; line breaks stay."""
     kept = (" " if unicodedata.category(sign) == "Cc" and sign != "\n" else sign for sign in text)
     return "".join(kept).replace("\ufeff", "")
 
@@ -68,7 +69,7 @@ def labelled(label: str, name: str) -> str:
 
 
 def design_labels(count: int) -> list[str]:
-    """What designs are called beside one another; one alone has no label."""
+    """Labels of designs in a comparison; a single design has none."""
     return [""] if count == 1 else [f"D{i}" for i in range(1, count + 1)]
 
 

@@ -1,4 +1,4 @@
-"""The database under a library: SQLite in a file, or PostgreSQL; and what its faults are called to a person."""
+"""The database of a library: SQLite in a file, or PostgreSQL; and messages for its faults."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 from nav_model.errors import InputError, shown
 
-_WAIT = 15.0  # seconds a writer waits for another before it is told
+_WAIT = 15.0  # seconds that a writer waits for another before it gets an error
 _POSTGRESQL = {
     "connect_timeout": 5,
     "tcp_user_timeout": 15_000,
@@ -73,10 +73,10 @@ def is_read_only(engine: Engine) -> bool:
 
 
 def _is_read_only(path: Path) -> dict[str, str]:
-    """How to open a file that can only be read; nothing for one that can be written, or is not there yet.
+    """How to open a read-only file; nothing for one that can be written, or does not exist yet.
 
-    A write-ahead log needs files beside the database to be read as well; where they cannot be made and none is
-    there, nobody writes, and the file may be taken as it is.
+    A write-ahead log needs files beside the database to be read as well; if they cannot be made and none exists,
+    nobody writes, and the file can be read as it is.
     """
     own = {"effective_ids": True} if os.access in os.supports_effective_ids else {}
     if not path.exists() or (os.access(path, os.W_OK, **own) and os.access(path.parent, os.W_OK, **own)):
@@ -90,7 +90,7 @@ def _set_up_to_read(connection: Any, _: Any) -> None:
 
 
 def _set_up(connection: Any, _: Any) -> None:
-    """SQLite: durable when a save returns; transactions begin where we say and not where the driver guesses."""
+    """Set up SQLite: durable when a save returns; transactions begin explicitly, not where the driver guesses."""
     connection.isolation_level = None
     for setting in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON"):
         connection.execute(f"PRAGMA {setting}")
@@ -103,7 +103,7 @@ def _begin(connection: Connection) -> None:
 
 @contextmanager
 def said(message: str) -> Iterator[None]:
-    """A fault of the database as a message for a person, its reason put in.
+    """Turn a fault of the database into a message for the user, with its reason.
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""A library as files: a zip with one TOML per revision and a list of who saved what; and back.
+"""Export and import of a library: a zip with one TOML file per revision and a list of who saved what.
 
-Nothing of an archive is ever unpacked to the disk, and no size it states is believed.
+Archives are never unpacked to the disk, and the sizes they state are not trusted.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _MAX_PARTS = 50 * _MAX_FILES  # objects, lists and what is in them
 _QUOTED = re.compile(r'"(?:[^"\\]++|\\.?)*+"?', re.DOTALL)
 _FORMAT = 1
 _TOLD = ("name", "author", "note", "saved")  # by whoever saved a revision
-_KEPT = ("file", *_TOLD)  # of the list, by an import; the rest is worked out anew
+_KEPT = ("file", *_TOLD)  # of the list, by an import; the rest is recomputed
 _JUDGED = ("content_hash", "verdict", "product")
 
 
@@ -75,9 +75,9 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
 def import_archive(library: Library, data: bytes, author: str) -> Imported:
     """Add what an archive of `export_archive` holds, or any zip of design files: all of it or nothing.
 
-    A design whose revisions are already here, text for text, is left alone. Every revision is judged anew; names
-    and dates of an archive are kept, marked as imported. A file outside the list becomes a design of its own,
-    saved by `author`.
+    A design whose revisions are already here, with equal texts, is skipped. Every revision is judged anew; names
+    and dates of an archive are kept, marked as imported. A file that is not in the list becomes a new design, saved
+    by `author`.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def _read(file: IO[bytes], path: str, left: int) -> bytes:
 
 
 def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[str, ...]]]:
-    """The list's rows and tags by design; the list itself leaves `files`."""
+    """The list's rows and tags by design; removes the list from `files`."""
     if _LIST not in files:
         return []
     try:

@@ -1,5 +1,4 @@
-"""Which library this process uses. It is opened when somebody first asks for it: a visitor who only looks at a
-budget needs none."""
+"""The library of this process. It is opened at the first use, as a visitor who only looks at a budget needs none."""
 
 from __future__ import annotations
 
@@ -14,7 +13,7 @@ _library: Library | None = None
 
 
 def default_address() -> Path:
-    """The library of a person who named none: a file in the user's data folder."""
+    """The default library: a file in the user's data folder."""
     from platformdirs import user_data_path
 
     return user_data_path("navbudget", appauthor=False) / "library.db"
@@ -30,9 +29,9 @@ def use_library(address: str) -> None:
 
 
 def look_at(address: str) -> str:
-    """What is to be said of a library before anybody uses it: that it can only be read; empty if nothing is.
+    """A caution about a library before its first use: that it is read-only; empty if there is none.
 
-    The default address is looked at only if something is there: nothing is written before somebody needs it.
+    The default address is checked only if a file exists, so that nothing is written before it is needed.
 
     Raises
     ------

@@ -1,9 +1,9 @@
-"""Reviews: a frozen set of revisions, what people say about it, what they decide, and the signature under it.
+"""Reviews: a frozen set of revisions, comments, decisions, and a signature.
 
 A review holds revisions (which never change) by key, content hash and the hash of their text, with the version of
 the program it was opened with. Comments and decisions are only ever added; the latest decision on a requirement
-counts. Signing seals the whole content with a SHA-256 and signs that (`app.library.seal`); after that nothing is
-taken any more, and a change made behind the library's back is found when the review is read.
+counts. Signing seals the whole content with a SHA-256 and signs that (`app.library.seal`); after that it cannot be
+changed, and a change made directly in the database is found when the review is read.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Item:
 
 @dataclass(frozen=True)
 class Comment:
-    """What somebody said; ``subject`` is a dotted input, a result's name, or empty for the design as a whole."""
+    """A comment; ``subject`` is a dotted input, a result's name, or empty for the design as a whole."""
 
     number: int
     place: int
@@ -55,7 +55,7 @@ class Comment:
 
 @dataclass(frozen=True)
 class Decision:
-    """Accept or reject of one requirement; ``figure`` is value and limit as they stood."""
+    """Acceptance or rejection of one requirement; ``figure`` is value and limit at that time."""
 
     number: int
     place: int
@@ -69,7 +69,7 @@ class Decision:
 
 @dataclass(frozen=True)
 class Review:
-    """A review. ``version`` counts what was added; ``doubt`` is why hashes, seal or signature do not hold, if so."""
+    """A review. ``version`` counts additions; ``doubt`` says why hashes, seal or signature are not valid, if so."""
 
     id: str
     title: str
@@ -89,11 +89,11 @@ class Review:
 
     @property
     def intact(self) -> bool:
-        """Whether it is what was frozen, and signed if it is."""
+        """Whether it is unchanged since it was frozen, and its signature, if any, is valid."""
         return not self.doubt
 
     def standing(self, place: int, requirement: str) -> Decision | None:
-        """The decision in force on a requirement of an item."""
+        """The latest decision on a requirement of an item."""
         own = [d for d in self.decisions if (d.place, d.requirement) == (place, requirement)]
         return own[-1] if own else None
 
@@ -106,7 +106,7 @@ class Review:
         ]
 
     def open_points(self) -> list[tuple[int, str]]:
-        """Those of `points` nobody has decided on yet."""
+        """Those of `points` without a decision."""
         return [point for point in self.points() if self.standing(*point) is None]
 
     def met(self, place: int, requirement: str) -> bool:
@@ -115,12 +115,12 @@ class Review:
         return next(check.met for check in checks if check.name == requirement)
 
     def waivers(self) -> list[Decision]:
-        """The decisions in force that accept what is not met; each has a reason."""
+        """The latest decisions that accept an unmet requirement; each has a reason."""
         made = (self.standing(*point) for point in self.points())
         return [own for own in made if own is not None and own.accepted and not self.met(own.place, own.requirement)]
 
     def rejected(self) -> list[tuple[int, str]]:
-        """Those of `points` whose decision in force is no."""
+        """Those of `points` whose latest decision is a rejection."""
         return [point for point in self.points() if (made := self.standing(*point)) is not None and not made.accepted]
 
 
@@ -190,7 +190,7 @@ def load_review(library: Library, review: str) -> Review:
 
 
 def version_of(library: Library, review: str) -> int:
-    """How much was added to a review so far; 0 for one that is not there."""
+    """Number of additions to a review so far; 0 for one that does not exist."""
     with library.read() as connection:
         found = connection.execute(
             text("SELECT version FROM reviews WHERE id = :review"), {"review": review}
@@ -199,7 +199,7 @@ def version_of(library: Library, review: str) -> int:
 
 
 def add_comment(library: Library, review: str, place: int, subject: str, author: str, comment: str) -> Review:
-    """Say something about an input (dotted key), a result (its name) or, with an empty subject, the whole.
+    """Comment on an input (dotted key), a result (its name) or, with an empty subject, the whole design.
 
     Raises
     ------
@@ -219,10 +219,10 @@ def decide(
     library: Library, review: str, place: int, requirement: str, accepted: bool, author: str, reason: str = "",
     *, figure: str = "", seen: int | None = None,
 ) -> Review:  # fmt: skip
-    """Accept or reject a requirement of an item. A rejection says why, and so does the acceptance of what is not met,
-    a waiver. The latest decision counts.
+    """Accept or reject a requirement of an item. A rejection needs a reason, and so does a waiver, the acceptance of
+    an unmet requirement. The latest decision counts.
 
-    `seen` is the number of the decision in force that the decider has before them, 0 for none; None takes any.
+    `seen` is the number of the latest decision on the user's screen, 0 for none; None accepts any.
 
     Raises
     ------
@@ -240,7 +240,7 @@ def decide(
 
 
 def sign(library: Library, review: str, author: str, seen: int) -> Review:
-    """Close a review for good. `seen` is the version the signer has before them.
+    """Sign a review, which closes it. `seen` is the version on the signer's screen.
 
     Raises
     ------
@@ -301,7 +301,7 @@ def _add(library: Library, review: str, table: str, row: dict[str, Any], seen: i
 
 
 def _touch(connection: Connection, review: str) -> None:
-    """Take the review for this transaction; a signed one is not given."""
+    """Lock the review for this transaction; refuses a signed one."""
     taken = None
     if "\0" not in review:
         taken = connection.execute(
@@ -345,7 +345,7 @@ def _assembled(
     decision_rows: Sequence[dict[str, Any]],
     found: Mapping[str, Revision],
 ) -> Review:
-    """A review of its rows, in the order they count, and the revisions its items name."""
+    """A review from its rows, in order, and the revisions that its items name."""
     items = tuple(Item(row["place"], _key(row), row["content_hash"], row["text_hash"]) for row in item_rows)
     revisions = tuple(found[item.key] for item in items)
     for row in (*comment_rows, *decision_rows):
@@ -379,7 +379,7 @@ _SEALED_OF_REVISIONS = ("name", "author", "note", "saved", "origin")  # the text
 
 
 def _seal(review: Review) -> str:
-    """SHA-256 over everything a signature stands under, except the seal itself."""
+    """SHA-256 over everything that is signed, except the seal itself."""
     content = {name: value for name, value in asdict(review).items() if name not in _NOT_SEALED}
     content["revisions"] = [{name: getattr(own, name) for name in _SEALED_OF_REVISIONS} for own in review.revisions]
     return _sha256(json.dumps(content, sort_keys=True, ensure_ascii=False))

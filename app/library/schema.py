@@ -1,4 +1,4 @@
-"""The tables, as numbered steps from nothing to now.
+"""The tables of the database, as numbered migration steps.
 
 The steps are a list in one file and not Alembic's folder of scripts: there are a handful of tables, every step
 is plain SQL that SQLite and PostgreSQL both take, libraries migrate by themselves when opened (nobody runs a
@@ -89,7 +89,7 @@ _LOCK = 0x6E6176  # of PostgreSQL: one process migrates, the others wait
 
 
 def version_of(connection: Connection) -> int:
-    """The version of the tables that are there; 0 for an empty database. Writes nothing.
+    """The version of the existing tables; 0 for an empty database. Writes nothing.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def version_of(connection: Connection) -> int:
 
 
 def is_current(version: int) -> bool:
-    """Whether there is nothing to bring up."""
+    """Whether no migration is needed."""
     return version == len(STEPS)
 
 

@@ -1,8 +1,8 @@
-"""The signature under a review: Ed25519, with a key that the database does not hold.
+"""The signature of a review: Ed25519, with a key outside the database.
 
 A plain hash shows a change, but whoever can write the database can compute it anew. A signature can be made only
-with the key. It promises that a review is as it was signed by a NavBudget that had this key; it does not promise who
-sat in front of it, nor anything against somebody who can read the key's file.
+with the key. It promises that a review is as it was signed by a NavBudget that had this key; it does not prove who
+the user was, and does not protect against somebody who can read the key's file.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def check_key(path: Path) -> None:
 
 
 def signature_of(seal: str) -> str:
-    """The signature under a seal: kind, public key and signature.
+    """The signature of a seal: kind, public key and signature.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def signature_of(seal: str) -> str:
 
 
 def doubt_about(seal: str, signature: str | None) -> str:
-    """Why a signature does not hold under a seal; empty if it does."""
+    """Why a signature of a seal is not valid; empty if it is."""
     from cryptography.exceptions import InvalidSignature
 
     if not signature:

@@ -1,8 +1,8 @@
 """Designs and their revisions. A revision is never changed or removed; saving adds one.
 
 Every write is one transaction that is on the disk before the call returns (SQLite: write-ahead log, synchronous
-FULL). Two people who save the same design are told apart by the revision each started from: the second gets
-`Conflict` and loses nothing.
+FULL). If two people save the same design, the second, whose base is no longer the latest revision, gets `Conflict`
+and loses nothing.
 """
 
 from __future__ import annotations
@@ -50,10 +50,10 @@ class Saved:
 
 @dataclass(frozen=True)
 class Revision:
-    """One revision: the design file's text, who saved it when and why, its hash, and its verdict as of then.
+    """One revision: the design file's text, author, date and note, its hash, and its verdict at that time.
 
-    ``saved`` is ISO 8601 in UTC, ``product`` the version of the program that judged it, ``origin`` is "import"
-    when author and date are what a file said and not what this library saw.
+    ``saved`` is ISO 8601 in UTC, ``product`` the version of the program that judged it, ``origin`` is "import" when
+    author and date come from a file.
     """
 
     design: str
@@ -75,11 +75,11 @@ class Revision:
         return f"{self.design}.{self.number}"
 
     def budget(self) -> Budget:
-        """The revision worked out by this version of the program."""
+        """The budget of the revision, computed by this version of the program."""
         return _worked_out(self.text, f"revision {self.number} of {self.name!r}")
 
     def checks(self) -> tuple[str, ...]:
-        """Names of the requirements its verdict holds it against, without working it out."""
+        """Names of the checks of its verdict, without computing it."""
         return _checks(self.text, f"revision {self.number} of {self.name!r}")
 
 
@@ -120,7 +120,7 @@ class Library:
                     migrate(connection)
 
     def close(self) -> None:
-        """Let go of the file or the connections."""
+        """Close the file or the connections."""
         self.engine.dispose()
 
     @contextmanager
@@ -130,7 +130,7 @@ class Library:
 
     @contextmanager
     def write(self) -> Iterator[Connection]:
-        """A transaction that writes: whole or not at all.
+        """A transaction that writes, completely or not at all.
 
         Raises
         ------
@@ -185,7 +185,7 @@ class Library:
         return wanted
 
     def archive(self, design: str, archived: bool = True) -> None:
-        """Put a design out of sight, or back."""
+        """Archive a design, or restore it."""
         with self.write() as connection:
             _existing(connection, design)
             connection.execute(
@@ -256,7 +256,7 @@ def now() -> str:
 
 
 def new_id() -> str:
-    """An id nobody can guess or has used."""
+    """A new id that cannot be guessed."""
     return secrets.token_hex(8)
 
 
@@ -279,7 +279,7 @@ def find(connection: Connection, key: str) -> Revision:
 
 
 def put_tags(connection: Connection, design: str, tags: Iterable[str]) -> None:
-    """Add tags to a design that has none of them."""
+    """Add tags that a design does not have yet."""
     for tag in tags:
         connection.execute(text("INSERT INTO tags VALUES (:design, :tag)"), {"design": design, "tag": tag})
 
@@ -296,7 +296,7 @@ def put_history(connection: Connection, design: str, history: Sequence[Revision]
 
 
 def revision_from_file(data: bytes | str, where: str, author: str, note: str, saved: str, name: str = "") -> Revision:
-    """A revision as a file brings it, judged by this program; it has no place in a library yet.
+    """A revision from a file, with the verdict of this program; it is not in a library yet.
 
     Raises
     ------

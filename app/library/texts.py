@@ -1,6 +1,6 @@
-"""What people type, made safe to keep: bounded, one meaning on every database, nothing invisible.
+"""Cleans user texts for storage: limited in length, the same on every database, no invisible characters.
 
-Markup is kept as it is; whoever shows a text escapes it.
+Markup is kept as it is and escaped where a text is shown.
 """
 
 from __future__ import annotations
@@ -68,10 +68,10 @@ def clean_tags(text: str) -> tuple[str, ...]:
 
 
 def moment(stamp: str | None) -> str:
-    """A moment of the library as people read it."""
+    """A date of the library in readable form."""
     return f"{stamp[:10]} {stamp[11:16]} UTC" if stamp else ""
 
 
 def counted(number: int, thing: str) -> str:
-    """So many of a thing whose plural takes an s."""
+    """A count with its noun, such as "2 designs"."""
     return f"{number} {thing}{'' if number == 1 else 's'}"

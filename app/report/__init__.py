@@ -25,9 +25,9 @@ def report_bytes(
 ) -> bytes:
     """The report as the bytes of a file of `kind`, one of `SUFFIXES`; pages have it made in a worker process.
 
-    Sections `added` come before the shared ones; `studies` are `app.report.studies.study_sections` for each budget,
-    which go into its chapter; ``front`` is the first page; ``shown`` how figures of
-    the budget are told, as a link says it (`app.document.display`).
+    Sections `added` are placed before the shared ones; `studies` are `app.report.studies.study_sections` for each
+    budget, which go into its chapter; ``front`` is the first page; ``shown`` how figures of the budget are told, as a
+    link says it (`app.document.display`).
     """
     from app.document.display import display_of
     from app.report.content import report_of

@@ -1,4 +1,4 @@
-"""What a careful reader must know of a budget, for its page and its report."""
+"""Cautions and assumptions of a budget, for its page and its report."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _FIGURES = {
 
 
 def caution_list(budget: Budget) -> Bullets:
-    """What is doubtful about this budget: inputs that are not confirmed, then what the model says of itself."""
+    """Cautions about this budget: inputs that are not confirmed, then those of the model."""
     doubtful = doubtful_inputs(budget.design)
     first = (f"Not confirmed at the source: {', '.join(doubtful)}.",) if doubtful else ()
     return Bullets((*first, *cautions(budget)), "Cautions")
 
 
 def assumption_list(budget: Budget) -> Bullets:
-    """What every budget assumes, and what its requirements are checked against."""
+    """The assumptions of every budget, and which figures its requirements limit."""
     requirements, gnss, processing = budget.design.requirements, budget.design.gnss, budget.design.processing
     noise = "with white noise from fix to fix [T-2]"
     if gnss.correlated:

@@ -1,4 +1,4 @@
-"""`report`: designs, and studies of them, on paper."""
+"""The command `report`: a report on designs and their studies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A report's content: one source for HTML and PDF. What a subject has to say it says itself (`app.subjects`)."""
+"""The content of a report, the same for HTML and PDF. Each subject supplies its sections (`app.subjects`)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from app.report.inputs import input_table
 from app.subjects import BY_KEY
 from nav_model.budget import Budget
 from nav_model.design.file import format_design
-from nav_model.equations import REFERENCES, with_cited
+from nav_model.equations import with_cited
+from nav_model.equations.literature import REFERENCES
 
 _REPORT = "Navigation error budget"
 

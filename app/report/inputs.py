@@ -65,7 +65,7 @@ def doubtful_inputs(design: Design) -> list[str]:
 
 
 def sourced_value(design: Design, section: str, name: str) -> SourcedValue | None:
-    """The catalogue's value behind an input, if that is the value in force."""
+    """The catalogue's value behind an input, if that is the current value."""
     entry = entry_of(design, section)
     if entry is None or name in deviations(design, section):
         return None

@@ -1,6 +1,6 @@
-"""What long studies found, as sections of a design's report.
+"""Results of long studies, as sections of a design's report.
 
-A finding is what a page or a command has once its study is finished. The report module of its subject
+A finding is the result of a finished study, from a page or a command. The report module of its subject
 (`app.subjects.STUDIES`) says whether it belongs to a design and makes its sections, which are plain data and travel
 to a worker.
 """
@@ -16,7 +16,7 @@ from nav_model.design import Design
 
 
 def study_sections(findings: Mapping[str, Any], design: Design, key: str) -> tuple[Section, ...]:
-    """The sections of the findings that belong to a design, and a word on those that do not.
+    """The sections of the findings that belong to a design, and a note on those that do not.
 
     findings: subject's key -> finding. key: what the keys of the design's sections begin with.
     """
@@ -39,7 +39,7 @@ def study_sections(findings: Mapping[str, Any], design: Design, key: str) -> tup
 
 
 def belonging(findings: Mapping[str, Any], design: Design) -> dict[str, bool]:
-    """Key of each finding at hand, and whether the report of a design would tell it."""
+    """Key of each finding, and whether the report of a design would include it."""
     return {
         kind: subject.load("report").belongs(findings[kind], design)
         for kind, subject in STUDIES.items()

@@ -1,1 +1,1 @@
-"""Serving a team: who may enter, how much a visitor may use, and what the operator sees."""
+"""The server: access, limits, logs and metrics."""

@@ -1,4 +1,4 @@
-"""Who may enter: a page to log in on, drawn by this product and fetching nothing, in front of Panel's own checks."""
+"""Access control: our own login page, without external resources, in front of Panel's checks."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def plain_page(title: str, text: str, **more: Any) -> str:
 
 
 class PasswordLogin(CookieForThisSite):
-    """The page to log in on; a name and a password against the file."""
+    """The login page: checks a name and a password against the file."""
 
     passwords: Passwords
     logins: Logins
@@ -70,7 +70,7 @@ class PasswordLogin(CookieForThisSite):
         self.redirect(wanted)
 
     def _try(self, peer: str, name: str, password: str) -> tuple[bool, str | None]:
-        """Whether it is too early for another try, and the secret of the login if the password fits."""
+        """Whether there were too many tries, and the secret of the login if the password is right."""
         of_peer, of_account = f"from {peer}", f"for {name}"
         if self.logins.too_many(of_peer) or self.logins.too_many(of_account):
             return True, None
@@ -81,7 +81,7 @@ class PasswordLogin(CookieForThisSite):
         return False, self.logins.begin(name, mark, 24 * config.oauth_expiry)
 
     def _next(self, wanted: str) -> str:
-        """Where to go afterwards, on this host only."""
+        """The address to go to afterwards, on this host only."""
         # Browsers take a backslash for a slash, and leave out tabs and ends of lines.
         if not wanted.startswith("/") or wanted.startswith("//") or "\\" in wanted or not wanted.isprintable():
             raise HTTPError(400, "next must be a path on this server")
@@ -96,7 +96,7 @@ class Goodbye(LogoutHandler):
     """Log out."""
 
     def get(self) -> None:
-        """Forget the visitor, and end the login for every copy of its cookie."""
+        """Delete the cookie, and end the login for every copy of it."""
         secret = self.get_secure_cookie(_LOGIN, max_age_days=config.oauth_expiry)
         if secret is not None:
             PasswordLogin.logins.end(secret.decode("utf-8"))
@@ -145,7 +145,7 @@ class PasswordProvider(BasicAuthProvider):
 
 
 def provider_of(rules: Rules) -> dict[str, Any]:
-    """What the server must be told for access control; nothing if everybody may enter."""
+    """The server's options for access control; empty if there is none."""
     config.cookie_secret = rules.cookie_secret
     config.oauth_expiry = rules.login_hours / 24
     if rules.password_file is not None:
@@ -167,7 +167,7 @@ def provider_of(rules: Rules) -> dict[str, Any]:
 
 
 class _OAuth(OAuthProvider):
-    """Panel's OAuth; only the page to leave by is ours."""
+    """Panel's OAuth with our logout page."""
 
     @property
     def logout_handler(self) -> type[Goodbye]:

@@ -1,4 +1,4 @@
-"""Where a server listens, how its processes share that, and under which names it is reached."""
+"""The server's address: listening, sharing the socket between processes, and host names."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def listen(rules: Rules) -> tuple[socket.socket, int]:
 
 
 class SharedSocket(socket.socket):
-    """A listening socket that other processes accept from too. The one with more sessions than another leaves a
-    visitor to that one for a moment: a page stays where its connection arrived."""
+    """A listening socket that other processes accept from too. A process with more sessions than another waits a
+    moment before it accepts, as a page stays in the process that accepted it."""
 
     def __init__(self, shared: socket.socket, row: Row) -> None:
         super().__init__(fileno=shared.detach())
@@ -45,10 +45,10 @@ class SharedSocket(socket.socket):
         self._began = self._asked = -1.0
 
     def accept(self) -> tuple[socket.socket, Any]:
-        """As ever; BlockingIOError, as when nobody is waiting, while it is another's turn."""
+        """As ever; BlockingIOError, as when nobody is waiting, while another process should accept."""
         board, now = self._row.board, time.monotonic()
         if board.get(self._row.process, "sessions") > board.fewest("sessions"):
-            if now - self._asked > _ANOTHER:  # the loop asks on and on while somebody waits
+            if now - self._asked > _ANOTHER:  # the event loop asks repeatedly while somebody waits
                 self._began = now
             self._asked = now
             if now - self._began < _STEP_BACK:
@@ -57,13 +57,14 @@ class SharedSocket(socket.socket):
 
 
 def announce(rules: Rules, port: int) -> None:
-    """Say that visitors can come, and where."""
+    """Print that the server is ready, and its address."""
     print(f"NavBudget on http://{_host(rules.address)}:{port}", flush=True)
     event("started", address=rules.address, port=port, protected=rules.protected, processes=rules.page_processes)
 
 
 def origins(address: str, port: int, allowed: Sequence[str]) -> list[str]:
-    """Whose pages may connect: loopback names always; an address that is a name of this machine as well."""
+    """Allowed origins of websocket connections: loopback names always; also an address that is a name of this
+    machine."""
     hosts = {"127.0.0.1", "localhost"}
     try:
         everywhere = ipaddress.ip_address(address).is_unspecified
@@ -75,5 +76,5 @@ def origins(address: str, port: int, allowed: Sequence[str]) -> list[str]:
 
 
 def _host(address: str) -> str:
-    """An address as it stands in a URL."""
+    """An address as written in a URL."""
     return f"[{address}]" if ":" in address else address

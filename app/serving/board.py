@@ -1,4 +1,4 @@
-"""What the processes of one server know of each other: a row of numbers each, which it alone writes and all read."""
+"""Shared counters of the processes of one server: a row of numbers each, which only it writes and all read."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Board:
         return int(self._cells[self._place(process, column)])
 
     def put(self, process: int, column: str, value: int) -> None:
-        """Write one number; for the process whose row it is, and for whoever started it while it does not run."""
+        """Write one number; only for the process that owns the row, and for its parent while it does not run."""
         self._cells[self._place(process, column)] = value
 
     def total(self, column: str) -> int:
@@ -34,7 +34,7 @@ class Board:
         return min((self.get(process, column) for process in ready), default=0)
 
     def clear(self, process: int) -> None:
-        """The process has ended; what it counted stays."""
+        """Reset the row of a process that has ended, except its totals."""
         for column in _COLUMNS:
             if column not in _LASTING:
                 self.put(process, column, 0)

@@ -1,9 +1,9 @@
-"""When Python's collector may look at everything.
+"""Schedules Python's full garbage collections.
 
 A page is some 50,000 objects, and a full collection looks at all of every open page: two seconds with fifty of
-them, in which nobody is answered. Python would do so whenever a quarter of what is alive is new. Here the young
-generations are collected as ever, and everything only when nobody is doing anything, or when too much has been left
-behind to wait for that.
+them, in which nobody is answered. Python would do so whenever a quarter of all objects is new. Here the young
+generations are collected as usual, and a full collection runs only when nobody is active, or when there is too much
+garbage to wait for that.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from collections.abc import Callable
 from app.upstream.collections import leave_collecting
 
 _LOOK = 1.0  # seconds between two looks
-_QUIET = 2.0  # seconds without a message after which nobody is taken to wait
+_QUIET = 2.0  # seconds without a message after which the server counts as idle
 _MOST_CLOSED = 25  # pages closed and not yet freed, some 10 MB each
 _LONGEST = 900.0  # seconds of work without a pause
 _NEVER = 1_000_000  # collections of the middle generation before one of everything
 
 
 class Collector:
-    """Remembers what there is to free and when anybody last did anything."""
+    """Tracks closed pages and the last activity, and collects when due."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
@@ -31,7 +31,7 @@ class Collector:
         self._closed = 0
 
     def heard(self) -> None:
-        """A page sent something, or was asked for."""
+        """Note activity: a page sent a message, or was requested."""
         self._heard = self._clock()
 
     def page_closed(self) -> None:
@@ -39,7 +39,7 @@ class Collector:
         self._closed += 1
 
     def due(self) -> bool:
-        """Whether everything is to be looked at now."""
+        """Whether a full collection is due."""
         now = self._clock()
         idle = self._heard > self._collected or self._closed
         return bool(
@@ -49,7 +49,7 @@ class Collector:
         )
 
     def collect(self) -> None:
-        """Look at everything."""
+        """Run a full collection."""
         gc.collect()
         self._collected, self._closed = self._clock(), 0
 
@@ -62,7 +62,7 @@ class Collector:
 
 
 def settle() -> None:
-    """What is loaded by now stays and need not be looked at again; from now on `Collector` says when to."""
+    """Exclude the objects loaded so far from collection, and leave full collections to `Collector` from now on."""
     gc.collect()
     gc.freeze()
     young, middle, _ = gc.get_threshold()

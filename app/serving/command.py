@@ -1,4 +1,4 @@
-"""`serve` and `password`: the dashboard for one person or a team."""
+"""The commands `serve` and `password`: the dashboard for one person or a team."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The dashboard on the wire: the page and its connection, the limit on sessions, health, headers."""
+"""HTTP handlers of the dashboard: the page and its connection, the limit on sessions, health, headers."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ HEADERS = {
 
 @dataclass
 class Surroundings:
-    """What the handlers share with the server around them."""
+    """State that the handlers share with the server."""
 
     row: Row
     """Where this process says how many sessions it has."""
@@ -73,7 +73,7 @@ class Surroundings:
     stopping: bool = False
 
     def full(self, own_sessions: int) -> bool:
-        """Whether there is no place for one more; tells the other processes what there is here."""
+        """Whether the limit on sessions is reached; also updates this process's count on the board."""
         self.row.put("sessions", own_sessions)
         return self.row.board.total("sessions") >= self.most
 
@@ -85,7 +85,7 @@ _connections: WeakSet[LimitedWSHandler] = WeakSet()
 
 
 def being_sent() -> bool:
-    """Whether a page has not yet taken all that was sent to it."""
+    """Whether messages to a page are still being sent."""
     streams = (own.ws_connection.stream for own in _connections if own.ws_connection is not None)
     return any(stream is not None and stream.writing() for stream in streams)
 
@@ -99,19 +99,20 @@ async def hang_up_on_ended_logins() -> None:
 
 
 def close_door() -> None:
-    """Let no new session in, over connections that are open already either."""
+    """Accept no new sessions, also over open connections."""
     _here.stopping = True
 
 
 class PageHandler(DocHandler):
     """The page before its session: what the browser needs to load and connect, with a token of its own.
 
-    The session is made when the browser connects, by whichever process it reaches; who only looks makes none.
+    The session is made when the browser connects, by the process it reaches; a request without a connection makes
+    none.
     """
 
     @authenticated
     async def get(self, *_: Any, **__: Any) -> None:
-        """The page for a new session; 503 with a page that says why if there is no place."""
+        """The page for a new session; 503 with an explanation at the limit on sessions."""
         self.set_header("Cache-Control", "no-store")  # the token is one visitor's and lives for minutes
         if _here.stopping:
             self._turn_away(503, "Restarting", "This server is being stopped or restarted.", after=10)
@@ -170,7 +171,7 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoPushDoc, No
 
 
 class Alive(RequestHandler):
-    """Whether the server answers; builds no page, so that asking costs nothing."""
+    """Health check, without building a page."""
 
     def get(self) -> None:
         """Yes."""
@@ -179,7 +180,7 @@ class Alive(RequestHandler):
 
 
 class _Headers(OutputTransform):
-    """Every answer carries the headers that keep other sites out."""
+    """Adds the security headers to every response."""
 
     def __init__(self, request: Any) -> None:
         self._request = request
@@ -191,7 +192,7 @@ class _Headers(OutputTransform):
 
 
 def around(rules: Rules, here: Surroundings, metrics: ServerMetrics) -> dict[str, Any]:
-    """What the server must be told, beside the dashboard itself."""
+    """The server's further options: routes and headers."""
     global _here
     _here = here
     serve_only(PageHandler, LimitedWSHandler)

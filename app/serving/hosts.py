@@ -1,7 +1,7 @@
-"""Under which names this server answers at all.
+"""The host names under which this server answers.
 
 A browser takes whatever address a name server gives: a foreign site's name that leads here ("DNS rebinding") would
-make this server's pages that site's own. So the name that a request was made under is looked at before anything else.
+make this server's pages that site's own. So the host name of a request is checked before anything else.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 class Hosts:
     """The names a server answers under.
 
-    Loopback names and the address it listens on, at any port (a forwarded port has another number here); what
-    ``--allow-origin`` names, exactly; and every address in numbers if it listens on all of them, for a name server
-    has no say in those.
+    Loopback names and the address it listens on, at any port (a forwarded port may differ); the names of
+    ``--allow-origin``, exactly; and every numeric address if it listens on all, as these do not depend on a name
+    server.
     """
 
     def __init__(self, address: str, allowed: Sequence[str]) -> None:
@@ -62,7 +62,7 @@ def _in_numbers(name: str) -> bool:
 
 
 class ForeignHost(Matcher):
-    """Matches a request under a name that is not one of this server's."""
+    """Matches a request under a host name that is not this server's."""
 
     def __init__(self, hosts: Hosts) -> None:
         self._hosts = hosts
@@ -74,7 +74,7 @@ class ForeignHost(Matcher):
 
 
 class NoPath(Matcher):
-    """Matches a path with control characters, at which the file handlers would stumble."""
+    """Matches a path with control characters, which the file handlers cannot handle."""
 
     def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
         """An empty dictionary if so."""
@@ -82,7 +82,7 @@ class NoPath(Matcher):
 
 
 class Refusal(RequestHandler):
-    """The answer to either, whatever the method."""
+    """The response to both, for every method."""
 
     def initialize(self, status: int, title: str, text: str) -> None:
         self._status, self._page = status, plain_page(title, text)
@@ -95,7 +95,7 @@ class Refusal(RequestHandler):
 
 
 def first_rules(hosts: Hosts) -> list[Rule]:
-    """What comes before every route."""
+    """The rules before every route."""
     other_name = (
         "This server does not answer under the name in the address. Open it under its own name; its operator can "
         "allow another one with --allow-origin HOST or HOST:PORT."

@@ -1,8 +1,8 @@
-"""Logins that all processes of a server know of: who is logged in, and who has tried too often.
+"""Logins, shared by all processes of a server: current ones and failed tries.
 
-A cookie alone would be good until it ends, whoever has a copy. So each login has a row here: logging out removes it,
-and it holds only as long as the password it was made with. Tries are counted for the address they come from and for
-the account they are for, over all processes.
+A cookie alone would stay valid until it expires, also in a copy. So each login has a row here: logging out removes
+it, and it ends when the password changes. Tries are counted for the address they come from and for the account they
+are for, over all processes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _LOCK = 0x6C6F67
 
 
 class Logins:
-    """The store at a file's path or a database URL; `clock` gives seconds that all processes agree on.
+    """The store at a file's path or a database URL; `clock` gives seconds, the same in all processes.
 
     Raises
     ------
@@ -54,7 +54,7 @@ class Logins:
             raise InputError("--login-store", f"cannot be used: {error.orig}") from error
 
     def close(self) -> None:
-        """Let go of the database."""
+        """Close the database."""
         self._engine.dispose()
 
     @contextmanager
@@ -63,7 +63,8 @@ class Logins:
             yield connection
 
     def begin(self, name: str, password: str, hours: float) -> str:
-        """Log somebody in who has this password (its hash as in the file); the secret for their cookie."""
+        """Start a login for a user with this password (its hash as in the file); returns the secret for the
+        cookie."""
         secret, now = secrets.token_urlsafe(32), self._clock()
         with self._writing() as connection:
             connection.execute(text("DELETE FROM logins WHERE until < :now"), {"now": now})
@@ -74,7 +75,7 @@ class Logins:
         return secret
 
     def holds(self, secret: str, name: str, password: str) -> bool:
-        """Whether this login has been made, not ended, and not outlived the password."""
+        """Whether this login is valid: started, not ended, and the password is unchanged."""
         query = text("SELECT 1 FROM logins WHERE id = :id AND name = :name AND password = :password AND until > :now")
         wanted = {"id": _hashed(secret), "name": name, "password": _hashed(password), "now": self._clock()}
         with self._engine.connect() as connection:
@@ -104,5 +105,5 @@ class Logins:
 
 
 def _hashed(secret: str) -> str:
-    """What the store holds: it opens nothing, and names nobody's address."""
+    """The hash for the store, from which neither secret nor address can be recovered."""
     return hashlib.sha256(secret.encode("utf-8", "surrogatepass")).hexdigest()

@@ -1,4 +1,4 @@
-"""Logs for an operator: one line of JSON each, and never what a design says.
+"""Logs for the operator: one line of JSON each, without contents of designs.
 
 Of libraries' records only the template is kept, not what was put into it, and of an exception its kind and where it
 was raised: texts of both may quote a design. Paths are logged without their query, which is a design's link.
@@ -66,7 +66,7 @@ def set_up(kind: str) -> None:
     root.handlers[:] = [handler]
     root.setLevel(logging.WARNING)
     LOGGER.setLevel(logging.INFO if as_json else logging.WARNING)
-    for name in ("bokeh", "panel", "tornado"):  # they bring handlers of their own
+    for name in ("bokeh", "panel", "tornado"):  # they install their own handlers
         logger = logging.getLogger(name)
         logger.handlers[:] = []
         logger.propagate = True

@@ -1,4 +1,4 @@
-"""What the operator sees of a server, in Prometheus' terms."""
+"""Metrics of the server in Prometheus' format."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _TOTALS: tuple[tuple[type[Metric], str, str, str], ...] = (
 
 
 class ServerMetrics(Collector):
-    """Everything about a server: sums over its processes, and what each of them takes from the machine."""
+    """All metrics: sums over the processes, and the resources of each."""
 
     def __init__(self, board: Board, most_sessions: int, uptime: Callable[[], float]) -> None:
         self._board, self._most, self._uptime = board, most_sessions, uptime
@@ -80,7 +80,7 @@ class ServerMetrics(Collector):
 
 
 class MetricsHandler(RequestHandler):
-    """Metrics for this machine, and for whoever is logged in."""
+    """Serves metrics to this machine and to logged-in users."""
 
     def initialize(self, metrics: ServerMetrics, rules: Rules) -> None:
         self._metrics, self._rules = metrics, rules

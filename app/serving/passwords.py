@@ -1,6 +1,6 @@
 """The password file: a line ``name:hash`` per person, hashed with scrypt.
 
-Each hash carries its own cost and salt, so the cost can be raised later without asking anybody for a new password.
+Each hash states its cost and salt, so the cost can be raised later without new passwords.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def read_passwords(path: Path) -> Mapping[str, _Hash]:
 class Passwords:
     """The people of a password file; the file may change while the server runs.
 
-    A file that has become unreadable or wrong lets nobody in until it is mended.
+    While the file is unreadable or wrong, nobody can log in.
     """
 
     path: Path
@@ -156,12 +156,12 @@ class Passwords:
         return self._people
 
     def mark(self, name: str) -> str | None:
-        """What tells this person's password from another one they had; None for a name not in the file now."""
+        """A mark that changes with this user's password; None for a name not in the file."""
         found = self._current().get(name)
         return None if found is None else _text(found.salt + found.key)
 
     def fits(self, name: str, password: str) -> bool:
-        """Whether name and password belong together; takes as long for a name nobody has."""
+        """Whether name and password match; takes as long for an unknown name."""
         if len(password) > MAX_PASSWORD:
             return False
         found = self._current().get(name)

@@ -1,4 +1,4 @@
-"""What the operator asked for, checked before anything listens."""
+"""The server's settings, checked before anything listens."""
 
 from __future__ import annotations
 
@@ -58,17 +58,17 @@ class Rules:
 
     @property
     def protected(self) -> bool:
-        """Whether a visitor must say who they are."""
+        """Whether a visitor must log in."""
         return self.password_file is not None or self.oauth is not None
 
     @property
     def page_processes(self) -> int:
-        """How many processes serve pages: as asked for; else one for a person alone, for a team one per core."""
+        """Number of processes that serve pages: as set; otherwise one for a single user, one per core for a team."""
         team = self.protected or self.open
         return self.processes if self.processes is not None else min(_ENOUGH, os.cpu_count() or 1) if team else 1
 
     def check(self) -> None:
-        """Refuse what cannot be served.
+        """Refuse settings that cannot be served.
 
         Raises
         ------
@@ -117,7 +117,7 @@ def is_loopback(address: str) -> bool:
 
 
 def cookie_secret(path: Path | None) -> str:
-    """The secret that signs the login cookie: from a file, or made up, so that a restart logs everybody out."""
+    """The secret that signs the login cookie: from a file, or random, so that a restart logs everybody out."""
     if path is None:
         return secrets.token_urlsafe(48)
     try:

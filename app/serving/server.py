@@ -64,7 +64,7 @@ _LAST_LOOKS = 20  # for results to reach the pages once all work has ended, 50 m
 
 
 def first_design() -> Design:
-    """What a visitor without a link sees: a real inertial unit under a real radar."""
+    """The first design of a visitor without a link: a real inertial unit and a real radar."""
     text = files("app").joinpath("examples/mems_x_band.toml").read_text(encoding="utf-8")
     return parse_design(text, "first design")
 
@@ -72,7 +72,7 @@ def first_design() -> Design:
 def build(changed: Callable[[Any], None] | None = None) -> Any:
     """The page of one session; ``changed`` is called with every new budget.
 
-    A link that is wrong is said so on the page, which opens all the same.
+    A wrong link is reported on the page, which opens all the same.
     """
     design, notice = first_design(), ""
     query = pn.state.location.search if pn.state.location else ""
@@ -167,7 +167,7 @@ def serve_on(
         websocket_max_message_size=rules.max_message,
         http_server_kwargs={"max_body_size": _MAX_BODY, "max_header_size": _MAX_HEADER},
         use_xheaders=rules.behind_proxy,
-        sign_sessions=True,  # a session nobody was given cannot be opened
+        sign_sessions=True,  # a session that was not issued cannot be opened
         secret_key=secret,
         unused_session_lifetime_milliseconds=round(1000 * rules.session_lifetime),
         check_unused_sessions_milliseconds=min(10_000, round(500 * rules.session_lifetime)),
@@ -183,7 +183,8 @@ def serve_on(
 
 
 def opening_page() -> Callable[[str, bool], str]:
-    """What a browser loads before it connects, for the token of its session and for a page in dark; made once."""
+    """The page that a browser loads before it connects, from the session's token and the dark-mode flag; built
+    once."""
     document = Document()
     with set_curdoc(document):
         build().server_doc(document, _TITLE)
@@ -198,7 +199,7 @@ def opening_page() -> Callable[[str, bool], str]:
 
 
 def _counted(row: Row, collector: Collector) -> Any:
-    """`build`, seen by the operator: sessions come and go, budgets are computed."""
+    """`build` with metrics and logs of sessions and computed budgets."""
     row.add("opened")
     row.add("sessions")
     sheets_from_here(pn.state.curdoc)
@@ -215,8 +216,8 @@ def _counted(row: Row, collector: Collector) -> Any:
 
 
 def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
-    """Run until told to stop: nobody new is let in, heavy work may end and reach who asked for it, then everything
-    is closed.
+    """Run until stopped: then no new session starts, heavy work may finish and reach its page, and everything is
+    closed.
 
     A second signal does not wait.
     """
@@ -254,8 +255,7 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
 
 
 async def _tell(server: Any, row: Row) -> None:
-    """Keep what the other processes and the operator know of this one up to date, and hang up on those who have
-    logged out, until cancelled."""
+    """Update this process's counters and close the pages of ended logins, until cancelled."""
     while True:
         row.put("sessions", len(server.get_sessions()))
         row.put("heavy", workers.under_way())

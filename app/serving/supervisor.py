@@ -1,7 +1,7 @@
 """Several processes that serve pages from the same socket.
 
-Whichever is free takes the next visitor, and a page stays with the process that its connection reached. The process
-here only starts them, starts again what ends unasked, and hands on the signal to stop; it loads nothing of the
+A free process takes the next visitor, and a page stays with the process that accepted its connection. The supervisor
+only starts them, restarts those that end unexpectedly, and passes on the signal to stop; it does not load the
 dashboard.
 """
 
@@ -36,7 +36,7 @@ _MOST_ENDS = 8  # of one process in a row, none of which started well, after whi
 def supervise(rules: Rules, library: str) -> int:
     """Serve from several processes until stopped by SIGTERM or SIGINT; prints the address once all are up.
 
-    Comes back with the exit status: 1 if one of them could not start, or ended again and again.
+    Returns the exit status: 1 if a process could not start, or ended repeatedly.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def supervise(rules: Rules, library: str) -> int:
 
 @dataclass
 class Falls:
-    """How often one process has ended without having run well, and when it is started again."""
+    """Counts how often one process has failed, and when it is started again."""
 
     count: int = 0
     due: float | None = None
@@ -120,7 +120,7 @@ class _Family:
             self._stop()
 
     def _stop(self) -> None:
-        self.listening.close()  # or visitors would wait for an answer that nobody gives
+        self.listening.close()  # or visitors would wait for a process that does not answer
         for member in list(self.members.values()):
             if member.pid is not None and member.exitcode is None:
                 os.kill(member.pid, signal.SIGTERM)
@@ -176,7 +176,7 @@ class _Family:
 
 def _serve_pages(listening: socket.socket, port: int, rules: Rules, library: str, row: Row, secret: bytes) -> None:
     """What each process does."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal's Ctrl-C the parent tells, as SIGTERM
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent turns a terminal's Ctrl-C into SIGTERM
     end_with_parent()
     set_up(rules.log)
     from app.library.place import use_library

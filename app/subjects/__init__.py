@@ -1,7 +1,7 @@
-"""The subjects a person comes for, a room each, and the one registry of them.
+"""The subjects of the product, one package each, and their registry.
 
-The registry is data: parts are named in it and loaded when somebody needs them, so that reading it costs nothing and
-whoever goes by it (tabs, command line, report) imports no subject. No subject imports another.
+The registry is data: it names parts, which are loaded when needed. So reading it is cheap, and tabs, command line and
+report use it without importing a subject. No subject imports another.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Subject:
-    """A subject and its parts, named within its room; a part that it does not have is empty.
+    """A subject and its parts, named within its package; a missing part is empty.
 
     Attributes
     ----------
@@ -26,8 +26,8 @@ class Subject:
     command : str
         Module whose ``add_to(commands)`` declares its commands.
     report : str
-        Module that tells a result in a design's report: ``sections(result, key)``. If the result is that of a study,
-        also ``belongs(result, design)``, ``of_design(result)`` and ``study(design, options)``, which runs one.
+        Module that describes a result in a design's report: ``sections(result, key)``. If the result is that of a
+        study, also ``belongs(result, design)``, ``of_design(result)`` and ``study(design, options)``, which runs one.
     study : str
         What its study is called in a report; empty for a subject whose results follow from the design at once.
     """

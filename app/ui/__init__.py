@@ -1,1 +1,1 @@
-"""Widgets and looks of our own."""
+"""Our own widgets and styles."""

@@ -1,4 +1,4 @@
-"""Long text with places one can be sent to: the page's own address cannot reach into a component."""
+"""Long text with anchors: the page's address cannot reach into a component."""
 
 from __future__ import annotations
 

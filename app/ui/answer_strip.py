@@ -1,4 +1,4 @@
-"""The strip above a page: the answer, why, and what a person can do about it."""
+"""The strip above a page: the answer, its reasons, and controls."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class AnswerStrip(pn.viewable.Viewer):
     Parameters
     ----------
     answer : Answer
-        What it says first; its tone colours the strip, its word says the same without colour.
+        Its first answer; the tone colours the strip, the word says the same without colour.
     controls : viewables
-        What stands beside the answer, such as a switch or a button.
+        Placed beside the answer, such as a switch or a button.
 
     Examples
     --------
@@ -40,7 +40,7 @@ class AnswerStrip(pn.viewable.Viewer):
         return self._view
 
     def show(self, answer: Answer, note: str = "") -> None:
-        """Show another answer; ``note`` is a warning that stands before its reasons."""
+        """Show another answer; ``note`` is a warning before its reasons."""
         self._text.say(_said(answer, note))
         if self._view.css_classes != [answer.tone]:
             self._view.css_classes = [answer.tone]

@@ -1,4 +1,4 @@
-"""A chart as it stands on a page: title, figure, how we know, and its data to take away."""
+"""A chart on a page: title, figure, source and method, and downloads of its data."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ _T = TypeVar("_T")
 
 
 class ChartPane(Generic[_T]):
-    """One chart on a page, drawn from whatever its description takes: title, figure, how we know, and its data to
-    take away.
+    """One chart on a page, drawn by a function of any input: title, figure, source and method, and downloads of its
+    data.
 
     With a height of None it fills its place (`app.ui.first_screen`): title, legend and a button for source and method
-    share one line, and the page offers the data elsewhere (`takes`). Its words wait for a slider to rest: ``moving``
-    describes what does not, if that is less.
+    share one line, and the page offers the data elsewhere (`takes`). Its texts are updated when a slider stops;
+    ``moving``, if given, describes the part that follows at once.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class ChartPane(Generic[_T]):
         return takes(self._describe, self._current)
 
     def show(self, data: _T) -> None:
-        """Feed the figure."""
+        """Update the figure."""
         chart = self._moving(data)
         self.figure.feed(chart)
         if self._fills:
@@ -97,7 +97,7 @@ class ChartPane(Generic[_T]):
 
 
 class ChartView(ChartPane[Budget]):
-    """A chart of the budget in force."""
+    """A chart of the current budget."""
 
     def __init__(self, describe: Callable[[Budget], AnyChart], session: Session, height: int) -> None:
         super().__init__(describe, lambda: session.budget, height)
@@ -142,5 +142,5 @@ def source_note(knowledge: str) -> str:
 
 
 def described(chart: AnyChart | RankChart | TradeMapChart) -> str:
-    """What a chart shows, in words, for screen readers: a canvas says nothing to them."""
+    """The description of a chart for screen readers, which cannot read a canvas."""
     return f'<p class="hidden">What the chart shows: {escape(in_words(chart))}</p>'

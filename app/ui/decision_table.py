@@ -1,4 +1,4 @@
-"""A table whose rows are decided on in place: accept or reject, with a reason where one is needed."""
+"""A table with a decision in each row: accept or reject, with a reason where one is needed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How every widget and layout of the product looks unless it says otherwise."""
+"""Default styles of all widgets and layouts."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Faults of our own that reach nobody's `except`: the log gets the trace, the person a sentence and a number that
-finds it there. Nothing of the fault's text is shown or logged as JSON, for it may quote a design."""
+"""Unexpected exceptions: the log gets the trace, the user a sentence with a number to find it there. Nothing of the
+fault's text is shown or logged as JSON, for it may quote a design."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _tellers: WeakKeyDictionary[Document, WeakMethod[Callable[[str], None]]] = WeakK
 
 
 def tell_here(say: Callable[[str], None]) -> None:
-    """Have faults in the current session said by `say`, a method; does nothing outside a session.
+    """Have faults in the current session reported by `say`, a method; does nothing outside a session.
 
     The method is not kept alive: it belongs to a page, and what is told of faults must not hold pages in memory.
     """
@@ -25,7 +25,7 @@ def tell_here(say: Callable[[str], None]) -> None:
 
 
 def caught(fault: BaseException) -> None:
-    """What Panel calls with an exception that a callback let through (`pn.config.exception_handler`)."""
+    """Handler of exceptions in callbacks (`pn.config.exception_handler`)."""
     number = secrets.token_hex(3)
     _LOGGER.log(logging.ERROR, "fault", exc_info=fault, extra={"fields": {"fault": number}})
     teller = _tellers.get(pn.state.curdoc) if pn.state.curdoc else None

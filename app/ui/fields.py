@@ -1,4 +1,4 @@
-"""Numbers that a person types into a plain field; steppers of the component library have buttons without a name."""
+"""Numbers typed into a plain field: the number widgets of the component library have buttons without names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page's first screen: it fills the window, so that the answer and what decides it are seen at once."""
+"""A page's first screen: it fills the window with the answer and its main figures."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def first_screen(
 
     ``bottom`` is a row under them.
 
-    Each half has one part, or two on top of each other. On a narrow window everything stands in one column and as
-    high as it wants. A ``height`` of "100%" fills a place within the window, such as a view of `screen_of_views`.
+    Each half has one part, or two on top of each other. On a narrow window everything is in one column at its natural
+    height. A ``height`` of "100%" fills a place within the window, such as a view of `screen_of_views`.
 
     Examples
     --------
@@ -63,5 +63,6 @@ def first_screen(
 
 
 def screen_of_views(strip: Any, views: Any, *below: Any) -> pn.Column:
-    """A page whose views take turns: the answer, the switch, the view chosen in the rest of the window, and tools."""
+    """A page with one view at a time: the answer, the switch, the chosen view in the rest of the window, and
+    tools."""
     return pn.Column(strip, views, *below, height=_ABOUT, stylesheets=[_VIEWS, NARROW])

@@ -1,7 +1,7 @@
 """Parts beside each other on a wide screen, under each other on a narrow one.
 
-A grid of the browser's own: each cell of the component library's is a component with a life of its own, and pages
-with many of them took twice as long to stand.
+A CSS grid: each cell of the component library's grid is a component, and pages with many of them took twice as long
+to load.
 """
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
-"""A box for one input, with or without a slider: what is refused is said at the box, and the last good value stays in
-force."""
+"""A box for one input, with or without a slider: an error is shown at the box, and the last valid value is kept."""
 
 from __future__ import annotations
 
@@ -21,7 +20,7 @@ from nav_model.errors import InputError
 class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
     """Box and perhaps slider of one input.
 
-    What the widgets say is compared with the value in force: a widget that only follows it changes nothing.
+    Widget values are compared with the current value: a widget that only follows it changes nothing.
 
     Parameters
     ----------
@@ -51,14 +50,14 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
 
     @abstractmethod
     def value(self) -> object:
-        """The value in force."""
+        """The current value."""
 
     @abstractmethod
     def text(self) -> str:
-        """The value in force as the box shows it."""
+        """The current value as the box shows it."""
 
     def size(self) -> float | None:
-        """The value in force as the slider shows it, SI; None: there is no slider, or it stays where it is."""
+        """The current value as the slider shows it, SI; None: there is no slider, or it stays where it is."""
         return None
 
     @abstractmethod
@@ -76,7 +75,7 @@ class InputBox(pn.viewable.Viewer, param.ParameterizedABC):
     # --- how all follow and take -----------------------------------------------------------------------------
 
     def follow(self) -> None:
-        """Show the value in force; a text that was refused stays until there is another value."""
+        """Show the current value; a text that was refused stays until there is another value."""
         value, size = self.value(), self.size() if self.slider is not None else None
         if value != self._last:
             self._last = value

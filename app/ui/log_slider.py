@@ -1,4 +1,4 @@
-"""A slider over decades: its places are logarithms, its steps are 4.7 %, its far left may be zero."""
+"""A slider on a log scale: steps of 4.7 %; the far left may be zero."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SPOKEN = Path(__file__).with_suffix(".js").read_text("utf-8")
 
 
 def spoken(lowest: float, factor: float, unit: str) -> CustomJSTickFormatter:
-    """What a slider over decades says of its thumb: `factor` is the unit in SI; zero below the place `lowest`."""
+    """The text of a log slider's thumb: `factor` is the unit in SI; zero below the place `lowest`."""
     return CustomJSTickFormatter(code=_SPOKEN, args={"lowest": lowest, "factor": factor, "unit": unit})
 
 
@@ -34,7 +34,7 @@ class LogSlider(PromptSlider):
     unit, dimension : str
         What the thumb's bubble shows the value in; empty for a plain number.
     zero : bool
-        Whether the far left stands for zero.
+        Whether the far left means zero.
     value : float
         Where to start [SI].
     """

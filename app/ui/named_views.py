@@ -1,4 +1,4 @@
-"""Several views of one subject in one place: a switch names them and shows one."""
+"""Several views in one place, with a switch that shows one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page on paper: design, date and version on top, without tools, black on white, charts as wide as the sheet.
+"""The printed page: design, date and version on top, no tools, black on white, charts as wide as the sheet.
 
 A figure is drawn for the screen and keeps its width when the sheet is narrower, so it is made smaller as a whole
 just before printing. The rest is style: each part's own sheet says what it does on paper (`app.ui.theme`).

@@ -1,4 +1,4 @@
-"""What a browser remembers of a person from visit to visit, in a cookie: a name, a preference."""
+"""Values that the browser keeps between visits, in a cookie: a name, a preference."""
 
 from __future__ import annotations
 
@@ -44,5 +44,5 @@ class Remembered(PlainScript):
 
 
 def recalled(key: str) -> str:
-    """What the browser of the session being made remembers; empty: nothing."""
+    """The value kept in the browser of the session being made; empty if none."""
     return unquote(connecting_cookies().get(key, ""))[:200]

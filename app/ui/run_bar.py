@@ -1,4 +1,4 @@
-"""The bar of a run: start, cancel, how far it is, and why it ended without a result."""
+"""The bar of a run: start, cancel, progress, and why it ended without a result."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class RunBar(pn.viewable.Viewer):
 
 
 def progress_html(progress: Progress) -> str:
-    """A bar and the words beside it; the bar moves to and fro while nobody knows how far the work is."""
+    """A bar and the words beside it; the bar moves to and fro while the progress is unknown."""
     value = "" if progress.share is None else f' value="{progress.share:.3f}"'
     return (
         f'<p role="status"><progress aria-label="Progress" max="1"{value}></progress> '

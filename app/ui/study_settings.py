@@ -1,4 +1,4 @@
-"""What a person has set on a study's page, as a link says it: it outlives a reload and goes with the design."""
+"""The settings of a study's page, as a part of the link, so that they survive a reload."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from app.session import Session
 
 
 class StudySettings:
-    """Settings of one kind of study beside the design, in the session's link.
+    """Settings of one kind of study, in the session's link.
 
     Parameters
     ----------
@@ -70,5 +70,5 @@ class StudySettings:
 
     @property
     def asked(self) -> tuple[str, str, str]:
-        """What a result with these settings follows from, to keep it by (`app.work.kept`)."""
+        """The key of a result with these settings, for `app.work.kept`."""
         return self._kind, self._session.design.content_hash, self.text

@@ -1,4 +1,4 @@
-"""How the product looks: one accent, quiet surfaces, light and dark."""
+"""The theme of the product: one accent colour, quiet surfaces, light and dark."""
 
 from __future__ import annotations
 

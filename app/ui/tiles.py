@@ -1,4 +1,4 @@
-"""A row of tiles: the few figures that decide, each with its limit, its margin as a bar and in words."""
+"""A row of tiles: the main figures, each with its limit, its margin as a bar and in words."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from app.document.numbers import whole_percent
 
 
 def tiles_html(figures: KeyFigures, before: KeyFigures | None = None) -> str:
-    """Tiles as HTML for an `html_pane`; what was ``before`` stands as an outline of the bar and a change in percent.
+    """Tiles as HTML for an `html_pane`; values ``before`` a change are shown as an outline of the bar and a change in
+    percent.
 
     Figures are compared by their place: both must come from one function.
     """

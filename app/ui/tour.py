@@ -1,7 +1,6 @@
-"""A tour of the product for who opens it the first time.
+"""A tour of the product for first-time users.
 
-All of it happens in the browser: it is offered once, never stands in the way, and whoever has taken or declined it
-is not asked again on that browser.
+It runs in the browser and is offered once: not again in a browser where it was taken or declined.
 """
 
 from __future__ import annotations

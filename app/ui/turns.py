@@ -1,5 +1,5 @@
-"""Work of a page that waits: large parts made piece by piece, between which everybody else's sliders move, what is
-below the first screen, and what need not follow every step of a slider."""
+"""Deferred work of a page: large parts built piece by piece, so that others' sliders keep moving, parts below the
+first screen, and parts that need not follow every slider step."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ _below: WeakKeyDictionary[Document, list[Callable[[], object]]] = WeakKeyDiction
 
 
 def once_loaded(work: Callable[[], object]) -> None:
-    """Have the work done when the first screen has reached the browser; all that waits for that is one change.
+    """Do the work when the first screen has reached the browser; all such work is one change.
 
     At once if it has, and in a script or a test, where there is no page.
     """
@@ -75,7 +75,7 @@ def _complete(document: Document) -> None:
 
 def once_quiet(work: Callable[[], None]) -> Callable[[], None]:
     """A call that has the work done at once, and, while it is called again and again, not until that has ended: for
-    what nobody reads, and nothing computes with, while a slider moves.
+    parts that are not read or used while a slider moves.
 
     In a script or a test, where there is no server: at every call.
     """

@@ -1,6 +1,7 @@
-"""A server that stops ends what it is just answering.
+"""A server that stops finishes the responses in progress.
 
-Bokeh's own way to listen no longer also closes every connection at the next turn, and what is being answered with it.
+Bokeh's way to stop listening also closes every connection at the next turn of the event loop, with responses in
+progress.
 
 Written for: Bokeh 3.9.2
 Upstream: none found, searched 2026-11-22
@@ -13,5 +14,5 @@ from bokeh.server.server import BaseServer
 
 
 def let_nobody_new_in(server: BaseServer) -> None:
-    """Listen no longer; what is open stays open."""
+    """Stop listening; open connections stay open."""
     server._http.stop()

@@ -1,4 +1,4 @@
-"""Rules that come before every route of the server, the websocket's and the static files' too.
+"""Rules before every route of the server, including the websocket's and the static files'.
 
 Bokeh takes further routes behind its own only, and answers under any name that a request was made under.
 
@@ -16,5 +16,5 @@ from tornado.routing import Rule
 
 
 def ask_first(server: BaseServer, rules: Sequence[Rule]) -> None:
-    """Have each request go through these rules first."""
+    """Check each request by these rules first."""
     server._tornado.default_router.rules[:0] = rules

@@ -25,7 +25,7 @@ def head_script(token: str) -> str:
 
 
 class Repairs(PlainScript):
-    """Must stand on the page once, outside what is hidden; each script sees this part as `view`."""
+    """Must be on the page once, outside hidden parts; each script sees this part as `view`."""
 
     _esm = (
         "export function render({ view }) {\n"

@@ -1,4 +1,4 @@
-"""The line under the page's head says when this person's own long work is under way.
+"""The busy line under the page's head shows only this user's long work.
 
 panel-material-ui binds it to one flag of the whole server: every event of every user redraws every page, and the
 binding outlives the page. With 20 users a slider's step took four seconds instead of a tenth.

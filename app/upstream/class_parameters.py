@@ -56,7 +56,7 @@ def _init_params(component: Syncable) -> dict[str, Any]:
 
 
 def copy_none() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     ReactiveESM._get_properties = _get_properties
     ReactiveESM._get_children = _get_children
     Syncable._init_params = _init_params

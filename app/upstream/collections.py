@@ -1,4 +1,4 @@
-"""Closing a page does not make everybody wait for a full collection.
+"""Closing a page does not start a full garbage collection.
 
 Panel collects in full some seconds after any page was closed: two seconds with fifty open ones, in which nobody is
 answered. `app.serving.collector` says when to instead.
@@ -14,5 +14,5 @@ import panel.io.document
 
 
 def leave_collecting() -> None:
-    """Put it in place, for good; the server calls it once."""
+    """Install the override permanently; the server calls it once."""
     panel.io.document._garbage_collect = lambda: None

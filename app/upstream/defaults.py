@@ -1,6 +1,6 @@
-"""What a model of Bokeh's holds unless told otherwise is worked out once for each kind of model.
+"""Default values of a Bokeh model are computed once per kind of model.
 
-Each look at a property that nobody has set copies and checks its default anew, which is half of the work of sending a
+Each read of an unset property copies and checks its default anew, which is half of the work of sending a
 page and a third of finding what a change of its parts has added. Values that could change are left alone: each model
 has its own. That of an empty list or dict is a new one, unchecked.
 
@@ -44,5 +44,5 @@ def _get_default(descriptor: PropertyDescriptor[Any], model: Any) -> Any:
 
 
 def remember_defaults() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     PropertyDescriptor._get_default = _get_default

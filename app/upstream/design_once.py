@@ -1,4 +1,4 @@
-"""A change of a component does not work out the look of the whole design.
+"""A change of a component does not compute the styles of the whole page.
 
 As shipped Panel works out, for every change of every component, what the page's design would have it look like, and
 uses that when the change is one of style sheets: a twentieth of a slider's step.
@@ -25,5 +25,5 @@ def _update_properties(component: Reactive, *events: Any, doc: Any) -> dict[str,
 
 
 def ask_when_styles_change() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     Reactive._update_properties = _update_properties

@@ -1,4 +1,4 @@
-"""An upload is limited where it arrives.
+"""The size of an upload is limited on the server.
 
 panel-material-ui checks the size in the browser alone, which is a courtesy: the server takes a file in chunks and
 keeps any number of them. It also says "Uploaded" of a file that was refused, and writes a small button's words large.

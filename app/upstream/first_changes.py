@@ -1,4 +1,4 @@
-"""What changes once the page has been sent reaches the browser.
+"""Changes made right after the page was sent reach the browser.
 
 A page has its connection, is sent its document, draws it and then says that it is ready. As shipped what a hold
 collects before that last word is dropped, "since the document is serialized in full once the session connects". It
@@ -45,5 +45,5 @@ def _collected(document: Document, lock: threading.Lock) -> list[Any]:
 
 
 def repair() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     panel_document._drain_unconnected_events = _collected

@@ -1,4 +1,4 @@
-"""Frames leave at once.
+"""Websocket frames are sent at once.
 
 A message is a dozen small frames and more: with Nagle's algorithm the second waits until the browser has confirmed
 the first, up to 40 ms. Tornado leaves it on unless asked, and Bokeh does not ask.

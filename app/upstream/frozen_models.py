@@ -1,4 +1,4 @@
-"""A document can change after a fault in the midst of many changes.
+"""A document can still change after an exception during a batch of changes.
 
 Bokeh walks through the whole document for each change of its parts, unless it is told that more will follow. Its own
 way to say so (``models.freeze()``, and ``panel.io.hold(freeze=True)`` by it) never ends when an exception leaves it:

@@ -1,6 +1,6 @@
-"""A column may grow over the window it stands in.
+"""A column may be taller than the window.
 
-Bokeh lets nothing grow over 100 % of what it stands in: in a page's main column the window, for each table and column
+Bokeh limits heights to 100 % of the parent: in a page's main column the window, for each table and column
 below. What is taller would hang over the next.
 
 Written for: Bokeh 3.9.2, panel-material-ui 0.16.6

@@ -1,4 +1,4 @@
-"""The server listens on a socket that it is given.
+"""The server listens on an existing socket.
 
 Several processes share one socket, and a port must be taken before anything slow is imported. Bokeh binds a socket of
 its own, by address and port.

@@ -1,8 +1,8 @@
-"""Only what a model was given is looked at when it is made, searched for other models, and put into words.
+"""Only the properties that a model was given are processed when it is created, searched for models, and serialized.
 
 As shipped each of the three asks every property, of which a model has fifty and was given five: a third of what the
-server spends on an opening page. What nobody set has its default, which the browser knows too; and no default that
-all models of a kind share holds another model.
+server spends on an opening page. Unset properties have their default, which the browser knows too; and no default
+that all models of a kind share holds another model.
 
 One thing is not noticed any more: that a property without a default was never set, before the page is sent.
 
@@ -89,7 +89,7 @@ def _query(
 
 
 def look_at_what_was_given() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     for name, ours in {"__init__": _init, "themed_values": _themed, "query_properties_with_values": _query}.items():
         setattr(HasProps, name, ours)
     bokeh.model.util.visit_immediate_value_references = _visit

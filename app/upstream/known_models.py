@@ -1,4 +1,4 @@
-"""A message looks up the models that it names, and none besides.
+"""A message looks up only the models that it names.
 
 As shipped each message, to the page or from it, first lists every model that the page has, a thousand and more: an
 eighth of a slider's step. And a model that the server has sent is described in full by the first message in which
@@ -70,7 +70,7 @@ def _apply(document: Document, patch: Any, *, setter: Any = None) -> None:
 
 
 def repair() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     DocumentModelManager.synced_references = property(lambda models: models)
     # By name: the package has a class of the module's name.
     for module in (import_module("bokeh.protocol.messages.patch_doc"), panel_model):

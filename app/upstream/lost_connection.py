@@ -1,4 +1,4 @@
-"""A connection that a ping has found lost may still close.
+"""A connection lost at a ping closes without an error.
 
 Bokeh takes its session away when a ping fails, and asks for it when Tornado then reports the connection closed: an
 AssertionError in the log for each.

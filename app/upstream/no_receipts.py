@@ -1,4 +1,4 @@
-"""A change that a page sends is taken without a receipt.
+"""A change from a page is applied without a reply.
 
 Bokeh answers each with a message of its own, which nothing in the browser waits for: a twentieth of a slider's step.
 That a change was not taken is still told, and what a page asks for is still answered. What the receipt also did is

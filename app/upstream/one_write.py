@@ -1,4 +1,4 @@
-"""A message leaves as a whole, or the page has gone and nothing is lost.
+"""A message is sent in one write; a closed page is no error.
 
 A slider's step is a message of two dozen frames, an array being two. As shipped each is a write to the socket and a
 task of the event loop: a tenth of what the server spends on the step. What was still to be sent to a page that is
@@ -74,6 +74,6 @@ async def _written(outcome: asyncio.Future[None]) -> None:
 
 
 def repair() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     panel_document.dispatch_tornado = _dispatch
     Message.send = _answer

@@ -1,4 +1,4 @@
-"""A component marks itself as belonging to its page, and walks through nothing for it.
+"""A component marks only itself as belonging to its page, without walking through its parts.
 
 When a component is made, and each time anything of one with parts changes, Panel marks everything below it as
 belonging to its page: at each level again, and for the page's frame the whole document. But each part has marked
@@ -22,5 +22,5 @@ def _mark(_: type[ReactiveCustomBase], props: Any, ref: str) -> None:
 
 
 def mark_own_part() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     ReactiveCustomBase._patch_datamodel_ref = classmethod(_mark)

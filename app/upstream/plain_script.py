@@ -1,4 +1,4 @@
-"""A component's script goes into the browser as it is written.
+"""A component's script is sent to the browser as it is written.
 
 Panel compiles every script there as if it were TypeScript: half a second of an opening page, for plain JavaScript.
 What it takes for a bundle it leaves alone.

@@ -1,4 +1,4 @@
-"""An accordion whose titles are words makes nothing else for them.
+"""An accordion with text titles makes no further models for them.
 
 As shipped each title also gets an empty pane, for a title that is a component: it is found out what kind of pane
 nothing is, and a model that the browser never shows is made, sent and kept.

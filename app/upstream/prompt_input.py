@@ -30,7 +30,7 @@ class PromptInput(pmui.TextInput):
         self.value_input = self.value  # type: ignore[has-type]
 
     def follow(self, text: str) -> None:
-        """Show a text; in a hold the browser alone is told, and nobody who watches the box."""
+        """Show a text; in a hold only the browser is notified, not the watchers of the box."""
         if self.value == text:  # type: ignore[has-type]
             return
         document = state.curdoc

@@ -1,4 +1,4 @@
-"""A slider's steps reach the server at once, and once, and the newest wins.
+"""A slider's steps reach the server at once and only once, and the newest wins.
 
 Panel waits 50 ms with each change, hears every step twice (as "value" and as "value_throttled"), turns the busy flag
 of the whole server on and off for it, which nothing here shows, and lifts the write protection of every parameter for

@@ -26,5 +26,5 @@ def _params(protocol: str | None, host: str | None, uri: str | None) -> dict[str
 
 
 def read_any_address() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     panel.io.location._get_location_params = _params

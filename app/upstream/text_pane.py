@@ -1,4 +1,4 @@
-"""A pane of HTML sends its text alone when the text changes.
+"""An HTML pane sends only its text when the text changes.
 
 Panel works out and sends all of its look again, its sheet included: half of a slider's step. And it asks, for each
 text, whether and how the page may be told, which is known while changes are held: three times the work of telling it.
@@ -20,7 +20,7 @@ class TextPane(pn.pane.HTML):
     """HTML whose text changes often."""
 
     def say(self, text: str) -> None:
-        """Show another text; in a hold the browser alone is told, and nobody who watches the pane."""
+        """Show another text; in a hold only the browser is notified, not the watchers of the pane."""
         if self.object == text:  # type: ignore[has-type]
             return
         document = pn.state.curdoc

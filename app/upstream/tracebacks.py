@@ -1,4 +1,4 @@
-"""A fault is told to the browser without its traceback, which says where and what is installed here.
+"""Errors are sent to the browser without a traceback, which would reveal paths and versions.
 
 Written for: Panel 1.9.4, Bokeh 3.9.2
 Upstream: none found, searched 2026-11-22

@@ -1,4 +1,4 @@
-"""Changes are written to the browser in the order they are made, and none waits for a clock.
+"""Changes are sent to the browser in the order they are made, and without a timer.
 
 A message names models that messages before it have brought; a page that gets them in another order fails. As
 shipped, two hands write: Bokeh (3.9) puts a change into words at once but writes it when the event that made it has
@@ -52,6 +52,6 @@ def _bokehs(connection: ServerConnection, event: DocumentPatchedEvent) -> asynci
 
 
 def repair() -> None:
-    """Put it in place; the server calls it once, before it serves."""
+    """Install the override; the server calls it once, before it serves."""
     panel_document.schedule_write_events = _panels
     ServerConnection.send_patch_document = _bokehs

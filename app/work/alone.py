@@ -1,4 +1,4 @@
-"""A long run in a process of its own: it says how far it is and ends at once when cancelled.
+"""A long run in a separate process, with progress, which ends at once when cancelled.
 
 The pool of `app.work.pool` serves short work; its processes cannot be stopped within a task, and one that has
 done something large keeps its memory.

@@ -1,5 +1,4 @@
-"""Results that this server still has, of the same design and settings: for a page that is loaded again, and for
-whoever asks the same."""
+"""A cache of results by design and settings, for a reloaded page and for others with the same question."""
 
 from __future__ import annotations
 
@@ -11,8 +10,8 @@ _kept: OrderedDict[tuple[str, ...], Any] = OrderedDict()
 
 
 def keep(result: Any, kind: str, *asked: str, most: int = _MOST) -> None:
-    """Keep a result, the last few of its kind, whoever they are of: ``asked`` is all that it follows from, such as
-    design and settings. ``most``: how many, fewer of what is large."""
+    """Keep a result, with the last few of its kind: ``asked`` is its key, all that it depends on, such as design and
+    settings. ``most``: how many to keep, fewer of large ones."""
     _kept.pop((kind, *asked), None)
     _kept[kind, *asked] = result
     for key in [key for key in _kept if key[0] == kind][:-most]:
@@ -20,7 +19,7 @@ def keep(result: Any, kind: str, *asked: str, most: int = _MOST) -> None:
 
 
 def kept(kind: str, *asked: str) -> Any:
-    """What was kept under the same words; None: nothing, or no longer."""
+    """The result with the same key; None if there is none."""
     if (kind, *asked) in _kept:
         _kept.move_to_end((kind, *asked))
     return _kept.get((kind, *asked))

@@ -25,8 +25,8 @@ _under_way = 0
 
 
 def use(count: int | None, servers: int = 1) -> None:
-    """How many processes the pools of all ``servers`` shall have together, before they start; None for a core less
-    than there are. Each has one at least."""
+    """Set how many processes the pools of all ``servers`` have together, before they start; None: one less than the
+    cores. Each has one at least."""
     global _size
     _size = math.ceil((count or _spare_cores()) / servers)
 
@@ -48,7 +48,7 @@ def pool() -> ProcessPoolExecutor:
 
 
 def step_back() -> None:
-    """Let the pages go first; every process that does heavy work calls it once."""
+    """Lower this process's priority below the pages'; every worker calls it once."""
     if hasattr(os, "nice"):  # not on Windows
         os.nice(_NICENESS)
 
@@ -81,7 +81,7 @@ async def elsewhere(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
 
 
 def under_way() -> int:
-    """Tasks waiting or running, in the pool or in processes of their own."""
+    """Tasks waiting or running, in the pool or in separate processes."""
     return _under_way
 
 

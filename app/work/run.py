@@ -1,4 +1,4 @@
-"""One long run of one person: started, followed and cancelled in one way, whatever it computes."""
+"""One long run of a user, of any computation: start, progress, cancel, result."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _LEAST_SHARE = 0.01  # below it the time spent says little about the time left
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a run is.
+    """Progress of a run.
 
     Attributes
     ----------
     what : str
         What is being done, in words, such as "100 of 2000 runs".
     share : float or None
-        Share done, 0 to 1; None while nobody knows.
+        Share done, 0 to 1; None while unknown.
     left : float or None
-        Seconds left; None while nobody knows.
+        Seconds left; None while unknown.
     """
 
     what: str
@@ -105,12 +105,12 @@ class Run(param.Parameterized):
         return self._task
 
     def cancel(self) -> None:
-        """Stop at once; what a worker is busy with is dropped."""
+        """Cancel at once; the worker's task is dropped."""
         if self._task is not None:
             self._task.cancel()
 
     def tell(self, what: str, share: float | None = None) -> None:
-        """How far the work is: in words, and as a share from 0 to 1 once that is known."""
+        """Report progress: in words, and as a share from 0 to 1 once that is known."""
         self.progress = self._clock.progress(what, share)
 
     def show(self, partial: Any) -> None:

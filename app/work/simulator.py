@@ -1,4 +1,4 @@
-"""The simulator made ready on this server: compiled once, beside the pages, before the first run waits for it."""
+"""Compiles the simulator once per server, in the background, before the first run needs it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def prepare() -> asyncio.Task[None]:
 
 
 async def _compile() -> None:
-    """In a process of its own: the pool's are for people who wait. What goes wrong there the first run tells."""
+    """In a separate process: the pool's are for users who wait. A failure here is reported by the first run."""
     process = multiprocessing.get_context("spawn").Process(target=warm_up, daemon=True)
     process.start()
     await asyncio.to_thread(process.join)

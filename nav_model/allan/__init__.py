@@ -1,1 +1,2 @@
-"""Static or moving inertial log -> noise parameters with confidence, or the reason why not."""
+"""Noise parameters with confidence intervals from an inertial log, static or moving, or the reason why there are
+none."""

@@ -1,4 +1,4 @@
-"""A log's results put into a design, with their origin: how they were found, and in which log."""
+"""Puts the results of a log into a design, with their origin: method and log file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LONGEST_NAME = 80
 
 @dataclass(frozen=True)
 class Adoption:
-    """What `Design.replace` takes, by dotted key: values in SI, units to write them in, where they come from."""
+    """Arguments of `Design.replace`, by dotted key: values in SI, units to write them in, origins."""
 
     changes: dict[str, Value]
     written: dict[str, str]

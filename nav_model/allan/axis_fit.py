@@ -1,5 +1,4 @@
-"""Fit of one axis as real logs need it: sensor filters, vibration lines and departures from the model are
-found first.
+"""Fit of one axis of a real log: sensor filters, vibration lines and departures from the model are found first.
 
 A clean log is fitted over its whole band with nothing removed. Where the five terms do not describe the log,
 the top of the band (anti-alias filter) and narrow lines (vibration) are set aside, and what departure remains
@@ -18,7 +17,7 @@ from nav_model.allan.likelihood import SpectrumFit, fit_spectrum, fitted_spectru
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.allan.spectrum import CosineSpectrum
 
-# Set between the logs at hand: 0.06 at most for the ADIS16405 at rest, above 0.7 for the disturbed laser.
+# Set between the available logs: 0.06 at most for the ADIS16405 at rest, above 0.7 for the disturbed laser.
 # Relative standard deviation of the measured power about the fitted one past which nothing is reported.
 WORST_MODEL_ERROR = 0.4
 # Departures below this need no narrower band: they move a coefficient by half as much.

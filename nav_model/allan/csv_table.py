@@ -1,4 +1,4 @@
-"""Delimited text -> names and a float table; malformed input refused by line."""
+"""Column names and a table of floats from delimited text; errors name the line."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def _parse(lines: list[str], delimiter: str | None, columns: int, file_name: str
 def _complaint(
     lines: list[str], delimiter: str | None, columns: int, file_name: str, first_line: int
 ) -> InputError | None:
-    """What is wrong with the first bad line, found slowly once the fast parser has refused."""
+    """The error of the first bad line, found by a slow search after the fast parser has failed."""
     for offset, line in enumerate(lines):
         if not line.strip():
             continue

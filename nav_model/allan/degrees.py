@@ -1,8 +1,8 @@
 """Degrees of freedom of an overlapping Allan variance (C. Greenhall and W. Riley, PTTI 2003).
 
-Overlapping pairs are correlated, so that n of them fix the variance as well as fewer independent ones would: as many
-as the equivalent degrees of freedom, which depend on the slope of the noise. Section and table numbers here are those
-of that paper ("Uncertainty of stability variances based on finite differences").
+Overlapping pairs are correlated: n of them determine the variance only as well as a smaller number of independent
+pairs, the equivalent degrees of freedom, which depend on the slope of the noise. Section and table numbers here are
+those of that paper ("Uncertainty of stability variances based on finite differences").
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def degrees_of_freedom(alpha: int, factor: int, samples: int) -> float:
     Returns
     -------
     float
-        How many independent pairs would fix the variance as well.
+        Number of independent pairs that would determine the variance as well.
 
     Examples
     --------
@@ -62,7 +62,7 @@ def degrees_of_freedom(alpha: int, factor: int, samples: int) -> float:
     if ratio > 3.0:
         a0, a1 = _TABLE_2[alpha]
         return ratio * log_term / (a0 - a1 / ratio)
-    # As many terms as are summed at most stand for all: fewer and coarser steps over the same length of log.
+    # At most this many terms are summed: fewer and coarser steps over the same length of log.
     step = _MOST_TERMS / ratio
     if alpha == 1:
         middle = float(_covariance(np.zeros(1), step, alpha)[0]) ** 2

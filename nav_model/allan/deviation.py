@@ -1,7 +1,7 @@
 """Overlapping Allan deviation with confidence (NIST SP 1065; IEEE Std 952 annex C).
 
-Written here, in some thirty lines of NumPy, and checked in the tests against Stable32, the NBS14 set and allantools,
-which brings packages for tests and documentation to whoever installs it.
+Thirty lines of NumPy, tested against Stable32, the NBS14 set and allantools. The latter is not used here because it
+installs packages for tests and documentation.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""An inertial log in memory: SI rates, however it was stored."""
+"""An inertial log in memory: rates in SI, whatever the file's format."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ AXIS_LETTERS = ("x", "y", "z")
 class ImuLog:
     """Angular rate [rad/s] and specific force [m/s²], each (samples, 3) or None, sampled at `rate_hz`.
 
-    Of a sensor with a single axis the array is (samples, 1), and `gyro_axis` or `accelerometer_axis` (0 to 2) says
-    which it is.
+    A sensor with a single axis has an array of (samples, 1); `gyro_axis` or `accelerometer_axis` (0 to 2) says which
+    axis.
 
     `temperature_c` is (samples,) or None; `reading` says how file, columns, units and rate were understood.
     """

@@ -1,4 +1,5 @@
-"""Read an inertial log (CSV or NPZ) into SI rates; nothing is executed, every refusal says what and where."""
+"""Reads an inertial log (CSV or NPZ) into SI rates. Nothing in the file is executed; every error says what and
+where."""
 
 from __future__ import annotations
 
@@ -22,7 +23,7 @@ from nav_model.npz_arrays import read_npz_arrays
 IGNORED = "-"
 RATE_TOLERANCE = 0.01
 _RATES = (1e-3, 1e7)  # Hz
-_LARGEST = 1e9  # rad/s or m/s²: beyond it no sensor's word, and squares of it leave the range of numbers
+_LARGEST = 1e9  # rad/s or m/s²: no sensor measures more, and its square would overflow
 _GAP = 1.5
 _UNIT_EXAMPLES = {
     "gyro": "deg/s, rad/s, increments in rad, or counts as 0.05 deg/s",
@@ -43,7 +44,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class LogOptions:
-    """What the user says about a log; None means "read it from the file, or refuse and ask".
+    """What the user states about a log; None: read it from the file, or refuse and ask.
 
     `rate_hz`; `gyro_unit`, `accelerometer_unit`: a unit ("deg/s"), a unit per count ("0.05 deg/s") or an
     increment ("rad", "m/s"); `columns`: names of a table's columns in order ("time", "gyro_x", ..., "-" to
@@ -66,7 +67,7 @@ class _Column:
 
 @dataclass(frozen=True)
 class _Found:
-    """Columns of a file with what else it says: scales per count, rate, line of row 0."""
+    """Columns of a file and what else it states: scales per count, rate, line of row 0."""
 
     columns: list[_Column]
     count_units: dict[str, str]
@@ -272,7 +273,7 @@ def _signal(
 
 
 def _single_axis(role: str, found: _Found) -> int:
-    """Which axis it is, of a sensor with one."""
+    """The axis of a single-axis sensor."""
     return next((column.meaning.axis or 0 for column in found.columns if column.meaning.role == role), 0)
 
 
@@ -289,7 +290,7 @@ def _scale(role: str, column: _Column, found: _Found, options: LogOptions, name:
 
 
 def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> float:
-    """The rate from the options, the file's word or its time column, which must agree (RATE_TOLERANCE)."""
+    """The rate from the options, the file's comment or its time column, which must agree (RATE_TOLERANCE)."""
     stated = options.rate_hz if options.rate_hz is not None else found.rate_hz
     _check_rate(stated, name)
     times = [column for column in found.columns if column.meaning.role == "time"]

@@ -1,4 +1,4 @@
-"""What a column or array of an inertial log is called, and in what unit: the layouts found in the field.
+"""Names and units of the columns or arrays of an inertial log, in the layouts that are in use.
 
 Understood: `gyro_x [deg/s]`, `gx_dps`, `wx(rad/s)`, `acc_x_g`, `az`, EuRoC's `w_RS_S_x [rad s^-1]`, ROS's
 `angular_velocity.x` (SI by REP 103), increments `dtheta_x`, `dvel_z`, counts with `gyro_dps_per_count`.
@@ -127,7 +127,7 @@ def meaning_of(name: str) -> Meaning | None:
         return None
     found = _from_words(words, unit)
     if found is None and unit is None:
-        # The unit may stand at the end of the name: gyro_x_dps, acc_g, imu_ms.
+        # The unit may be at the end of the name: gyro_x_dps, acc_g, imu_ms.
         for count in (1, 2):
             text = _normal_unit("_".join(words[-count:]))
             shorter = _from_words(words[:-count], text) if len(words) > count else None

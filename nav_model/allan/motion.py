@@ -1,4 +1,4 @@
-"""In-motion log -> effective noise from high-passed residuals, as a vibration factor over the bench noise.
+"""Vibration factor over the bench noise from a log in motion: effective noise of the high-passed residuals.
 
 Above the vehicle's own motion (a few hertz) what a strapdown sensor measures is noise plus vibration. The
 residual there is expressed as the white noise of equal power: the Hann-windowed spectrum of short blocks
@@ -80,8 +80,7 @@ def analyse_motion(
     band_from_hz: float = DEFAULT_BAND_FROM_HZ,
     progress: Callable[[float, str], None] | None = None,
 ) -> MotionAnalysis:
-    """Effective noise of a moving log above `band_from_hz` (below it the vehicle's motion rules), up to half
-    the rate.
+    """Effective noise of a moving log from `band_from_hz` (below it the vehicle's motion dominates) to half the rate.
 
     Raises ValueError when the band holds too little of a block, the log is shorter than two blocks, or a
     bench value is not positive.

@@ -1,4 +1,4 @@
-"""The five noise terms of IEEE Std 952 and the two faces of each: Allan variance and cosine spectrum.
+"""The five noise terms of IEEE Std 952, each as Allan variance and as cosine spectrum.
 
 Coefficients are those of the standard, in SI for a rate signal y (angular rate [rad/s] or specific force
 [m/s²]):

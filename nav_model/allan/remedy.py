@@ -1,4 +1,4 @@
-"""What log would resolve a coefficient that this one does not show.
+"""Which log would resolve a coefficient that this one does not show.
 
 For a coefficient that is merely hidden the answer is a length. At frequency f the term's density is c²/f^a (a
 1 for flicker, 2 for the rate random walk, 3 for the ramp's power in a log) under a rival 1/f^r (r 0 for white
@@ -52,7 +52,7 @@ def what_would_resolve(
 
 
 def _span(seconds: float) -> str:
-    """A duration as one says it."""
+    """A duration in words."""
     if seconds < 120.0:
         return f"{seconds:.0f} s"
     if seconds < 7200.0:

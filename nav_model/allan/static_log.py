@@ -1,4 +1,4 @@
-"""Static log -> noise parameters of every axis."""
+"""Noise parameters of every axis of a static log."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings, saturated_share
 from nav_model.errors import InputError
 
-# Both shares were set on the logs at hand: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
+# Both shares were set on the available logs: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
 # accelerometers under a 0.6 Hz line.
 # The white floor stands for the random walk when it makes up at least this share of the Allan variance about
 # 1 s.
 _WHITE_SHARE = 0.9
-# Below this share something four times as strong as the sensor's own noise rules there.
+# Below this share, something four times as strong as the sensor's own noise dominates there.
 _LEAST_WHITE_SHARE = 0.25
 _LIKELIHOOD = "maximum likelihood on the cosine spectrum, profile interval"
 _READ_AT_1S = "slope -1/2 line through the Allan deviation over the decade about 1 s; from the white floor up to it"
@@ -220,7 +220,7 @@ def _effective_at_1s(deviation: AllanDeviation) -> float | None:
 
 
 def _dominant_alpha(found: AxisFit, tau_s: FloatArray) -> FloatArray:
-    """Noise type that rules at each averaging time, for the degrees of freedom of the Allan estimates."""
+    """Dominant noise type at each averaging time, for the degrees of freedom of the Allan estimates."""
     terms = [*STOCHASTIC_TERMS, "ramp"]
     values = [math.sqrt(square.value) for square in found.fit.squares] + [found.fit.ramp.value]
     variances = np.stack([allan_variance(term, value, tau_s) for term, value in zip(terms, values, strict=True)])

@@ -1,4 +1,4 @@
-"""In-motion log -> vibration as a spectrum in third octaves, which a design takes as it is."""
+"""Vibration spectrum of a log in motion, in third octaves, as an input of a design."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _DIGITS = 3
 def vibration_spectrum(log: ImuLog) -> tuple[Row, ...]:
     """One-sided density of the accelerometers [(m/s²)²/Hz], a row for each third of an octave from 2 Hz up.
 
-    Each row is the mean over its band of the axis that vibrates most there, rounded to three digits: which way the
-    radar looks is not the log's to say. Hann-windowed blocks of 5 s without their mean and trend (Welch's method).
-    Empty without accelerometers, for less than two blocks, or where fewer than two bands fit below half the rate.
+    Each row is the mean over its band of the axis that vibrates most there, rounded to three digits: a log does not
+    know where the radar looks. Hann-windowed blocks of 5 s without their mean and trend (Welch's method). Empty
+    without accelerometers, for less than two blocks, or where fewer than two bands fit below half the rate.
     """
     signal = log.accelerometer
     length = round(BLOCK_S * log.rate_hz)

@@ -1,4 +1,4 @@
-"""What a reader must know before trusting a static log: movement, temperature, coarse counts, wrong units."""
+"""Warnings about a static log: movement, temperature, coarse counts, wrong units."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _CUT_RATIO = 1.5  # of those over the ones at the next value
 
 
 def saturated_share(signal: FloatArray) -> float:
-    """Share of samples that stand at a limit of the sensor's range; 0 where none is seen.
+    """Share of samples at a limit of the sensor's range; 0 where no limit is seen.
 
-    Noise becomes rarer towards its largest value. Where the largest (or the smallest) stands far more often than the
-    value next to it, what lay beyond was cut off. Signals of three levels and fewer say nothing: they are coarse.
+    Noise becomes rarer towards its largest value. If the largest (or smallest) value occurs far more often than the
+    value next to it, larger ones were cut off. Signals with three levels or fewer are coarse and give no answer.
     """
     inner = signal
     for _ in range(_FEWEST_LEVELS - 1):

@@ -1,4 +1,4 @@
-"""Closed forms of the INS/GNSS error budget: steady state, outage, and whose error it is.
+"""Closed forms of the INS/GNSS error budget: steady state, outage, shares by source.
 
 - `steady_state`: the filter that has settled ([T-3] to [T-7]).
 - `discrete`: the same filter with its sawtooth, just before and just after a fix ([T-8]).

@@ -1,4 +1,4 @@
-"""The filter as it is built: fixes at intervals, so a covariance that saws. [T-8]
+"""The filter with discrete fixes, whose covariance is a sawtooth. [T-8]
 
 The covariance is largest just before a fix (prior) and smallest just after (posterior); the closed form
 [T-3] is its cycle rms. Both solve the discrete algebraic Riccati equation of one channel with exact transition

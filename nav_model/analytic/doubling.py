@@ -1,9 +1,9 @@
-"""A row of equal stretches of flight with fixes, made by doubling one: filters that settle, and legs of any length.
+"""Settled filters and legs of any length, made by doubling a segment of flight with fixes.
 
 States are position, velocity, acceleration by tilt, and the slow error of the fixes where there is one. A segment of
 flight with fixes is what they measure of its first state, and how the last state follows from the first and from
-noise. Two equal segments in a row are one of twice the length: a leg of any number of fixes takes as many steps as
-that number has binary digits, and a filter settles in some fifteen.
+noise. Two equal segments in a row are one of twice the length: a leg of n fixes takes as many steps as n has binary
+digits, and a filter settles in about fifteen.
 
 Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
 """
@@ -14,34 +14,37 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.stacks import even, plus_one, solved, times, turned
-from nav_model.analytic.steady_state import Array
+from nav_model.analytic.steady_state import Array, as_numbers
 
 _MOST_STEPS = 60
-_FEW = 400  # numbers in all; with fewer, the library is faster than our stacks
+_FEW = 400  # elements; with fewer, NumPy's own functions are faster than our stacks
 _SETTLED = 1e-14
 
 
 class Segment(NamedTuple):
-    """What is known of the first state, the last by the first, and the covariance of what is added, (n, n, ...)."""
+    """Information about the first state, transition from the first to the last, covariance of the noise added: (n, n,
+    ...)."""
 
     info: Array
     through: Array
     noise: Array
 
 
-def drift(step: Array, accelerometer: Array, gyro: Array, slow: tuple[Array, Array] | None) -> tuple[Array, Array]:
-    """Transition and noise of the states over a step without fixes.
+def drift(
+    step: Array, accelerometer: ArrayLike, gyro: ArrayLike, slow: tuple[ArrayLike, ArrayLike] | None = None
+) -> tuple[Array, Array]:
+    """Transition and covariance of the noise of the states over a step without fixes, exact: (n, n, ...), n 3 or 4.
 
     Parameters
     ----------
     step : array
         Seconds.
-    accelerometer, gyro : array
+    accelerometer, gyro : array_like
         Densities of the white noises, m²/s³ and m²/s⁵.
-    slow : pair of array, optional
+    slow : pair of array_like, optional
         Variance of the slow error [m²], its correlation time [s].
     """
     values = step, accelerometer, gyro, *(slow or ())
@@ -51,7 +54,7 @@ def drift(step: Array, accelerometer: Array, gyro: Array, slow: tuple[Array, Arr
     phi[range(size), range(size)] = 1
     phi[0, 1] = phi[1, 2] = step
     phi[0, 2] = step * step / 2
-    a, w = accelerometer * step, gyro * step
+    a, w = as_numbers(accelerometer) * step, as_numbers(gyro) * step
     noise[0, 0] = a * step**2 / 3 + w * step**4 / 20
     noise[0, 1] = noise[1, 0] = a * step / 2 + w * step**3 / 8
     noise[0, 2] = noise[2, 0] = w * step**2 / 6
@@ -59,16 +62,16 @@ def drift(step: Array, accelerometer: Array, gyro: Array, slow: tuple[Array, Arr
     noise[1, 2] = noise[2, 1] = w * step / 2
     noise[2, 2] = w
     if slow is not None:
-        phi[3, 3] = np.exp(-step / slow[1])
-        noise[3, 3] = -slow[0] * np.expm1(-2 * step / slow[1])
+        phi[3, 3] = np.exp(-step / as_numbers(slow[1]))
+        noise[3, 3] = -as_numbers(slow[0]) * np.expm1(-2 * step / as_numbers(slow[1]))
     return phi, noise
 
 
 def before(info: Array, through: Array, noise: Array) -> Array:
-    """Information about the state before a stretch of drift, of what is known after it."""
+    """Information about the state before a drift, from the information about the state after it."""
     if info.size > _FEW:
         return times(turned(through), even(solved(plus_one(times(info, noise)), info)), through)
-    # transposed they are stacks as the library has them: the matrices last, symmetric but for the way through
+    # Transposed they are stacks as NumPy has them, matrices last. All but `through` are symmetric.
     known, back = info.T, through.T
     found = back @ np.linalg.solve(known @ noise.T + _one(len(info)), known @ back.swapaxes(-1, -2))
     return np.asarray(found + found.swapaxes(-1, -2)).T / 2
@@ -106,7 +109,7 @@ def _one(size: int) -> Array:
 
 
 def repeated(one: Segment, counts: NDArray[np.int64]) -> Segment:
-    """So many equal segments in a row: of shape (n, n, rows), counts (rows)."""
+    """`counts` (rows) equal segments in a row; segments have the shape (n, n, rows)."""
     row = Segment(0 * one.info, 0 * one.through + _one(len(one.info))[:, :, None], 0 * one.noise)
     while True:
         odd = counts % 2 == 1
@@ -120,7 +123,7 @@ def repeated(one: Segment, counts: NDArray[np.int64]) -> Segment:
 
 
 def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None = None) -> Array:
-    """What a row of equal segments tells of the first state.
+    """Information that a row of equal segments gives about the first state.
 
     Parameters
     ----------
@@ -129,7 +132,7 @@ def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None =
     counts : array of int, (kinds, rows)
         How many of them.
     beyond : array, (n, n, kinds, rows), optional
-        What is known of the last state.
+        Information about the last state.
     """
     known = np.zeros((*unit.info.shape[:2], *counts.shape), np.result_type(*unit)) if beyond is None else beyond
     left, fresh = counts, beyond is None
@@ -151,7 +154,7 @@ def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None =
 
 
 def settled(unit: Segment) -> Array:
-    """Covariance just before a fix of the filter that has seen such segments for ever.
+    """Covariance just before a fix of the filter in steady state, after many such segments.
 
     Raises
     ------

@@ -1,11 +1,10 @@
-"""Values over a map of designs from few of its designs: worked out there, in between by polynomials, with a check.
+"""Values over a map of designs, computed at a few designs and interpolated by polynomials, with a check.
 
 A map is cut into boxes. In each, the values at a dozen rows and columns close to Chebyshev's points give a polynomial
-of the place, and that is compared with values worked out at other places between them. Where it is beyond `BOUND`
+of the place, and that is compared with values computed at other places between them. Where it is beyond `BOUND`
 along an axis, the box is halved there, until every row or column of it is taken. Along an axis that changes how many
-fixes there are, values jump: there every row or column is compared. What else is not smooth, as where a method takes
-over from another, is for the caller to keep apart as maps of their own. All boxes of a round are worked out in one
-call.
+fixes there are, values jump: there every row or column is compared. Other discontinuities, such as where one method
+takes over from another, must be separate maps of the caller. All boxes of a round are computed in one call.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from nav_model.analytic.steady_state import Array
 
 BOUND = 1e-4
-"""Largest difference, at the places compared, of a polynomial from what is worked out there."""
+"""Largest difference, at the places compared, of a polynomial from what is computed there."""
 
 _POINTS = 13  # along a side of a box
 _CHECKED = 4  # rows or columns between the points that are compared, at as many of the points along the other axis
@@ -29,7 +28,7 @@ Places = NDArray[np.int64]
 
 @dataclass
 class _Box:
-    """Part of a map: from its first row and column to beyond its last, and along which axis every one is taken."""
+    """Part of a map: its rows and columns, and the axes along which every row or column is computed."""
 
     of: int
     ends: tuple[tuple[int, int], tuple[int, int]]
@@ -44,7 +43,7 @@ class _Map:
     known: NDArray[np.bool_]
 
     def ask(self, rows: Places, columns: Places) -> None:
-        """Have these worked out in this round."""
+        """Request these points in this round."""
         self.asked[np.ix_(rows, columns)] = True
 
     def __post_init__(self) -> None:
@@ -57,7 +56,7 @@ def from_few(
     size: int,
     exact: Callable[[Places, Places, Places], Array],
 ) -> list[Array]:
-    """Values of several maps, within `BOUND` where they are not worked out.
+    """Values of several maps, within `BOUND` where they are interpolated.
 
     Parameters
     ----------
@@ -90,14 +89,14 @@ def from_few(
 
 @dataclass
 class _Plan:
-    """Points of a box along each axis, and those between them that are compared."""
+    """Points of a box along each axis, and the points between them for comparison."""
 
     points: tuple[Places, Places]
     between: tuple[Places, Places]
 
 
 def _plan(box: _Box, of: _Map) -> _Plan | None:
-    """Ask for what a box needs; None where that is all of it."""
+    """Request the points that a box needs; None if every point of it is requested."""
     (top, bottom), (left, right) = box.ends
     inside = of.wanted[top:bottom, left:right]
     rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
@@ -147,7 +146,7 @@ def _work_out(maps: Sequence[_Map], exact: Callable[[Places, Places, Places], Ar
 
 
 def _settle(box: _Box, plan: _Plan, of: _Map) -> list[_Box]:
-    """Fill a box from its points, or give the parts that it falls into."""
+    """Fill a box from its points, or return the parts that it is split into."""
     weights = [_weights(*ends, at) for ends, at in zip(box.ends, plan.points, strict=True)]
     off = _off(of.values, plan, weights[0], box.ends[0][0], 0), _off(of.values, plan, weights[1], box.ends[1][0], 1)
     if max(off) <= BOUND:
@@ -170,7 +169,7 @@ def _settle(box: _Box, plan: _Plan, of: _Map) -> list[_Box]:
 
 
 def _off(values: Array, plan: _Plan, weights: Array, first: int, axis: int) -> float:
-    """Largest difference at what is between the points along an axis."""
+    """Largest difference at the comparison points along an axis."""
     between, points, other = plan.between[axis], plan.points[axis], _some(plan.points[1 - axis])
     if not len(between):
         return 0.0

@@ -1,4 +1,4 @@
-"""The outage with what the polynomials leave out. [T-17]
+"""The outage with the Schuler, gravity-gradient and Coriolis terms that the polynomials omit. [T-17]
 
 Beside [T-1], the horizontal channels feel the Schuler term -g/R, the vertical channel gravity's gradient
 +2g/R and the horizontal velocity error through Coriolis and the centrifugal term:
@@ -6,9 +6,9 @@ Beside [T-1], the horizontal channels feel the Schuler term -g/R, the vertical c
 after about 45 s.
 
 With omega² = g/R and mu² = 2 omega², the transition of this linear system is made of sin, cos, sinh and cosh.
-The variance is what the transition makes of the covariance at the last fix plus the integrals of the squared
-impulse responses, which are smooth and positive and are integrated by Gauss and Legendre's rule to rounding.
-Everything broadcasts, so the same function draws a curve and fills a map.
+The variance is the propagated covariance of the last fix plus the integrals of the squared impulse responses, which
+are smooth and positive and are integrated by Gauss and Legendre's rule to rounding. Everything broadcasts, so the
+same function draws a curve and fills a map.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def refined_growth(
         + qa * noise.sine
         + g**2 * qw * noise.tilt
     )
-    # What one horizontal channel's velocity error does to the vertical, for a coupling of one.
+    # Effect of one horizontal channel's velocity error on the vertical channel, for a coupling of one.
     pull = omega**2
     through = (
         p.p22 * coupled**2

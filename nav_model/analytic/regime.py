@@ -1,4 +1,4 @@
-"""Which sensor rules the horizontal channel: regime number of designs and of the catalogue. [T-6], [T-7]"""
+"""Which sensor limits the horizontal channel: gyro dominance of designs and of the catalogue. [T-6], [T-7]"""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def asymptote_error(kappa: ArrayLike) -> Array:
 def design_point(design: Design) -> tuple[float, float]:
     """Gyro dominance of a design and its ratio of horizontal to vertical position variance.
 
-    The ratio is that for equal fixes on both axes; vertical fix noises of their own do not enter. With velocity
-    fixes it is off the curve: gyro dominance alone does not tell it. [P-6]
+    The ratio is that for equal fixes on both axes; a separate vertical fix noise does not enter. With velocity
+    fixes it is off the curve: gyro dominance alone does not determine it. [P-6]
     """
     kappa, ratio = _points(design, design.imu.velocity_random_walk, design.imu.angle_random_walk)
     return float(kappa), float(ratio)

@@ -1,4 +1,4 @@
-"""Whose error is it: shares by source and exact logarithmic derivatives of the steady state.
+"""Shares by error source and exact logarithmic derivatives of the steady state.
 
 The filter's gain is optimal, so the share of a source in a variance IS the logarithmic derivative of that
 variance with respect to the source's own variance ([T-18]). Differentiating [T-3] implicitly gives them in

@@ -12,8 +12,8 @@ Horizontally it is negative at u = -epsilon²/phi and at the real root of C, pos
 real root lies between these and zero and one beyond them. Vertically one lies beyond -epsilon²/phi. Each is
 bracketed and found by Newton's method in logarithms; what remains is a quadratic.
 The roots z give the settled gain, the gain the covariance. Terms are arranged so that nearly every sum adds
-numbers of one sign, so that it holds over all that a design may state, at the cost of some three hundred array
-operations: one design or a map of 40,000.
+numbers of one sign, so the result holds for every allowed design. It costs some three hundred array operations, for
+one design or a map of 40,000.
 
 Source: spectral factorisation, Anderson and Moore, *Optimal Filtering*, 1979, section 9.3.
 """
@@ -39,7 +39,7 @@ _Balance = tuple[Array, Array]
 
 
 class _Error(NamedTuple):
-    """The slow error seen at the fixes: decay, what is forgotten, innovation variance over the white noise."""
+    """The slow error at the fixes: decay over an interval, one minus it, innovation variance over the white noise."""
 
     phi: Array
     epsilon: Array

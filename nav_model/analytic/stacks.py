@@ -1,4 +1,4 @@
-"""Small matrices by the thousand, designs in the last axes, (n, m, ...): several times NumPy's own speed."""
+"""Algebra of thousands of small matrices, (n, m, ...), with the designs on the last axes: faster than NumPy's own."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from nav_model.analytic.steady_state import Array
 
-_FEW = 400  # numbers in all; with fewer, the library is faster
+_FEW = 400  # elements; with fewer, NumPy's own functions are faster
 
 
 def times(*factors: Array) -> Array:
@@ -27,8 +27,13 @@ def turned(matrix: Array) -> Array:
     return matrix.swapaxes(0, 1)
 
 
+def matrices_last(stack: Array) -> Array:
+    """The stack as NumPy's linear algebra takes it, (..., n, m)."""
+    return np.moveaxis(stack, (0, 1), (-2, -1))
+
+
 def even(matrix: Array) -> Array:
-    """The symmetric part, of what is symmetric but for rounding."""
+    """The symmetric part, to remove rounding from matrices that should be symmetric."""
     return (matrix + turned(matrix)) * 0.5
 
 
@@ -45,8 +50,8 @@ def _one(size: int, axes: int) -> Array:
 def solved(matrix: Array, right: Array) -> Array:
     """Solution of each row's equations by elimination without a choice of pivots.
 
-    That is as good as with one where all minors are positive, as they are of one plus the product of a covariance of
-    position, velocity and acceleration with what later fixes tell of them.
+    Pivots are not needed where all minors are positive, as for one plus the product of a covariance of position,
+    velocity and acceleration with the information of later fixes.
     """
     if matrix.size < _FEW:
         a, b = matrix.T.swapaxes(-1, -2), right.T.swapaxes(-1, -2)

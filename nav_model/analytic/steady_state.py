@@ -70,7 +70,8 @@ def fix_density(sigma_gnss: ArrayLike, interval: ArrayLike) -> Array:
 
 
 def gyro_dominance(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike) -> Array:
-    """Regime number kappa: large when the gyro rules the horizontal channel, small when it does not. [T-6]"""
+    """Gyro dominance kappa: large when the gyro limits the horizontal channel, small when the accelerometer does.
+    [T-6]"""
     sigma_a, sigma_w, s, g = (as_numbers(x) for x in (sigma_a, sigma_w, s, g))
     kappa: Array = 2 * np.sqrt(2) * g * sigma_w * np.sqrt(s) / sigma_a**1.5
     return kappa

@@ -1,7 +1,8 @@
 """The sampled filter with fixes of position and velocity: its Riccati equation, solved by doubling. [T-8], [P-6]
 
-Two kinds of fixes leave no scalar to factor, as `nav_model.analytic.sampled_filter` does. Everything broadcasts and
-takes complex steps. A map of thousands of designs is worked out at few of them, the rest within 1e-4 of variances.
+With two kinds of fixes there is no scalar spectrum to factor as in `nav_model.analytic.sampled_filter`. Everything
+broadcasts and takes complex steps. A map of thousands of designs is computed at a few and interpolated, to 1e-4 of
+the variances.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from nav_model.analytic.few import from_few
 from nav_model.analytic.stacks import plus_one, solved, times
 from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
 
-_MANY = 2000  # designs of a map, beyond which few of them stand for the rest
+_MANY = 2000  # designs; a larger map is interpolated from a few of them
 _NOTHING = 1e-300  # instead of zero under a logarithm
 
 Channels = tuple[Horizontal, Vertical]
@@ -83,7 +84,7 @@ def _ends(inputs: Sequence[Array]) -> Array:
 
 
 def _of_a_map(inputs: Sequence[Array]) -> Array:
-    """The same of a map, from few of its designs: variances within 1e-4, and covariances of their variances' mean."""
+    """The same of a map, interpolated: variances to 1e-4, covariances to 1e-4 of their variances' mean."""
     shape = inputs[0].shape[1:]
 
     def exact(_: NDArray[np.int64], rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Array:

@@ -1,4 +1,4 @@
-"""Vibration, unsensed motion and oscillator of a design: sources as lines and spectra, through its aperture."""
+"""Vibration, unsensed motion and oscillator of a design, as lines and spectra seen through its aperture."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from nav_model.design import Design
 from nav_model.design.rows import Row
 from nav_model.processing import paired_echo
 from nav_model.processing.fast_motion import Curve, Fast, Source, density_of, through_aperture
-from nav_model.sar.impulse_response import aperture_positions, as_taper, ideal_null_cells
+from nav_model.sar.impulse_response import aperture_positions
+from nav_model.sar.window import as_taper, ideal_null_cells
 
 VIBRATION, UNSENSED, OSCILLATOR = "vibration", "unsensed motion", "oscillator"
 """Names of the sources in every budget."""
@@ -113,7 +114,7 @@ def rectified(design: Design, value: Value) -> Array | None:
 
 
 def not_flown(design: Design) -> tuple[str, ...]:
-    """What runs and flights leave out of a design's budget, a sentence; nothing where they have all of it."""
+    """A sentence on what simulated runs and flights omit of a design's budget; empty if nothing."""
     motion = design.motion
     given = {
         VIBRATION: motion.lines or motion.spectrum,
@@ -137,7 +138,7 @@ def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) 
 
 
 def stays(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> tuple[Array, Array]:
-    """Power that stays at a target, and what would stay if only the errors within ten null distances were there."""
+    """Power that stays at a target, and the same with only the errors within ten null distances."""
     sources, lobe = tuple(made), ideal_null_cells(window)  # type: ignore[arg-type]
     near = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe, "near")
     return np.exp(-paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)), np.exp(-near)

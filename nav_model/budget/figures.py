@@ -1,4 +1,4 @@
-"""The figures that requirements look at, for one design or for arrays of designs at once.
+"""The figures that requirements limit, for one design or for arrays of designs at once.
 
 `nav_model.budget.analyse` and everything that explores (solving backwards, ranking, maps, search, uncertainty,
 sweeps) compose the closed forms here and nowhere else. Any input may be an array; all broadcast together, and
@@ -130,7 +130,7 @@ def along_track_phase(x: Inputs, start: Horizontal) -> Array:
 
 
 def begun(x: Inputs) -> Sawtooth:
-    """The filter at the last fix before the aperture; with a slow GNSS error only the augmented one covers it."""
+    """The filter at the last fix before the aperture: the augmented one where there is a slow GNSS error."""
     return settled(x) if x.slow is None else sampled(x).posterior
 
 
@@ -175,12 +175,12 @@ def _lever(x: Inputs) -> Array:
 
 
 def _fast_slope(x: Inputs) -> Array:
-    """Variance of the slope over the aperture of what vibrates and of the oscillator, m²/s²."""
+    """Variance of the slope over the aperture from vibration, unsensed motion and oscillator, m²/s²."""
     return np.asarray(sum(made.slope for made in x.fast.values()) * 4 / x.aperture**2)
 
 
 def placing(x: Inputs, moved: Shifts, names: Collection[str] = PLACING) -> dict[str, Array]:
-    """Figures of `PLACING` from the variances of the image's shift, as far as they are asked for."""
+    """Figures of `PLACING` from the variances of the image's shift."""
     found: dict[str, Array] = {}
     if "azimuth_shift" in names:
         found["azimuth_shift"] = np.sqrt(moved.azimuth)
@@ -194,7 +194,7 @@ def placing(x: Inputs, moved: Shifts, names: Collection[str] = PLACING) -> dict[
 
 
 def channels(x: Inputs) -> tuple[Channel, Channel]:
-    """A horizontal axis and the vertical one, as the smoother sees them."""
+    """Inputs of the smoother for a horizontal axis and the vertical one."""
     slow = (None, None) if x.slow is None else (as_numbers(x.slow.sigma), as_numbers(x.slow.correlation_time))
     level, upright, interval = x.velocity, x.velocity_vertical, x.velocity_interval
     if level is None:
@@ -249,7 +249,7 @@ def ends_left_out(x: Inputs) -> Array:
 
 
 def smoothed_figures(x: Inputs, names: Collection[str]) -> dict[str, Array]:
-    """One sigma of the figures asked for when a smoother has the whole leg. [P-3], [P-5]
+    """One sigma of some figures with a smoother over the whole leg. [P-3], [P-5]
 
     Parameters
     ----------
@@ -302,7 +302,7 @@ def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, A
 
 
 def _turning(x: Inputs, h: Mapping[str, Array], v: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]:
-    """Figures along the line of sight as it turns: [S-2], and what that leaves out.
+    """Figures along the turning line of sight: [S-2] and the terms that it omits.
 
     A residual is that after the next order, which the turn hardly changes (0.08 % in the examples, 0.7 % where the
     line of sight turns by 0.225 rad to each side), and the turning quadratic or cubic.
@@ -332,13 +332,13 @@ _PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase_1", "detrended_pha
 
 
 def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Array]:
-    """One sigma of the figures asked for, in SI: what `analyse` holds against the requirements.
+    """One sigma of some figures, in SI: those that `analyse` compares with the requirements.
 
     Parameters
     ----------
     x : Inputs
     names : collection of str
-        Keys of `FIGURES`; what nobody asks for is not computed.
+        Keys of `FIGURES`; others are not computed.
 
     Returns
     -------

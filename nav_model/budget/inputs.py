@@ -1,4 +1,4 @@
-"""The inputs of a budget as the closed forms take them: SI numbers, or arrays that broadcast together."""
+"""The inputs of the closed forms of a budget: SI numbers, or arrays that broadcast together."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ Replacement = ArrayLike | None
 
 @dataclass(frozen=True)
 class Inputs:
-    """What the figures are worked out from, in SI, vibration applied; numbers or arrays that broadcast together."""
+    """The inputs of the figures in SI, vibration factor applied; numbers or arrays that broadcast together."""
 
     sigma_a: Array
     sigma_w: Array

@@ -148,7 +148,7 @@ _CHECK = (
 
 
 def _check(check: Check) -> dict[str, Any]:
-    """A check under the names of before, among which its basis is the "figure"; levels in decibels."""
+    """A check under the contract's names, where its basis is called "figure"; levels in decibels."""
     said: dict[str, Any] = {"figure" if name == "basis" else name: getattr(check, name) for name in _CHECK}
     if check.dimension == "level":
         said |= {name: _decibels(said[name]) for name in ("value", "sigma", "limit")}

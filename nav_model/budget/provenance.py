@@ -1,6 +1,6 @@
-"""Where each number of a budget comes from: its key in the JSON, the equation, the method, what to mind.
+"""Where each number of a budget comes from: equation, method and caution, by its key in the JSON.
 
-One table for pages, reports and JSON, so that no face invents a source of its own.
+Pages, reports and JSON share this table.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from types import MappingProxyType
 from nav_model.budget.result import Budget
 from nav_model.design import Design
 
-_TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight goes without saying
+_TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight is not mentioned
 
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
@@ -101,7 +101,7 @@ _CYCLE = frozenset(key for key, entry in _TABLE.items() if entry.note == "cycle 
 
 
 def steady_marks(design: Design) -> tuple[str, str]:
-    """The equations of the steady state, horizontal and vertical: with velocity fixes it is another one."""
+    """Marks of the steady state's equations, horizontal and vertical; velocity fixes have another equation."""
     return ("[T-3]", "[T-4]") if design.gnss.velocity_noise is None else ("[P-6]", "[P-6]")
 
 
@@ -146,7 +146,7 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
 
 
 def cautions(budget: Budget) -> tuple[str, ...]:
-    """What a careful reader must know about this budget, in sentences."""
+    """Cautions about this budget, in sentences."""
     steady, coast, design = budget.steady_state, budget.coast, budget.design
     said: list[str] = []
     if steady.lambda_dt > WIDE_SAWTOOTH:

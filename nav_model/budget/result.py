@@ -1,4 +1,4 @@
-"""What `nav_model.budget.analyse` finds: immutable, in SI, and picklable."""
+"""Results of `nav_model.budget.analyse`: immutable, in SI, and picklable."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ class Sar:
 
     @cached_property
     def impulse_response(self) -> ImpulseResponse | None:
-        """Worked out when it is first looked at: side lobes are read at rest."""
+        """Computed when it is first read, as a moving slider does not need side lobes."""
         return self.respond(self.quadratic)
 
     @cached_property
@@ -138,11 +138,11 @@ class Sar:
 
 @dataclass(frozen=True)
 class PostProcessed:
-    """What a smoother with the whole leg leaves: m, m/s, rad. [P-3], [P-5]
+    """Errors that remain with a smoother over the whole leg: m, m/s, rad. [P-3], [P-5]
 
     ``by_order`` is the residual phase after autofocus to order 1, 2 and 3, ``detrended`` that of the design's order.
     ``turning_quadratic`` is the quadratic phase along the line of sight as it turns over the aperture: ``quadratic``
-    and ``along_track_quadratic``, which verdicts hold, and what the turn makes of the position;
+    and ``along_track_quadratic``, which verdicts check, and the effect of the turn on the position error;
     ``turning_by_order`` are the residuals after autofocus to order 1 and 2 alike. After order 3 the turn is 0.3 % at
     most where it is less than 0.05 rad to each side, and some 2 % at 0.2 rad.
     ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.
@@ -167,7 +167,7 @@ class PostProcessed:
 
     @cached_property
     def impulse_response(self) -> ImpulseResponse | None:
-        """Worked out when it is first looked at: a page whose design is in real time shows none."""
+        """Computed when it is first read: a page of a real-time design does not show it."""
         return self.respond(self.quadratic)
 
     @property
@@ -194,7 +194,7 @@ class Echo:
 
 @dataclass(frozen=True)
 class Spectral:
-    """What vibration, unsensed motion and oscillator do beside the main lobe. [P-9], [P-11]
+    """Effects of vibration, unsensed motion and oscillator outside the main lobe. [P-9], [P-11]
 
     ``levels`` holds "paired_echo", the highest echo, and "islr", the root of the scattered energy over the target's:
     amplitudes, 1e-15 where there is nothing. ``stays`` is the power that stays at the target, 1 without sources.
@@ -234,7 +234,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class Check:
-    """One requirement held against its figure.
+    """One requirement compared with its figure.
 
     ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
     over, 1 - value/limit, negative when the requirement is not met. ``basis`` says which of the model's
@@ -267,7 +267,7 @@ class Check:
 
     @property
     def sensor(self) -> str:
-        """What answers for the largest share."""
+        """The sensor responsible for the largest share."""
         return max(self.by_sensor, key=lambda source: self.by_sensor[source])
 
     @property
@@ -277,7 +277,8 @@ class Check:
 
     @cached_property
     def by_sensor(self) -> Shares:
-        """Shares charged to what can be bought: initial tilt to its makers, coast to the gyros. [T-18]"""
+        """Shares by sensor: the initial tilt counts for the noises that cause it, tilt growth in a coast for the
+        gyros. [T-18]"""
         charged: dict[str, float] = {}
         makers: dict[str, Shares] = {
             "initial tilt": self.tilt_shares,
@@ -305,7 +306,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class AfterFlight:
-    """What post-processing makes of a design: its figures, where its image lies, and its verdict."""
+    """Results of post-processing: figures, image location and verdict."""
 
     figures: PostProcessed
     placement: Placement
@@ -320,8 +321,8 @@ class Budget:
     processings. ``verdict`` is that of the design's processing and decides; ``other_verdict`` holds the same
     requirements against the other one.
 
-    What post-processing makes of a design in real time is worked out when it is first looked at; an `InputError` says
-    then that double precision cannot hold the design's values together.
+    For a real-time design, the results of post-processing are computed when they are first read. This raises
+    `InputError` if double precision cannot hold the design's values together.
 
     `nav_model.budget.provenance` says which equation each number comes from.
     """
@@ -338,7 +339,7 @@ class Budget:
 
     @property
     def placement(self) -> Placement:
-        """Where the image of real time lies; worked out when it is first looked at."""
+        """Location of the image in real time; computed when it is first read."""
         return self.place()
 
     @cached_property
@@ -373,7 +374,7 @@ class Budget:
     def other_margin(self) -> float | None:
         """Least margin of `other_verdict`, to rounding; None without requirements.
 
-        It takes a fraction of the verdict's time: nothing is known of whose it is, nor of what no requirement limits.
+        Faster than the verdict, because neither shares nor unlimited figures are computed.
         """
         if not self._decides_after_flight:
             return self.work_out_margin()
@@ -382,7 +383,7 @@ class Budget:
 
     @property
     def has_fast_sources(self) -> bool:
-        """Whether the design has vibration that is left, unsensed motion or an oscillator."""
+        """Whether the design has residual vibration, unsensed motion or oscillator noise."""
         return bool(self.spectral.levels["islr"] > NOTHING or self.spectral.echoes)
 
     @property

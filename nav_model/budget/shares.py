@@ -1,10 +1,11 @@
-"""Whose a variance is: each source's share, by linearity of the closed forms in the noises. [T-18]"""
+"""Shares of each source in a variance, by linearity of the closed forms in the noises. [T-18]"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from nav_model.analytic.sensitivity import horizontal_parts, vertical_parts
 from nav_model.analytic.steady_state import Array, Horizontal, Vertical
 from nav_model.budget.figures import COASTING, settled
 from nav_model.budget.inputs import RECTIFICATION, Inputs
-from nav_model.frozen import FrozenMapping
+from nav_model.frozen import FrozenMapping, Later
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
 ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
@@ -72,6 +73,16 @@ def white_parts(x: Inputs) -> WhiteParts:
     return WhiteParts(of(found.horizontal), of(found.vertical))
 
 
+def each(names: Iterable[str], work_out: Callable[[], Mapping[str, Shares]]) -> Mapping[str, Shares]:
+    """Shares of each figure, all computed when one of them is first read."""
+    found = Later(work_out)
+    return FrozenMapping({name: Later(partial(found.__getitem__, name)) for name in names})
+
+
+def shares_of(sized: Mapping[str, tuple[float, Shares]]) -> dict[str, Shares]:
+    return {name: shares for name, (_, shares) in sized.items()}
+
+
 def steady_shares(parts: WhiteParts, prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
     """Shares in the settled variances, by kind: ``horizontal_position``, ``tilt`` and so on. [T-18]
 
@@ -89,7 +100,7 @@ def steady_shares(parts: WhiteParts, prior: Sawtooth, white: Sawtooth) -> Mappin
 
 
 def _with_slow(by_kind: dict[str, dict[str, float]], prior: Sawtooth, white: Sawtooth) -> Mapping[str, Shares]:
-    """Shares in the settled variances with that of the slow GNSS error, which the white ones give way to."""
+    """Shares in the settled variances with the slow GNSS error's, which reduces those of the white noises."""
     if prior is not white:
         pairs = {
             "horizontal_position": (prior.horizontal.p11, white.horizontal.p11),
@@ -171,7 +182,7 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
     """Value of each figure and the shares of its sources, where the variance is of degree one in theirs. [P-4]
 
     A source's share is the figure's logarithmic derivative by the source's size, taken by a complex step: the filter
-    and the smoother are optimal, so it is what the source alone leaves. All sources are stepped in one evaluation.
+    and the smoother are optimal, so it is the error of that source alone. All sources are stepped in one evaluation.
 
     Parameters
     ----------
@@ -186,7 +197,7 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
     for row, value in zip(table, figures.values(), strict=True):
         row[:] = value
     parts = np.maximum(table.imag / (table.real * _STEP), 0)
-    # Values so far apart that rounding hides every slope: nothing is known of whose it is.
+    # The values are so far apart that rounding hides every slope: the shares are unknown.
     parts[~np.any(parts > 0, axis=1)] = 1.0
     return {
         figure: (size, _normalised(dict(zip(names, row, strict=True))))

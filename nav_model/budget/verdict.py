@@ -1,4 +1,4 @@
-"""Does the budget close: each requirement against the worst honest figure, with margin and dominance."""
+"""The verdict: each requirement against its figure, with margin and dominant source."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 @dataclass(frozen=True)
 class _Figure:
-    """One sigma of what a requirement limits, on which `basis`, and whose it is."""
+    """One sigma of a limited figure, its `basis`, and the shares of the sources."""
 
     sigma: float
     basis: str
@@ -26,12 +26,12 @@ class _Figure:
 
 
 def checked(design: Design) -> tuple[str, ...]:
-    """Names of the checks a design's requirements ask for, in the order of its verdict; nothing is worked out."""
+    """Names of the checks of a design's requirements, in the order of its verdict; without computing the figures."""
     return tuple(name for name, key in FIGURES.items() if design[f"requirements.{key}"] is not None)
 
 
 def confidence_of(design: Design, name: str) -> float:
-    """By how much a figure's one sigma is multiplied before it is held against its limit."""
+    """Factor on a figure's one sigma before it is compared with its limit."""
     return 1.0 if name in UNSCALED else design.requirements.confidence
 
 
@@ -44,11 +44,11 @@ def judge(
     spectral: Spectral,
     smoothed: PostProcessed | None = None,
 ) -> Verdict:
-    """Check every requirement that is given: in real time, or with `smoothed`, and its placement, post-processed.
+    """Check every requirement that is given: in real time, or post-processed with `smoothed` and its placement.
 
     In steady state the prior, the worst of the cycle, is checked unless the design chooses otherwise; after
     the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
-    the along-track term [S-2] as well, which has a check of its own because other sensors answer for it.
+    the along-track term [S-2] as well, which has its own check because other sensors cause it.
     """
     wanted = checked(design)
     figures = _figures(design, steady_state, coast, sar) | _levels(spectral)

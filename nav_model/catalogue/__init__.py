@@ -1,4 +1,4 @@
-"""The catalogue of inertial units, radars and receiver classes: values, their source, how far to trust them."""
+"""The catalogue of inertial units, radars and receiver classes: values, sources and reliability."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class SourcedValue:
 class Entry:
     """One unit of the catalogue.
 
-    `values` fill the inputs of the same section of a design; `extra` is shown beside them and fills nothing
+    `values` fill the inputs of the same section of a design; `extra` is only shown
     (data-sheet biases of an inertial unit; speed and altitude of a radar's platform).
     """
 
@@ -84,7 +84,7 @@ def catalogue(kind: Kind) -> Mapping[str, Entry]:
 
 
 def read_catalogue(text: str, kind: Kind) -> Mapping[str, Entry]:
-    """Entries of a catalogue file's text, so that a user's own sensors come in the same format.
+    """Entries of a catalogue file's text, also of a user's own sensors.
 
     Raises
     ------

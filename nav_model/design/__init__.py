@@ -1,6 +1,6 @@
-"""A design: everything a person can set, as immutable, typed, bounded, documented values in SI.
+"""A design: all inputs as immutable, typed, bounded, documented values in SI.
 
-A `Design` is a value: it travels between processes as it is, and it is never changed in place. `Design.replace`
+A `Design` is a value: it can be sent to other processes and is never changed in place. `Design.replace`
 makes the next one, which is what undo, links and comparisons are built on. Its parts are the Param classes of
 `nav_model.design.parts`, and the file reader (`nav_model.design.file`), the link (`nav_model.design.link`) and the
 widgets are derived from their declarations: adding an input is adding one declaration there.
@@ -106,13 +106,13 @@ class Design:
     ) -> None:
         for section, part in parts.items():
             flat |= {key: getattr(part, key.rpartition(".")[2]) for key in _KEYS[section]}
-        if not isinstance(origins, FrozenMapping):  # of another design, which has looked at them
+        if not isinstance(origins, FrozenMapping):  # of another design, which has checked them
             for key, origin in origins.items():
                 _check_origin(key, origin)
         self.__dict__.update(parts, written=_frozen(written), origins=_frozen(origins), _values=flat)
 
     def __reduce__(self) -> tuple[type[Design], tuple[dict[str, Value], dict[str, str], dict[str, str]]]:
-        """Through the constructor: what comes back from another process is checked and immutable too."""
+        """Unpickle through the constructor, so that the copy is checked and immutable too."""
         return type(self), (self._values, dict(self.written), dict(self.origins))
 
     def __setattr__(self, name: str, value: object) -> None:

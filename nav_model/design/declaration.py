@@ -1,4 +1,4 @@
-"""Parameter types of a design: what a person can set, with unit, bounds, help and a name for links.
+"""Parameter types of a design: inputs with unit, bounds, help and a name for links.
 
 One declaration serves the file reader, the link, the command line and the widgets. Values are SI.
 """
@@ -90,7 +90,7 @@ class BaseQuantity(param.Number[_T]):
         )
 
     def __get__(self, obj: Any, objtype: type[Any] | None = None) -> _T:
-        """As of any parameter: no input is one of Param's functions of time, which each look at a number asks for."""
+        """Return the value without Param's check for functions of time, which no input is."""
         value: _T = param.Parameter.__get__(self, obj, objtype)
         return value
 
@@ -144,7 +144,7 @@ class BaseQuantity(param.Number[_T]):
         return f"The {subject} must be {below} {at_low} and {above} {at_high}."
 
     def _asked(self, reciprocal: bool = False) -> str:
-        """What to do where there is no value, as a sentence with an example."""
+        """What to enter where there is no value, as a sentence with an example."""
         low, high = cast("tuple[float, float]", self.softbounds)
         typical = self.default or (math.sqrt(low * high) if low > 0 else 0.0)
         if reciprocal and self.alternative:

@@ -92,7 +92,7 @@ def _load(data: bytes | str, where: str) -> dict[str, Any]:
 
 
 def _toml_error(message: str, text: str, where: str) -> InputError:
-    """The parser's message with the line it stumbled on, and the key if one was given twice."""
+    """The parser's message with the line of the error, and the key if one was given twice."""
     place = re.search(r"\(at line (\d+), column \d+\)", message)
     lines = text.splitlines()
     number = int(place[1]) if place else len(text.rstrip().splitlines())
@@ -192,7 +192,7 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
 
 
 def _refuse_gap(preset: str, values: Mapping[str, Value]) -> None:
-    """A sensor whose sheet is silent must not quietly take a default."""
+    """Refuse a sensor whose data sheet lacks a required value: it must not silently take a default."""
     for name in ("velocity_random_walk", "angle_random_walk"):
         if f"imu.{name}" not in values:
             raise InputError(f"imu.{name}", f"The catalogue has no value for {preset!r}. Give it in the file.")

@@ -60,7 +60,7 @@ def _of_presets(named: tuple[tuple[str, str], ...]) -> Design:
 
 
 def split_link(query: str) -> tuple[str, str]:
-    """A link's query in two: the design's part, and that of the studies beside it. Nothing is judged here."""
+    """A link's query in two: the design's part, and the studies' settings. Nothing is validated here."""
     parts = query.removeprefix("?").split("&")
     prefixes = (STUDY_PREFIX, *(f"{kind}." for kind in SETTINGS))
     study = [part for part in parts if part.startswith(prefixes)]

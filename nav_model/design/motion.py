@@ -1,4 +1,4 @@
-"""Inputs of what moves fast: vibration, motion that the IMU does not feel, and the radar's oscillator."""
+"""Inputs of fast motion: vibration, motion that the IMU does not sense, and the radar's oscillator."""
 
 from __future__ import annotations
 

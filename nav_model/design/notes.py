@@ -1,4 +1,4 @@
-"""Origins as earlier design files told them: in lines of the description, ``imu.rate = 250 Hz: data sheet, page 3``.
+"""Origins in earlier design files: lines of the description such as ``imu.rate = 250 Hz: data sheet, page 3``.
 
 Files written today have them in ``[origins]``; only files and links without one are read for such lines.
 """
@@ -14,8 +14,8 @@ from nav_model.errors import InputError
 def noted_origins(design: Design) -> dict[str, str]:
     """Dotted key -> origin, from every line of the description that quotes the value the design has.
 
-    A line that quotes another value is history, and any other line plain text: neither is an origin. Of two lines
-    on one key the first counts.
+    A line that quotes another value is outdated and no origin; any other line is plain text. Of two lines on one key
+    the first counts.
     """
     found: dict[str, str] = {}
     for line in design.description.splitlines():

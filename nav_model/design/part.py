@@ -1,4 +1,4 @@
-"""What the sections of a design share."""
+"""Base class of the sections of a design."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The inputs of a design, section by section: bounds, units, defaults, help. A table of declarations.
 
-What must be positive has a lowest value, far below any hardware, above which no equation leaves the range of
+Inputs that must be positive have a lower bound far below any hardware, so that no equation leaves the range of
 floats.
 """
 

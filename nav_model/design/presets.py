@@ -1,4 +1,4 @@
-"""Presets: what an entry of the catalogue fills in a design, and where a design departs from its entry."""
+"""Presets: the inputs that a catalogue entry fills in a design, and where a design differs from its entry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inputs of the processing: when the image is made, and from how much of the flight."""
+"""Inputs of the processing: in real time or after the flight, and how much of the flight is used."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ REAL_TIME, POST_PROCESSED = "real time", "post-processed"
 
 
 class Processing(Part):
-    """When the trajectory under the image is worked out."""
+    """Whether the trajectory for the image is computed in real time or after the flight."""
 
     section = "processing"
     title = "Processing"

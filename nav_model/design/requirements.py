@@ -1,4 +1,4 @@
-"""The limits a design is held against."""
+"""The requirements of a design: limits on its figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inputs beside the single quantity: whole numbers, a number for each of several axes, intervals of time."""
+"""Further kinds of inputs: whole numbers, one number per axis, intervals of time."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Whole(Quantity):
 
 
 class _Several(param.Parameter[Any]):
-    """What the inputs of several numbers share."""
+    """Base class of inputs with several numbers."""
 
     def __init__(self, default: Any, **params: Any) -> None:
         super().__init__(default=default, constant=True, **params)

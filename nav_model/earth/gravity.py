@@ -1,4 +1,4 @@
-"""Gravitation of the Earth: spherical, with J2, and of the WGS-84 ellipsoid, and what separates them.
+"""Gravitation of the Earth: spherical, with J2, and of the WGS-84 ellipsoid, and their differences.
 
 The ellipsoidal field is the normal field of WGS 84 to its sixth zonal: within 5e-9 m/s² of the closed form
 (Heiskanen and Moritz, Physical Geodesy, sections 2-7 and 6-2) from the ground to 1000 km.

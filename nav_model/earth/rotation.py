@@ -54,19 +54,6 @@ def matrix_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> Floa
     )  # fmt: skip
 
 
-def euler_from_matrix(matrix: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Roll, pitch, yaw [rad], (...), of matrices (..., 3, 3): the inverse of `matrix_from_euler`.
-
-    At a pitch of 90° only the sum or difference of roll and yaw is known; what is returned then depends on
-    rounding.
-    """
-    return (
-        np.arctan2(matrix[..., 2, 1], matrix[..., 2, 2]),
-        np.arcsin(np.clip(-matrix[..., 2, 0], -1.0, 1.0)),
-        np.arctan2(matrix[..., 1, 0], matrix[..., 0, 0]),
-    )
-
-
 def euler_error_map(pitch: FloatArray, yaw: FloatArray) -> FloatArray:
     """Matrices (..., 3, 3) taking the filter's attitude error to errors (estimate minus truth) of roll, pitch, yaw.
 

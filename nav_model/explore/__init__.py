@@ -1,4 +1,4 @@
-"""Which sensor do I need, what should I improve? Questions put to the closed forms the other way round.
+"""Inverse questions to the closed forms: which sensors are needed, and what to improve.
 
 - `margins`: how far designs are from their requirements, over arrays.
 - `solve`: the largest noise, interval or time that still meets each requirement.

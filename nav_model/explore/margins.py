@@ -1,4 +1,4 @@
-"""How far designs are from their requirements: value over limit, over arrays of designs."""
+"""Value over limit of each requirement, for arrays of designs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ALL = "all requirements"
 
 
 def limits(design: Design) -> dict[str, float]:
-    """Limit at one sigma [SI] of every figure that a requirement of the design limits, in a verdict's order."""
+    """Limit at one sigma [SI] of every figure with a requirement, in the order of the verdict."""
     given = ((name, getattr(design.requirements, limit)) for name, limit in FIGURES.items())
     return {name: limit / confidence_of(design, name) for name, limit in given if limit is not None}
 
@@ -55,7 +55,7 @@ def worst(by_requirement: Mapping[str, Array]) -> Array:
 
 
 def label_of(figure: str) -> str:
-    """A figure's name as people read it."""
+    """A figure's label."""
     if figure == ALL:
         return "All requirements"
     if figure == "along_track_quadratic_phase":

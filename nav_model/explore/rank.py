@@ -41,7 +41,7 @@ SENSORS: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """How one figure answers to one input.
+    """How one figure depends on one input.
 
     ``slope`` is d ln(figure)/d ln(input). ``halved`` and ``doubled`` are the figure's exact relative change when
     the input is halved or doubled (-0.31: 31 % less), NaN where that is outside the input's bounds.
@@ -78,7 +78,7 @@ def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
 
 
 def silent(design: Design) -> tuple[str, ...]:
-    """Inputs that stand at zero and so have no place in a ranking."""
+    """Inputs that are zero and therefore cannot be ranked."""
     return tuple(key for key in stated(design) if design[key] == 0)
 
 
@@ -128,7 +128,7 @@ def log_derivatives(
 
 
 def _scaled(design: Design, keys: Sequence[str], figure: str, factor: float) -> Array:
-    """Relative change of the figure with each input scaled alone; NaN where the input may not go there."""
+    """Relative change of the figure with each input scaled alone; NaN where the input would leave its bounds."""
     identity = np.eye(len(keys))
     changes = {key: np.asarray(design[key], float) * (1 + (factor - 1) * identity[i]) for i, key in enumerate(keys)}
     allowed = [_allowed(key, factor * float(design[key])) for key in keys]  # type: ignore[arg-type]

@@ -1,8 +1,8 @@
-"""Solve backwards: the largest value of one input that still meets each requirement, the others held.
+"""The largest value of one input that still meets each requirement, with the other inputs fixed.
 
 Every figure grows with every input solved for, so each answer is one root. All roots are bracketed and found
-together, in the logarithm of the input, through the broadcasting closed forms; each answer is then put back
-through `analyse`, which must find a margin of zero.
+together, in the logarithm of the input, through the broadcasting closed forms; each answer is then verified by
+`analyse`, which must find a margin of zero.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ SOLVED = (
 )
 """Inputs solved for; a vertical fix noise only where the design states one."""
 
-_SMALLEST = 1e-12  # of the upper bound: where an input may approach zero, and stands for it
+_SMALLEST = 1e-12  # of the upper bound: used as zero where an input may approach zero
 _SAMPLES = 25
 _STEPS = 60
 _CLOSE = 1e-13  # of log(value/limit)
@@ -128,7 +128,7 @@ def _current(design: Design, key: str) -> float:
 
 
 def _together(key: str, each: tuple[Answer, ...]) -> Answer:
-    """The least of the answers; a requirement that cannot be met stands for all."""
+    """The least of the answers; a requirement that cannot be met decides for all."""
     stuck = [answer for answer in each if answer.outcome == "no value"]
     if stuck:
         return Answer(key, ALL, "no value", None, None, stuck[0].binding, any(a.depends for a in stuck))
@@ -143,8 +143,8 @@ def _verified(design: Design, answer: Answer) -> Answer:
     if answer.value is None:
         return answer
     margin = _margin(design, answer, answer.value)
-    # A smoother's figures step where a fix more enters the leg, a line's echo where it leaves the main lobe: the
-    # answer then is the step, on the side that meets the limit if one does, with its own margin.
+    # Some figures are discontinuous: a smoother's where one more fix enters the leg, an echo where its line leaves
+    # the main lobe. The answer is then the step, on the side that meets the limit if one does, with its own margin.
     steps = design.processing.mode != REAL_TIME or bool(inputs_of(design).fast)
     if not abs(margin) <= 1e-9 and not steps:
         raise ArithmeticError(f"{answer.key} = {answer.value!r} gives {answer.binding} a margin of {margin:.3g}")
@@ -162,7 +162,7 @@ def _margin(design: Design, answer: Answer, value: float) -> float:
 
 
 def _bounds(key: str) -> tuple[float, float]:
-    """Range of an input on a log scale: zero is stood for by something far below any sensor."""
+    """Range of an input on a log scale: zero is replaced by a value far below any sensor."""
     low, high = quantity(key).limits
     return (max(low, _SMALLEST * high), high)
 
@@ -239,7 +239,7 @@ def resolution_for(design: Design, aperture: float) -> float:
 
 
 def remedies(solutions: tuple[Solution, ...], requirement: str) -> tuple[Answer, ...]:
-    """What would help where one input cannot: the other inputs' answers for the same requirement (or all)."""
+    """Alternatives where one input cannot help: the other inputs' answers for the same requirement (or all)."""
     answers = (
         next((a for a in (*solution.each, solution.together) if a.requirement == requirement), None)
         for solution in solutions
@@ -247,9 +247,9 @@ def remedies(solutions: tuple[Solution, ...], requirement: str) -> tuple[Answer,
     return tuple(answer for answer in answers if answer is not None and answer.outcome == "limited")
 
 
-def round_down(value: float, digits: int = 3) -> float:
-    """The largest number of so many significant digits that is not above `value`: it still meets the limit."""
+def round_down(value: float) -> float:
+    """The largest number of three significant digits that is not above `value`, so that it still meets the limit."""
     if value <= 0:
         return 0.0
-    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return math.floor(value / unit * (1 + 1e-12)) * unit

@@ -1,4 +1,4 @@
-"""Run a sweep: parts in parallel, each written whole or not at all, then one file.
+"""Runs a sweep: parts in parallel, each written completely or not at all, then joined into one file.
 
 A part is written beside its place, flushed to the disk and renamed into it, so a process killed at any moment
 leaves only whole parts, and starting again computes only what is missing. Parts depend on nothing but the plan,
@@ -62,8 +62,7 @@ def run_sweep(
     ----------
     plan : Plan
     output : path
-        Ending in .csv or .parquet (needs pyarrow, the extra ``sweep``). Parts stand in ``OUTPUT.parts`` until the
-        end.
+        Ending in .csv or .parquet (needs pyarrow, the extra ``sweep``). Parts are in ``OUTPUT.parts`` until the end.
     workers : int
         Local processes; with one, the work is done here.
     scheduler : str, optional
@@ -121,7 +120,7 @@ def _open_parts(plan: Plan, target: Path) -> Path:
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Whole or not at all, whatever kills this process."""
+    """Write a file completely or not at all, even if this process is killed."""
     beside = path.with_name(path.name + ".tmp")
     try:
         with beside.open("wb") as file:
@@ -135,7 +134,7 @@ def _write(path: Path, content: bytes) -> None:
 
 @contextmanager
 def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Executor | None, int]]:
-    """Who does the work, and how many parts to hand out at once."""
+    """The executor, and how many parts to submit at once."""
     if scheduler is not None:
         from nav_model.simulation.cluster import cluster_pool
 
@@ -233,7 +232,7 @@ def whole_sweep(
     ----------
     plan : Plan
     progress : callable
-        Called with the share done and how far that is, in words.
+        Called with the share done and a description of the progress.
 
     Examples
     --------
@@ -338,7 +337,7 @@ def _join(plan: Plan, parts: Path, target: Path) -> None:
                 for n, name in enumerate(names):
                     with name.open("rb") as part:
                         if n:
-                            part.readline()  # the header stands once
+                            part.readline()  # the header is written once
                         shutil.copyfileobj(part, whole)
         with beside.open("rb") as whole:
             os.fsync(whole.fileno())

@@ -1,4 +1,4 @@
-"""A sweep through the simulator: how every design is flown, and what of each flight goes into its row.
+"""A sweep through the simulator: how every design is flown, and which results of a flight its row has.
 
     [simulate]
     runs = 200

@@ -1,4 +1,4 @@
-"""What a sweep file asks for: a design, the inputs to vary, and how they combine.
+"""The contents of a sweep file: a design, the inputs to vary, and how they combine.
 
     design = "baseline.toml"               # beside this file; or a whole design under [design]
     combine = "grid"                       # grid (default): every combination; together: the lists side by side

@@ -1,4 +1,4 @@
-"""A map of the design space: any two inputs against any figure, thousands of designs in one evaluation."""
+"""A map of any figure over any two inputs: thousands of designs in one evaluation."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ _INSTEAD = {
 
 
 def _here(design: Design, key: str) -> float:
-    """The design's own value of an input; an aperture that follows from the resolution, an input that holds instead.
+    """The design's value of an input, also where it follows from another: the aperture time from the resolution.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def _here(design: Design, key: str) -> float:
 
 
 def place(design: Design, trade: TradeMap) -> tuple[float, float]:
-    """Where the design stands on a map."""
+    """The place of the design on a map."""
     return _here(design, trade.x_key), _here(design, trade.y_key)
 
 

@@ -2,7 +2,7 @@
 
 Data-sheet values are typical or maximum, and units vary. Each uncertain input is given a distribution; scrambled
 Sobol points, a quasi-Monte Carlo rule, are pushed through the closed forms. The error bar comes from independent
-scramblings, each an unbiased estimate of its own.
+scramblings, each an unbiased estimate.
 
 Source: Owen, *Randomly permuted (t,m,s)-nets and (t,s)-sequences*, 1995; L'Ecuyer and Lemieux, 2002.
 """
@@ -35,7 +35,7 @@ Kind = Literal["uniform", "log-uniform", "lognormal"]
 class Uncertain:
     """One input's distribution, SI.
 
-    "uniform" and "log-uniform" lie between ``low`` and ``high``; "lognormal" has the median ``low`` and one
+    "uniform" and "log-uniform" are between ``low`` and ``high``; "lognormal" has the median ``low`` and one
     standard deviation of a factor ``high``.
     """
 

@@ -1,1 +1,1 @@
-"""Post-processing: the error that a smoother leaves, every source as a spectrum, and where the image lies."""
+"""Post-processing: the smoothed error, sources as spectra, and image location errors."""

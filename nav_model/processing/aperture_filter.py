@@ -83,7 +83,7 @@ def filters(x: Array, *, turning: bool = True) -> dict[str, Array]:
 
     ``quadratic`` and ``cubic`` are of the coefficients of x² and x³ (as in `nav_model.sar.phase`), ``left_1`` to
     ``left_3`` of the mean square after autofocus to that order, ``slope`` of half the aperture times the slope
-    of the line, ``turned`` of the quadratic that the turning line of sight makes of an along-track error, for a turn
+    of the line, ``turned`` of the quadratic from an along-track error through the turning line of sight, for a turn
     of one over half the aperture [S-2], ``curved`` of the quadratic that the square of that turn makes,
     ``with_curved`` of its covariance with the quadratic, ``cubic_turned``, ``cubic_curved`` and
     ``cubic_with_curved`` of the cubics alike, ``mean`` of the mean over the aperture, ``whole`` of the

@@ -1,4 +1,5 @@
-"""What the IMU leaves of motion that it feels, and the way to the target of the oscillator's noise. [P-8], [P-10]"""
+"""What remains of sensed motion after IMU compensation, and of oscillator noise after the echo delay. [P-8],
+[P-10]"""
 
 from __future__ import annotations
 
@@ -11,10 +12,9 @@ OSCILLATING = 16 * np.pi
 
 
 def power_left(w: Array, delay: Array, bandwidth: Array | None = None, mean: bool = False) -> Array:
-    """|1 - B(w) exp(-i w τ)|²: what is left of a motion after compensation with the IMU's late and slow answer. [P-8]
+    """|1 - B(w) exp(-i w τ)|²: power left of a motion after compensation with the IMU's delay and bandwidth. [P-8]
 
-    With the time to the target and back as the delay, and no bandwidth, it is also what the echo's way leaves of an
-    oscillator's phase noise, 4 sin²(w R/c). [P-10]
+    With the echo delay and no bandwidth it is also the factor on an oscillator's phase noise, 4 sin²(w R/c). [P-10]
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def power_left(w: Array, delay: Array, bandwidth: Array | None = None, mean: boo
     delay : array
         Seconds.
     bandwidth : array, optional
-        -3 dB bandwidth of a first-order answer, Hz; without it the answer is late but whole.
+        -3 dB bandwidth of a first-order response, Hz; without it there is only the delay.
     mean : bool
         Without the oscillation in w τ: its mean, for integrals far beyond its first periods.
 

@@ -1,4 +1,4 @@
-"""Sources of line-of-sight error that are lines and spectra, and what the aperture makes of them. [P-5], [P-8]
+"""Sources of line-of-sight error given as lines and spectra, filtered by the aperture. [P-5], [P-8]
 
 Frequencies in Hz, one-sided densities: a variance is the integral of a density over the frequencies above zero.
 Everything broadcasts over arrays of apertures, delays and bandwidths, and takes complex steps.
@@ -28,8 +28,8 @@ _STEPS_X = (1.0, 2.0, 3.5, 5.0, *np.linspace(7.5, OSCILLATING, 14))  # as many a
 _STEPS_DELAY = np.linspace(0, compensation.OSCILLATING, 21)[1:]
 _RISE = 4.0  # between the ends of a panel, where nothing oscillates
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-_ROWS = 256  # designs taken together: bounds the memory
-_MANY = 2000  # real kinds of apertures, beyond which few of them may stand for all
+_ROWS = 256  # designs computed together: bounds the memory
+_MANY = 2000  # different apertures; more of them are interpolated from a few
 _BEYOND = 1 + 1e-6
 _NEVER = 1e-300
 _LEAST = 1e-14  # of the largest on a map
@@ -37,7 +37,7 @@ _LEAST = 1e-14  # of the largest on a map
 
 @dataclass(frozen=True)
 class Curve:
-    """Density at frequencies that rise [Hz], straight between them in logarithms, zero outside. Real."""
+    """Density at rising frequencies [Hz], linear between them in logarithms, zero outside. Real."""
 
     frequency: Array
     density: Array
@@ -71,7 +71,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Source:
-    """Displacement along the line of sight: lines, spectra, and what is taken off.
+    """Displacement along the line of sight: lines, spectra, and their compensation.
 
     ``frequency`` [Hz] and ``amplitude`` [m, peak] are those of the lines, ``accelerations`` and ``displacements``
     curves in (m/s²)²/Hz and m²/Hz, ``scale`` what amplitudes are multiplied by. ``delay`` [s] and ``bandwidth``
@@ -89,7 +89,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Fast:
-    """What a source makes of the line of sight over an aperture, m²: as `nav_model.processing.aperture_filter`.
+    """Variances of the line of sight over an aperture from a source, m²: as `nav_model.processing.aperture_filter`.
 
     ``scattered`` is the variance of the spectrum beyond the main lobe, ``near`` the part of it within ten null
     distances. ``frequency`` and ``amplitude`` [Hz, m, on the last axis] are of the lines, with what is taken off.
@@ -114,7 +114,7 @@ class Fast:
 
 
 def through_aperture(source: Source, aperture: Array, lobe: float) -> Fast:
-    """What a source makes of an aperture.
+    """Filter a source by an aperture.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def _integrals(curve: Curve, power: int, source: Source, aperture: Array, lobe: 
 
 
 def _each_row(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
-    """Of each kind of aperture, a row of aperture [s] and, where there are any, delay [s] and bandwidth [Hz]."""
+    """One row per different aperture: aperture [s] and, where there are any, delay [s] and bandwidth [Hz]."""
     parts = [_rows(curve, power, rows[start : start + _ROWS], lobe) for start in range(0, len(rows), _ROWS)]
     return np.concatenate(parts)
 
@@ -220,7 +220,7 @@ def _from_few(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
         return _each_row(curve, power, rows, lobe)
 
     corners = [0, shape[1] - 1, len(rows) - shape[1], len(rows) - 1]
-    # what has nothing beside the main lobe, or nothing taken off, has a logarithm nevertheless
+    # avoids the logarithm of zero where nothing is beyond the main lobe or compensated
     least = _LEAST * np.max(_each_row(curve, power, rows[corners], lobe), axis=0) + _NEVER
 
     def exact(_: NDArray[np.int64], row: NDArray[np.int64], column: NDArray[np.int64]) -> Array:
@@ -253,7 +253,7 @@ def _with_echo(low: Curve, high: Curve, power: int, rows: Array, lobe: float, te
 def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
     aperture, *others = rows.T
     delay, bandwidth = (*others, None, None)[:2]
-    # Panels end where the curve bends, where the filters' and the delay's oscillation asks for it, and at the lobe.
+    # Panels end where the curve bends, where the filters or the delay oscillate, and at the lobe.
     low, high = float(curve.frequency[0]), float(curve.frequency[-1])
     fill = np.geomspace(low, high, 2 + int(math.log(high / low) / math.log(_RISE)))
     moving = np.concatenate([_STEPS_X, [math.pi * lobe, math.pi * lobe * NEAR_CELLS]]) / (np.pi * aperture[:, None])

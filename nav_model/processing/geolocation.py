@@ -1,4 +1,4 @@
-"""Where the image lies: range and azimuth shift, their covariance on the ground, CE90 and LE90. [P-7]
+"""Image location errors: range and azimuth shift, their covariance on the ground, CE90 and LE90. [P-7]
 
 The antenna's position error along the line of sight shifts the image in range; its error along the track shifts it in
 azimuth, and so does R/V times the slope of the line-of-sight error over the aperture, which focusing takes for a
@@ -99,8 +99,8 @@ def shifts(
     """Shift of the image from the lines in the errors of a horizontal axis and of the vertical. [P-7]
 
     Range is along the line of sight, azimuth across it in the slant plane: along the track where there is no squint.
-    The two horizontal axes err alike and independently. What moves the image away from the radar moves it, growing,
-    back along the track: hence the sign of the covariance.
+    The errors of the two horizontal axes are equal and independent. A growing error away from the radar shifts the
+    image back along the track: hence the sign of the covariance.
     """
     psi, r, v, squint = (as_numbers(x) for x in (grazing, slant_range, speed, squint))
     wide, high = np.cos(psi) ** 2, np.sin(psi) ** 2
@@ -132,7 +132,7 @@ def ground_covariance(
 
 
 def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: float = 0.9) -> Array:
-    """Radius about the truth that holds this share of a normal error in the plane: CE90, or CEP at one half.
+    """Radius about the truth that contains this share of a normal error in the plane: CE90, or CEP at one half.
 
     Parameters
     ----------
@@ -159,11 +159,11 @@ def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: flo
 
 @cache
 def _square_radius(share: float) -> Array:
-    """Coefficients of the squared radius that holds this share, over the larger variance, by the ratio of the two.
+    """Coefficients of the squared radius that contains this share, over the larger variance, by the ratio of the two.
 
     With the variances a, b along the principal axes the squared radius q obeys
     1 - share = mean over the angle of exp(-q/(2 (a cos² + b sin²))): convex in q, so Newton's method from below,
-    where the larger axis alone stands, goes up to it without overshooting.
+    the value for the larger axis alone, converges without overshooting.
     """
     angle = (np.arange(_ANGLES) + 0.5) * (np.pi / 2 / _ANGLES)
 

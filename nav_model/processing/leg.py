@@ -1,6 +1,6 @@
 """The smoothed error over an aperture in a leg of limited length or with sparse fixes.
 
-Fixes are at whole intervals from the aperture's start, where one is. Those before it and those after it become
+Fixes are at whole intervals from a fix at the aperture's start. Those before it and those after it become
 information about the states at its two ends (`nav_model.analytic.doubling`), and between these the aperture is solved
 in modes of its noise (`nav_model.processing.modes`). Everything takes complex steps.
 """
@@ -26,24 +26,24 @@ COLUMNS = (
 )  # fmt: skip
 """What `smoothed_in_leg` finds; as `nav_model.processing.spectrum.smoothed`."""
 
-_FAR = 12.0  # times in which the error changes, and as many fixes: what is farther from the aperture tells nothing
-_UNKNOWN = 1e-10  # information of what nothing is known of, as part of one fix's
-_KNOWN = 1e30  # 1/m²: information of a state that is not there
-_POINTS = 32  # fixes inside an aperture, taken one by one; more are taken as evenly spread
+_FAR = 12.0  # time constants of the error, and as many fixes: farther ones carry no information about the aperture
+_UNKNOWN = 1e-10  # information about unknown states, as a part of one fix's
+_KNOWN = 1e30  # 1/m²: information about a state that does not exist
+_POINTS = 32  # fixes inside an aperture, treated one by one; more are treated as evenly spread
 _MODES = ((0.8, 4), (2.5, 8), (7.0, 16), (20.0, 32), (60.0, 64), (120.0, 96))
 """Times in which the error changes that an aperture may hold, and the modes of noise that it then takes; beyond, the
 ends of the leg are too far from most of the aperture to matter, and the spectrum has it."""
 _HELD = [most for most, _ in _MODES]
 TOO_LONG = len(_MODES)
 """The level of such an aperture (`levels`)."""
-_SAME = 1e-3  # relative difference between two fix intervals that are one
+_SAME = 1e-3  # relative difference below which two fix intervals are equal
 _AT_ONCE = 2**22  # numbers in the largest array of one batch of modes
 _ROWS = 4096  # whose legs are taken together
 
 
 @dataclass(frozen=True)
 class _Row:
-    """One row a design, every field an array of them; no velocity fixes and no slow error are None."""
+    """One row per design, every field an array; None without velocity fixes or slow error."""
 
     accelerometer: Array  # m²/s³
     gyro: Array  # m²/s⁵
@@ -70,7 +70,7 @@ class _Row:
 
 
 def _count(span: Array, step: Array) -> NDArray[np.int64]:
-    """Whole steps in a span, with a little grace for rounding."""
+    """Whole steps in a span, with a tolerance for rounding."""
     return np.asarray(np.floor(np.maximum(span.real / step.real, -1.0) + 1e-9), np.int64)
 
 
@@ -91,7 +91,7 @@ def _seen(x: _Row, positions: ArrayLike, velocities: ArrayLike) -> Array:
 
 
 class _Pace(NamedTuple):
-    """How fixes follow each other: where the two kinds differ, one comes often and the other seldom."""
+    """Intervals of the two kinds of fixes: one comes often, the other seldom, unless they are equal."""
 
     often: Array  # s
     seldom: Array  # s; the same array where both kinds come together, or there is one alone
@@ -134,7 +134,7 @@ def _legs(x: _Row, pace: _Pace, reach: Array, between: Segment) -> tuple[Array, 
 
 
 def _ends(x: _Row) -> tuple[Array, Array]:
-    """What the legs know of the states at the aperture's start and at its end."""
+    """Information of the legs about the states at the aperture's start and end."""
     pace = _pace(x)
     far = _FAR * (1 / x.slowest + pace.seldom.real)
     # before the aperture, counted from its last fix backward; after it, from its end
@@ -161,7 +161,7 @@ def _ends(x: _Row) -> tuple[Array, Array]:
 def _inside(x: _Row, variance: Array, interval: Array, nodes: int) -> Fixes:
     """Fixes inside the aperture, one by one where they are few; more of them as evenly spread over Gauss's nodes.
 
-    Spread is each over an interval of which it is the middle, as those at the aperture's ends belong to the legs.
+    Each is spread over an interval around it, as those at the aperture's ends belong to the legs.
     """
     count = np.asarray(np.ceil((x.aperture / interval).real - 1e-9), np.int64) - 1
     points = min(int(np.max(count)), _POINTS)
@@ -216,7 +216,7 @@ def _rows(channel: Channel, aperture: Array, leg: Leg) -> tuple[_Row, dict[str, 
 
 
 def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array]:
-    """What the fixes of the legs tell of the states at two moments, of one design.
+    """Information of the fixes of the legs about the states at two moments, for one design.
 
     Parameters
     ----------
@@ -237,7 +237,7 @@ def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array
 
 
 def levels(channel: Channel, aperture: Array) -> NDArray[np.int64]:
-    """How finely an aperture is solved: which of `_MODES`, or beyond them by its spectrum."""
+    """How finely an aperture is solved: index into `_MODES`, or beyond them by its spectrum."""
     return _level(aperture.real * rates(channel)[0])
 
 
@@ -291,7 +291,8 @@ def _by_modes(x: _Row, places: NDArray[np.int64], level: NDArray[np.int64], foun
 
 
 def _by_spectrum(flat: dict[str, Array], rows: NDArray[np.int64], found: dict[str, Array]) -> None:
-    """Put the figures of these rows into `found`: their apertures are long beside the time in which errors change."""
+    """Put the figures of these rows into `found`: their apertures are long compared with the time constant of the
+    errors."""
     given = {name: value[rows] for name, value in flat.items()}
     squared = ("accelerometer", "gyro", "fix", "velocity", "slow")
     values = {

@@ -1,4 +1,4 @@
-"""Integrals of a spectrum over apertures by the thousand, as a map has them where both axes change the aperture.
+"""Integrals of a spectrum over thousands of apertures, for maps where both axes change the aperture.
 
 Between apertures at which the end of a filter's oscillation, or a limit of the main lobe, passes a point of the
 table, an integral is an analytic function of the aperture, whose oscillation is that of the points below: a few
@@ -24,7 +24,8 @@ _ROUNDING = 1e-15
 
 
 def by_pieces(direct: Callable[[Array], Array], apertures: Array, points: Array, limits: tuple[float, ...]) -> Array:
-    """Integrals over many apertures, worked out at as few of them as they take, or at all where that is not fewer.
+    """Integrals over many apertures, computed at as few as needed and interpolated, or at all where that saves
+    nothing.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The smoothed error over an aperture as modes of its noise, for many designs at once.
+"""The smoothed error over an aperture, expanded in modes of the noise, for many designs at once.
 
 Inside the aperture the position error is a parabola from the state at its start and what the white noises of
 accelerometer and gyro add. Each noise is a series of Legendre polynomials of time with independent coefficients;
@@ -17,7 +17,7 @@ from numpy.polynomial import legendre
 
 from nav_model.analytic.steady_state import Array
 
-_SINGLY = 6  # Legendre orders of the position error that figures name: 0 to 5
+_SINGLY = 6  # Legendre orders of the position error that figures use: 0 to 5
 _ALL = 9  # modes that reach them
 _LEFT = 4  # the lowest order of what is left after order 3
 # Quadratics, by the coefficients of orders 0 to 5, of the error, of its turn, and of the square of its turn; cubics.
@@ -36,7 +36,7 @@ class Fixes(NamedTuple):
 
 
 class Inside(NamedTuple):
-    """One row a design: what drifts inside the aperture, and what is known.
+    """One row per design: the drift inside the aperture, and the information about it.
 
     ``accelerometer`` and ``gyro`` are densities [m²/s³, m²/s⁵], ``aperture`` seconds, ``start`` and ``end`` the
     information of the legs about the states at both ends, (n, n, rows), ``slow`` variance [m²] and correlation time

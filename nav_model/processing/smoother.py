@@ -1,4 +1,4 @@
-"""The smoothed error of one channel: by spectrum where that holds, in state space where it does not."""
+"""The smoothed error of one channel: by its spectrum where that holds, otherwise in state space."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LONG = 6.0
 
 _DENSE = 0.7  # w0 times the fix interval: sampled fixes act like the noise of their density to 0.02 %
 
-_MANY = 4000  # designs in state space on one map, beyond which few of them stand for the rest
+_MANY = 4000  # designs in state space; a larger map is interpolated from a few of them
 _NOTHING = 1e-300  # instead of zero under a logarithm
 _PAIRS = {
     "with_curved": ("quadratic", "curved"), "mean_slope": ("mean", "slope"), "with_turned": ("quadratic", "turned"),
@@ -33,7 +33,7 @@ _COUNTED = ("interval", "velocity_interval", "aperture", "before", "after", "gap
 
 
 def _values(channel: Channel) -> dict[str, Array]:
-    """What a channel has; the vertical one is a horizontal one without gyro noise."""
+    """The inputs of a channel; the vertical one is a horizontal one without gyro noise."""
     whole = replace(channel, gyro=0 * channel.accelerometer) if channel.gyro is None else channel
     return {name: value for name, value in vars(whole).items() if value is not None}
 
@@ -75,7 +75,7 @@ def smoothed_error(
 
     Notes
     -----
-    By spectrum every design is worked out. In state space a map of thousands of designs is worked out at a few of
+    By spectrum every design is computed. In state space a map of thousands of designs is computed at a few of
     them, and in between by polynomials that `nav_model.analytic.few` compares with others: variances are within
     1e-4 of those of each design alone where compared, and covariances within 1e-4 of their variances' mean.
     """

@@ -1,4 +1,4 @@
-"""The smoothed error of a long leg as a spectrum, and what the aperture makes of it. [P-1] to [P-5]
+"""The smoothed error of a long leg as a spectrum, filtered by the aperture. [P-1] to [P-5]
 
 Two-sided densities over angular frequency w; a variance is (1/pi) times the integral of one from zero to
 infinity. Everything broadcasts over arrays and takes complex steps.
@@ -35,7 +35,7 @@ class Leg(NamedTuple):
 
 @dataclass(frozen=True)
 class Channel:
-    """One axis: what drifts and what the receiver knows of it; arrays that broadcast together.
+    """One axis: noise of the inertial sensors and of the receiver; arrays that broadcast together.
 
     ``accelerometer`` is the velocity random walk [m/s/√s], ``gyro`` gravity times the angle random walk
     [m/s²/√s], None for the vertical. ``fix`` and ``interval`` are one position fix, 1σ [m], and the time between two
@@ -54,7 +54,7 @@ class Channel:
 
 
 def rates(channel: Channel) -> tuple[Array, Array]:
-    """Angular frequencies [rad/s], real, at which the receiver comes to know the drift: the fastest, the slowest.
+    """Angular frequencies [rad/s], real, at which fixes start to correct the drift: the fastest, the slowest.
 
     Where [P-1] meets [P-2]: w0 = (g sigma_w/s)^(1/3) with a gyro, (sigma_a/s)^(1/2) without. The slowest counts the
     slow GNSS error as noise, and is no faster than tilt comes out of accelerometer noise, nor than twice the rate at
@@ -81,7 +81,7 @@ def rates(channel: Channel) -> tuple[Array, Array]:
 
 
 def inverse_drift(channel: Channel, w: Array) -> Array:
-    """One over the density of the position that the IMU lets drift. [P-1]"""
+    """One over the density of the IMU's position drift. [P-1]"""
     power = w**2
     if channel.gyro is None:
         return power * power / (channel.accelerometer**2)[..., None]
@@ -89,7 +89,7 @@ def inverse_drift(channel: Channel, w: Array) -> Array:
 
 
 def inverse_receiver(channel: Channel, w: Array) -> Array:
-    """One over the density of what the receiver does not know of the position. [P-2]"""
+    """One over the density of the receiver's position error. [P-2]"""
     power = w**2
     noise = (channel.fix**2 * channel.interval)[..., None] + 0 * power
     if channel.slow is not None and channel.slow_time is not None:
@@ -126,7 +126,7 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
     '2.170 mm'
     """
     rows = len(aperture) if aperture.ndim > 1 else 1
-    if rows > 1:  # every row of a map has frequencies of its own: one at a time stays in the cache
+    if rows > 1:  # every row of a map has different frequencies: one at a time fits the cache
         parts = [smoothed(_row(channel, k, aperture.ndim), aperture[k], names) for k in range(rows)]
         return {
             name: parts[0][name] if name in UNEVEN else np.stack([part[name] for part in parts]) for name in names

@@ -1,4 +1,4 @@
-"""Which strategy to use for one design, why, and what would change the answer, in plain words."""
+"""Advice for one design: which strategy to use, why, and what would change the answer."""
 
 from __future__ import annotations
 
@@ -101,7 +101,8 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
 
 
 def _break_even_noise(conditions: Conditions, sigma: dict[str, float]) -> float:
-    """Fix noise [m] at which 2 and 5 leave the same: what the fit adds goes with its square. Autofocus: zero."""
+    """Fix noise [m] at which strategies 2 and 5 are equal, as the fit's noise grows with its square. Zero with
+    autofocus."""
     if conditions.autofocus_order > 1:
         return 0.0
     given = float(np.asarray(conditions.gnss_sigma))

@@ -1,4 +1,4 @@
-"""The two engines beside each other: full flights of the simulator and the per-axis error model."""
+"""Agreement of the two engines: full flights of the simulator and the per-axis error model."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The filter of one axis over the aperture and its smoothers, on the errors of many runs at once.
 
-The filter works on errors, so its gains are the same for every run. A smoother with the whole leg needs no fix of the
-legs one by one: those before the aperture and those after it are information about the states there
-(`nav_model.processing.leg`), and what that information has of error is drawn from its own covariance, which is exact.
+The filter works on errors, so its gains are the same for every run. A smoother over the whole leg does not need the
+fixes of the legs one by one: those before and after the aperture give information about the states at its ends
+(`nav_model.processing.leg`), whose error is drawn from its covariance. This is exact.
 """
 
 from __future__ import annotations
@@ -16,16 +16,7 @@ from numpy.typing import NDArray
 
 from nav_model.processing.leg import known_at_ends
 from nav_model.processing.spectrum import Channel, Leg
-from nav_model.sar.axis_model import (
-    AxisModel,
-    draw_state,
-    filter_noise,
-    filter_transition,
-    fix_rows,
-    measure,
-    process_noise,
-    transition,
-)
+from nav_model.sar.axis_model import AxisModel, draw_state, filter_drift, fix_rows, inertial_drift, measure
 from nav_model.sar.smoother import rts_smooth, smoother_gain
 
 _FloatArray = NDArray[np.float64]
@@ -41,7 +32,7 @@ class Filtered(NamedTuple):
 
 
 class Fixes(NamedTuple):
-    """Fixes of the aperture: their noise (k, runs, kinds), and what is new in the slow error at each (k, runs)."""
+    """Fixes of the aperture: their noise (k, runs, kinds), and the innovation of the slow error at each (k, runs)."""
 
     noise: _FloatArray
     fresh: _FloatArray
@@ -52,8 +43,8 @@ def filtered(
 ) -> Filtered:
     """From the error ``start`` (runs, m) just after the first fix; ``at_fixes`` (3, runs, k) is the noise path."""
     priors, posteriors, prior_covariances, covariances = [start], [start], [covariance], [covariance]
-    phi, grown = filter_transition(model, model.fix_interval), filter_noise(model, model.fix_interval)
-    rows, inertial = fix_rows(model), transition(model.fix_interval)
+    phi, grown = filter_drift(model, model.fix_interval)
+    rows, inertial = fix_rows(model), inertial_drift(model, model.fix_interval)[0]
     for k in range(1, len(fixes.noise)):
         prior = posteriors[-1] @ phi.T
         prior[:, :3] += at_fixes[:, :, k].T - at_fixes[:, :, k - 1].T @ inertial.T
@@ -75,13 +66,14 @@ def filtered_in_leg(
     rest: float,
     random: np.random.Generator,
 ) -> Filtered:
-    """The filter that starts with the leg, up to the first fix after the aperture and with what all later ones tell.
+    """The filter that starts with the leg, up to the first fix after the aperture, with the information of all later
+    ones.
 
     Parameters
     ----------
     model : AxisModel
     settled : pair of array
-        Error (runs, m) just after the first fix of the filter that has flown for ever, and its covariance.
+        Error (runs, m) just after the first fix of the filter in steady state, and its covariance.
     path : pair of array
         Noise path at the fixes of the aperture (3, runs, k), and at its end (3, runs).
     fixes : Fixes
@@ -93,10 +85,10 @@ def filtered_in_leg(
     runs, count = len(settled[0]), len(fixes.noise)
     before, after = _legs(model, count * model.fix_interval, rest)
     covariance = _inverse(before)
-    # The estimate that knows less errs by something more that is independent of the error of the one that knows more.
+    # The error of the estimate with fewer fixes is that of the other plus an independent part.
     start = settled[0] + draw_state(covariance - settled[1], runs, random)
-    gathered = draw_state(process_noise(model, rest), runs, random)
-    onward = path[1].T @ transition(rest).T + gathered
+    phi, noise = inertial_drift(model, rest)
+    onward = path[1].T @ phi.T + draw_state(noise, runs, random)
     fresh = draw_fresh(model, runs, random, model.fix_interval)
     more = Fixes(
         np.concatenate([fixes.noise, np.zeros_like(fixes.noise[:1])]), np.concatenate([fixes.fresh, fresh[None]])
@@ -123,16 +115,16 @@ def smoothed(
     model: AxisModel, done: Filtered, position: _FloatArray, time: _FloatArray, fix_time: _FloatArray
 ) -> _FloatArray:
     """Position error (runs, n) of the smoother that has all fixes of `done`, from the filter's between the fixes."""
-    phi = filter_transition(model, model.fix_interval)
+    phi = filter_drift(model, model.fix_interval)[0]
     every = np.broadcast_to(phi, (len(done.prior) - 1, *phi.shape))
     at_fixes = rts_smooth(done.posterior, done.covariance, done.prior, done.prior_covariance, every)
     found = position.copy()
     for k, span in _stretches(time, fix_time):
         if k + 1 < len(done.prior):
             age = time[span] - fix_time[k]
-            forward = filter_transition(model, age)
-            predicted = forward @ done.covariance[k] @ np.swapaxes(forward, 1, 2) + filter_noise(model, age)
-            onward = filter_transition(model, model.fix_interval - age)
+            forward, grown = filter_drift(model, age)
+            predicted = forward @ done.covariance[k] @ np.swapaxes(forward, 1, 2) + grown
+            onward = filter_drift(model, model.fix_interval - age)[0]
             gain_row = smoother_gain(predicted, onward, done.prior_covariance[k + 1])[:, 0, :]
             found[:, span] += (at_fixes[k + 1] - done.prior[k + 1]) @ gain_row.T
     return found
@@ -145,7 +137,7 @@ def carried(state: _FloatArray, age: _FloatArray) -> _FloatArray:
 
 
 def draw_fresh(model: AxisModel, runs: int, random: np.random.Generator, step: float) -> _FloatArray:
-    """What is new in the slow error of the fixes after a step [s], (runs,)."""
+    """Innovation of the slow error of the fixes after a step [s], (runs,)."""
     if not model.slow_sigma:
         return np.zeros(runs)
     return model.slow_sigma * math.sqrt(-math.expm1(-2 * step / model.slow_time)) * random.standard_normal(runs)
@@ -158,7 +150,7 @@ def _stretches(time: _FloatArray, fix_time: _FloatArray) -> list[tuple[int, slic
 
 
 def _legs(model: AxisModel, span: float, rest: float) -> tuple[_FloatArray, _FloatArray]:
-    """Information of the fixes up to the aperture's first, and of those from the first after the aperture on."""
+    """Information of the fixes up to the aperture's first one, and of the fixes after the aperture."""
     velocity = model.velocity_sigma or None
     slow = (model.slow_sigma, model.slow_time) if model.slow_sigma else (None, None)
     values = (

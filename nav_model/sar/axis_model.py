@@ -2,12 +2,12 @@
 
     p' = v,   v' = a + w_a,   a' = g w_g
 
-with w_a, w_g white of densities S_a = sigma_a^2, S_g = sigma_w^2 [T-1]. The model is linear, so the error of
-a navigator between two fixes is the noise path of the aperture plus the transition of a constant difference:
-everything below is exact at the sample times, whatever the step.
+with w_a, w_g white of densities S_a = sigma_a^2, S_g = sigma_w^2 [T-1]. The model is linear, so the error between two
+fixes is the noise path of the aperture plus the transition of a constant difference: everything below is exact at the
+sample times for any step.
 
-With a slow GNSS error the filter carries it as a fourth state, first-order Gauss-Markov [T-8]: the functions
-named for the filter give matrices of three rows without it and four with it.
+With a slow GNSS error the filter has a fourth state, first-order Gauss-Markov [T-8]: functions with "filter" in their
+name give matrices of three rows without it and four with it.
 """
 
 from __future__ import annotations
@@ -19,6 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nav_model.analytic.doubling import Segment, drift, settled
+from nav_model.analytic.stacks import matrices_last
+from nav_model.analytic.steady_state import as_numbers
 from nav_model.constants import STANDARD_GRAVITY
 
 _FloatArray = NDArray[np.float64]
@@ -32,8 +35,8 @@ class AxisModel:
     ``fix_interval`` [s]; ``accelerometer_bias`` [m/s^2] and ``gyro_bias`` [rad/s] are 1 sigma of what the
     filter has not absorbed at the start of the aperture. ``slow_sigma`` [m] and ``slow_time`` [s] of the slow
     error of the fixes, on top of their noise; zero for none. ``velocity_sigma`` [m/s] of the velocity that comes with
-    each fix; zero for none. ``leg_before`` and ``leg_after`` [s] with fixes on both sides of the aperture: what the
-    whole-leg smoother has.
+    each fix; zero for none. ``leg_before`` and ``leg_after`` [s] are the times with fixes before and after the
+    aperture, for the whole-leg smoother.
     """
 
     accelerometer_noise: float
@@ -82,56 +85,21 @@ class SteadyCovariance(NamedTuple):
     posterior: _FloatArray
 
 
-def transition(step: ArrayLike) -> _FloatArray:
-    """Transition matrices, shape (..., 3, 3), over a step [s] of shape (...)."""
-    step = np.asarray(step, float)
-    phi = np.zeros((*step.shape, 3, 3))
-    phi[..., range(3), range(3)] = 1.0
-    phi[..., 0, 1] = phi[..., 1, 2] = step
-    phi[..., 0, 2] = step**2 / 2
-    return phi
+def inertial_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _FloatArray]:
+    """Transition of (p, v, a) over a step [s] of shape (...), and the covariance of its noise: both (..., 3, 3)."""
+    found = drift(as_numbers(step), model.accelerometer_noise**2, model.tilt_noise**2)
+    return matrices_last(found[0]), matrices_last(found[1])
 
 
-def process_noise(model: AxisModel, step: ArrayLike) -> _FloatArray:
-    """Exact covariance (..., 3, 3) of the noise gathered over a step [s]."""
-    return noise_covariance(model.accelerometer_noise**2, model.tilt_noise**2, step)
-
-
-def noise_covariance(s: ArrayLike, q: ArrayLike, step: ArrayLike) -> _FloatArray:
-    """The same for squared densities of the noises that drive v and a: closed form, broadcasts."""
-    s, q, h = np.broadcast_arrays(*(np.asarray(x, float) for x in (s, q, step)))
-    noise = np.empty((*h.shape, 3, 3))
-    noise[..., 0, 0] = s * h**3 / 3 + q * h**5 / 20
-    noise[..., 0, 1] = noise[..., 1, 0] = s * h**2 / 2 + q * h**4 / 8
-    noise[..., 0, 2] = noise[..., 2, 0] = q * h**3 / 6
-    noise[..., 1, 1] = s * h + q * h**3 / 3
-    noise[..., 1, 2] = noise[..., 2, 1] = q * h**2 / 2
-    noise[..., 2, 2] = q * h
-    return noise
-
-
-def filter_transition(model: AxisModel, step: ArrayLike) -> _FloatArray:
-    """Transition (..., m, m) of the filter's states over a step [s]."""
-    return _with_slow(model, transition(step), np.exp(-np.asarray(step, float) / model.slow_time))
-
-
-def filter_noise(model: AxisModel, step: ArrayLike) -> _FloatArray:
-    """Covariance (..., m, m) of the noise that the filter's states gather over a step [s]."""
-    grown = -(model.slow_sigma**2) * np.expm1(-2 * np.asarray(step, float) / model.slow_time)
-    return _with_slow(model, process_noise(model, step), grown)
-
-
-def _with_slow(model: AxisModel, matrix: _FloatArray, slow: _FloatArray) -> _FloatArray:
-    if not model.slow_sigma:
-        return matrix
-    whole = np.zeros((*matrix.shape[:-2], 4, 4))
-    whole[..., :3, :3] = matrix
-    whole[..., 3, 3] = slow
-    return whole
+def filter_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _FloatArray]:
+    """The same for the filter's states: (..., m, m)."""
+    slow = (model.slow_sigma**2, model.slow_time) if model.slow_sigma else None
+    found = drift(as_numbers(step), model.accelerometer_noise**2, model.tilt_noise**2, slow)
+    return matrices_last(found[0]), matrices_last(found[1])
 
 
 def fix_rows(model: AxisModel) -> _FloatArray:
-    """What a fix measures of the filter's states, (kinds, m): position with its slow error, and velocity."""
+    """Measurement rows of a fix, (kinds, m): position with its slow error, and velocity."""
     rows = np.zeros((len(model.fix_sigmas), 4 if model.slow_sigma else 3))
     rows[0, 0] = 1.0
     rows[0, 3:] = 1.0
@@ -149,26 +117,20 @@ def measure(prior: _FloatArray, model: AxisModel) -> tuple[_FloatArray, _FloatAr
 
 
 def steady_covariance(model: AxisModel) -> SteadyCovariance:
-    """Steady covariance of the sampled filter [T-8], by the structure-preserving doubling algorithm.
+    """Steady covariance of the sampled filter [T-8], by doubling (`nav_model.analytic.doubling`).
 
-    Chu, Fan, Lin and Wang (2004). Without gyro noise tilt is not excited and its variance is zero.
+    Without gyro noise tilt is not excited and its variance is zero.
+
+    Raises
+    ------
+    ArithmeticError
+        If the equation does not settle in double precision.
     """
-    full = filter_transition(model, model.fix_interval)
-    kept = np.array([i for i in range(len(full)) if i != 2 or model.tilt_noise > 0])
-    size, excited = len(kept), np.ix_(kept, kept)
-    a = full[excited].T
-    h = filter_noise(model, model.fix_interval)[excited]
-    rows = fix_rows(model)[:, kept]
-    g = (rows.T / model.fix_sigmas**2) @ rows
-    for _ in range(60):
-        keep = np.linalg.inv(np.eye(size) + g @ h)
-        a, g, grown = a @ keep @ a, g + a @ keep @ g @ a.T, h + a.T @ h @ keep @ a
-        settled = np.allclose(grown, h, rtol=1e-13, atol=0)
-        h = (grown + grown.T) / 2
-        if settled:
-            break
-    prior = np.zeros_like(full)
-    prior[excited] = h
+    phi, noise = filter_drift(model, model.fix_interval)
+    if not model.tilt_noise:
+        phi[:2, 2] = 0
+    rows = fix_rows(model)
+    prior = settled(Segment((rows.T / model.fix_sigmas**2) @ rows, phi, noise))
     return SteadyCovariance(prior, measure(prior, model)[1])
 
 
@@ -184,7 +146,7 @@ def noise_path(model: AxisModel, time: _FloatArray, runs: int, random: np.random
     h = np.diff(time)
     s, r = model.accelerometer_noise**2, model.tilt_noise
     draws = random.standard_normal((3, runs, len(h)))
-    # Cholesky factor of `process_noise` in the order a, v, p.
+    # Cholesky factor of the noise of `inertial_drift` in the order a, v, p.
     v_root = np.sqrt(s * h + r**2 * h**3 / 12)
     p_on_v = (s * h**2 / 2 + r**2 * h**4 / 24) / v_root
     p_root = np.sqrt(np.maximum(s * h**3 / 3 + r**2 * h**5 / 45 - p_on_v**2, 0.0))

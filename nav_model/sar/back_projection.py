@@ -1,4 +1,4 @@
-"""The compiled loop of back-projection; imported late, because it brings Numba with it."""
+"""The compiled loop of back-projection; imported only when needed, because it imports Numba."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Residual errors over the aperture split by what they do to the image, and ensembles summed up.
+"""Residual errors over the aperture, split by their effect on the image, and statistics over the runs.
 
 A history is expanded in polynomials orthonormal over its samples: order 0 and 1 only shift; order 2 gives the
 QPE, order 3 the CPE; orders 4 to 8 are the higher smooth part, and what no such polynomial holds is high
@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.sar.impulse_response import Taper, Window, aperture_of_phase, impulse_response
+from nav_model.sar.impulse_response import aperture_of_phase, impulse_response
+from nav_model.sar.window import Taper, Window
 
 HIGHEST_SMOOTH_ORDER = 8
 ENSEMBLE_PADDING = 8

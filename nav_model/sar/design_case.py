@@ -1,4 +1,4 @@
-"""A design as the strategies see it: what the ensemble simulates and what the closed forms take."""
+"""A design as input of the strategies: for the ensemble of runs and for the closed forms."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from nav_model.processing.spectrum import Leg
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import ApertureFlight, flight_of
 from nav_model.sar.geometry import line_of_sight_weights
-from nav_model.sar.impulse_response import Window
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.strategies import NAMES
 from nav_model.sar.strategy_forms import QUADRATIC_MEAN_SQUARE
 from nav_model.sar.turning import TURNING, smoothed_bent_variance, turn_weights
+from nav_model.sar.window import Window
 from nav_model.sar.winners import Conditions
 
 Engine = Literal["fast", "simulator"]
@@ -177,7 +177,7 @@ def conditions(
 def _smoothed(x: Inputs) -> tuple[np.ndarray, np.ndarray]:
     """Variances [m²] of the whole-leg smoother along the line of sight: quadratic, and after autofocus. [P-5], [S-2]
 
-    With fixes throughout, as every strategy but the INS after an outage.
+    With fixes throughout, as for every strategy except the INS after an outage.
     """
     left = f"left_{x.autofocus_order}"
     leg = Leg(x.leg_before, x.leg_after, np.zeros(()))
@@ -201,7 +201,7 @@ def required_phase(design: Design) -> float | None:
 
 
 def study_cautions(budget: Budget) -> tuple[str, ...]:
-    """What a careful reader of the strategies must know of this design."""
+    """Cautions about the strategies for this design."""
     design, processing = budget.design, budget.design.processing
     said = []
     if design.gnss.velocity_noise is not None:
@@ -250,7 +250,7 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
 
 
 def flight_cautions(budget: Budget) -> tuple[str, ...]:
-    """What the simulator's flights have that the per-axis error model and the closed forms have not."""
+    """Effects that are in the simulator's flights but not in the per-axis error model and the closed forms."""
     design = budget.design
     interval, coast = design.gnss.interval, design.coast.before_aperture
     said = [

@@ -81,7 +81,7 @@ def arw_map(budget: Budget, points: int = POINTS) -> DesignMap:
 
 
 def _winners(budget: Budget, span: _FloatArray, **grid: _FloatArray) -> WinnerMap:
-    """The map over apertures; the whole-leg smoother is worked out where it may win."""
+    """The map over apertures; the whole-leg smoother is computed where it may win."""
     smoothed = budget.design.processing.mode == POST_PROCESSED
     return map_of_winners(conditions(budget, span, **grid, smoothed=smoothed))
 

@@ -1,8 +1,8 @@
-"""The strategies for one design: an ensemble of runs beside the closed forms, and what to make of them.
+"""The strategies for one design: an ensemble of runs and the closed forms, and their conclusions.
 
 `design_study` does all of it at once. A page that shows progress does the same in steps: `design_case`,
-`choose_tuning`, `run_chunk` for each of `chunks(runs, engine)`, `typical_history`, then `gather`. Chunks have
-seeds of their own, so the result does not depend on who runs them or in which order; what travels is plain data.
+`choose_tuning`, `run_chunk` for each of `chunks(runs, engine)`, `typical_history`, then `gather`. Each chunk has its
+own seeds, so the result does not depend on where or in which order they run; they exchange plain data.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ _FloatArray = NDArray[np.float64]
 _CHUNK: dict[Engine, int] = {"fast": 50, "simulator": 10}  # about a second of work
 MOST_RUNS = 20_000
 _SIMPLEST_FIRST = ("2", "4", "5", "5w", "8", "9", "6", "7")  # reconstructions last
-# Quadratic phase beyond which 1024 aperture samples no longer carry the response: it fills the line.
+# Quadratic phase beyond which 1024 aperture samples are too few for the response: it fills the line.
 _NO_IMAGE_RAD = 800.0
 
 
 @dataclass(frozen=True)
 class ClosedForms:
-    """What follows the sliders: the advice, and for 2, 3, 5, 5w and 9 the sigmas [m] along the line of sight.
+    """Results of the formulas: the advice, and for 2, 3, 5, 5w and 9 the sigmas [m] along the line of sight.
 
     ``quadratic``: of the coefficient at the aperture's ends; ``detrended``: rms over the aperture of what the
     autofocus leaves; None where fewer than three fixes determine no quadratic.
@@ -68,7 +68,7 @@ class SarStudy:
     closed form is compared with; ``rms_error``, ``quadratic_rms_error`` their standard errors.
     ``time`` (n,), ``typical`` (10, n): the run whose free INS is the median one; ``spread`` (10, n): rms over the
     runs.
-    ``engine``: what the runs are of.
+    ``engine``: which engine made the runs.
     """
 
     budget: Budget
@@ -99,8 +99,8 @@ class SarStudy:
         """The simplest strategy whose residual, rms over the runs, is within 5 % of the least; ``causal``: of those
         that work in real time.
 
-        Neither the ideal nor the INS after an outage, which nobody chooses where there are fixes, is one of them; the
-        whole-leg smoother is where the design is post-processed.
+        The ideal and the INS after an outage are excluded; the whole-leg smoother counts if the design is
+        post-processed.
         """
         able = [one.key for one in map(_named, _SIMPLEST_FIRST) if one.causal or (not causal and self._allowed(one))]
         residual = {key: float(self.rms[STRATEGY_KEYS.index(key)]) for key in able}
@@ -117,7 +117,7 @@ class SarStudy:
 
     @property
     def sentence(self) -> str:
-        """Which strategy the runs recommend, and how that fits the advice of the formulas."""
+        """Which strategy the runs recommend, and whether the formulas agree."""
         smoothed = self._allowed(_named("9"))
         best, now, advised = self.best(), self.best(causal=True), self.closed.advice.strategy
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
@@ -185,7 +185,7 @@ def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int
 
 
 def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
-    """Where the run to draw is: chunk, runs of that chunk, place in it."""
+    """Place of the run to draw: chunk, runs of that chunk, index in it."""
     run = typical_run(_joined([chunk.measures.parts["detrended_rms"] for chunk in parts]))
     index, within = divmod(run, parts[0].runs)
     return index, parts[index].runs, within

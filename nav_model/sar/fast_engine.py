@@ -1,4 +1,4 @@
-"""The fast engine: hundreds of runs of the per-axis error model, handed to the strategies."""
+"""The fast engine: hundreds of runs of the per-axis error model, as input of the strategies."""
 
 from __future__ import annotations
 
@@ -10,14 +10,12 @@ from nav_model.sar.axis_filter import Fixes, carried, draw_fresh, filtered, filt
 from nav_model.sar.axis_model import (
     AxisModel,
     draw_state,
-    filter_noise,
-    filter_transition,
+    filter_drift,
     fix_rows,
+    inertial_drift,
     measure,
     noise_path,
-    process_noise,
     steady_covariance,
-    transition,
 )
 from nav_model.sar.fit_noise import slow_fit
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
@@ -38,8 +36,8 @@ def simulate_axis(
     """Every strategy on `runs` realisations of one axis; arrays are (10, runs, n), n = T rate + 1.
 
     The filter is in its steady state, the aperture starts just after a fix; the INS of strategy 3 leaves the
-    same filter ``coast_time`` [s] earlier. What the filter has not absorbed of the biases joins each INS when
-    it starts.
+    same filter ``coast_time`` [s] earlier. Residual biases, which the filter has not absorbed, act on each INS from
+    its start.
     """
     histories = simulate_histories(model, aperture_time, coast_time, runs, seed, rate)
     return apply_strategies(histories, weight_of(model, aperture_time, len(histories.fix_time)), tuning)
@@ -100,7 +98,7 @@ def simulate_histories(
     coasted_position = (sampled[0] + carried(coasted, time)[0]) if coast_time > 0 else ins[0].copy()
     done = filtered(model, start, steady.posterior, path[:, :, on_fixes], fixes)
     output = navigated(done, path[:, :, on_fixes], sampled, time, fix_time)
-    # A smoother of the whole leg has taken up what is constant of the biases.
+    # A smoother over the whole leg has absorbed the constant part of the biases.
     rest = (last_fix + 1) * model.fix_interval - aperture_time
     unbiased = noise[:, :, on_fixes]
     in_leg = filtered_in_leg(model, (settled, steady.posterior), (unbiased, noise[:, :, -1]), fixes, rest, streams[5])
@@ -139,8 +137,8 @@ def _before_aperture(
     random: np.random.Generator,
     unabsorbed: _FloatArray,
 ) -> tuple[_FloatArray, _FloatArray, _FloatArray]:
-    """States at the start of the aperture: of the filter (runs, m), what is unabsorbed left out, and of the INS that
-    left it earlier (runs, 3); and the slow error of the fixes there (runs,)."""
+    """States at the start of the aperture: of the filter (runs, m), without residual biases, and of the INS started
+    earlier (runs, 3); and the slow error of the fixes there (runs,)."""
     state = draw_state(posterior, runs, random)
     coasted = state[:, :3].copy()
     coasted[:, 2] += unabsorbed[0]
@@ -153,14 +151,14 @@ def _before_aperture(
     rest = coast_time - whole * model.fix_interval
     covariance, drift = posterior, unabsorbed[1]
     for step in [rest] * (rest > 1e-9) + [model.fix_interval] * whole:
-        phi = transition(step)
-        noise = draw_state(process_noise(model, step), runs, random)
+        phi, gathered = inertial_drift(model, step)
+        noise = draw_state(gathered, runs, random)
         ramp = np.outer(drift, [step**3 / 6, step**2 / 2, step])
         coasted = coasted @ phi.T + noise + ramp
-        forward = filter_transition(model, step)
+        forward, grown = filter_drift(model, step)
         state = state @ forward.T
         state[:, :3] += noise
-        gain, covariance = measure(forward @ covariance @ forward.T + filter_noise(model, step), model)
+        gain, covariance = measure(forward @ covariance @ forward.T + grown, model)
         fresh = draw_fresh(model, runs, random, step)
         slow = np.exp(-step / model.slow_time) * slow + fresh
         state[:, 3:] -= fresh[:, None]
@@ -172,7 +170,7 @@ def _before_aperture(
 def _slow_path(
     model: AxisModel, start: _FloatArray, fixes: int, random: np.random.Generator
 ) -> tuple[_FloatArray, _FloatArray]:
-    """The slow error at each fix (runs, k), and what is new in it there (k, runs)."""
+    """The slow error at each fix (runs, k), and its innovation there (k, runs)."""
     fresh, slow = [np.zeros_like(start)], [start]
     for _ in range(1, fixes):
         fresh.append(draw_fresh(model, len(start), random, model.fix_interval))

@@ -1,4 +1,4 @@
-"""What a slow GNSS error does to the quadratic fitted to INS - GNSS, beside the white noise of [S-7].
+"""Effect of a slow GNSS error on the quadratic fitted to INS - GNSS, in addition to the white noise of [S-7].
 
 The fixes are evenly spaced, so the error of a fitted coefficient is a sum over lags: r(k) rho^k, r the
 autocorrelation of the orthogonal polynomial over the fixes (a polynomial in k itself) and rho^k the correlation
@@ -35,7 +35,7 @@ class SlowFit(NamedTuple):
 
 
 def slow_fit(slow: SlowError | None, fix_interval: ArrayLike, aperture_time: ArrayLike, fixes: ArrayLike) -> SlowFit:
-    """The slow error's part in the fit; zeros without one, and where too few fixes are there to fit.
+    """The slow error's part in the fit; zeros without one, and where there are too few fixes to fit.
 
     ``slow`` of one number each; the rest broadcast. ``fixes`` is rounded down to whole ones.
     """
@@ -77,13 +77,13 @@ def _sums(n: int, rate: float) -> tuple[float, float, float]:
 def _over_lags(f: Callable[[_FloatArray], _FloatArray], n: int, rate: float, whole: bool = False) -> float:
     """Sum over k = 1 .. n - 1 of f(k) (exp(-rate k) - 1).
 
-    The constant drops out of what is wanted, since the polynomials sum to zero over the fixes (over all lags),
-    and without it a slow error keeps its digits. ``whole``: f does not vanish at the last fix.
+    The constant does not matter, since the polynomials sum to zero over the fixes (over all lags); without it a slow
+    error keeps its digits. ``whole``: f does not vanish at the last fix.
     """
     if n <= _DIRECT:
         k = np.arange(1.0, n)
         return float(np.sum(f(k) * np.expm1(-rate * k)))
-    if rate * _DIRECT > _DECAYED:  # gone within the lags summed one by one; there the two sums part exactly
+    if rate * _DIRECT > _DECAYED:  # decayed within the lags summed one by one; there the two sums separate exactly
         k = np.arange(1.0, _DIRECT)
         first = float(f(np.zeros(1))[0])
         return float(np.sum(f(k) * np.exp(-rate * k))) + (first if whole else first / 2)

@@ -1,9 +1,9 @@
-"""The second engine: full flights of the simulator, handed to the strategies as the fast engine hands its runs.
+"""The second engine: full flights of the simulator, as input of the strategies like the fast engine's runs.
 
-A run is flown with fixes throughout, the leg after the aperture included; again, on the same instrument noise, with
-the fixes ended at the start of the aperture, which gives the free INS; and, for strategy 3, with the fixes ended
-before the coast. Errors are taken along the track, across it and down. The smoothers are those of the simulator's own
-filter of nine states.
+Each run is flown three times on the same instrument noise: with fixes throughout, also in the leg after the aperture;
+with fixes up to the start of the aperture, which gives the free INS; and, for strategy 3, with fixes up to the coast.
+Errors are taken along the track, across it and down. The smoothers are those of the simulator's own filter of nine
+states.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ _MOST_SAMPLES = 2_000_000  # of the instrument in one flight: a minute of a proc
 
 
 class ApertureFlight(NamedTuple):
-    """What is flown: with fixes throughout, without from the aperture's start, and without from the coast's.
+    """The flights: with fixes throughout, without from the aperture's start, and without from the coast's.
 
     ``start`` [s] of the aperture, at a fix; ``first``: which fix of the flight that is, counted from 0; ``begin``:
-    that of the leg's beginning, None where the filter has settled before, so that an earlier one tells nothing more.
+    that at the start of the leg; None where the filter is settled, so that earlier fixes do not matter.
     """
 
     aided: SimulationSpec
@@ -53,7 +53,7 @@ class ApertureFlight(NamedTuple):
 
 def flight_of(design: Design, aperture_time: float, coast_time: float) -> ApertureFlight:
     """The flight of a design: straight and level, until its filter has settled, then the coast, then the aperture and
-    the leg after it, as far as that tells of the aperture.
+    the leg after it, as far as that affects the aperture.
 
     The coast is rounded to whole fix intervals.
 
@@ -100,7 +100,8 @@ def fly_axes(
 ) -> list[StrategyErrors]:
     """Every strategy on each axis (along, across, down) of runs first_run .. first_run + runs - 1.
 
-    ``models`` give 5w its weight; histories are of ``rate`` [Hz]. The same numbers whoever flies them.
+    ``models`` give 5w its weight; histories are of ``rate`` [Hz]. The result does not depend on which process flies
+    them.
 
     Raises ArithmeticError where the filter's covariance stops being positive definite.
     """
@@ -131,12 +132,12 @@ def histories(
     turn = np.array(
         [[math.cos(heading), math.sin(heading), 0], [-math.sin(heading), math.cos(heading), 0], [0, 0, 1]]
     )
-    # The record has roll, pitch and yaw; the filter's covariance is of its own small angles.
+    # The record has roll, pitch and yaw; the filter's covariance is of small angles.
     own_angles = np.linalg.inv(schedule.error_map[at])
 
     def sampled(values: _FloatArray, instants: _FloatArray) -> _FloatArray:
         """(2, outputs, 3), before and after, north, east, down -> (3, n), the aircraft's axes."""
-        # Just before a fix and at it: nothing may be interpolated across the filter's jump.
+        # Samples just before a fix and at it, so that nothing is interpolated across the filter's jump.
         both = np.column_stack([instants - _JUST_BEFORE, instants]).ravel()
         level = np.swapaxes(values[:, 1:] @ turn.T, 0, 1).reshape(-1, 3)
         return np.stack([np.interp(flight.start + time, both, column) for column in level.T])

@@ -1,4 +1,4 @@
-"""The RTS smoother of the simulator's filter of nine states: gains along the aperture, the same for every run.
+"""The RTS smoother of the simulator's nine-state filter: gains along the aperture, the same for every run.
 
 The covariance follows from the filter's own dynamics [T-1] with the Earth's terms, along the true path, so one pass
 serves a whole ensemble; the smoother then works on the errors of each run, to which it is linear.
@@ -22,7 +22,7 @@ from nav_model.simulation.truth import specific_force_and_rate, true_states
 _FloatArray = NDArray[np.float64]
 _STATES = 9
 _NOTHING_KNOWN = 1e6  # times the variance of a settled filter
-_BETWEEN_FIXES = 16  # moments a fix interval at which gains are taken; between them corrections are interpolated
+_BETWEEN_FIXES = 16  # times per fix interval at which gains are computed; between them corrections are interpolated
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class FlownSmoother:
 
     ``prior``, ``posterior`` (k, 9, 9) at its k fixes, ``transition`` (k - 1, 9, 9) between them; ``noise``: variance
     of each state that a fix measures, position and then velocity. ``node_time`` (m,) [s in the flight], ``node_fix``
-    (m,): which is the next fix; ``node_gain`` (m, 3, 9): what of a correction there reaches the position, and
-    ``node_back`` (m, 3, 9): the position that leads to an error there. Nothing is corrected after the last fix.
+    (m,): which is the next fix; ``node_gain`` (m, 3, 9): effect of a correction there on the position, and
+    ``node_back`` (m, 3, 9): from an error there back to the position. Nothing is corrected after the last fix.
     """
 
     prior: _FloatArray
@@ -45,7 +45,7 @@ class FlownSmoother:
     node_back: _FloatArray
 
     def until(self, fixes: int) -> FlownSmoother:
-        """The smoother that has only the first `fixes` of its fixes."""
+        """The smoother with only the first `fixes` of its fixes."""
         has = self.node_fix < fixes
         nodes = (self.node_time[has], self.node_fix[has], self.node_gain[has], self.node_back[has])
         return FlownSmoother(
@@ -131,10 +131,10 @@ def flown_smoother(
     first : int
         The fix from which on gains are kept.
     nodes : pair of int, optional
-        Fixes after which, up to the next one, positions are wanted: from the one to just before the other. Without it
-        after every fix from ``first`` on.
+        First and last (exclusive) of the fixes after which positions are needed. Default: every fix from ``first``
+        on.
     blind : bool
-        Whether the filter knows nothing but the heading before the first fix.
+        Whether the filter knows only the heading before the first fix.
     """
     wanted = range(*(nodes or (first, len(fix_times) - 1)))
     within = fix_times[wanted.start : wanted.stop + 1]
@@ -179,7 +179,7 @@ def flown_smoother(
             continue
         if fix == first and blind:
             unknown = np.full(_STATES, _NOTHING_KNOWN)
-            unknown[8] = 1.0  # heading no fix of a short leg tells, and no flight begins without it
+            unknown[8] = 1.0  # fixes of a short leg do not observe heading, and every flight starts with one
             covariance = np.diag(np.diagonal(covariance) * unknown)
         if at:
             from_fix = np.stack(since)

@@ -2,7 +2,7 @@
 
 Phase histories are frequency-domain, range-referenced samples s = sum a exp(-j 4 pi f (R - r0) / c), the form
 of the public AFRL collections. Back-projection is exact in geometry and takes any track; the kernel here is
-small on purpose. The packaged alternatives want a C++ compiler or a GPU on the user's machine.
+small on purpose. The packaged alternatives need a C++ compiler or a GPU on the user's machine.
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.npz_arrays import read_npz_arrays
-from nav_model.sar.impulse_response import Taper, Window, aperture_positions, as_taper
+from nav_model.sar.impulse_response import aperture_positions
 from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
+from nav_model.sar.window import Taper, Window, as_taper
 
 RANGE_PADDING = 16
 MOST_UNPACKED_BYTES = 256 * 2**20
@@ -129,8 +130,7 @@ def back_project(
 
     ``range_error`` (P,) [m] is added to the range assumed for every pixel; ``position_error`` (P, 3) [m]
     moves the assumed antenna. ``window`` weights both the pulses and the frequencies.
-    Pixels farther than half the
-    unambiguous range from the reference of a pulse get nothing from it.
+    A pulse adds nothing to pixels farther than half the unambiguous range from its reference.
     """
     from nav_model.sar.back_projection import project_pulses
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 ISLR_NULL_DISTANCES = 10
-# Two halves of a split lobe are equally high but for rounding; samples this close to the top are ties.
+# Two halves of a split lobe are equally high to rounding; samples this close to the top are ties.
 TIE = 1 - 1e-9
 
 _FloatArray = NDArray[np.float64]

@@ -119,7 +119,7 @@ def phase_budget(
             (25 / 4) * (7 / 61776) * s_g * t**5,
             _GYRO_LEFT[autofocus_order] * s_g * t**5,
         ),
-        # Both axes carry a bias of their own, so the weights add up to one.
+        # Each axis has its own bias, so the weights add up to one.
         "accelerometer bias": steady((level + upright) * b**2),
         "gyro bias": PhaseVariances(
             jerk * (tc + t / 2) ** 2 * t**4 / 64,

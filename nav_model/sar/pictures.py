@@ -1,4 +1,4 @@
-"""What the navigation errors of a study do to a picture: a point, a few targets, a real phase history."""
+"""Pictures with the navigation errors of a study: a point, a few targets, a real phase history."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _TARGETS = (
 class Pictures:
     """Power [dB] (k, y, x) on one scale; ``x`` azimuth and ``y`` range [m] about the middle.
 
-    ``range_cell`` [m]; ``bandwidth_cut`` tells that it was coarsened to keep the band below 0.3 of the carrier.
+    ``range_cell`` [m]; ``bandwidth_cut``: whether it was coarsened to keep the band below 0.3 of the carrier.
     """
 
     x: _FloatArray
@@ -47,7 +47,7 @@ class Pictures:
 def point_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
     """The focused point under each residual (k, n) [m], dB over the error-free peak.
 
-    A design has no range resolution of its own: its azimuth resolution is taken for it.
+    A design has no range resolution: its azimuth resolution is used.
     """
     cell, cut = _range_cell(budget)
     azimuth, ranges = np.linspace(-_POINT_AZIMUTH, _POINT_AZIMUTH, 121), np.linspace(-_POINT_RANGE, _POINT_RANGE, 61)
@@ -79,7 +79,7 @@ def scene_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
 def uploaded_pictures(
     name: str, data: bytes, time: ArrayLike, residual: ArrayLike, half_width: float, pixels: int = 256
 ) -> Pictures:
-    """A user's phase history formed as it is and with each residual (k, n) [m]: (1 + k, y, x), brightest at 0 dB.
+    """Images of a user's phase history, as it is and with each residual (k, n) [m]: (1 + k, y, x), brightest at 0 dB.
 
     The residual, which belongs to the design's aperture, is laid over the file's pulses from first to last; the
     phase it makes is that of the file's wavelength. The picture is +- ``half_width`` [m] about the scene centre,

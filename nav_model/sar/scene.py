@@ -1,4 +1,4 @@
-"""A small scene of point targets as the design's radar would image it, for each navigation error."""
+"""Images of a small scene of point targets by the design's radar, for each navigation error."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.sar.geometry import cell_length
 from nav_model.sar.image import back_project, pulse_errors, simulate_phase_history
-from nav_model.sar.impulse_response import Taper, Window
 from nav_model.sar.line_of_sight import ApertureGeometry
+from nav_model.sar.window import Taper, Window
 
 _FloatArray = NDArray[np.float64]
 # Beyond the scene by this factor, so that nothing folds back into it.

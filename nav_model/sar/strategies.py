@@ -1,4 +1,4 @@
-"""The ways to navigate through an aperture (sar.md, "Navigation strategies"), on one noise realisation.
+"""The strategies for navigating through an aperture (sar.md, "Navigation strategies"), on the same noise.
 
 Two engines feed the same strategies: the per-axis error model (`fast_engine.simulate_axis`), and full runs of
 the simulator, which hand over their error histories as plain arrays (`NavigationHistories`). All are
@@ -25,9 +25,9 @@ AFTER_APERTURE = "after the aperture"
 
 
 class Strategy(NamedTuple):
-    """What a strategy is called and what may be said of it.
+    """Name and properties of a strategy.
 
-    ``timing``: when its output is there: in real time, when the last fix of the aperture has come, or post-processed.
+    ``timing``: when its output is available: in real time, after the last fix of the aperture, or post-processed.
     """
 
     key: str
@@ -38,7 +38,7 @@ class Strategy(NamedTuple):
 
     @property
     def causal(self) -> bool:
-        """Whether its output is there at once."""
+        """Whether its output is available in real time."""
         return self.timing == REAL_TIME
 
 
@@ -144,7 +144,7 @@ def quadratic_correction(
     """Strategies 5 and 5w: INS minus the quadratic fitted to INS - GNSS, its curvature times `weight`.
 
     The fit is least squares at the fixes, in the basis that is orthogonal over them, so the weight acts on
-    the quadratic alone. Fewer than three fixes fix no quadratic: ValueError.
+    the quadratic alone. Raises ValueError for fewer than three fixes, which determine no quadratic.
     """
     if len(fix_time) < 3:
         raise ValueError(f"fix_time: {len(fix_time)} fixes in the aperture; a quadratic fit needs at least 3")
@@ -167,7 +167,7 @@ def tracking_filter(
     """Strategy 6 (reconstruction): p'' = a_INS + wn^2 (p_EKF - p) + 2 zeta wn (v_EKF - v), in errors.
 
     Starts from the filter; a_INS is taken as the velocity increments of the INS. Semi-implicit Euler at the
-    sampling rate, which wants wn times the step well below one.
+    sampling rate, which needs wn times the step well below one.
     """
     steps = np.diff(time)
     stiffness, drag = tuning.natural_frequency**2, 2 * tuning.damping * tuning.natural_frequency
@@ -197,9 +197,9 @@ def damping_loop(
 ) -> _FloatArray:
     """Strategy 7 (reconstruction): the filter's position correction is worked off by a PI law.
 
-    Velocity and attitude are corrected at once, and what has been applied is fed back, so the output is the
-    filter's error minus the part of its corrections still pending: r' = -kp r - ki integral(r). The loop is
-    settled (nothing pending) at the start of the aperture.
+    Velocity and attitude are corrected at once, and applied corrections are fed back, so the output is the filter's
+    error minus the pending part of its corrections: r' = -kp r - ki integral(r). The loop is settled (nothing
+    pending) at the start of the aperture.
     """
     age = time[None, :] - fix_time[:, None]
     pending = np.where(age >= -1e-9, _pi_decay(np.maximum(age, 0.0), tuning), 0.0)
@@ -210,7 +210,7 @@ def apply_strategies(histories: NavigationHistories, weight: float, tuning: Tuni
     """Every strategy on the same histories; `weight` is that of 5w (`strategy_forms.shrunk_weight`).
 
     With fewer than three fixes in the aperture there is no quadratic to fit: 5 and 5w are then the same as 2
-    (the result's ``fixes`` tells).
+    (see the result's ``fixes``).
     """
     tuning = tuning or Tuning()
     h = histories

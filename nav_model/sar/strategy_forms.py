@@ -1,4 +1,4 @@
-"""Closed forms of strategies 2, 3, 5 and 5w on one axis: what is left after the linear detrend.
+"""Closed forms of strategies 2, 3, 5 and 5w on one axis: residuals after the linear detrend.
 
 All functions broadcast over plain SI arrays. Variances are of position [m^2]; the phase is 4 pi / lambda
 times the root. A vertical axis has no tilt and no gyro: pass zeros. The inertial terms are those of `phase`,

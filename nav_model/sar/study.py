@@ -1,4 +1,4 @@
-"""Runs of one aperture: three axes, exact line of sight, every strategy, and what is measured of each run."""
+"""Runs of one aperture: three axes, exact line of sight, every strategy, and the measures of each run."""
 
 from __future__ import annotations
 
@@ -8,23 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.sar.axis_model import AxisModel
-from nav_model.sar.decomposition import (
-    Decomposition,
-    autofocus,
-    decompose,
-    fix_rate_harmonics,
-    run_responses,
-)
+from nav_model.sar.decomposition import Decomposition, autofocus, decompose, fix_rate_harmonics, run_responses
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
-from nav_model.sar.impulse_response import Taper, Window
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
-from nav_model.sar.strategies import (
-    NavigationHistories,
-    StrategyErrors,
-    Tuning,
-    damping_loop,
-    tracking_filter,
-)
+from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, damping_loop, tracking_filter
+from nav_model.sar.window import Taper, Window
 
 _FloatArray = NDArray[np.float64]
 FIX_HARMONICS = 3
@@ -65,7 +53,7 @@ def simulate_axes(
     rate: float,
     tuning: Tuning,
 ) -> list[StrategyErrors]:
-    """Every strategy on each axis (along, across, down), each with a seed of its own."""
+    """Every strategy on each axis (along, across, down), each with its own seed."""
     return [
         simulate_axis(model, aperture_time, coast_time, runs, one, rate, tuning)
         for model, one in zip(models, seed.spawn(3), strict=True)
@@ -112,7 +100,7 @@ def typical_run(detrended_rms: _FloatArray) -> int:
 
 
 def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: int = 60) -> Tuning:
-    """Gains of the reconstructions 6 and 7 with the least median detrended rms, on seeds of their own.
+    """Gains of the reconstructions 6 and 7 with the least median detrended rms, on separate seeds.
 
     A grid search on one axis; the seeds are never those of a study's runs.
     """

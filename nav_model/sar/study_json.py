@@ -1,4 +1,4 @@
-"""A study of the strategies as plain JSON-ready data, SI throughout; what does not exist is null."""
+"""A study of the strategies as plain JSON-ready data, SI throughout; missing values are null."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _JSON_MAP_POINTS = 40
 
 
 def to_json(study: SarStudy, beside: SarStudy | None = None) -> dict[str, Any]:
-    """Every number of the study, and what to mind.
+    """Every number of the study, and its cautions.
 
-    ``beside``: where the study is of flights, the fast engine's of the same design, to compare with.
+    ``beside``: for a study of flights, the fast engine's study of the same design, for comparison.
     """
     budget = study.budget
     sar = budget.sar

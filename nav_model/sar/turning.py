@@ -1,4 +1,4 @@
-"""What the turning line of sight makes of the errors of each axis: more than [S-2], and under squint.
+"""Quadratic phase from the turning line of sight, axis by axis: beyond [S-2], and under squint.
 
 Over the aperture, x from -1 to 1, the line of sight is to second order
 
@@ -7,7 +7,7 @@ Over the aperture, x from -1 to 1, the line of sight is to second order
 with u0 that of mid-aperture and e along the track. The quadratic of u . dp is then, axis by axis, a weighted sum
 of three functionals of the axis's error p: the quadratics of p, of x p (its velocity) and of x² p (its position).
 A free INS's are Gaussian with the covariance written here: from the state it starts in, and from its noise (found
-symbolically). Higher orders that the turn makes are left out.
+symbolically). Higher orders of the turn are omitted.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nav_model.analytic.doubling import drift
+from nav_model.analytic.stacks import matrices_last
 from nav_model.analytic.steady_state import as_numbers
-from nav_model.sar.axis_model import noise_covariance, transition
 
 _FloatArray = NDArray[np.float64]
 
@@ -91,8 +92,8 @@ def free_quadratic_variance(
         np.asarray(x, float) for x in (aperture_time, coast_time, accelerometer_noise, tilt_noise, jerk)
     )
     s_a, s_g = s_a**2, s_g**2
-    forward = transition(coast)
-    carried = forward @ start @ np.swapaxes(forward, -1, -2) + noise_covariance(s_a, s_g, coast)
+    forward, gathered = map(matrices_last, drift(coast, s_a, s_g))
+    carried = forward @ start @ np.swapaxes(forward, -1, -2) + gathered
     q, v, p = np.moveaxis(weights, -1, 0)
     h, age = t / 2, coast + t / 2
     by_state = np.stack(np.broadcast_arrays(p, (v + p) * h, (q + 2 * v + 13 / 7 * p) * t**2 / 8), axis=-1)
@@ -111,7 +112,8 @@ def bent_variance(
     coast_time: ArrayLike = 0.0,
     jerk: ArrayLike = 0.0,
 ) -> _FloatArray:
-    """What the turn adds to the variance [m²] of the quadratic: with the weights, less with the first alone.
+    """What the turn adds to the variance [m²] of the quadratic: the variance with all weights minus that with the
+    first.
 
     Arguments as `free_quadratic_variance`. It may be negative: the turn can work against the quadratic.
     """

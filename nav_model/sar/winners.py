@@ -1,9 +1,9 @@
-"""Which way of navigating through the aperture wins: strategies 2, 3, 5, 5w and 9 along the line of sight.
+"""Which strategy is best along the line of sight, of 2, 3, 5, 5w and 9.
 
-Axes are put together with the weights of [S-1]. To the errors along the line of sight comes what its turning makes
-of velocity and position errors ([S-2], `turning`), under squint too. A slow GNSS error enters the fits (`fit_noise`)
-and, through ``start``, the state at the last fix. The whole-leg smoother's figures come from `nav_model.processing`
-(`Conditions.smoothed`). It can win only where post-processing is chosen: in real time its fixes have not come.
+Axes are put together with the weights of [S-1]. Velocity and position errors through the turning line of sight
+([S-2], `turning`) are added, also under squint. A slow GNSS error enters the fits (`fit_noise`) and, through
+``start``, the state at the last fix. The whole-leg smoother's figures come from `nav_model.processing`
+(`Conditions.smoothed`). It counts only for post-processed designs, as it needs fixes from after the aperture.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
         t, c.accelerometer_noise, c.gyro_noise, c.start.p33, 0.0, c.gravity, c.accelerometer_bias, c.gyro_bias
     ).quadratic
     held_down = ins_variances(t, c.accelerometer_noise, 0.0, 0.0, 0.0, c.gravity, c.accelerometer_bias).quadratic
-    # The tilt at the last fix bends the INS, and what of the slow error made it bends the fit.
+    # The tilt at the last fix bends the INS, and the slow error that caused part of it bends the fit.
     shared = np.asarray(c.slow_with_tilt) * c.gravity * t**2 / 8 * slow.quadratic_from_start
     shrunk = (
         level * shrunk_residual_variance(held, across, 0.0, shared)
@@ -116,7 +116,7 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
 
     bent, bent_coasted, bent_fit = _bent_by_the_turn(c, t, dt, n, slow)
     along = (bent, bent_coasted, bent_fit, np.where(n > 2, bent_fit, bent))
-    with np.errstate(invalid="ignore"):  # no fit, seen along an axis of no weight
+    with np.errstate(invalid="ignore"):  # no fit, on an axis of zero weight
         fitted = np.where(n > 2, level * across + upright * down, np.inf)
     quadratic = (free.quadratic, coasted.quadratic, fitted, shrunk)
     if c.autofocus_order == 1:
@@ -140,7 +140,7 @@ def _bent_by_the_turn(
 ) -> tuple[_FloatArray, _FloatArray, _FloatArray]:
     """What the turn adds to the variance [m^2] of the quadratic: free, coasted, fitted.
 
-    Under 5 and 5w the velocity is that of the fitted line, and the position is known well enough.
+    For 5 and 5w the velocity is that of the fitted line, and the position error is negligible.
     """
     turn = turn_weights(c.grazing_angle, c.squint_angle, c.turn_rate, t)
     level, upright = _of_acceleration(c)
@@ -191,21 +191,19 @@ class WinnerMap(NamedTuple):
     best_sigma: _FloatArray
 
 
-def map_of_winners(conditions: Conditions, worth: float = WORTH) -> WinnerMap:
+def map_of_winners(conditions: Conditions) -> WinnerMap:
     """The strategy that wins among those with a closed form, by detrended sigma along the line of sight: in real time
     among those that need no fix after the aperture.
 
     On one axis 5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in
-    the order of `MAP_STRATEGIES`) within the fraction ``worth`` of the best is the one named. Along the line of
+    the order of `MAP_STRATEGIES`) within the fraction `WORTH` of the best is the one named. Along the line of
     sight it can lose: its fitted line brings the fixes' velocity noise, which the turn bends [S-2].
     ``start`` goes with the fix noise and the sensors of each point, so give arrays of that shape.
     ``best_sigma`` is that of the strategy named.
     """
-    if not 0 <= worth < 1:
-        raise ValueError(f"worth: {worth}; a fraction from 0 to below 1 is needed")
     sigma = np.sqrt(strategy_variances(conditions).detrended)
     able = sigma if conditions.post_processed else sigma[: len(IN_APERTURE)]
-    winner = (able <= able.min(axis=0) * (1 + worth)).argmax(axis=0)
+    winner = (able <= able.min(axis=0) * (1 + WORTH)).argmax(axis=0)
     named = np.take_along_axis(sigma, winner[None], axis=0)[0]
     return WinnerMap(MAP_STRATEGIES[: len(sigma)], winner, sigma, named)
 

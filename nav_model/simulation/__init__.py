@@ -1,12 +1,10 @@
 """The simulator: a strapdown INS with a closed-loop Kalman filter, flown many times.
 
-It confirms the closed forms of `nav_model.analytic` the way the source paper does, and goes on where they
-stop. Import from the modules; this one imports nothing, so that the commands start fast.
+It confirms the closed forms of `nav_model.analytic` as the source paper does, and covers effects that they omit.
+Import from the modules; this one imports nothing, so that the commands start fast.
 
     specification.py    what a study is: SimulationSpec and its parts, in SI, checked
-    trajectory.py       the flights, laid on the Earth as one spline; trajectory_file.py reads one from CSV
-    earth.py            WGS 84: curvature, rotation, gravity
-    attitude.py         rotations
+    trajectory.py       the flights, laid on the Earth as one spline
     truth.py            what perfect instruments on a trajectory measure
     sensors.py          what real ones report
     strapdown.py        the mechanisation: increments -> position, velocity, attitude
@@ -19,9 +17,8 @@ stop. Import from the modules; this one imports nothing, so that the commands st
     result.py           SimulationResult: rms, sigmas, percentiles, consistency; to_json, to_arrays, to_csv
     design_study.py     Design -> SimulationSpec, and a study beside the closed forms of its design
     study_inputs.py     what a study may add to a design: sensor errors, receiver, tuning
-    departures.py       where closed form and simulation part, and why
-    conditions.py       what a reader of a study must know
-    compiled.py         the decorator of every compiled kernel
+    departures.py       where closed form and simulation differ, and why
+    conditions.py       how the simulated world differs from that of the closed forms
 
 Reading order for a newcomer: specification, single_run, then whichever part is in question. Everything is
 north-east-down; errors are estimate minus truth.

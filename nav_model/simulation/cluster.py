@@ -15,9 +15,9 @@ from nav_model.errors import InputError
 def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor, int]]:
     """A pool for `simulate(pool=..., workers=...)` on the scheduler at `address`, and its number of threads.
 
-    A chunk lost with its worker is flown again by another; a result counts once. Raises InputError where no
-    scheduler answers or it has no workers, RuntimeError where a worker's simulator is not the same as this
-    one, ImportError where the `cluster` extra is not installed.
+    A chunk that is lost with its worker is flown again by another; each result counts once. Raises InputError where
+    no scheduler answers or it has no workers, RuntimeError where a worker's simulator is not the same as this one,
+    ImportError where the `cluster` extra is not installed.
     """
     try:
         import distributed

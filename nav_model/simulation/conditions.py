@@ -1,4 +1,4 @@
-"""What a reader of a study must know: where the simulated world is not the one of the closed forms."""
+"""How the simulated world of a study differs from that of the closed forms."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
 
 
 def _of_the_filter(spec: SimulationSpec) -> list[str]:
-    """How this filter is not the exact one for what is flown."""
+    """How this filter differs from the exact one for the simulated errors."""
     said = []
     missing = [what for what in untold(spec) if "bias" not in what and "GNSS" not in what and "tuning" not in what]
     if missing:

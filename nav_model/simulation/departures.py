@@ -1,9 +1,8 @@
-"""Where closed form and simulation part, and why, found by changing one thing at a time.
+"""Where closed form and simulation differ, and why, found by changing one thing at a time.
 
-Between the closed form and the simulated errors stands a chain of covariances, each with one more of the
-simulator's properties than the one before: a filter of discrete fixes on a flat Earth, the simulator's Earth,
-its flight, its filter and instruments, its errors. A departure is the product of the steps, so each cause has
-its measured share and none is guessed.
+A chain of covariances connects the closed form and the simulated errors, each with one more of the simulator's
+properties than the one before: a filter of discrete fixes on a flat Earth, the simulator's Earth, its flight, its
+filter and instruments, its errors. A departure is the product of the steps, so each cause has a measured share.
 """
 
 from __future__ import annotations
@@ -49,7 +48,7 @@ CAUSES: Final = {
 SMALL: Final = "several small differences, none above 3 %"
 _LEAST_STEP = 0.03  # of a factor: smaller steps explain nothing a reader would ask about
 _LEAST_SHARE = 0.25  # of the largest step
-_CHANCE = 1e-3  # probability that a study without a fault reports simulated errors that part
+_CHANCE = 1e-3  # probability that a correct study reports a difference of the simulated errors
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,7 @@ def velocity_told(design: Design) -> float | None:
 
 
 def chain(design: Design, spec: SimulationSpec) -> Chain:
-    """The chain of a study; kept for the last few, as a page asks again while runs are flying."""
+    """The chain of a study; cached for the last few studies, as a page asks again while runs are flying."""
     return _chain(design, replace(spec, runs=1, seed=0, keep_runs=False))
 
 
@@ -145,7 +144,7 @@ def _straight(spec: SimulationSpec) -> TrajectorySpec:
         flight = replace(flight, kind="straight")
     try:
         plan_trajectory(flight, spec.duration)
-    except ValueError:  # a file's flight turned back before the latitudes that its first heading leads to
+    except ValueError:  # a file's flight that turns before the latitudes that its first heading would reach
         return spec.trajectory
     return flight
 
@@ -156,8 +155,8 @@ def departures(
     """Where filter or simulated errors differ from the closed form by more than `tolerance` (relative).
 
     One finding per state and phase: the first `settling_s` seconds, the time with fixes, the outages; all
-    just after the fix. Simulated errors count when their rms over the phase is also further off than chance
-    would bring it once in a thousand. Empty where no closed form was given.
+    just after the fix. Simulated errors count only if the difference of their rms over the phase is significant at
+    0.1 %. Empty where no closed form was given.
     """
     closed = result.closed_form_sigma
     if closed is None:
@@ -211,18 +210,18 @@ def _that_matter(steps: list[tuple[str, float]]) -> tuple[tuple[str, float], ...
 
 
 def in_words(steps: tuple[tuple[str, float], ...], spec: SimulationSpec, velocity: float | None) -> str:
-    """The steps as a sentence: each cause with its factor, and what in this study is behind it."""
+    """The steps as a sentence: each cause with its factor and its input in this study."""
     return "; ".join(f"{cause_in_words(key, spec, velocity)} (×{factor:.2f})" for key, factor in steps) or SMALL
 
 
 def cause_in_words(key: str, spec: SimulationSpec, velocity: float | None) -> str:
-    """A key of `CAUSES` in words, with what in this study is behind it; ``velocity`` as `velocity_told`."""
+    """A key of `CAUSES` in words, with its input in this study; ``velocity`` as `velocity_told`."""
     behind = {"filter": instruments_beside(spec, velocity), "errors": untold(spec)}.get(key, [])
     return CAUSES[key] + (f": {', '.join(behind)}" if behind else "")
 
 
 def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str]:
-    """What the filter is told that the closed form knows nothing of."""
+    """Inputs that the filter models and the closed form does not."""
     gyro, accelerometer, tuning = spec.imu.gyro, spec.imu.accelerometer, spec.filter
     moving = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in (gyro, accelerometer))
     cases = (
@@ -238,7 +237,7 @@ def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str
 
 
 def untold(spec: SimulationSpec) -> list[str]:
-    """What is flown and the filter is not told, or told otherwise."""
+    """Inputs that are simulated but not modelled by the filter, or modelled differently."""
     triads, tuning = (spec.imu.gyro, spec.imu.accelerometer), spec.filter
     biased = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in triads)
     cases = (

@@ -1,8 +1,8 @@
-"""From a design to its Monte Carlo study, and the study beside the design's closed forms.
+"""The Monte Carlo study of a design, compared with the design's closed forms.
 
 A `Design` says what `SimulationSpec` needs once the flight, the number of runs and the outages are chosen;
-`specification` is that one step. The closed forms come from `nav_model.budget.analyse`, so the simulator is
-held against the same figures every other face shows.
+`specification` is that one step. The closed forms come from `nav_model.budget.analyse`, so the simulator is compared
+with the same figures as everywhere else.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def specification(
 
 
 def _velocity_noise(design: Design, more: SimulationInputs) -> float | None:
-    """Of one fix that comes with the position, at the density of the design's, unless the study gives another."""
+    """Velocity noise of one fix at the density of the design's, unless the study gives another."""
     own = inputs_of(design).velocity_of_fix
     other: float | None = more["receiver.velocity_noise"]
     return other if other is not None or own is None else float(own[0])
@@ -160,11 +160,11 @@ def closed_form(design: Design, spec: SimulationSpec) -> DesignClosedForm:
 
 @dataclass(frozen=True, eq=False)
 class SimulationStudy:
-    """A study of a design with what stands beside it. Arrays over the result's `time_s` (outputs,).
+    """A study of a design, compared with its closed forms. Arrays over the result's `time_s` (outputs,).
 
     refined_sigma: position north, east, down [m] by [T-17], residual biases in quadrature, shape
     (outputs, 3); NaN outside outages. path: along the initial track, right of it and up, from the start [m],
-    shape (outputs, 3). departures: where filter and closed form part. conditions: what a reader must know.
+    shape (outputs, 3). departures: where filter and closed form differ. conditions: how the simulated world differs.
     """
 
     design: Design
@@ -176,7 +176,7 @@ class SimulationStudy:
 
 
 def study_of(design: Design, result: SimulationResult) -> SimulationStudy:
-    """A finished study beside the closed forms of the design it was flown for."""
+    """Compare a finished study with the closed forms of its design."""
     from nav_model.simulation.conditions import conditions
     from nav_model.simulation.departures import chain, departures
 
@@ -191,7 +191,7 @@ def study_of(design: Design, result: SimulationResult) -> SimulationStudy:
 
 
 def moments(study: SimulationStudy) -> tuple[tuple[str, int], ...]:
-    """Where a study is summed up: what the moment is called and its place in the result's `time_s`.
+    """Times at which a study is summarised: name of each and its index in the result's `time_s`.
 
     The last fix before the longest outage and the end of that outage; without one, the last fix of the flight.
     """

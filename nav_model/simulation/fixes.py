@@ -50,9 +50,9 @@ class Receiver(NamedTuple):
 
 
 class Tuning(NamedTuple):
-    """What the filter believes.
+    """What the filter assumes.
 
-    White densities; variance of one sample's rate [rad^2/s^2], which swings the lever arm; bias decay [1/s]
+    White densities; variance of one sample's rate [rad^2/s^2], which acts on the lever arm; bias decay [1/s]
     and drive (12); sigmas of a fix: position (3), velocity.
     """
 
@@ -128,7 +128,7 @@ def take_fix(
                 turn = truth.body_rate[fix, j] * arm[k] - truth.body_rate[fix, k] * arm[j]
                 true_swing += truth.matrix[fix, i, axis] * turn
             _observe(row, n, VELOCITY + i, i, swing)
-            # A rate error, bias or noise, swings the arm: C (-dw x l) = C [l x] dw, row i.
+            # A rate error, bias or noise, acts on the lever arm: C (-dw x l) = C [l x] dw, row i.
             x = matrix[i, 1] * arm[2] - matrix[i, 2] * arm[1]
             y = matrix[i, 2] * arm[0] - matrix[i, 0] * arm[2]
             z = matrix[i, 0] * arm[1] - matrix[i, 1] * arm[0]

@@ -1,6 +1,6 @@
 """Where each quantity lies in the arrays that the kernels share: the first index of each group of three.
 
-Global integers are constants of the compiled code: a name costs nothing there.
+Global integers are constants in compiled code, so names cost nothing.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Many runs: cut into chunks, flown here, in other processes or on a cluster, and summed in run order.
+"""Many runs, split into chunks that are flown here, in other processes or on a cluster, and summed in run order.
 
 A chunk is one call of `run_chunk`, a top-level function of picklable arguments, so any
 `concurrent.futures.Executor` can take it: a spawned process pool, a thread pool (the kernels release the
 interpreter lock), or a Dask cluster's (`cluster.cluster_pool`). Where the chunks are cut depends on the study
-alone and they are merged in order, so the result is the same to the last bit whatever flew them.
+alone and they are merged in order, so the result is the same to the last bit wherever they ran.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ from concurrent.futures import (
     FIRST_COMPLETED,
     Executor,
     Future,
-    ThreadPoolExecutor,
     wait,
 )
 from concurrent.futures.process import BrokenProcessPool
-from typing import Final, Literal, Protocol
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +46,7 @@ class SimulationCancelled(Exception):
 
 
 def chunks(spec: SimulationSpec) -> list[tuple[int, int]]:
-    """The runs as (first, one past last), the same for a study whoever flies it."""
+    """The runs as (first, one past last), which depend on the study alone."""
     size = max(1, min(64, SAMPLES_PER_CHUNK // spec.steps))
     return [(start, min(start + size, spec.runs)) for start in range(0, spec.runs, size)]
 
@@ -60,13 +59,10 @@ def run_chunk(spec: SimulationSpec, scale: FloatArray, start: int, stop: int) ->
     return statistics
 
 
-def local_pool(workers: int, kind: Literal["process", "thread"] = "process") -> Executor:
-    """A pool of this machine's processes (spawned, so safe beside threads) or threads. Shut it down after
-    use."""
+def local_pool(workers: int) -> Executor:
+    """A pool of this machine's processes (spawned, so safe beside threads). Shut it down after use."""
     if workers < 1:
         raise refused("workers", workers, "must be 1 or more")
-    if kind == "thread":
-        return ThreadPoolExecutor(workers, thread_name_prefix="simulation")
     return worker_pool(workers)
 
 

@@ -1,5 +1,4 @@
-"""What a study found: error statistics against the filter's covariance and the closed form, and the
-verdict."""
+"""The result of a study: error statistics against the filter's covariance and the closed form, and the verdict."""
 
 from __future__ import annotations
 

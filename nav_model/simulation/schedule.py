@@ -1,4 +1,4 @@
-"""When things happen in a run: the same IMU samples for every run of a study, and the truth at them."""
+"""The schedule of a run: events by IMU sample, the same for every run of a study, and the truth at them."""
 
 from __future__ import annotations
 

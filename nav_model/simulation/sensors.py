@@ -1,4 +1,4 @@
-"""From perfect increments to what the instruments report, and the errors one run draws for itself."""
+"""Instrument outputs from perfect increments, and the random errors of a run."""
 
 from __future__ import annotations
 

@@ -368,7 +368,7 @@ def _kernel_truth(states: TruthStates) -> Truth:
 
 
 def fly(spec: SimulationSpec, run: int) -> RunRecord:
-    """Run number `run` of a study: the same numbers whoever flies it, whenever, in whatever company.
+    """Run number `run` of a study: reproducible, whichever process flies it.
 
     Raises ArithmeticError where the covariance stops being positive definite, ValueError for a trajectory
     that cannot be flown.

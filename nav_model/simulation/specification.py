@@ -1,7 +1,7 @@
-"""What one simulation is: plain frozen data in SI, checked once, hashable and picklable.
+"""The specification of one simulation: frozen data in SI, checked once, hashable and picklable.
 
-Sigmas are 1 sigma. A triple of the IMU is the same for its three axes; horizontal and vertical are told
-apart where the instrument does. Nothing here is compiled or slow to import.
+Sigmas are 1 sigma. A triple of the IMU is the same for its three axes; horizontal and vertical are separate where the
+instrument's are. Nothing here is compiled or slow to import.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ FILTER_STATES: Final = (9, 15, 21)
 HIGHEST_LATITUDE: Final = math.radians(85.0)
 
 
-# What is called one thing here and another where a person gives it: in a design, or as an option.
+# Fields whose name differs from that of the input in a design, or of the option.
 _GIVEN_AS: Final = {
     "ImuModel.rate": "imu.rate",
     "GnssModel.interval": "gnss.interval",
@@ -31,7 +31,7 @@ _GIVEN_AS: Final = {
 
 
 def refused(name: str, value: object, allowed: str) -> InputError:
-    """That `value` cannot be simulated, under the name by which a person gives it and in that input's unit.
+    """The error that `value` cannot be simulated, with the name and unit of the user's input.
 
     name: a field of `SimulationSpec`, or a field of one of its parts after the part's type and a dot.
     """
@@ -223,7 +223,7 @@ class FilterModel:
     a MEMS unit after 4 to 15 of its correlation times of 100 s, or 0.4 to 1.5 of 1000 s). 21 states keep the
     two apart and are consistent.
 
-    The multipliers scale what the filter believes, as standard deviations, against what the sensors do:
+    The multipliers scale the standard deviations that the filter assumes relative to those of the sensors:
     1 is matched tuning, `process_noise_scale` = sqrt(0.5) halves the process noise.
     propagation_rate: covariance steps per second; the transition and process noise of a step are exact
     to the order the coupling needs ([T-1]'s chain to all orders), so 10 Hz loses nothing at 100 Hz.

@@ -1,5 +1,4 @@
-"""Sums over runs: what a Monte Carlo study remembers, in memory that does not grow with the number of
-runs."""
+"""Sums over the runs of a Monte Carlo study, in memory that does not grow with their number."""
 
 from __future__ import annotations
 
@@ -109,7 +108,7 @@ def _bin(ratio: FloatArray) -> NDArray[np.intp]:
 
 
 def largest_horizontal_error(record: RunRecord) -> float:
-    """Largest horizontal position error of a run after the fixes [m]: what makes a run the worst."""
+    """Largest horizontal position error of a run after the fixes [m]: the worst run has the largest."""
     error = record.error[POSTERIOR]
     return float(np.max(np.hypot(error[:, 0], error[:, 1])))
 

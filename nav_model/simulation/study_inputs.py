@@ -1,4 +1,4 @@
-"""What a study may add to a design: sensor errors, a receiver and a filter beyond the closed forms' inputs.
+"""Inputs of a study beyond those of the closed forms: sensor errors, receiver and filter.
 
 A design holds what the closed forms take. The simulator flies more; each such input is declared here once,
 with unit, bounds and help, and the command line and the page are derived from it. All default to nothing.
@@ -45,7 +45,7 @@ def _correlation_time() -> Any:
 
 
 class Gyro(Part):
-    """Gyroscope errors beside the white noise and the residual bias of the design."""
+    """Gyroscope errors in addition to the white noise and the residual bias of the design."""
 
     section = "gyro"
     title = "Gyros"
@@ -71,7 +71,7 @@ class Gyro(Part):
 
 
 class Accelerometer(Part):
-    """Accelerometer errors beside the white noise and the residual bias of the design."""
+    """Accelerometer errors in addition to the white noise and the residual bias of the design."""
 
     section = "accelerometer"
     title = "Accelerometers"
@@ -106,7 +106,7 @@ def _arm(label: str) -> Any:
 
 
 class Receiver(Part):
-    """The receiver beside its position fixes."""
+    """The receiver's inputs in addition to its position fixes."""
 
     section = "receiver"
     title = "Receiver"
@@ -176,7 +176,7 @@ _RENAMED: Final[Mapping[str, str]] = {"quantization": "quantisation"}
 
 @dataclass(frozen=True)
 class SimulationInputs:
-    """What was given, as (key, value in SI) in the order of `STUDY_KEYS`; hashable and picklable.
+    """The inputs given, as (key, value in SI) in the order of `STUDY_KEYS`; hashable and picklable.
 
     Raises InputError for an unknown key or a value out of bounds.
     """

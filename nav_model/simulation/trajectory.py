@@ -1,4 +1,4 @@
-"""The path flown: a smooth spline of position and attitude, from which everything else follows.
+"""The path flown: a smooth spline of position and attitude, from which all other truth is derived.
 
 Every flight ends up as one quintic spline of latitude, longitude, height, roll, pitch and yaw. The spline
 *is* the truth: its velocity, acceleration and angular rate are exact derivatives, so the specific force and
@@ -267,7 +267,7 @@ def _table(spec: TrajectorySpec) -> FloatArray:
 
 
 def _check_motion(samples: FloatArray, lines: list[int], name: str) -> None:
-    """Refuse what no aircraft flies: it is a wrong unit or a glitch, and the spline would ring on it."""
+    """Refuse motion that no aircraft flies: a wrong unit or a glitch, on which the spline would ring."""
     spline = spline_through(samples[:, 0], samples[:, 1:])
     middle = 0.5 * (samples[1:, 0] + samples[:-1, 0])
     acceleration = np.linalg.norm(np.gradient(spline.velocity(middle), middle, axis=0), axis=1)

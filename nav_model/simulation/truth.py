@@ -1,4 +1,4 @@
-"""What perfect instruments on a trajectory measure, and the state an error-free INS must reproduce.
+"""Outputs of perfect instruments on a trajectory, and the true states that an error-free INS reproduces.
 
 Specific force and angular rate follow from the spline's derivatives and the Earth of `earth`; their
 integrals over each IMU sample use two Gauss-Legendre points (fourth order, error about 1e-12 per sample).
@@ -53,8 +53,8 @@ def _force_and_rate_at(
     """Sum over each row of increasing `times` (rows, points) of specific force (out[:, 0:3], m/s^2) and inertial rate
     (out[:, 3:6], rad/s), body axes, times `weight`.
 
-    origin, breaks, coefficients: as in `Trajectory`; work: (3, 6) of working space. One kernel with nothing to call
-    but the Earth, as compiling is what a first use waits for.
+    origin, breaks, coefficients: as in `Trajectory`; work: (3, 6) of working space. One kernel that calls only the
+    Earth's, to keep the compile time short.
     """
     value, first, second = work[0], work[1], work[2]
     piece = 0

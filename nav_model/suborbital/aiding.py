@@ -1,7 +1,7 @@
-"""Aiding without a filter [B-7]: the star camera's attitude takes the place of the gyros' at every frame.
+"""Aiding without a filter [B-7]: the star camera's attitude replaces the gyros' at every frame.
 
 The camera sees inertial attitude, so gyro and alignment errors vanish at each frame; between frames the gyros
-carry it on. What stays: accelerometer, initial and gravity errors, and the unstable height, whose forcing the
+carry it on. What remains: accelerometer, initial and gravity errors, and the unstable height, whose forcing the
 tracker reduces but which it does not stabilise.
 """
 
@@ -49,7 +49,7 @@ class Aiding:
 
     @property
     def perfect(self) -> bool:
-        """True when the frames carry no error of their own."""
+        """True when the frames have no error."""
         return self.latency_s == 0.0 and not any(self.misalignment_rad)
 
 

@@ -218,8 +218,8 @@ METHODS: dict[str, Callable[..., AttitudeEstimate]] = {
 
 
 def solvable(method: str, body: FloatArray, weight: FloatArray) -> np.ndarray:
-    """Which scenes (...) a method does not refuse: TRIAD wants two stars apart in the first two places, the
-    N-vector three that span space, the others two apart. ValueError for an unknown method."""
+    """Scenes (...) that a method can solve: TRIAD needs the first two stars apart, the N-vector three that span
+    space, the others two apart. ValueError for an unknown method."""
     require(method in METHODS, f"method = {method!r}: must be one of {', '.join(METHODS)}")
     b, w = (body[..., :2, :], weight[..., :2]) if method == "TRIAD" else (body, weight)
     apart = np.linalg.eigvalsh(information(b, w))[..., 0] >= COLLINEAR

@@ -1,4 +1,4 @@
-"""How much the noise of a star camera costs: position error at the end of the flight over a range of centroid noise.
+"""Position error at the end of the flight over a range of the star camera's centroid noise.
 
 Attitude covariances [B-9] go with the square of the centroid noise, so the star images of a flight are made once. A
 larger noise also loses frames: those whose roll about the boresight is known worse than the camera's gate allows.

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nav_model.compiled import kernel
 from nav_model.constants import GRAVITATIONAL_PARAMETER, SPHERE_RADIUS
@@ -154,7 +154,6 @@ def _force_channels(
     sines: FloatArray,
     axes: FloatArray,
     tilt: FloatArray,
-    used: NDArray[np.bool_],
     h: float,
     out: FloatArray,
 ) -> None:
@@ -167,8 +166,6 @@ def _force_channels(
         unit_errors(c, force[i], rate[i], sines[i], acc, turn)
         for a in range(3):
             f[a] = c[a, 0] * force[i, 0] + c[a, 1] * force[i, 1] + c[a, 2] * force[i, 2]
-        if used[i]:
-            tilt[:] = 0.0
         for p in range(columns):
             for a in range(3):
                 step[a] = tilt[a, p] + 0.5 * h * turn[a, p]
@@ -180,7 +177,7 @@ def _force_channels(
                 out[i, p, b] = felt[0] * axes[i, 0, b] + felt[1] * axes[i, 1, b] + felt[2] * axes[i, 2, b]
 
 
-def _forcing(flight: TrueFlight, sines: FloatArray, used: np.ndarray | None) -> tuple[FloatArray, FloatArray]:
+def _forcing(flight: TrueFlight, sines: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Forcing of the channels by a unit of each parameter in the middle of every step, north, east, up (n, 61, 3),
     m/s²; the path there (n, 3)."""
     launch, tilt = local_axes(flight.position_i[0]), np.zeros((3, len(PARAMETERS)))
@@ -194,25 +191,21 @@ def _forcing(flight: TrueFlight, sines: FloatArray, used: np.ndarray | None) -> 
         np.ascontiguousarray(sines),
         local_axes(middle) * _UP,
         tilt,
-        np.zeros(flight.steps, dtype=np.bool_) if used is None else np.ascontiguousarray(used, dtype=np.bool_),
         flight.step_s,
         out,
     )
     return out, middle
 
 
-def decoupled_response(
-    flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
-) -> FloatArray:
+def decoupled_response(flight: TrueFlight, errors: ErrorSet, every: int = 10) -> FloatArray:
     """[B-5] driven along a real flight by a unit of each parameter (61, m, 3), m: north, east, up.
 
     The forcing C df + psi x f is that of [B-4], resolved in the moving local axes; Coriolis and transport
-    terms are dropped, as in [B]. errors supplies the oscillation periods only; used marks star frames, at which psi
-    vanishes (a perfect camera).
+    terms are dropped, as in [B]. errors supplies the oscillation periods only.
     """
     n, h = flight.steps, flight.step_s
     require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
-    forcing, middle = _forcing(flight, oscillations(flight, errors)[1::2], used)
+    forcing, middle = _forcing(flight, oscillations(flight, errors)[1::2])
     unit = np.eye(len(PARAMETERS))
     out = np.empty((len(PARAMETERS), n // every + 1, 3))
     w2 = GRAVITATIONAL_PARAMETER / np.linalg.norm(middle, axis=1) ** 3
@@ -220,16 +213,14 @@ def decoupled_response(
     return out
 
 
-def decoupled_errors(
-    flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
-) -> ChannelErrors:
+def decoupled_errors(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> ChannelErrors:
     """The `decoupled_response` to parameter vectors (c, 61), for comparison with the INS."""
-    response = decoupled_response(flight, errors, used, every)
+    response = decoupled_response(flight, errors, every=every)
     return channel_errors(flight, np.atleast_2d(parameters), response, every)
 
 
 def channel_errors(flight: TrueFlight, parameters: FloatArray, response: FloatArray, every: int) -> ChannelErrors:
-    """What a `decoupled_response` makes of parameter vectors (c, 61)."""
+    """Errors of parameter vectors (c, 61) from a `decoupled_response`."""
     return ChannelErrors(flight.time_s[::every], np.einsum("cp,pmi->cmi", parameters, response))
 
 
@@ -238,10 +229,10 @@ def closed_form_errors(
 ) -> ChannelErrors:
     """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for.
 
-    They want one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A
+    They assume one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A
     are the means of the accelerometers' local errors while the motor burns, f e the slope (least squares
     through zero) of the acceleration that attitude errors cause then (X). An initial attitude error acts as a
-    bias of f psi. They hold as long as those stay what they were.
+    bias of f psi. They hold while these stay constant.
     """
     p = np.atleast_2d(parameters)
     require(every >= 1 and flight.steps % every == 0, f"every = {every!r}: must divide the flight's steps")
@@ -250,7 +241,7 @@ def closed_form_errors(
     time = flight.time_s[:-1][burning] + 0.5 * flight.step_s
     sines = oscillations(flight, errors)[1::2]
     sines[:, :2] = 1.0  # the accelerometers' amplitude
-    forcing = _forcing(flight, sines, None)[0][burning]
+    forcing = _forcing(flight, sines)[0][burning]
     mean, slope = np.mean(forcing, axis=0), np.einsum("t,tpi->pi", time, forcing) / np.sum(time**2)
     slow = np.r_[SLOW_BIAS:MATRIX, SLOW_MATRIX:GYROS] + ACCELEROMETERS
     steady = np.r_[BIAS:SLOW_BIAS, MATRIX:SLOW_MATRIX, ATTITUDE]

@@ -1,4 +1,4 @@
-"""Checks of the values that the suborbital model is given."""
+"""Checks of the inputs of the suborbital model."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Misfit(ValueError):
         self.fields = fields
 
     def __reduce__(self) -> tuple[type[Misfit], tuple[str, tuple[str, ...]]]:
-        """So that it returns whole from a worker process."""
+        """Keep all fields when sent from a worker process."""
         return type(self), (str(self), self.fields)
 
 

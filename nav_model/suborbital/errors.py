@@ -1,4 +1,4 @@
-"""Sensor errors [B-1] and initial errors of the suborbital INS, as plain inputs and as one vector.
+"""Sensor errors [B-1] and initial errors of the suborbital INS, as inputs and as one parameter vector.
 
     df = B_a + (S_a + N_a) f + w_a,   domega = B_g + (S_g + N_g) omega + w_g
     each parameter = constant + oscillation X_o sin(2 pi t / T)
@@ -39,11 +39,9 @@ MISALIGNMENT_PATTERN: Matrix = ((0.0, 1.0, -1.0), (-1.0, 0.0, 1.0), (1.0, -1.0, 
 """The antisymmetric pattern "mis" of the set GP-1."""
 
 
-def scale_and_misalignment(scale: float, misalignment: float | None = None) -> Matrix:
-    """S + N as scale I + misalignment * pattern (dimensionless; misalignment defaults to scale, as in
-    GP-1)."""
-    off = scale if misalignment is None else misalignment
-    m = scale * np.eye(3) + off * np.array(MISALIGNMENT_PATTERN)
+def scale_and_misalignment(size: float) -> Matrix:
+    """S + N of the set GP-1, dimensionless: scale factors and misalignments of one size."""
+    m = size * (np.eye(3) + np.array(MISALIGNMENT_PATTERN))
     rows = [(float(row[0]), float(row[1]), float(row[2])) for row in m]
     return rows[0], rows[1], rows[2]
 
@@ -105,7 +103,7 @@ class InitialErrors:
 
 
 def _triple(values: tuple[float, float, float], unit: str, dimension: str) -> Triple:
-    """Rounded once, so that a value written in its unit is the very same number."""
+    """Converted with one rounding, so that a value written in its unit gives the same number."""
     x, y, z = (to_si(Fraction(repr(value)), unit, dimension) for value in values)
     return x, y, z
 
@@ -137,7 +135,7 @@ GP1_INITIAL = InitialErrors(
 
 @dataclass(frozen=True)
 class ErrorSet:
-    """Everything that is wrong with the INS. The default is the set GP-1 (X) of star_tracker.md."""
+    """All errors of the INS. The default is the set GP-1 (X) of star_tracker.md."""
 
     accelerometers: SensorErrors = GP1_ACCELEROMETERS
     gyros: SensorErrors = GP1_GYROS

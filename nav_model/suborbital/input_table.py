@@ -1,4 +1,4 @@
-"""What a person can set in the suborbital study: one table of inputs with units, bounds and help.
+"""The inputs of the suborbital study: one table with units, bounds and help.
 
 Each is declared as an input of a design is; the command line, the page, the study file and the JSON are derived
 from the table. Values are SI.

@@ -1,6 +1,6 @@
 """Where each deterministic error lies in the parameter vector (61,) that `errors.PARAMETERS` names.
 
-Global integers are constants of the compiled code: a name costs nothing there.
+Global integers are constants in compiled code, so names cost nothing.
 """
 
 from __future__ import annotations

@@ -146,8 +146,7 @@ def _local_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy:
 
 @part
 def _star_attitude(y: FloatArray, frame: FloatArray, local: bool, time: float) -> None:
-    """Put the camera's body-to-inertial attitude into the state [B-7]; in local axes through the INS
-    position."""
+    """Write the camera's body-to-inertial attitude into the state [B-7]; in local axes by way of the INS position."""
     if not local:
         for a in range(3):
             for b in range(3):
@@ -260,7 +259,6 @@ def mechanise(
     gravity: str = "spherical",
     axes: str = "inertial",
     every: int = 10,
-    progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> InsRun:
     """Run the INS over a flight for c cases.
@@ -317,8 +315,6 @@ def mechanise(
             every,
             out[case],
         )
-        if progress is not None:
-            progress((case + 1) / count)
     index = np.arange(0, n + 1, every)
     time = flight.time_s[index]
     attitude, velocity, position = out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:12], out[..., 12:]

@@ -1,4 +1,4 @@
-"""White noise as an ensemble: INS flown with one draw of noise each, against the covariance that predicts them."""
+"""White noise as an ensemble of INS runs, compared with the covariance that predicts them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

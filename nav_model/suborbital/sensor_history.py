@@ -1,4 +1,4 @@
-"""What the sensors' errors are along a flight [B-1]: bias, instability and total of each axis against time."""
+"""Sensor errors along a flight [B-1]: bias, instability and total of each axis against time."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-"""The inputs of the suborbital study in force: values in SI, where each came from, and what they make."""
+"""Inputs of the suborbital study: values in SI, their origins, and the model objects made from them."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ _MODEL_NAMES = {
 
 
 def _blamed(fields: tuple[str, ...], changes: Mapping[str, Value]) -> str:
-    """The input to name: one the model complains of and that was changed, else the only one changed."""
+    """The input to name in an error: one that the model rejects and that was changed, else the only one changed."""
     named = [key for name, key in _MODEL_NAMES.items() if name in fields]
     blamed = [key for key in named if key in changes]
     return (blamed or (list(changes) if len(changes) == 1 else named) or [*changes, "study"])[0]
@@ -195,14 +195,14 @@ def from_design(settings: Settings, design: Design) -> Settings:
 
 
 def follow_design(settings: Settings, design: Design) -> Settings:
-    """The same study with what it has of a design from this one; what a person set since stays."""
+    """The same study with the inputs that follow a design taken from this one; inputs set by the user stay."""
     now = from_design(DEFAULTS, design)
     keys = [key for key, origin in settings.origin.items() if origin.startswith(OF_DESIGN)]
     return settings.change({key: now[key] for key in keys}, now.origin[keys[0]]) if keys else settings
 
 
 def follows_design(settings: Settings) -> bool:
-    """Whether some input is a design's."""
+    """Whether some input comes from a design."""
     return any(origin.startswith(OF_DESIGN) for origin in settings.origin.values())
 
 

@@ -53,19 +53,14 @@ def _catalogue() -> dict[str, FloatArray]:
 
 
 @lru_cache(maxsize=4)
-def hipparcos_sky(magnitude_limit: float = 6.5, epoch_year: float = 2025.0, sidereal_angle_rad: float = 0.0) -> Sky:
+def hipparcos_sky(magnitude_limit: float = 6.5, epoch_year: float = 2025.0) -> Sky:
     """Hipparcos stars with Hp at or below the limit, moved by proper motion from 1991.25 to the epoch.
 
-    sidereal_angle_rad: Greenwich sidereal angle at lift-off; the directions are turned by it from the
-    catalogue's axes (ICRS) into the flight's, whose x axis passes through Greenwich at lift-off. ValueError
-    for a limit that leaves no star. The catalogue is complete to about Hp 7.3 to 9 and ends near 12 to 14.
+    The catalogue's axes (ICRS) are taken as the flight's: a Greenwich sidereal angle of zero at lift-off.
+    ValueError for a limit that leaves no star. The catalogue is complete to about Hp 7.3 to 9 and ends near 12 to
+    14.
     """
-    for name, value in (
-        ("magnitude_limit", magnitude_limit),
-        ("epoch_year", epoch_year),
-        ("sidereal_angle_rad", sidereal_angle_rad),
-    ):
-        require_finite(name, value)
+    require_finite("magnitude_limit", magnitude_limit)
     data = _catalogue()
     keep = data["hp"] <= magnitude_limit
     require(bool(keep.any()), f"magnitude_limit = {magnitude_limit!r}: no Hipparcos star is that bright")
@@ -78,11 +73,9 @@ def hipparcos_sky(magnitude_limit: float = 6.5, epoch_year: float = 2025.0, side
     place = np.stack([cd * cr, cd * sr, sd], axis=-1)
     place = place + years * (data["pm_ra"][order, None] * east + data["pm_dec"][order, None] * north)
     place /= np.linalg.norm(place, axis=-1, keepdims=True)
-    s, c = np.sin(sidereal_angle_rad), np.cos(sidereal_angle_rad)
-    turned = place @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     return Sky(
         identifier=data["number"][order].astype(np.int64),
-        direction=np.ascontiguousarray(turned),
+        direction=np.ascontiguousarray(place),
         magnitude=data["hp"][order],
         source=f"Hipparcos 2 (van Leeuwen 2007, CDS I/311), Hp <= {magnitude_limit:g}, epoch {epoch_year:g}",
     )

@@ -1,4 +1,4 @@
-"""Star camera [B-8]: which stars stand where on the detector, and what attitude they give along a flight.
+"""Star camera [B-8]: star positions on the detector, and the attitude from them along a flight.
 
 Camera axes: Z along the boresight, which is -z of the body, X along x of the body, Y along -y of the body.
 The camera measures directions with `centroid_sigma_rad` per axis in the tangent plane.
@@ -95,19 +95,16 @@ def _select(
         count[i] = found
 
 
-def select_stars(
-    camera: StarCamera, sky: Sky, attitude_bi: FloatArray, most: int | None = None
-) -> tuple[np.ndarray, np.ndarray]:
+def select_stars(camera: StarCamera, sky: Sky, attitude_bi: FloatArray) -> tuple[np.ndarray, np.ndarray]:
     """Brightest stars in the field for attitudes (n, 3, 3) body to inertial.
 
-    Returns indices into the sky (n, most), -1 where there are fewer, and the number of all stars in the field
-    (n,). most defaults to the camera's `brightest`.
+    Returns indices into the sky (n, `brightest` of the camera), -1 where there are fewer, and the number of all
+    stars in the field (n,).
     """
-    limit = camera.brightest if most is None else most
     ci = np.ascontiguousarray(np.swapaxes(attitude_bi @ CAMERA_TO_BODY, -1, -2))
-    chosen = np.full((len(ci), limit), -1, dtype=np.int64)
+    chosen = np.full((len(ci), camera.brightest), -1, dtype=np.int64)
     count = np.zeros(len(ci), dtype=np.int64)
-    _select(ci, sky.direction, np.tan(0.5 * camera.field_of_view_rad), limit, chosen, count)
+    _select(ci, sky.direction, np.tan(0.5 * camera.field_of_view_rad), camera.brightest, chosen, count)
     return chosen, count
 
 

@@ -1,4 +1,4 @@
-"""The whole study: every error source and class, pure INS and aided, with what the sliders need beside it."""
+"""The whole study: every error source and class, pure INS and aided, with the matrices for the sliders."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

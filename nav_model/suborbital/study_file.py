@@ -7,7 +7,7 @@
     name = "flight.csv"
     csv = "time_s,latitude_deg,..."
 
-A study has inputs of its own and so a file of its own; a design enters it by its inertial unit (`from_design`).
+A study has its own inputs and so its own file; a design contributes its inertial unit (`from_design`).
 Reading names the first key that is wrong; writing states every value in the shortest text that gives the same
 number back. A key that is not stated has its GP-1 value.
 """

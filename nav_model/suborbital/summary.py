@@ -1,4 +1,4 @@
-"""The study in words and as JSON, and the paper's readable numbers to set beside it."""
+"""The study in words and as JSON, and the paper's readable numbers for comparison."""
 
 import numpy as np
 
@@ -38,7 +38,7 @@ def _metres(value: float) -> str:
 
 
 def explain(study: Study) -> str:
-    """What the tracker did and did not repair, in plain words formed from the numbers of the study."""
+    """What the tracker did and did not repair, in words made from the numbers of the study."""
     flight, end = study.flight, study.flight.time_s[-1]
     pure = {n: study.pure.position_m[k, -1] for k, n in enumerate(study.names)}
     aided = {n: study.aided.position_m[k, -1] for k, n in enumerate(study.names)}

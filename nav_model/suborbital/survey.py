@@ -1,4 +1,4 @@
-"""Everything a page or a file shows of the suborbital study, from one set of `Settings`: run once, then moved.
+"""All results of the suborbital study for one set of `Settings`: run once, then moved with the sliders.
 
 `run_survey` is the exact answer. `moved` follows sliders through the linear sensitivity matrix [B-4]; inputs it
 cannot follow (flight, gravity, camera) are told by `needs_run`, those that need other matrices by `needs_renewal`.
@@ -199,7 +199,7 @@ _LINEAR = ("accelerometers.", "gyros.", "initial.", "tracker.")
 
 def needs_run(survey: Survey, settings: Settings) -> bool:
     """Whether only a new run can follow the settings: flight, gravity, camera or sky changed, or, with star
-    images, the instants of the frames, which the gate has a say in."""
+    images, the instants of the frames, which also depend on the gate."""
     other = any(
         value != survey.settings[key] for key, value in settings.values.items() if not key.startswith(_LINEAR)
     )
@@ -218,8 +218,8 @@ def needs_other_matrices(survey: Survey, settings: Settings) -> bool:
 
 @dataclass(frozen=True)
 class Renewed:
-    """What other periods or frame instants change: matrices, decoupled channels (None: as they were), noise with
-    the tracker."""
+    """Results that change with other periods or frame instants: matrices, decoupled channels (None: unchanged), noise
+    with the tracker."""
 
     matrices: Renewal
     channel_response: FloatArray | None = field(repr=False)

@@ -1,4 +1,4 @@
-"""A survey as JSON: the contract's keys, and beside them every input with its origin and what else was found."""
+"""A survey as JSON: the contract's keys, every input with its origin, and all further results."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def gap_json(gap: Gap) -> dict[str, Any]:
 
 
 def noise_json(ensemble: NoiseEnsemble) -> dict[str, Any]:
-    """A white-noise ensemble: final rms, the predicted sigma beside it, and the interval it is judged by."""
+    """A white-noise ensemble: final rms, the predicted sigma, and the interval for its verdict."""
     channels = ("north", "east", "up")
 
     def named(values: FloatArray) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What reports of several rooms share."""
+"""Fixtures shared by the reports of several subjects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever a person brings is read, or refused, within the memory that is stated for its kind."""
+"""Uploaded files are read, or refused, within the memory limit of their kind."""
 
 from __future__ import annotations
 

@@ -12,18 +12,13 @@ from typing import Any
 import pypdf
 import pytest
 from deaf import Deaf
-from playwright.sync_api import Browser, Download, Locator, Page, expect
+from on_page import content
+from playwright.sync_api import Browser, Locator, Page, expect
 from waiting import PATIENCE
 
 Visit = Callable[..., Page]
 Check = Callable[..., None]
 HOSTILE = "<img src=x onerror=\"document.title='owned'\"><script>document.title='owned'</script>{{7*7}}"
-
-
-def content(download: Download) -> bytes:
-    path = download.path()
-    assert path is not None
-    return Path(path).read_bytes()
 
 
 def tab(page: Page, name: str) -> None:
@@ -44,7 +39,7 @@ def said(page: Page, text: str | re.Pattern[str]) -> None:
 
 
 def save(page: Page, name: str, author: str = "Ann") -> None:
-    """Save the design in force under a name, on the Review page."""
+    """Save the current design under a name, on the Review page."""
     field(page, "Design").first.fill(name)
     field(page, "Design").first.press("Enter")
     if field(page, "Your name").input_value() != author:
@@ -54,7 +49,7 @@ def save(page: Page, name: str, author: str = "Ann") -> None:
 
 
 def begin_review(page: Page, design: str, title: str) -> None:
-    """Save the design in force, tick it, and open a review of it."""
+    """Save the current design, tick it, and open a review of it."""
     save(page, design)
     page.get_by_role("checkbox", name=design).check()
     expect(page.get_by_label("Selected designs")).to_contain_text(design)

@@ -1,4 +1,4 @@
-"""The model knows nothing of screens, and starts without the heavy half of SciPy."""
+"""The model imports no user interface, and starts without the heavy half of SciPy."""
 
 import ast
 import subprocess

@@ -1,4 +1,4 @@
-"""Nobody's worker outlives whoever started it."""
+"""Worker processes end with their parent."""
 
 from __future__ import annotations
 

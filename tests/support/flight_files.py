@@ -5,7 +5,6 @@ import io
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.earth.rotation import euler_from_matrix
 from nav_model.earth.sphere import local_axes
 from nav_model.earth.trajectory_file import COLUMNS
 from nav_model.suborbital.flight import TrueFlight
@@ -24,7 +23,8 @@ def trajectory_table(samples: NDArray[np.float64]) -> bytes:
 def format_flight(flight: TrueFlight, every: int = 1) -> bytes:
     """A flight as a trajectory file that `parse_flight` reads, one row per `every` steps."""
     c_bn = np.swapaxes(local_axes(flight.position_i), -1, -2) @ flight.attitude_bi
-    roll, pitch, yaw = euler_from_matrix(c_bn)
+    roll, yaw = np.arctan2(c_bn[:, 2, 1], c_bn[:, 2, 2]), np.arctan2(c_bn[:, 1, 0], c_bn[:, 0, 0])
+    pitch = np.arcsin(np.clip(-c_bn[:, 2, 0], -1.0, 1.0))
     # Straight up or down only the sum of roll and yaw means anything: give all of it to yaw.
     vertical = np.hypot(c_bn[:, 0, 0], c_bn[:, 1, 0]) < 1e-9
     roll = np.where(vertical, 0.0, roll)

@@ -1,4 +1,4 @@
-"""The charts that are not curves, on paper: dots in rows, maps of winners, pictures in decibels."""
+"""Charts on paper that are not curves: dots in rows, maps of the best strategy, pictures in decibels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How charts look on paper, whatever their kind: dashes, markers, axes, names beside points."""
+"""The look of all charts on paper: dashes, markers, axes, names beside points."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def log_axis(axis: Any) -> None:
 
 
 def label_points(figure: Any, axes: Any, groups: Sequence[Points]) -> None:
-    """The name of each point beside it, where it covers neither another name nor another point.
+    """Write the name of each point beside it, where it covers neither another name nor another point.
 
     The last groups come first: they are the ones that matter most (the design itself).
     """

@@ -107,7 +107,7 @@ def _height(chart: Drawing, width: float) -> float:
 
 
 def _named_once(points: Sequence[Points]) -> list[Points]:
-    """Paper has no hover, so points stand with their names; of groups with the same names only the first."""
+    """Name the points, as paper has no hover; of groups with the same names only the first."""
     return [group for i, group in enumerate(points) if group.names not in [other.names for other in points[:i]]]
 
 

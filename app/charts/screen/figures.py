@@ -1,7 +1,7 @@
-"""Charts as Bokeh figures: made once, then fed.
+"""Charts as Bokeh figures: made once, then updated.
 
-A `Figure` keeps the sources of one figure. `feed` hands over only what changed, so a slider step costs one
-message with the arrays that moved.
+A `Figure` keeps the sources of one figure. `feed` sends only what changed, so a slider step costs one message with
+the changed arrays.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _LEAST = 180  # pixels of height of a figure that fills its place
 
 @dataclass
 class Figure:
-    """A Bokeh figure and what feeds it. `plot` goes on a page or into a report."""
+    """A Bokeh figure and its data sources. `plot` goes on a page or into a report."""
 
     plot: figure
     _sources: dict[str, ColumnDataSource]
@@ -68,9 +68,9 @@ class Figure:
             self._feed_ranges(chart)
 
     def _rename(self, chart: Chart) -> bool:
-        """Follow what the hover says of a line, which run it is for one; whether anything was renamed.
+        """Update the hover text of lines, such as which run a line is; whether any changed.
 
-        Its old column stays until the line has left it: a line without its column is an error in the browser.
+        The old column stays until the line uses the new one: a line without its column is an error in the browser.
         """
         renamed = False
         for renderer, line in zip(self._lines, chart.lines, strict=True):
@@ -115,7 +115,7 @@ def to_bokeh(chart: AnyChart, height: int | None = 320) -> Figure:
 
 
 def fill(plot: figure) -> None:
-    """Make a figure as high as its place; its tools stand above it only while the pointer is on it."""
+    """Make a figure as high as its place; its tools appear above it only while the pointer is on it."""
     plot.update(height=None, min_height=_LEAST, sizing_mode="stretch_both", toolbar_location="above")
     plot.update(toolbar_inner=True, min_border_right=14)
     plot.toolbar.autohide = True
@@ -146,7 +146,7 @@ def _columns(chart: AnyChart) -> dict[str, dict[str, Any]]:
 
 
 def _column(line: Line) -> str:
-    """A line's column is called what its hover says, so one tool serves all lines of a figure."""
+    """A line's column is named after its hover text, so one hover tool serves all lines of a figure."""
     return f"{line.label}: {line.source}"
 
 
@@ -223,8 +223,8 @@ def _curves(chart: Chart, height: int | None) -> Figure:
 
 
 def add_glyph(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:
-    """Draw without the looks for selected and muted data that the plotting functions add: nothing is selected
-    here, and every model counts in the time to the first view."""
+    """Add a glyph without the variants for selected and muted data that the plotting functions add: nothing is
+    selected here, and every model delays the first view."""
     plain = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
     return plot.add_glyph(source, glyph, name=name, **plain)
 

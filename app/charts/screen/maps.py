@@ -1,4 +1,4 @@
-"""The Explore page's charts as Bokeh figures: made once, then fed."""
+"""The Explore page's charts as Bokeh figures: made once, then updated."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def _points(chart: TradeMapChart, room: tuple[float, float, float]) -> dict[str,
 
 
 def _said(chart: TradeMapChart, point: MapPoint) -> str:
-    """Whether a unit passes, and with what margin."""
+    """Text on whether a unit passes, and its margin."""
     if point.met is None:
         return "no limit is given"
     margin = f"{100 * (1 - point.value / chart.level):+.0f} %".replace("-", "−")
@@ -207,9 +207,8 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
 
 
 def _labels(chart: TradeMapChart, wide: float, high: float, reach: float) -> dict[str, list[Any]]:
-    """Where each name is beside its mark: the first place that covers no other name or mark on a map of this size
-    in pixels, nor on larger ones, where marks are further apart and names as far from theirs. A name without a
-    place is shown on hover only."""
+    """The place of each name beside its mark: the first that covers no other name or mark on a map of this size in
+    pixels, or on a larger one, where marks are further apart. A name without a place is shown on hover only."""
     x, y = (
         (np.log(values) - np.log(ends[0])) / (np.log(ends[-1]) - np.log(ends[0]))
         if is_log

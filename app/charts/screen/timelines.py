@@ -1,4 +1,4 @@
-"""Charts stacked on one time axis: one crosshair, one hover that tells every curve, one message when they change."""
+"""Charts stacked on one time axis: one crosshair, one hover with all curves, one message when they change."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from app.charts.screen.figures import TEXT_SIZE, add_glyph, same, unit_of
 from app.charts.screen.log_axis import mark_in_powers
 from app.charts.styles import DASHES, GREY, STYLES
 
-_LEFT = 72  # pixels left of every frame, so that the frames stand under one another
+_LEFT = 72  # pixels left of every frame, so that the frames are aligned
 _NARROW_SPAN = 0.15  # of the time axis: the name of a narrower span is in its middle
 _HEIGHT = 190  # pixels of a frame on the usual screen
 _NEAR = 0.13  # of the height: nearer labels would touch, and the lower one goes below its curve
@@ -36,7 +36,7 @@ _Range = tuple[float, float]
 
 
 class Timelines:
-    """Figures under one another, fed together.
+    """Figures under one another, updated together.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class Timelines:
         self._feed_frame(charts, heights)
 
     def compare(self, charts: Sequence[Chart] | None) -> None:
-        """Show other charts faintly beside those fed, or none."""
+        """Show other charts faintly for comparison, or none."""
         curves = _curves(charts) if charts else {name: np.array([np.nan]) for name in self._sent["timelines"]}
         self._was.data = curves
 
@@ -223,7 +223,7 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
 
 
 def _fall(chart: Chart, line: Line) -> float:
-    """How much lower a curve is where the name below its end begins: that has to be below all of it."""
+    """How much lower a curve is where the name below its end begins, as the name must be below the whole curve."""
     begins = line.x[-1] - 0.18 * (line.x[-1] - line.x[0])
     at_start, at_end = (_place(chart, float(np.interp(x, line.x, line.y))) for x in (begins, line.x[-1]))
     return max(at_end - at_start, 0.0)
@@ -239,7 +239,7 @@ def _heights(charts: Sequence[Chart]) -> list[_Range]:
 
 
 def _nice_range(chart: Chart) -> _Range:
-    """Bounds of the y axis at steps of 1-2-5, so that the axis stands still while a slider moves the curves."""
+    """Bounds of the y axis at steps of 1-2-5, so that the axis does not move with every slider step."""
     levels = [limit.level for limit in chart.limits if _drawn(limit)]
     values = np.concatenate([*(line.y[np.isfinite(line.y)] for line in chart.lines), np.array(levels, float)])
     if chart.y_log:

@@ -1,6 +1,6 @@
 """The inputs on the left: one control per declaration of a design, derived from it.
 
-Text that is refused shows its message at the box and leaves the last good value in force.
+Invalid text shows its message at the box; the last valid value is kept.
 """
 
 from __future__ import annotations

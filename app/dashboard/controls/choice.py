@@ -59,11 +59,11 @@ class ChoiceControl(pn.viewable.Viewer):
         return self._view
 
     def differs(self, old: Design, new: Design) -> bool:
-        """Whether the choice is another."""
+        """Whether the choice has changed."""
         return bool(old[self.key] != new[self.key])
 
     def show(self, design: Design) -> None:
-        """Follow the design in force."""
+        """Follow the current design."""
         if self.widget.value != design[self.key]:
             self.widget.value = design[self.key]
 

@@ -1,4 +1,4 @@
-"""A unit or a radar of the catalogue as the source of a section's values."""
+"""The control for a catalogue unit or radar as source of a section's values."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from nav_model.design.presets import deviations, kind_of, preset_fill, preset_of
 
 
 class PresetControl(pn.viewable.Viewer):
-    """The catalogue, first in its section, with a button that takes back what deviates from it."""
+    """The catalogue, first in its section, with a button that restores the entry's values."""
 
     explained = param.Boolean(default=False, doc="Whether the catalogue's note is shown.")
 
@@ -40,13 +40,13 @@ class PresetControl(pn.viewable.Viewer):
         return pn.Column(self.select, self.restore)
 
     def differs(self, old: Design, new: Design) -> bool:
-        """Whether the entry or what deviates from it is another."""
+        """Whether the entry or the values that differ from it have changed."""
         return preset_of(old, self.section) != preset_of(new, self.section) or (
             deviations(old, self.section) != deviations(new, self.section)
         )
 
     def show(self, design: Design) -> None:
-        """Follow the design in force."""
+        """Follow the current design."""
         name = preset_of(design, self.section) or ""
         changed = len(deviations(design, self.section))
         entry = find("imu" if self.section == "imu" else "radar", name) if name else None

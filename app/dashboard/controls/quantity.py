@@ -1,5 +1,5 @@
-"""One number of a design: a box that takes a data-sheet string, a chooser of its unit, and where a range is explored
-by hand a slider on a log scale."""
+"""The control of one number: a box for a data-sheet string, a choice of unit, and for some a slider on a log
+scale."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class QuantityControl(InputBox):
         return pn.Column(row, self.slider) if self.slider else row
 
     def differs(self, old: Design, new: Design) -> bool:
-        """Whether anything shown here is another: most controls sleep through a slider's step."""
+        """Whether anything shown here has changed; most controls have no work at a slider's step."""
         part = self.key.partition(".")[0]
         same = getattr(old, part) is getattr(new, part) and old.written is new.written and old.origins is new.origins
         return not same and self._seen(old) != self._seen(new)
@@ -108,21 +108,21 @@ class QuantityControl(InputBox):
         return design[self.key], design.unit(self.key), preset_of(design, section), design.origins.get(self.key)
 
     def show(self, design: Design) -> None:
-        """Follow the design in force."""
+        """Follow the current design."""
         self.follow()
 
     def follow(self) -> None:
-        """Show the value in force and its unit."""
+        """Show the current value and its unit."""
         if self.unit is not None and self.unit.value != (unit := self._session.design.unit(self.key)):
             self.unit.value = unit
         super().follow()
 
     def value(self) -> Value:
-        """The value in force, SI."""
+        """The current value, SI."""
         return self._session.design[self.key]
 
     def text(self) -> str:
-        """The value in force in its unit."""
+        """The current value in its unit."""
         value = self.value()
         if value is None:
             return ""
@@ -131,7 +131,7 @@ class QuantityControl(InputBox):
         return format_quantity(value, self._session.design.unit(self.key), dimension) if dimension else f"{value:g}"
 
     def size(self) -> float | None:
-        """The value in force, SI."""
+        """The current value, SI."""
         value = self.value()
         return float(value) if isinstance(value, float | int) else None
 
@@ -154,7 +154,7 @@ class QuantityControl(InputBox):
         return self._session.change({self.key: value}, {self.key: unit} if unit else None)
 
     def take(self, text: str) -> InputError | None:
-        """Put a text in force; a bare number takes the unit beside the box."""
+        """Apply a text; a bare number takes the unit beside the box."""
         text = text.strip()
         if not text and self._declaration.allow_None:
             return self._change(None, "")
@@ -162,7 +162,7 @@ class QuantityControl(InputBox):
         return self._change(value, unit)
 
     def take_size(self) -> InputError | None:
-        """Put in force what the slider says, in the unit in force."""
+        """Apply the slider's value, in the current unit."""
         assert self.slider is not None
         unit = self._session.design.unit(self.key)
         return self._change(self.slider.amount(unit, self._declaration.dimension), unit)
@@ -182,7 +182,7 @@ def _with_unit(text: str, unit: str) -> str:
 
 
 def _origin(design: Design, key: str, whole: bool) -> str:
-    """Where a value came from, when the design or a preset has something to say about it."""
+    """Where a value came from, if the design or a preset states it."""
     section, _, name = key.rpartition(".")
     if whole and key in design.origins:
         return f"From: {design.origins[key]}."

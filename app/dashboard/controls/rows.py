@@ -1,4 +1,4 @@
-"""One table of a design: a box with a row after another, "20 Hz 0.1 g; 80 Hz 0.02 g"."""
+"""The control of one table: a box with its rows, such as "20 Hz 0.1 g; 80 Hz 0.02 g"."""
 
 from __future__ import annotations
 
@@ -36,19 +36,19 @@ class RowsControl(InputBox):
         return self.box
 
     def differs(self, old: Design, new: Design) -> bool:
-        """Whether the table or where it came from is another."""
+        """Whether the table or its origin has changed."""
         return (old[self.key], old.origins.get(self.key)) != (new[self.key], new.origins.get(self.key))
 
     def show(self, design: Design) -> None:
-        """Follow the design in force."""
+        """Follow the current design."""
         self.follow()
 
     def value(self) -> object:
-        """The table in force."""
+        """The current table."""
         return self._session.design[self.key]
 
     def text(self) -> str:
-        """The table in force as text."""
+        """The current table as text."""
         return self._declaration.show(self._session.design[self.key])  # type: ignore[arg-type]
 
     def help(self) -> str:

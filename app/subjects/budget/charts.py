@@ -18,7 +18,8 @@ from nav_model.analytic import regime
 from nav_model.budget import Budget
 from nav_model.budget.fast import scattered_floor
 from nav_model.sar.geometry import phase_to_metres
-from nav_model.sar.impulse_response import MINIMUM_SAMPLES, aperture_positions, polynomial_curve, response_curve
+from nav_model.sar.impulse_response import MINIMUM_SAMPLES, aperture_positions, response_curve
+from nav_model.sar.polynomial_response import polynomial_curve
 
 _RESPONSE_CELLS = 6.0  # shown on each side of the target
 

@@ -1,4 +1,4 @@
-"""What would close a design: values of one input, and units of the catalogue, each one press away."""
+"""Ways to close a design: values of one input, and units of the catalogue, each with a button."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_UNITS = 8
 
 
 class Way(NamedTuple):
-    """One way to close a design: what it changes [SI] and in which units, and how it reads."""
+    """One way to close a design: its changes [SI], their units, and its texts."""
 
     changes: Mapping[str, Value]
     written: Mapping[str, str]

@@ -1,4 +1,4 @@
-"""`evaluate`, `check` and `presets`: the budget of a design, its verdict, the catalogue."""
+"""The commands `evaluate`, `check` and `presets`: the budget of a design, its verdict, the catalogue."""
 
 from __future__ import annotations
 

@@ -26,7 +26,8 @@ from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts, timelines
 from app.subjects.budget.closing import Way, ways, ways_block
-from app.subjects.budget.tables import echo_table, key_figures, processing_table, requirement_table, steady_table
+from app.subjects.budget.key_figures import key_figures
+from app.subjects.budget.tables import echo_table, processing_table, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import ChartPane, ChartView, described, head_html, source_note
 from app.ui.downloads import download
@@ -128,12 +129,12 @@ class BudgetPage(pn.viewable.Viewer):
         return [self._display.timeline(chart) for chart in timelines.together(budget)]
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         if self.session.compared is not self._compared:
             self._hold()
         self._strip.show(verdict_strip(budget), _invalid(self.session.invalid))
         self._lines = self._timelines(budget)
-        with validate(False):  # of our own making: nothing of it needs a check at each step
+        with validate(False):  # computed here, so it needs no check at each step
             self._stack.feed(self._lines)
             self._response.show(budget)
         if self._shown != self.session.shown:
@@ -159,29 +160,29 @@ class BudgetPage(pn.viewable.Viewer):
 
     @param.depends("session.compared", watch=True)
     def _compare(self) -> None:
-        """Hold the page against what is compared; a change of the budget that comes with it shows it anyway."""
+        """Show the comparison; skipped if the budget changes at the same time, which shows it anyway."""
         if self.session.budget is self._shown_budget and self.session.compared is not self._compared:
             with pn.io.hold():
                 self._hold()
                 self._feed(self.session.budget)
 
     def _hold(self) -> None:
-        """Work out what the page is held against, as figures are told now."""
+        """Prepare the comparison in the current display of figures."""
         self._compared = self.session.compared
         was, display = self._compared.budget if self._compared else None, self._display
         self._was = (key_figures(was, display), display.bars(charts.phase_chart(was))) if was else (None, None)
         self._stack.compare(self._timelines(was) if was else None)
 
     def _feed(self, budget: Budget) -> None:
-        """Tiles and bars, whose text goes only when it is another."""
+        """Update tiles and bars; unchanged text is not sent."""
         self._shown_budget = budget
         figures, bars = self._was
         self._tiles.say(tiles_html(key_figures(budget, self._display), figures))
         self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
 
     def _tell(self) -> None:
-        """What waits for a slider to rest: the other processing's verdict, and the lines above the charts: source,
-        method and, for who cannot see them, what they show."""
+        """Updates that wait for a slider to stop: the other processing's verdict, and the lines above the charts with
+        source, method and description."""
         self._offer_modes()
         budget, spread = self.session.budget, self._display.named()
         told = "" if spread == "1σ" else f", {spread}, limits scaled"
@@ -206,7 +207,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._panel.visible = not self._panel.visible
         self._close.end_icon = "expand_less" if self._panel.visible else "expand_more"
         if self._panel.visible:
-            if self._ways_of is not self.session.budget:  # nobody presses what was solved for an earlier design
+            if self._ways_of is not self.session.budget:  # buttons for an earlier design are removed
                 self._table.html = "<p role='status'>Solving …</p>"
             self._find_ways()
 
@@ -293,7 +294,7 @@ def _ask(budget: Budget) -> str:
 
 
 def _invalid(count: int) -> str:
-    """What the strip says of boxes that hold a text that was refused."""
+    """The strip's note on boxes with an invalid text."""
     if not count:
         return ""
     return f"{count} input{' is' if count == 1 else 's are'} invalid: last valid values used."

@@ -6,10 +6,10 @@ from app.document.blocks import Section
 from app.document.chart_block import chart_block
 from app.document.display import ONE_SIGMA, Display
 from app.subjects.budget import charts, timelines
+from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import (
     echo_table,
     image_table,
-    key_figures,
     outage_table,
     phase_table,
     processing_table,

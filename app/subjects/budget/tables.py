@@ -1,4 +1,4 @@
-"""The tables and key figures of a budget, for page, report and command alike."""
+"""The tables of a budget, for page, report and command alike."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.document.blocks import Cell, Column, KeyFigure, KeyFigures, Table, Text
-from app.document.display import ONE_SIGMA, SI, Display
+from app.document.blocks import Cell, Column, Table, Text
+from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
-from app.document.verdict import SAID, check_words, limit_in_words, met_cell, requirement_quantity
+from app.document.verdict import SAID, check_words, met_cell, requirement_quantity
 from app.document.wording import DETRENDED, best_of
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import provenance, steady_marks
@@ -18,93 +18,10 @@ from nav_model.budget.result import Check
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
-from nav_model.sar.geometry import phase_to_metres
 
 ALONG_TRACK = "along-track (separate limit)"
 """What the along-track phase is called beside the sources across it."""
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
-_MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix", "closed": "rms over the fix cycle"}
-
-
-def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
-    """The figures that decide, of the design's processing, each with which one it is and its limit."""
-    coast, sar, smoothed = budget.coast, budget.sar, budget.smoothed
-    checks = {check.name: check for check in budget.verdict.checks}
-    image = smoothed or sar
-    extent = image.half_power_extent
-    autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
-    level, upright = steady_marks(budget.design)
-    fields = (
-        ("Position, horizontal", "position_horizontal", "length", "horizontal_position", level),
-        ("Position, vertical", "position_vertical", "length", "vertical_position", upright),
-        ("Velocity, horizontal", "velocity_horizontal", "speed", "horizontal_velocity", level),
-        ("Roll, pitch", "tilt", "angle", "tilt", level),
-    )
-
-    def figure(label: str, amount: float, dimension: str, detail: str, name: str = "") -> KeyFigure:
-        pair = "horizontal" in name
-        check = checks.get(name)
-        value = display.show(amount, dimension, pair=pair) if name else display.plain(amount, dimension)
-        told = display.named(pair=pair)
-        if check is None:
-            return KeyFigure(
-                label, value, detail, f"{told}, no limit" if name and told != "1σ" else "", amount=amount
-            )
-        in_si = display.units == SI
-        limit = display.in_si(check.limit, dimension, given=True) if in_si else limit_in_words(budget.design, check)
-        if told != f"{budget.verdict.confidence:g}σ":  # the figure beside it is another multiple
-            limit = f"{limit} at {budget.verdict.confidence:g}σ{'' if told == '1σ' else f'; {told}'}"
-        return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
-
-    def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
-        chosen = budget.design.requirements.steady_state
-        moment, average = getattr(budget.steady_state, chosen), budget.steady_state.closed
-        pair = "horizontal" in name
-        told = display.named(pair=pair)
-
-        def shown(sigmas: object) -> str:
-            return display.show(getattr(sigmas, field), dimension, pair=pair)
-
-        if smoothed is not None:
-            detail = f"{told}, smoothed [P-3]; in real time {shown(moment)} [T-8]"
-            return figure(label, getattr(smoothed.sigmas, field), dimension, detail, name)
-        which = f"{_MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
-        if chosen != "closed":
-            which += f"; average {shown(average)} {mark}"
-        return figure(label, getattr(moment, field), dimension, f"{told}, {which}", name)
-
-    def phase(label: str, field: str, name: str, mark: str, note: str = "") -> KeyFigure:
-        amount = getattr(image, field)
-        sight = f"{display.show(float(phase_to_metres(amount, sar.wavelength)), 'length')} along the line of sight"
-        how = f"formula {mark}" if smoothed is None else "smoothed [P-5]"
-        return figure(label, amount, "angle", f"{sight}, {how}{note}", name)
-
-    width = KeyFigure("Azimuth width", "not focused", f"ideal {display.plain(sar.cell_length, 'length')}")
-    if extent is not None:
-        width = figure(
-            "Azimuth width",
-            extent * sar.cell_length,
-            "length",
-            f"with 1σ quadratic; aperture {display.plain(sar.aperture_time, 'time')}, "
-            f"{display.plain(sar.aperture_length, 'length')} [S-3]",
-        )
-    return KeyFigures(
-        "Key figures, one sigma",
-        (
-            *(settled(*names) for names in fields),
-            figure(
-                f"Position after {show(coast.duration, 'time', given=True)}",
-                coast.end_refined_horizontal,
-                "length",
-                f"horizontal, without fixes, in real time [T-17]; "
-                f"vertical {display.show(coast.end_refined_vertical, 'length')}",
-                "coast_horizontal_position",
-            ),
-            phase("Quadratic phase", "quadratic", "quadratic_phase", "[S-5]", autofocus),
-            phase("Detrended phase", "detrended", "detrended_phase", "[T-15]"),
-            width,
-        ),
-    )
 
 
 def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
@@ -357,7 +274,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
 
 
 def image_table(budget: Budget, key: str) -> Table:
-    """The aperture and what the quadratic phase makes of the azimuth response."""
+    """The aperture, and the azimuth response with the quadratic phase."""
     sar, sources = budget.sar, provenance(budget)
     smoothed, phases = budget.smoothed, budget.smoothed or budget.sar
     response = phases.impulse_response

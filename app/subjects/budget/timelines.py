@@ -18,7 +18,7 @@ DEGREES = 180 / math.pi
 
 
 def limit_at_sigma(budget: Budget, name: str, scale: float = 1.0) -> float:
-    """A requirement's limit brought to one sigma, NaN when it is not given."""
+    """A requirement's limit scaled to one sigma, NaN when it is not given."""
     limit = getattr(budget.design.requirements, name)
     return math.nan if limit is None else scale * float(limit) / budget.design.requirements.confidence
 
@@ -36,12 +36,12 @@ def _grid(budget: Budget) -> Array:
 
 
 def _held(level: float, curve: Array) -> Array:
-    """A curve after zero, its steady-state level before."""
+    """A curve after zero, with its steady-state level before it."""
     return np.concatenate(([level, level], curve))
 
 
 def _after(curve: Array) -> Array:
-    """A curve that has no steady state; its zero at the last fix cannot stand on a log axis."""
+    """A curve that has no steady state; its zero at the last fix cannot be drawn on a log axis."""
     return np.concatenate(([np.nan, np.nan], np.where(curve > 0, curve, np.nan)))
 
 
@@ -75,7 +75,7 @@ def _titled(quantity: str, budget: Budget) -> str:
 
 
 def _settled_limits(budget: Budget, *names: str, scale: float = 1.0) -> tuple[Limit, ...]:
-    """Limits before the last fix; not given beside real-time curves when the smoothed figure is what is checked."""
+    """Limits before the last fix; NaN where the smoothed figure is checked, as the curves are of real time."""
     spans = ((name, -_LEAD * budget.coast.duration, 0.0) for name in names)
     return _limits(budget, spans, math.nan if budget.smoothed else scale)
 
@@ -201,7 +201,7 @@ def attitude_chart(budget: Budget) -> Chart:
 def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
     """Position, velocity and attitude on one time axis, as the page shows them together.
 
-    Before the last fix each curve has the level that its requirement is held against, the tile's; after it, in real
+    Before the last fix each curve has the level that its requirement limits, the tile's; after it, in real
     time whatever the processing, position is the refined curve [T-17], velocity and attitude the formulas [T-9],
     [T-10], [T-5].
     """

@@ -1,1 +1,1 @@
-"""Questions put the other way round: what would close the design."""
+"""Inverse questions: what would close the design."""

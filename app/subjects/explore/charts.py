@@ -1,4 +1,4 @@
-"""The charts of the Explore page: what a figure answers to, and a map of two inputs."""
+"""The charts of the Explore page: ranking of inputs, and a map of two inputs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from nav_model.explore.trade_map import TradeMap, is_log, place, trade_map
 
 _SHOWN = 12  # bars of a ranking
 _WORST = "Worst requirement"
-_GIVEN = ("flight.gravity", "flight.latitude")  # nobody chooses these to improve a figure
+_GIVEN = ("flight.gravity", "flight.latitude")  # inputs that are not chosen to improve a figure
 
 
 def rank_chart(design: Design, figure: str) -> RankChart:

@@ -1,4 +1,4 @@
-"""`explore` and `sweep`: questions about many designs."""
+"""The commands `explore` and `sweep`: questions about many designs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`navbudget explore` and `navbudget sweep`: questions put the other way round, as JSON or CSV. SI throughout."""
+"""`navbudget explore` and `navbudget sweep`: inverse questions, answered as JSON or CSV. SI throughout."""
 
 from __future__ import annotations
 

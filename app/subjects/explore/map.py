@@ -1,4 +1,4 @@
-"""The map of the Explore page: two inputs against a result; a click takes the place into the design."""
+"""The map of the Explore page: a result over two inputs; a click applies the place to the design."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _INPUTS = input_labels()
 
 
 class MapPanel(Question):
-    """Three choosers, the map, and what a click did."""
+    """Three selectors, the map, and the result of a click."""
 
     x: str = declared(param.Selector(objects=_INPUTS, default=_X, label="X axis"))
     y: str = declared(param.Selector(objects=_INPUTS, default=_Y, label="Y axis"))
@@ -63,7 +63,7 @@ class MapPanel(Question):
         )
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force: the cross moves, the map where it must."""
+        """Follow the current budget: the cross moves, the map where it must."""
         self._draw()
 
     @param.depends("x", "y", "result", watch=True)

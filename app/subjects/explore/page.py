@@ -62,13 +62,12 @@ class ExplorePage(pn.viewable.Viewer):
         return self._asked[self.views.chosen]
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         self.question.show(budget)
         self._tell()
 
     def _turned(self, event: Any) -> None:
-        """The answer to another question does not stand above this one while this one is worked out: a map takes
-        seconds."""
+        """Clear the answer to the last question while this one is computed, as a map takes seconds."""
         self._strip.show(Answer(event.new, "open", ("Computing …",)))
         in_turns([lambda: self.show(self.session.budget)])
 

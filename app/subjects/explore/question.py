@@ -1,4 +1,4 @@
-"""What the questions of the Explore page have in common: one view each, and an answer for the strip above it."""
+"""Base class of the questions of the Explore page: a view, and an answer for the strip above it."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Question(pn.viewable.Viewer, param.ParameterizedABC):
 
     session = held(Session)
     of_design: ClassVar[bool] = True
-    """Whether what the answer says is always of the design in force, its processing too."""
+    """Whether what the answer says is always of the current design, its processing too."""
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=NO_LIMIT, instantiate=False))
 
     @abstractmethod
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""

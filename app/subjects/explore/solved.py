@@ -1,4 +1,4 @@
-"""What would close the design: the largest value of each input, one press away, and what to improve first."""
+"""What would close the design: the largest value of each input, with a button, and what to improve first."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class SolvedPanel(Question):
         self._each.object = html_of(each_table(budget.design, self._solutions)) if self._solutions else ""
 
     def _take(self, event: Any) -> None:
-        """Put the largest value of the input pressed into the design."""
+        """Apply the largest value of the chosen input to the design."""
         solution = next((solution for solution in self._solutions if solution.key == event.new), None)
         self._table.chosen = ""  # so that the same one can be pressed again
         if solution is not None and solution.together.value is not None:

@@ -1,4 +1,4 @@
-"""Sweeps on the Explore page: grids of designs, run in a process of their own, as a table, a map and files."""
+"""Sweeps on the Explore page: grids of designs, run in a separate process, as a table, a map and files."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _WHOLE = ".scroll.tall { max-height: none; }"
 
 @dataclass(frozen=True)
 class Swept:
-    """A finished sweep: what was asked for, and what every design has."""
+    """A finished sweep: its plan, and the results of every design."""
 
     plan: Plan
     columns: Mapping[str, Column]
@@ -109,7 +109,7 @@ class SweepPanel(Question):
         return row
 
     def show(self, budget: Budget) -> None:
-        """Follow the design: the sweep is of the design in force."""
+        """Follow the design: the sweep is of the current design."""
         self._read()
 
     def _file(self) -> io.BytesIO:

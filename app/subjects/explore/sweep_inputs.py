@@ -1,4 +1,4 @@
-"""What a sweep varies: a row for each input, and the sweep file that says the same."""
+"""Inputs of a sweep: a row for each, and the equivalent sweep file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the questions of the Explore page find, as blocks: the answer first, the table under it."""
+"""Results of the questions of the Explore page, as blocks: the answer first, then the table."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...]) -> Answer:
 
 
 def unsolved(reason: str) -> Answer:
-    """In place of the answer when solving failed its own check: a defect, said as one."""
+    """The message in place of the answer when solving failed its own check, which is a defect."""
     why = f"The budget run again at the solved value did not meet its limit, so no value is shown: {reason}."
     return Answer("Not solved", "bad", (why,))
 
@@ -175,7 +175,7 @@ def _solved_row(design: Design, solution: Solution) -> tuple[Cell, ...]:
 
 
 def map_answer(chart: TradeMapChart, here: float) -> Answer:
-    """Where the design stands on a map: ``here`` is its result over the map's reference."""
+    """The design's place on a map: ``here`` is its result over the map's reference."""
     result = chart.title.partition(":")[0]
     hint = "Click the map to take a point into the design."
     if chart.limited:

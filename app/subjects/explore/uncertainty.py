@@ -1,4 +1,4 @@
-"""How sure the verdict is: inputs as ranges, the verdict as a probability."""
+"""Uncertainty of the verdict: inputs as ranges, the verdict as a probability."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ class UncertaintyPanel(Question):
         )  # fmt: skip
 
     def show(self, budget: Budget) -> None:
-        """Ask again for the design in force."""
+        """Ask again for the current design."""
         self._ask()
 
     def assume(self) -> None:

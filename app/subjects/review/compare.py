@@ -48,7 +48,7 @@ class CompareView(pn.viewable.Viewer):
         return self._view
 
     async def compare(self, revisions: tuple[Revision, ...]) -> bool:
-        """Set revisions side by side; whether all of them could be worked out."""
+        """Set revisions side by side; whether all of them could be computed."""
         try:
             budgets = [revision.budget() for revision in revisions]
         except InputError as error:
@@ -84,7 +84,7 @@ class CompareView(pn.viewable.Viewer):
 
 
 def comparison_link(revisions: tuple[Revision, ...]) -> str:
-    """The address of a comparison, for whoever shares this library."""
+    """The address of a comparison, for users of the same library."""
     query = f"?compare={','.join(revision.key for revision in revisions)}"
     location = pn.state.location
     if not location:

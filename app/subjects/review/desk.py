@@ -1,4 +1,4 @@
-"""What the three parts of the Review page share: the library, who is at the desk, what they picked."""
+"""Shared state of the three parts of the Review page: library, user, and picked revisions."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _NAME_COOKIE = "navbudget-name"
 
 
 class Desk(param.Parameterized):
-    """The person at the desk, what they picked, and the messages they get."""
+    """The user, the picked revisions, and messages."""
 
     session = held(Session)
     picked: tuple[Revision, ...] = declared(
@@ -82,14 +82,14 @@ class Desk(param.Parameterized):
 
     @property
     def who(self) -> str:
-        """The name to write under what is done here: of whoever is logged in, else as typed.
+        """The user's name for records: of the login, otherwise as typed.
 
         Never the field's value where there is a login: a browser can change a field that is shown disabled.
         """
         return self._known or self.author or ""
 
     def say(self, message: str, *, wrong: bool = False) -> None:
-        """Tell the person at the desk; read aloud by screen readers."""
+        """Show a message; screen readers read it aloud."""
         said = Answer("", "bad" if wrong else "good", (f"{'✗' if wrong else '✓'} {message}",))
         self.notice.object = html_of(said) if message else ""
 
@@ -135,7 +135,7 @@ class Desk(param.Parameterized):
 
 
 def button(label: str, action: Callable[[], Awaitable[None]], **params: Any) -> pmui.Button:
-    """A button that does something in its own time."""
+    """A button with an asynchronous action."""
 
     async def clicked(_: Any) -> None:
         await action()

@@ -1,4 +1,4 @@
-"""The library's part of the Review page: save, find, pick, archive, take away and bring in."""
+"""The library's part of the Review page: save, find, pick, archive, export and import."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _EMPTY = (
 
 
 class LibraryView(pn.viewable.Viewer):
-    """Above the list what can be done to the design in force, below it what can be done to the picked ones."""
+    """Actions on the current design above the list, actions on the picked ones below it."""
 
     desk = held(Desk)
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=_LIBRARY, instantiate=False))
@@ -283,7 +283,7 @@ class LibraryView(pn.viewable.Viewer):
         self.desk.say(f"Saved: revision {saved.number} of {saved.name}. {saved.verdict}")
 
     async def _catch_up(self, base: Revision) -> None:
-        """After somebody else's save: the next press is on top of theirs, as the button then says."""
+        """After somebody else's save: the next save is on top of theirs, as the button then says."""
         history = await self.desk.ask(lambda place: place.revisions(base.design))
         if history and history[0].number != base.number:
             self.desk.base = history[0]

@@ -1,4 +1,4 @@
-"""Where reviews stand: all of them at a glance, and one in a line."""
+"""Status of reviews: a table of all, and one in a line."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def overview(reviews: Sequence[Review]) -> Table:
 
 
 def state_of(review: Review) -> Answer:
-    """Where a review stands: its mark and words, and what is in it."""
+    """Status of a review: its mark and words, and its contents."""
     left = len(review.open_points())
     tone, said = "open", f"– Open, {left} to decide" if left else "– Open, all decided: can be signed"
     if not review.intact:

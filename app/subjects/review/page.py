@@ -37,7 +37,7 @@ class ReviewPage(pn.viewable.Viewer):
         self._room = ReviewRoom(self._desk)
         self._library = LibraryView(self._desk, self._compare)
         self._parts = (self._library, self._compared, self._room)
-        # Only the bar is Material, for keyboard and screen reader: figures must not stand inside it.
+        # Only the bar is Material, for keyboard and screen reader: figures must not be inside it.
         self._tabs = pmui.Tabs(
             *((name, pn.Spacer(height=0)) for name in ("Library", "Compare", "Reviews")),
             visible=session.param.presenting.rx.not_(), sizing_mode="stretch_width", margin=(0, 4),

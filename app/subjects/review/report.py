@@ -1,4 +1,4 @@
-"""The record of a review, as sections of a report: what was frozen, who said and decided what, who signed."""
+"""The record of a review, as sections of a report: frozen designs, comments, decisions, signature."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def audit_table(review: Review) -> Table:
 
 
 def _program(frozen: str) -> Cell:
-    """With which version the review was opened; figures are always worked out by the one that shows them."""
+    """With which version the review was opened; figures are always computed by the version that shows them."""
     here = version("navbudget")
     if frozen == here:
         return Cell(f"NavBudget {frozen}")

@@ -1,4 +1,4 @@
-"""The reviews' part of the Review page: open one, decide in its table, comment, sign, present, take away."""
+"""The reviews' part of the Review page: open, decide in the table, comment, sign, present, report."""
 
 from __future__ import annotations
 
@@ -262,7 +262,7 @@ class ReviewRoom(pn.viewable.Viewer):
         self._design.value = self._design.value or 1
 
     def _turned(self, *_: param.parameterized.Event) -> None:
-        """Show every row to decide on, or to a room the one at hand with its slide."""
+        """Show every row to decide on, or, when presenting, the current one with its slide."""
         review, presenting = self.review, self.desk.session.presenting
         if review is None:
             return

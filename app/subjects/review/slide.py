@@ -1,4 +1,4 @@
-"""One decision as a slide for a room: what is decided, how it stands against its limit, what was decided."""
+"""One decision as a slide for presenting: requirement, value against limit, decision."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Ways of navigating through the aperture, and what each costs the image."""
+"""Strategies for navigating through the aperture, and the image quality of each."""

@@ -97,7 +97,7 @@ def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None)
 
 
 def _chosen(budget: Budget) -> str:
-    """Whether the whole-leg smoother competes."""
+    """Whether the whole-leg smoother is a candidate."""
     if budget.design.processing.mode == POST_PROCESSED:
         return f"The design is post-processed, so {NAMES['9']} can be the best."
     return (
@@ -261,7 +261,7 @@ STRATEGY_CHARTS: tuple[Callable[[Budget, ClosedForms, SarStudy | None], DotChart
     residual_chart,
     quadratic_chart,
 )
-"""The strategies ranked: of the budget in force, its formulas, and the runs."""
+"""The strategies ranked: of the current budget, its formulas, and the runs."""
 
 RUN_CHARTS: tuple[Callable[[SarStudy], Chart], ...] = (
     *(partial(navigation_chart, keys=keys, title=title, name=f"sar-error-{name}") for keys, title, name in _GROUPS),

@@ -1,4 +1,4 @@
-"""`sar`: image quality for every way of navigating through the aperture, by either engine."""
+"""The command `sar`: image quality of every navigation strategy, by either engine."""
 
 from __future__ import annotations
 

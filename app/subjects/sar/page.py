@@ -1,4 +1,4 @@
-"""The SAR page: which strategy to navigate through the aperture with, its price in the image, and the pictures."""
+"""The SAR page: the best navigation strategy, its image quality, and the pictures."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ class SarPage(pn.viewable.Viewer):
         return self._view
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         self._closed = closed_forms(budget)
         self._write()
         self._map.show(budget)
@@ -158,7 +158,7 @@ class SarPage(pn.viewable.Viewer):
 
     @property
     def _valid(self) -> SarStudy | None:
-        """The study, while it is one of the design in force."""
+        """The study, while it is one of the current design."""
         return None if self._stale else self._study
 
     @property
@@ -190,7 +190,7 @@ class SarPage(pn.viewable.Viewer):
             follow()
 
     def _told(self, tell: Callable[[], str]) -> Any:
-        """A pane that follows what is told."""
+        """A pane whose text is updated."""
         pane = html_pane(tell())
         self._follow.append(lambda: setattr(pane, "object", tell()))
         return pane
@@ -216,7 +216,7 @@ class SarPage(pn.viewable.Viewer):
         return chart.view
 
     def _later(self, make: Callable[[], Any], feed: Callable[[], object]) -> pn.Column:
-        """What needs a result: a sentence until there is one."""
+        """Parts that need a result, with a sentence until there is one."""
         place = pn.Column(html_pane(_COMING))
         made: list[Any] = []
 

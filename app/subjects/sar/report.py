@@ -1,4 +1,4 @@
-"""The strategies through the aperture as sections of a report: which to use and why, their price in the image."""
+"""The strategies as sections of a report: which to use and why, and the image quality of each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The strategies of a design as work for a `Run`, in worker processes."""
+"""Runs the strategies of a design in worker processes, for a `Run`."""
 
 from __future__ import annotations
 

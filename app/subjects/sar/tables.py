@@ -1,6 +1,6 @@
 """The strategies as blocks: which to use and why, their errors and parts, the impulse responses.
 
-Closed forms follow the budget in force; what is of runs is in the wavelength of their own study. Where there are no
+Closed forms follow the current budget; results of runs use the wavelength of their study. Where there are no
 runs yet, their cells say so.
 """
 
@@ -89,7 +89,7 @@ def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
 
 
 def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key: str) -> Table:
-    """A row a strategy: closed form beside the runs, in millimetres and in degrees."""
+    """One row per strategy: closed form and runs, in millimetres and in degrees."""
     rows = []
     for index, strategy in enumerate(STRATEGIES):
         form = closed.detrended.get(strategy.key)
@@ -122,7 +122,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
 
 
 def run_tables(study: SarStudy, beside: SarStudy | None, key: str) -> tuple[Table, ...]:
-    """What the runs have measured: parts of the error, impulse responses, and one engine beside the other."""
+    """Measures of the runs: parts of the error, impulse responses, and a comparison of the engines."""
     engines = () if beside is None else (_agreement_table(study, beside, key),)
     return (_parts_table(study, key), *_response_tables(study, key), *engines)
 

@@ -1,4 +1,4 @@
-"""A phase history of the user's own, formed with and without the design's navigation error."""
+"""Images of the user's phase history, with and without the design's navigation error."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Where a design's noise comes from: logs and the catalogue."""
+"""Sources of a design's noise values: logs and the catalogue."""

@@ -99,7 +99,7 @@ def _deviation_unit(quantity: str) -> tuple[str, float]:
 
 
 def _curves(axis: AxisNoise | None, scale: float) -> tuple[Array, Array, Array, Array, dict[str, Array]]:
-    """Averaging times, deviation, limits and fitted lines of an axis, what cannot stand on a log axis left out."""
+    """Averaging times, deviation, limits and fitted lines of an axis, without values that a log axis cannot show."""
     if axis is None:
         return _NOTHING, _NOTHING, _NOTHING, _NOTHING, {"total": _NOTHING}
     measured = axis.deviation

@@ -1,4 +1,4 @@
-"""`allan`: noise parameters from a log."""
+"""The command `allan`: noise parameters from a log."""
 
 from __future__ import annotations
 

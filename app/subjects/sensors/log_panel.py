@@ -1,4 +1,4 @@
-"""A log on the Sensors page: taken in, analysed elsewhere, shown, and offered to the design."""
+"""A log on the Sensors page: uploaded, analysed in a worker, shown, and offered to the design."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ class LogPanel(pn.viewable.Viewer):
         self.bar.start.disabled = self.run.running or not self.name_of_log
 
     async def analyse(self) -> None:
-        """Study the log that was uploaded last, as the boxes now say."""
+        """Analyse the log that was uploaded last, with the current fields."""
         if self.run.running or not self.name_of_log:
             return
         name, bench = self.name_of_log, bench_of(self.session.design)
@@ -181,7 +181,7 @@ class LogPanel(pn.viewable.Viewer):
         )
 
     def close(self) -> None:
-        """End everything and forget the log: the person has left."""
+        """End all work and delete the log when the user has left."""
         self.run.cancel()
         if self._folder is not None:
             self._folder.cleanup()

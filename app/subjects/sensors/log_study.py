@@ -1,6 +1,6 @@
-"""What the command line and the Sensors page ask of a log: read it, analyse it at rest or in motion, say how far.
+"""Analysis of a log for the command line and the Sensors page: reading, analysis at rest or in motion, progress.
 
-Everything here pickles, so that the page can run it in a process of its own (`app.work.alone`).
+Everything here pickles, so that the page can run it in a separate process (`app.work.alone`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ READING = "reading"
 
 @dataclass(frozen=True)
 class LogRequest:
-    """A log and what was said about it.
+    """A log and the options for its analysis.
 
     `motion` chooses effective noise in motion over noise parameters at rest, against `bench` (angle and
     velocity random walk, SI, None where not known).

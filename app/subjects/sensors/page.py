@@ -1,4 +1,4 @@
-"""The Sensors page: where the design's noise comes from, what a log says, and the catalogue, one at a time."""
+"""The Sensors page: origins of the design's noise values, log analysis, and the catalogue, one view at a time."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class SensorsPage(pn.viewable.Viewer):
         self._views.chosen = views.get(place.lower(), self._views.chosen)
 
     def show(self, budget: Budget) -> None:
-        """Follow the budget in force."""
+        """Follow the current budget."""
         self._strip.show(origin_answer(budget.design))
         self._origins.object = html_of(origin_table(budget.design))
         self._mark()

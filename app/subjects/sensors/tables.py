@@ -1,4 +1,4 @@
-"""What a log says, as blocks: coefficients with intervals or the reason why not, warnings, where they come from."""
+"""Results of a log as blocks: coefficients with intervals or the reason why not, warnings, provenance."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def origin_answer(design: Design) -> Answer:
 
 
 def origin_table(design: Design) -> Table:
-    """Where the noise that the design states comes from: a log, the catalogue, or a hand."""
+    """Origins of the design's noise values: a log, the catalogue, or typed."""
     return Table(
         "noise-origins",
         "Where the design's noise comes from",
@@ -160,7 +160,7 @@ def remedies(result: LogAnalysis) -> tuple[Bullets, ...]:
 
 
 def warnings(result: LogAnalysis) -> tuple[Bullets, ...]:
-    """What to know before trusting the log, each warning with its axes."""
+    """Warnings about the log, each with its axes."""
     found: dict[str, list[str]] = {}
     for axis in result.axes:
         for warning in axis.warnings:

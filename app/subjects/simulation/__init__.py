@@ -1,1 +1,1 @@
-"""The design flown many times, beside its closed forms."""
+"""Monte Carlo of the design, compared with its closed forms."""

@@ -1,4 +1,4 @@
-"""`simulate`: Monte Carlo of a design against the closed forms."""
+"""The command `simulate`: Monte Carlo of a design against the closed forms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`navbudget simulate`: the runs, their progress on standard error, the result where it was asked for."""
+"""`navbudget simulate`: runs, progress on standard error, result in the requested file."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What a study adds to a design, on the Simulate page: one box per declaration, with units, folded away.
+"""Additional inputs of a study on the Simulate page: one box per declaration, with units, folded.
 
-Text that is refused shows its message at the box and leaves the last good value in force.
+Invalid text shows its message at the box; the last valid value is kept.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, Simulatio
 
 
 class StudyControls(pn.viewable.Viewer):
-    """The boxes; `texts` is what is in force, and a line says it while they are folded away."""
+    """The boxes; `texts` has the current values, which a line shows while the boxes are folded."""
 
     texts: dict[str, str] = declared(
         param.Dict(default={}, doc="Key -> text, of every box the last one that was good.")

@@ -1,4 +1,4 @@
-"""A study as a file to take away, from the page and the command alike."""
+"""A study as a file, for the page and the command."""
 
 from __future__ import annotations
 

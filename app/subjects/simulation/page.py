@@ -1,4 +1,4 @@
-"""The Simulate page: the design flown many times, and whether the formulas hold."""
+"""The Simulate page: Monte Carlo of the design, and whether the formulas hold."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ class SimulatePage(pn.viewable.Viewer):
         return self._view
 
     def show(self, _: Budget) -> None:
-        """Follow the budget in force: a result of other instruments or another flight is marked stale."""
+        """Follow the current budget: a result of other instruments or another flight is marked stale."""
         if self._result is None or not same_subject(self._result.study.design, self._session.design):
             self._recall()
         self._write()

@@ -1,4 +1,4 @@
-"""A Monte Carlo of a design as work for a `Run`: flown by the worker processes, looked at as it goes."""
+"""Runs a Monte Carlo of a design in worker processes, for a `Run`, with partial results."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
 
 async def _nominal(spec: SimulationSpec) -> RunRecord:
     """The flight without errors, which compiles once more where nothing could be kept on disk."""
-    await asyncio.shield(prepare())  # everybody's: it goes on when this run is cancelled
+    await asyncio.shield(prepare())  # shared: it continues when this run is cancelled
     # Numba and the kernels' modules take a second to import: in a thread, so that others' sliders move on.
     await asyncio.to_thread(importlib.import_module, "nav_model.simulation.monte_carlo")
     from nav_model.simulation.single_run import fly_without_errors

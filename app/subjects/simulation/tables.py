@@ -1,4 +1,4 @@
-"""A Monte Carlo study as blocks: was the filter consistent, do the formulas hold, where do they not and why."""
+"""A Monte Carlo study as blocks: filter consistency, and where and why the formulas differ."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def conditions_told(study: SimulationStudy, _: str) -> Bullets:
 
 
 def run_table(study: SimulationStudy, key: str) -> Table:
-    """What was flown."""
+    """The parameters of the runs."""
     spec = study.result.spec
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = number(spec.runs * spec.duration / 3600, given=True)

@@ -1,1 +1,1 @@
-"""What a star tracker repairs of an INS over a suborbital flight."""
+"""Which errors of an INS a star tracker corrects over a suborbital flight."""

@@ -26,7 +26,7 @@ _CARDS = {
 
 
 def answer(shown: Shown, settings: Settings) -> tuple[Answer, KeyFigures]:
-    """What the tracker repairs at the settings in force, in a line and in figures."""
+    """What the tracker repairs at the current settings, in a line and in figures."""
     study = shown.study
     before, after = (_size(errors.position_m[study.case("all"), -1]) for errors in (study.pure, study.aided))
     what = f"from {_metres(before)} to {_metres(after)}"

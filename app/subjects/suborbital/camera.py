@@ -1,4 +1,4 @@
-"""The sweep of star-camera noise: worked out in a worker while its view is open."""
+"""The sweep of star-camera noise: computed in a worker while its view is open."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`suborbital`: the star-tracker study."""
+"""The command `suborbital`: the star-tracker study."""
 
 from __future__ import annotations
 

@@ -58,11 +58,11 @@ class InputControl(InputBox):
         return self.box if self.slider is None else pn.Column(self.box, self.slider)
 
     def value(self) -> Value:
-        """The value in force, SI."""
+        """The current value, SI."""
         return self._settings()[self.key]
 
     def text(self) -> str:
-        """The value in force in its usual unit."""
+        """The current value in its usual unit."""
         return "" if self.value() is None else self._settings().show(self.key)
 
     def size(self) -> float:

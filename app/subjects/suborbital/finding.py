@@ -1,4 +1,4 @@
-"""A suborbital study as it is handed on: what is shown and the inputs behind it."""
+"""A suborbital study for the report: what is shown and its inputs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""White noise as an ensemble, flown on demand in its own process."""
+"""White noise as an ensemble, flown on demand in a separate process."""
 
 from __future__ import annotations
 

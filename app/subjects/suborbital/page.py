@@ -43,7 +43,7 @@ _SETTLE_SECONDS = 0.6  # a slider that needs a new run has come to rest after th
 
 
 class SuborbitalPage(pn.viewable.Viewer):
-    """Everything below the tab. The first run starts when the page is opened, unless somebody has had the same.
+    """Everything below the tab. The first run starts when the page is opened, unless its result is in the cache.
 
     The result of `exact` is the last exact run; `renewal` makes the matrices that other frames or periods need.
     """
@@ -94,7 +94,7 @@ class SuborbitalPage(pn.viewable.Viewer):
 
     @param.depends("inputs.settings", "inputs.trajectory", watch=True)
     def follow(self) -> None:
-        """Move the curves to the settings in force, or start what they need first."""
+        """Move the curves to the current settings, or start what they need first."""
         survey, settings = self.survey, self.inputs.settings
         if survey is None:
             self.run()
@@ -132,7 +132,7 @@ class SuborbitalPage(pn.viewable.Viewer):
         self.bar.message = self.renewal.message
 
     def run(self, settle: float = 0.0) -> asyncio.Task[None]:
-        """Start an exact run at the settings in force, after `settle` seconds; one under way is cancelled."""
+        """Start an exact run at the current settings, after `settle` seconds; one under way is cancelled."""
         return self.exact.start(lambda run: self._run_survey(run, settle))
 
     def _recall(self) -> bool:

@@ -137,7 +137,7 @@ class StudyViews(pn.viewable.Viewer):
 
     @property
     def looks(self) -> dict[str, Any]:
-        """What a person looks at, as fields of `Shown`."""
+        """The user's choice of views, as fields of `Shown`."""
         return {"star_index": self.moment // _SPACING_S} | {
             name: getattr(self, name) for name in ("case", "channel", "aided_sources", "along_track")
         }
@@ -148,7 +148,7 @@ class StudyViews(pn.viewable.Viewer):
         self.param.moment.bounds = (0, seconds)
 
     def _place(self, view: View) -> pn.Column:
-        """Where a view stands; it is filled with the first answer."""
+        """The place of a view; it is filled with the first answer."""
         coming = pn.Column(
             html_pane(_COMING), sizing_mode="stretch_both", min_height=320, styles=FRAME, margin=(8, 10)
         )
@@ -163,7 +163,7 @@ class StudyViews(pn.viewable.Viewer):
 
     @param.depends("shown", watch=True)
     def _draw(self) -> None:
-        """Feed the view chosen; the others are fed when they are opened."""
+        """Update the chosen view; the others are updated when they are opened."""
         name, shown = self.views.chosen, self.shown
         if shown is None or name not in self._places:
             return
@@ -227,7 +227,7 @@ class StudyViews(pn.viewable.Viewer):
         )
 
     def current(self) -> Shown:
-        """What is on the page."""
+        """The content of the page."""
         assert self.shown is not None
         return self.shown
 

@@ -1,1 +1,1 @@
-"""Every equation, and what each result was compared with."""
+"""The equations and the record of validation."""

@@ -19,7 +19,8 @@ from app.subjects.theory.record import INDEPENDENT, Comparison, Difference, reco
 from app.ui.anchored_text import AnchoredText
 from app.ui.answer_strip import AnswerStrip
 from nav_model.budget import Budget
-from nav_model.equations import ALL_EQUATIONS, ALL_SYMBOLS, REFERENCES, source_of
+from nav_model.equations import ALL_EQUATIONS, ALL_SYMBOLS
+from nav_model.equations.literature import REFERENCES, source_of
 
 _PARTS = {"T": "Navigation", "S": "Radar", "P": "Processing", "B": "Suborbital flight and star tracker"}
 # The tests' folders, in the order of the table.
@@ -149,7 +150,7 @@ def _figure(value: float) -> str:
 
 
 def differences() -> str:
-    """Where somebody states another figure, and which holds."""
+    """Published figures that differ from ours, and which one is right."""
     columns = tuple(map(Column, ("Result", "Stated elsewhere", "Here", "Holds", "Why")))
     rows = tuple(_difference(row) for row in record().differences)
     table = Table("other-figures", "Figures stated elsewhere, beside ours", columns, rows)

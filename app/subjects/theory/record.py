@@ -44,7 +44,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Difference:
-    """A result for which somebody states another figure: theirs, ours, which of them holds and why."""
+    """A result with a different published figure: theirs, ours, which one is right and why."""
 
     result: str
     equation: str

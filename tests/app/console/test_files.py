@@ -1,4 +1,4 @@
-"""What a command is told to write to, and to read from, when it is no ordinary file."""
+"""Commands that read and write pipes, devices and links instead of ordinary files."""
 
 from __future__ import annotations
 

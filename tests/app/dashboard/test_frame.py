@@ -1,4 +1,4 @@
-"""The page around all pages: what belongs to it, and what its busy line costs everybody else."""
+"""The frame of every page: its parts, and the cost of its busy line for other users."""
 
 from __future__ import annotations
 

@@ -11,8 +11,8 @@ from app.document.verdict import verdict_strip
 from app.serving.server import first_design
 from app.session import Session, link_parts
 from app.subjects.budget.charts import phase_chart
+from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage
-from app.subjects.budget.tables import key_figures
 from app.subjects.budget.timelines import together
 from nav_model.budget import analyse
 from nav_model.errors import InputError

@@ -1,4 +1,4 @@
-"""What presets are called once they are edited."""
+"""Names of edited presets."""
 
 from __future__ import annotations
 

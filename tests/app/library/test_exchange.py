@@ -1,4 +1,4 @@
-"""A library as files and back; archives made to harm."""
+"""Export and import of a library; malicious archives."""
 
 from __future__ import annotations
 

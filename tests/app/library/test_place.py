@@ -1,4 +1,4 @@
-"""Libraries in odd places: on read-only media, locked, of others, under impossible names."""
+"""Libraries on read-only media, locked, owned by others, or under impossible names."""
 
 from __future__ import annotations
 

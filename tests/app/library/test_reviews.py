@@ -1,4 +1,4 @@
-"""Reviews: frozen sets, opinions, decisions, and a signature that holds."""
+"""Reviews: frozen revisions, comments, decisions, and a valid signature."""
 
 from __future__ import annotations
 

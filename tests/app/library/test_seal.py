@@ -1,4 +1,4 @@
-"""The signature under a review, against somebody who can write the database but has not got the key."""
+"""The signature of a review, against an attacker who can write the database but does not have the key."""
 
 from __future__ import annotations
 

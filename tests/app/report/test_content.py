@@ -15,7 +15,7 @@ from app.document.display import Display
 from app.report.content import report_of
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.parts import INPUTS
+from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.equations import EQUATIONS
 from nav_model.units import format_quantity
 
@@ -218,3 +218,26 @@ def test_many_designs_are_split_over_tables_and_charts(mems):
     assert widths == [6, 5]
     lines = [len(block.chart.lines) for block in report.charts() if block.key.startswith("c-chart-position")]
     assert lines == [7, 2]
+
+
+def test_a_report_without_studies_is_what_it_was(mems):
+    sections = [section.key for section in report_of([mems], NOW).chapters[0].sections]
+    assert sections == [
+        f"d-{x}" for x in ("requirements", "processing", "steady", "growth", "phase", "regime", "inputs", "cautions")
+    ]
+
+
+def test_a_noted_origin_stands_in_the_table_of_inputs(mems):
+    origin = "rms of gyro x, y, z, from static log bench.csv (sha256 0123)"
+    walk = declaration_of("imu.angle_random_walk").read("0.12 °/√h").value
+    key = "imu.angle_random_walk"
+    noted = mems.design.replace({key: walk}, {key: "°/√h"}, {key: origin})
+    report = report_of([analyse(noted)], NOW)
+    inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
+    row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
+    assert (row[1].mark, row[2].text) == ("noted", origin)
+    stale = noted.replace({"imu.angle_random_walk": 2 * walk})
+    report = report_of([analyse(stale)], NOW)
+    inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
+    row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
+    assert row[1].mark != "noted"

@@ -19,7 +19,8 @@ from app.report.content import report_of
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.file import parse_design
-from nav_model.equations import EQUATIONS, SYMBOLS
+from nav_model.equations import EQUATIONS
+from nav_model.equations.symbols import SYMBOLS
 from nav_model.units import format_quantity
 
 pytestmark = pytest.mark.usefixtures("charts_drawn_once")

@@ -1,4 +1,4 @@
-"""Studies in the report: its numbers are those of the study's JSON, and only studies of the design are told."""
+"""Studies in the report: its numbers are those of the study's JSON, and studies of other designs are omitted."""
 
 from __future__ import annotations
 
@@ -10,11 +10,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pypdf
 import pytest
 
-from app import cli
 from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Equations, Section, Symbols, Table, Text
 from app.report import report_bytes
 from app.report.content import report_of
@@ -26,16 +24,13 @@ from app.subjects.suborbital.finding import Finding
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.file import read_design
-from nav_model.design.parts import declaration_of
-from nav_model.equations import SYMBOLS
+from nav_model.equations.symbols import SYMBOLS
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study
 from nav_model.sar.pictures import point_pictures
-from nav_model.sar.strategies import STRATEGIES
 from nav_model.sar.study_json import to_json as sar_json
 from nav_model.simulation.design_study import closed_form, specification, study_of, to_document
 from nav_model.simulation.monte_carlo import simulate
-from nav_model.simulation.study_inputs import NOTHING_ADDED
 from nav_model.suborbital.settings import DEFAULTS, from_design
 from nav_model.suborbital.survey import run_survey
 from nav_model.suborbital.survey_json import survey_json
@@ -313,30 +308,7 @@ def test_studies_of_several_designs_stand_in_their_own_chapters(findings, design
     assert len(keys) == len(set(keys))
 
 
-def test_a_report_without_studies_is_what_it_was(design):
-    sections = [section.key for section in report_of([analyse(design)], NOW).chapters[0].sections]
-    assert sections == [
-        f"d-{x}" for x in ("requirements", "processing", "steady", "growth", "phase", "regime", "inputs", "cautions")
-    ]
-
-
-def test_a_noted_origin_stands_in_the_table_of_inputs(design):
-    origin = "rms of gyro x, y, z, from static log bench.csv (sha256 0123)"
-    walk = declaration_of("imu.angle_random_walk").read("0.12 °/√h").value
-    key = "imu.angle_random_walk"
-    noted = design.replace({key: walk}, {key: "°/√h"}, {key: origin})
-    report = report_of([analyse(noted)], NOW)
-    inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
-    row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
-    assert (row[1].mark, row[2].text) == ("noted", origin)
-    stale = noted.replace({"imu.angle_random_walk": 2 * walk})
-    report = report_of([analyse(stale)], NOW)
-    inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
-    row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
-    assert row[1].mark != "noted"
-
-
-# from the page and from the command line
+# from the page
 
 
 def test_a_session_keeps_the_last_finding_of_each_kind_and_the_choice_follows(findings, design):
@@ -363,49 +335,3 @@ def test_a_session_keeps_the_last_finding_of_each_kind_and_the_choice_follows(fi
     assert choice.lacking() == ""
     session.running = True
     assert "still running" in choice.lacking()
-
-
-def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
-    target = tmp_path / "r.html"
-    arguments = ["report", str(EXAMPLES / "mems_x_band.toml"), "-o", str(target), "--with", "sar", "--runs", "20"]
-    assert cli.main([*arguments, "--seed", "5"]) == 0
-    page = target.read_text(encoding="utf-8")
-    study = design_study(read_design(EXAMPLES / "mems_x_band.toml"), 20, 5)
-    for strategy in STRATEGIES:
-        assert strategy.key in page
-    assert squeezed(study.sentence) in squeezed(page)
-    assert "20 runs of the error model, seed 5" in page
-    assert "SAR: 20 of 20 runs" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--with", "weather"], "--with: 'weather' is not a study; simulation, sar, suborbital"),
-        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed. Enter 20"),
-        (["--with", "sar", "--seed", "-1"], "--seed: -1"),
-        (["--with", "simulation", "--outage", "then"], "--outage: 'then'"),
-    ],
-)
-def test_what_the_command_cannot_do_is_refused_in_one_line_and_writes_nothing(tmp_path, capsys, arguments, said):
-    target = tmp_path / "r.pdf"
-    assert cli.main(["report", str(EXAMPLES / "mems_x_band.toml"), "-o", str(target), *arguments]) == 2
-    lines = capsys.readouterr().err.strip().splitlines()
-    assert said in lines[-1]
-    assert not target.exists()
-
-
-def test_the_default_simulation_of_a_report_flies_the_designs_own_outage(design, monkeypatch):
-    import argparse
-
-    from app.subjects.simulation import console as simulate_command
-    from app.subjects.simulation import report as simulation_report
-
-    asked: list[argparse.Namespace] = []
-    monkeypatch.setattr(simulate_command, "fly_design", lambda _, options: asked.append(options))
-    options = argparse.Namespace(runs=None, seed=1, duration=None, outages=[], trajectory="wandering", workers=None)
-    simulation_report.study(design, options)
-    (flown,) = asked
-    spec = simulate_command._specification(design, NOTHING_ADDED, flown, keep_runs=False)
-    assert spec.outages == ((400.0, 400.0 + design.coast.duration),)
-    assert np.isclose(spec.duration, 400.0 + design.coast.duration)

@@ -1,4 +1,4 @@
-"""When everything is looked at: not while somebody waits, and not never."""
+"""Full garbage collections: not while somebody waits, but often enough."""
 
 import gc
 import subprocess
@@ -71,7 +71,7 @@ def test_it_frees_what_refers_to_itself():
 
 
 def test_after_settling_python_leaves_everything_alone():
-    """In a process of its own: settings of the collector hold for all of it."""
+    """In a separate process: settings of the collector hold for all of it."""
     code = (
         "import gc; from app.serving.collector import settle; settle(); full = []\n"
         "gc.callbacks.append(lambda phase, info: full.append(1) if info['generation'] == 2 else None)\n"

@@ -1,4 +1,4 @@
-"""What a browser must know of before it opens a page."""
+"""Every custom component is loaded before the first page, so that open pages know all of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The door: nothing without login, no forged way in, and a login that leads nobody astray."""
+"""Access: nothing without login, no forged login, and no redirect to other hosts."""
 
 from __future__ import annotations
 

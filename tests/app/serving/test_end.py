@@ -1,4 +1,4 @@
-"""How a server ends: what is under way is finished, nobody new is let in, no process stays."""
+"""How a server stops: work in progress is finished, no new session starts, no process remains."""
 
 from __future__ import annotations
 

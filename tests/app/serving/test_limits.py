@@ -1,4 +1,4 @@
-"""How many get in, how much they may send, and what the operator sees of them."""
+"""Limits on sessions and message sizes, and their metrics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A server spoken to over the sockets of its pages, in haste or by somebody who means harm; all share one server."""
+"""Malicious or hasty messages over the sockets of pages; all tests share one server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Nothing holds a page that was closed: looked at in the memory of a real server."""
+"""A closed page is freed, checked in the memory of a real server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A server that listens no longer ends what it is just answering."""
+"""A server that stops listening finishes the responses in progress."""
 
 from __future__ import annotations
 

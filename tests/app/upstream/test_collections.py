@@ -1,4 +1,4 @@
-"""A closed page is no reason to collect everything at once."""
+"""Closing a page does not start a full garbage collection."""
 
 from __future__ import annotations
 

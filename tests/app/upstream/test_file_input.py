@@ -1,4 +1,4 @@
-"""An upload is limited where it arrives."""
+"""The size of an upload is limited on the server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What changes between the sending of a page and its being ready is told."""
+"""Changes between sending a page and its being ready reach the browser."""
 
 from __future__ import annotations
 

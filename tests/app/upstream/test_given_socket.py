@@ -1,4 +1,4 @@
-"""The server listens where it is told, not by itself."""
+"""The server listens on the given socket."""
 
 from __future__ import annotations
 

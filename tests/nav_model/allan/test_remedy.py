@@ -1,4 +1,4 @@
-"""The log that would resolve a hidden coefficient is stated by a scaling law: hold it against simulated logs."""
+"""The scaling law for the log that would resolve a hidden coefficient, compared with simulated logs."""
 
 import re
 from collections.abc import Callable

@@ -13,7 +13,7 @@ SHORT = {"processing.mode": "post-processed", "processing.leg_before": 20.0, "pr
 
 
 def worked_out(function, wanted, jumps=(False, False)):
-    """Values of a map, and at how many places they were worked out."""
+    """Values of a map, and at how many places they were computed."""
     count = 0
 
     def exact(kind, rows, columns):

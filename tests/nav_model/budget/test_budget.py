@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
-from nav_model.budget import COAST_POINTS, analyse
+from nav_model.budget import analyse
+from nav_model.budget.navigation import COAST_POINTS
 from nav_model.budget.provenance import cautions
 from nav_model.catalogue import catalogue
 from nav_model.design import Design

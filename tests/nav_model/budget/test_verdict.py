@@ -1,4 +1,4 @@
-"""Requirements: which figure, how many sigmas, what margin, whose fault."""
+"""Requirements: figure, confidence, margin and responsible sensor."""
 
 import math
 

@@ -45,7 +45,7 @@ def test_a_design_of_before_is_the_same_design():
     design = parse_design(text)
     assert design.motion.lines == ()
     assert design.oscillator.phase_noise == ()
-    # As worked out before there were these inputs.
+    # As computed before there were these inputs.
     assert Design().content_hash == "1ddf64c8a1ffdf37ffc6ef00d2802fa6027581b36bdf37cbda765da168b4f5fe"
 
 

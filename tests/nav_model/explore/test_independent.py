@@ -1,4 +1,4 @@
-"""Exploring held against the Riccati equation of [T-1], written out here and solved by SciPy, design by design.
+"""Exploring compared with the Riccati equation of [T-1], written out here and solved by SciPy, design by design.
 
 One figure carries every comparison: the horizontal position just before a fix. Nothing of the product computes it
 here, so that a fault in the figure, in the broadcasting or in the exploring itself shows.

@@ -1,4 +1,4 @@
-"""Sweeps: every row an analysis, nothing lost or repeated when killed, the same file whoever does the work."""
+"""Sweeps: every row an analysis, nothing lost or repeated when killed, the same file for any number of workers."""
 
 import csv
 

@@ -1,4 +1,4 @@
-"""Where the image lies: quantiles by sampling, the free INS by Monte Carlo, exact geometry."""
+"""Image location errors: quantiles by sampling, the free INS by Monte Carlo, exact geometry."""
 
 import math
 

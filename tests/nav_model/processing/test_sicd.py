@@ -1,4 +1,4 @@
-"""Where the image lies, against sarkit, which propagates errors as SICD volume 3 has it."""
+"""Image location errors against sarkit, which propagates errors by SICD volume 3."""
 
 import math
 from subprocess import run

@@ -4,14 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
 
-from nav_model.sar.axis_model import (
-    AxisModel,
-    draw_state,
-    noise_path,
-    process_noise,
-    steady_covariance,
-    transition,
-)
+from nav_model.sar.axis_model import AxisModel, draw_state, inertial_drift, noise_path, steady_covariance
 from nav_model.sar.smoother import rts_smooth
 
 
@@ -28,14 +21,14 @@ def van_loan(model, step):
 def test_transition_and_noise_are_van_loans(table_designs, step):
     model, _ = table_designs["GNSS 1 m"]
     phi, noise = van_loan(model, step)
-    np.testing.assert_allclose(transition(step), phi, rtol=1e-12)
-    np.testing.assert_allclose(process_noise(model, step), noise, rtol=1e-6, atol=1e-16)
+    np.testing.assert_allclose(inertial_drift(model, step)[0], phi, rtol=1e-12)
+    np.testing.assert_allclose(inertial_drift(model, step)[1], noise, rtol=1e-6, atol=1e-16)
 
 
 @pytest.mark.parametrize("name", ["GNSS 1 m", "GNSS 2 cm", "short"])
 def test_steady_state_is_that_of_the_riccati_solver(table_designs, name):
     model, _ = table_designs[name]
-    phi, noise = transition(model.fix_interval), process_noise(model, model.fix_interval)
+    phi, noise = inertial_drift(model, model.fix_interval)
     prior = solve_discrete_are(phi.T, np.eye(3)[:, :1], noise, np.array([[model.gnss_sigma**2]]))
     np.testing.assert_allclose(steady_covariance(model).prior, prior, rtol=1e-6)
 
@@ -86,7 +79,7 @@ def test_smoother_is_the_weighted_least_squares_solution(compared):
     """Smoothed states of a short track equal the joint Gaussian posterior given all fixes at once."""
     model = AxisModel(0.3, 0.02, 0.7, 1.0)
     random = np.random.default_rng(11)
-    count, phi, noise = 6, transition(1.0), process_noise(model, 1.0)
+    count, (phi, noise) = 6, inertial_drift(model, 1.0)
     first = np.diag([2.0, 1.0, 0.5])
     joint = np.zeros((3 * count, 3 * count))
     joint[:3, :3] = first

@@ -16,8 +16,8 @@ from nav_model.sar.image import (
     read_phase_history,
     simulate_phase_history,
 )
-from nav_model.sar.impulse_response import quadratic_response
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
+from nav_model.sar.polynomial_response import quadratic_response
 
 SHARED = Path(__file__).parents[3].parent / "shared" / "data"
 COLLECTION = [SHARED / f"sar_gotcha_pass1_az00{k}_HH.npz" for k in (1, 2)]

@@ -1,6 +1,6 @@
 """The phase budget against a dense numerical projection of the covariance of the error processes.
 
-Errors are random functions of time with their covariance worked out from integrals of white noise; a
+Errors are random functions of time with their covariance computed from integrals of white noise; a
 least-squares polynomial is removed on a quadrature grid. No Legendre coefficient of the page is used.
 """
 

@@ -8,7 +8,7 @@ from quadratic_forms import corrected_residual_variance, exact_corrected_varianc
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_discrete_are
 
-from nav_model.sar.axis_model import AxisModel, process_noise, steady_covariance
+from nav_model.sar.axis_model import AxisModel, inertial_drift, steady_covariance
 from nav_model.sar.decomposition import autofocus, decompose
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.strategies import (
@@ -300,7 +300,7 @@ def test_a_slow_gnss_error_is_estimated_and_what_is_left_is_the_riccati_solvers(
     phi = np.eye(4)
     phi[:3, :3], phi[3, 3] = [[1, 1, 0.5], [0, 1, 1], [0, 0, 1]], decay
     grown = np.zeros((4, 4))
-    grown[:3, :3], grown[3, 3] = process_noise(model, 1.0), 4 * (1 - decay**2)
+    grown[:3, :3], grown[3, 3] = inertial_drift(model, 1.0)[1], 4 * (1 - decay**2)
     row = np.array([[1.0, 0, 0, 1]]).T
     prior = solve_discrete_are(phi.T, row, grown, np.eye(1))
     gain = prior @ row / (row.T @ prior @ row + 1)

@@ -1,4 +1,4 @@
-"""Who wins along the line of sight, against the per-axis forms, root finding and random walks."""
+"""The best strategy along the line of sight, against the per-axis forms, root finding and random walks."""
 
 from dataclasses import replace
 
@@ -120,8 +120,6 @@ def test_map_of_winners_on_a_grid():
     assert "5w" in names  # between the two
     assert "3" not in names  # with a coast, never
     assert np.all(result.best_sigma <= 1.05 * result.sigma.min(axis=0) * (1 + 1e-12))
-    with pytest.raises(ValueError, match="worth"):
-        map_of_winners(case, worth=1.0)
 
 
 def test_autofocus_leaves_nothing_to_choose_between():

@@ -1,4 +1,4 @@
-"""Where closed form and simulation part: each cause alone must be found, named and measured."""
+"""Where closed form and simulation differ: each cause alone must be found, named and measured."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many runs: the same whoever flies them, right against closed forms, and honest about consistency."""
+"""Many runs: reproducible, right against closed forms, and with a correct consistency verdict."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import json
 import math
 import threading
 import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,7 @@ import pytest
 
 from nav_model.design import Design
 from nav_model.simulation.departures import chain, departures
-from nav_model.simulation.monte_carlo import SimulationCancelled, chunks, local_pool, run_chunk, simulate
+from nav_model.simulation.monte_carlo import SimulationCancelled, chunks, run_chunk, simulate
 from nav_model.simulation.result import to_arrays, to_csv, to_json
 from nav_model.simulation.single_run import POSTERIOR, fly
 from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
@@ -75,7 +76,7 @@ def test_the_result_is_the_same_bits_whatever_flies_the_runs(short):
     assert len(chunks(replace(short, runs=200))) > 2
     spec = replace(short, runs=200)
     reference = to_arrays(simulate(spec))
-    with local_pool(2, "thread") as pool:
+    with ThreadPoolExecutor(2) as pool:
         threads = to_arrays(simulate(spec, pool=pool, workers=2))
     processes = to_arrays(simulate(spec, workers=2))
     for name, values in reference.items():
@@ -95,7 +96,7 @@ def test_progress_counts_every_run_and_cancel_stops(short):
         simulate(spec, progress=progress, cancel=stop)
     assert seen[-1][0] < 300
     seen.clear()
-    with local_pool(1, "thread") as pool, pytest.raises(SimulationCancelled):
+    with ThreadPoolExecutor(1) as pool, pytest.raises(SimulationCancelled):
         simulate(spec, pool=pool, progress=progress, cancel=stop)
     seen.clear()
     simulate(spec, progress=lambda done, total: seen.append((done, total)))

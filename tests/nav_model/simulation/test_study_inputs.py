@@ -21,7 +21,7 @@ from nav_model.simulation.study_inputs import (
 
 DPH = math.radians(1) / 3600
 PAPER = Design({"flight.speed": 50.0})
-# One value for every key, with what it is in SI worked out by hand.
+# One value for every key, with what it is in SI computed by hand.
 EVERYTHING = {
     "gyro.bias_instability": ("25 °/h", 25 * DPH),
     "gyro.correlation_time": ("1000 s", 1000.0),

@@ -240,4 +240,4 @@ def test_navigation_error_of_a_pure_shift(flight):
 
 
 def test_scale_and_misalignment_pattern():
-    np.testing.assert_allclose(scale_and_misalignment(1.0, 2.0), [[1, 2, -2], [-2, 1, 2], [2, -2, 1]])
+    np.testing.assert_allclose(scale_and_misalignment(2.0), [[2, 2, -2], [-2, 2, 2], [2, -2, 2]])

@@ -42,13 +42,6 @@ def test_sirius_and_barnards_star_stand_where_almanacs_put_them(compared):
     assert sky.identifier[0] == 32349
 
 
-def test_sidereal_angle_turns_the_sky():
-    plain, turned = hipparcos_sky(4.0), hipparcos_sky(4.0, 2025.0, np.radians(30.0))
-    ra = [np.arctan2(s.direction[:, 1], s.direction[:, 0]) for s in (plain, turned)]
-    change = (ra[0] - ra[1]) % (2.0 * np.pi)
-    np.testing.assert_allclose(change, np.radians(30.0), atol=1e-9)
-
-
 def test_focal_length_of_the_eight_degree_camera():
     camera = StarCamera()
     assert camera.focal_length_m == pytest.approx(117.15e-3, abs=5e-6)

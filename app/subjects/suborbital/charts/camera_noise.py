@@ -1,4 +1,4 @@
-"""What the noise of the star camera costs, over a range of it."""
+"""Position error from the star camera's noise, over a range of it."""
 
 from __future__ import annotations
 

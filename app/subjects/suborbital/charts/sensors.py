@@ -1,4 +1,4 @@
-"""What the sensors measure wrongly along the flight, and the white noise flown as an ensemble."""
+"""Sensor errors along the flight, and the white-noise ensemble."""
 
 from __future__ import annotations
 

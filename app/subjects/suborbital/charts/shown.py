@@ -1,4 +1,4 @@
-"""What the charts and tables of the suborbital study take: the run, the curves in force, what is looked at."""
+"""The input of the charts and tables of the suborbital study: the run, the current curves, and the chosen view."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TIME = "time since lift-off [s]"
 
 @dataclass(frozen=True)
 class Shown:
-    """What is on the page: the last run, the study at the sliders' positions, and what the person looks at.
+    """The content of the page: the last run, the study at the sliders' positions, and the chosen view.
 
     along_track: down-range and cross-range in place of north and east; ensemble: white noise flown at these
     inputs; gap: of the moved curves that the last exact run replaced.

@@ -1,4 +1,4 @@
-"""What a budget says on its page, in its report and by the command: the same, and the budget's own."""
+"""Page, report and command show the same figures, those of the budget."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ from app.session import Session
 from app.subjects.budget.charts import response_chart
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.command import check_lines
+from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage, requirements
-from app.subjects.budget.tables import image_table, key_figures, requirement_table, steady_table
+from app.subjects.budget.tables import image_table, requirement_table, steady_table
 from app.subjects.budget.timelines import attitude_chart, position_chart, velocity_chart
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design

@@ -1,4 +1,4 @@
-"""`navbudget explore` and `navbudget sweep` as a script meets them."""
+"""`navbudget explore` and `navbudget sweep` as scripts use them."""
 
 import csv
 import io

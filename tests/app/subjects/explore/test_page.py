@@ -1,4 +1,4 @@
-"""The Explore page without a browser: what a press takes, whose sensors are judged, what is refused."""
+"""The Explore page without a browser: applying results, the user's sensors, refused input."""
 
 from __future__ import annotations
 

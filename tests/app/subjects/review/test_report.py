@@ -1,4 +1,4 @@
-"""What a review leaves behind: its audit in the report, and a page that holds without a library."""
+"""The record of a review in the report, and a first page that needs no library."""
 
 from __future__ import annotations
 

@@ -1,0 +1,139 @@
+"""What navigation errors and vibration do to the image: phase, side lobes, and where the image lies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from functools import partial
+
+from nav_model.analytic.discrete import Sawtooth
+from nav_model.analytic.steady_state import Horizontal
+from nav_model.budget.fast import LEVELS, levels, stays
+from nav_model.budget.figures import PLACING, along_track_phase, begun, free_shifts, phase_sources, placing
+from nav_model.budget.inputs import Inputs
+from nav_model.budget.result import Echo, PhaseLine, Placement, Sar, Spectral
+from nav_model.budget.shares import Parts, Shares, each, shares_by_step, shares_of, velocity_shares
+from nav_model.design import Design
+from nav_model.frozen import FrozenMapping, Later
+from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
+from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
+from nav_model.sar import geometry, phase
+from nav_model.sar.impulse_response import ImpulseResponse, with_echoes
+from nav_model.sar.polynomial_response import half_power_extent, quadratic_response
+from nav_model.sar.window import ideal_null_cells
+
+_NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
+
+
+def sar_of(design: Design, x: Inputs, parts: Parts, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
+    """Phase budget of the aperture in real time; `p` closed form, `start` covariance at the last fix. [S-5]"""
+    radar = design.radar
+    wavelength, aperture = float(x.wavelength), float(x.aperture)
+    budget = phase_sources(x, start)
+    whole = phase.total(budget)
+    to_phase = 4 * math.pi / wavelength
+    quadratic, cubic = (to_phase * math.sqrt(float(part)) for part in (whole.quadratic, whole.cubic))
+    lines = tuple(
+        PhaseLine(
+            source,
+            quadratic=to_phase * math.sqrt(float(variances.quadratic)),
+            cubic=to_phase * math.sqrt(float(variances.cubic)),
+            detrended=to_phase * math.sqrt(float(variances.detrended)),
+            share=float(variances.quadratic / whole.quadratic),
+            detrended_share=float(variances.detrended / whole.detrended),
+        )
+        for source, variances in budget.items()
+    )
+    return Sar(
+        wavelength=wavelength,
+        aperture_time=aperture,
+        aperture_length=aperture * design.flight.speed,
+        cell_length=float(
+            geometry.cell_length(wavelength, radar.slant_range, design.flight.speed, aperture, x.squint)
+        ),
+        window=radar.window,
+        autofocus_order=radar.autofocus_order,
+        quadratic=quadratic,
+        cubic=cubic,
+        detrended=to_phase * math.sqrt(float(whole.detrended)),
+        along_track_quadratic=float(along_track_phase(x, start)),
+        lines=lines,
+        tilt_shares=tilt_shares,
+        velocity_shares=Later(lambda: velocity_shares(x, parts(), p, start)),
+        half_power_extent=None if quadratic > _NO_IMAGE else half_power_extent(quadratic, x.window),  # type: ignore[arg-type]
+        respond=partial(response_of, x),
+    )
+
+
+def response_of(x: Inputs, quadratic: float) -> ImpulseResponse | None:
+    """Impulse response of a quadratic phase [rad], with the echoes and scatter of the fast sources. [P-9], [P-11]
+
+    None beyond `_NO_IMAGE`.
+    """
+    if quadratic > _NO_IMAGE:
+        return None
+    response = quadratic_response(quadratic, x.window)  # type: ignore[arg-type]
+    if not x.fast:
+        return response
+    whole, near = (float(part) for part in stays(x.fast.values(), x.to_phase, x.aperture, x.window))
+    return with_echoes(
+        response, float(levels(x.fast.values(), x.to_phase, x.aperture, x.window)["paired_echo"]), whole, near
+    )
+
+
+def spectral_of(x: Inputs, cell: float) -> Spectral:
+    """Echoes beyond the main lobe, the highest first, and scattered energy; `cell` [m] is one in azimuth."""
+    if not x.fast:
+        none: Shares = FrozenMapping({"no such source": 1.0})
+        return Spectral(
+            (), FrozenMapping(dict.fromkeys(LEVELS, NOTHING)), 1.0, FrozenMapping(dict.fromkeys(LEVELS, none))
+        )
+    sized = shares_by_step(x, lambda y: levels(y.fast.values(), y.to_phase, y.aperture, y.window))
+    values = levels(x.fast.values(), x.to_phase, x.aperture, x.window)
+    lobe = ideal_null_cells(x.window)  # type: ignore[arg-type]
+    echoes = [
+        Echo(name, float(at), float(phase), float(level), float(at * x.aperture * cell))
+        for name, made in x.fast.items()
+        for at, phase, level, beside in zip(
+            made.frequency,
+            x.to_phase * made.amplitude,
+            echo(x.to_phase * made.amplitude),
+            fast_lines(made, x.aperture, lobe),
+            strict=True,
+        )
+        if beside and level > NOTHING
+    ]
+    return Spectral(
+        tuple(sorted(echoes, key=lambda item: -item.level)),
+        FrozenMapping({name: float(value) for name, value in values.items()}),
+        float(stays(x.fast.values(), x.to_phase, x.aperture, x.window)[0]),
+        FrozenMapping({name: _of(x.fast, shares) for name, (_, shares) in sized.items()}),
+        float(x.to_phase**2 * sum(made.scattered for made in x.fast.values())),
+    )
+
+
+def _of(names: Collection[str], shares: Shares) -> Shares:
+    """The shares of these sources, scaled to add up to one; equal where none has any."""
+    whole = math.fsum(shares[name] for name in names)
+    return FrozenMapping({name: shares[name] / whole if whole else 1 / len(names) for name in names})
+
+
+def free_placement(x: Inputs, start: Sawtooth) -> Placement:
+    """Where the image lies in real time: with a free INS from the last fix. [P-7]"""
+    shares = each(PLACING, lambda: shares_of(shares_by_step(x, lambda y: placing(y, free_shifts(y, begun(y))))))
+    return placement_of(x, free_shifts(x, start), shares)
+
+
+def placement_of(x: Inputs, moved: Shifts, shares: Mapping[str, Shares]) -> Placement:
+    """Where the image lies, from the variances of its shift. [P-7]"""
+    ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
+    placed = {name: float(value) for name, value in placing(x, moved).items()}
+    return Placement(
+        range=placed["range_shift"],
+        azimuth=placed["azimuth_shift"],
+        ground=(float(ground[0]), float(ground[1]), float(ground[2])),
+        ce90=placed["ce90"],
+        cep=float(circular_error(*ground, share=0.5)),
+        le90=placed["le90"],
+        shares=shares,
+    )

@@ -1,0 +1,107 @@
+"""The figures of a design after the flight, when a smoother has the whole leg."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+
+from nav_model.analytic.steady_state import Array
+from nav_model.budget.figures import (
+    COASTING,
+    PLACING,
+    SETTLED,
+    SMOOTHED,
+    by_state_space,
+    ends_left_out,
+    smoothed_figures,
+    smoothed_with_shifts,
+)
+from nav_model.budget.image import placement_of, response_of
+from nav_model.budget.inputs import Inputs
+from nav_model.budget.refusals import refused
+from nav_model.budget.result import (
+    AfterFlight,
+    Outage,
+    Placement,
+    PostProcessed,
+    Sar,
+    Sigmas,
+    Spectral,
+    SteadyState,
+    Verdict,
+)
+from nav_model.budget.shares import shares_by_step, shares_of
+from nav_model.budget.verdict import confidence_of, judge
+from nav_model.design import Design
+from nav_model.frozen import FrozenMapping
+from nav_model.processing.geolocation import Shifts
+from nav_model.processing.smoother import SPECTRUM, STATE_SPACE
+
+
+def after_flight(
+    design: Design, inputs: Inputs, steady_state: SteadyState, coast: Outage, sar: Sar, spectral: Spectral
+) -> AfterFlight:
+    """Figures, image location and verdict after post-processing. [P-3], [P-5]
+
+    Raises
+    ------
+    InputError
+        If double precision cannot hold the design's values together.
+    """
+    with refused(design), np.errstate(invalid="raise", divide="raise"):
+        smoothed, placement = _post_processed(inputs)
+    return AfterFlight(
+        smoothed, placement, judge(design, steady_state, coast, sar, lambda: placement, spectral, smoothed)
+    )
+
+
+def margin_after_flight(design: Design, inputs: Inputs, in_real_time: Verdict) -> float | None:
+    """Least margin after post-processing, of the requirements that `in_real_time` checks; None without any.
+
+    Takes a fraction of the time of `after_flight`, as it needs no shares. Raises as that does.
+    """
+    limits = {check.name: check.limit / confidence_of(design, check.name) for check in in_real_time.checks}
+    with refused(design), np.errstate(invalid="raise", divide="raise"):
+        found = smoothed_figures(inputs, [name for name in limits if name not in COASTING])
+        margins = [1 - float(value) / limits[name] for name, value in found.items()]
+        if not all(map(math.isfinite, margins)):
+            raise FloatingPointError("the smoothed figures are beyond double precision")
+    return min([*margins, *(check.margin for check in in_real_time.checks if check.name in COASTING)], default=None)
+
+
+def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
+    moved: list[Shifts | None] = []
+
+    def both(y: Inputs) -> dict[str, Array]:
+        found, shifts = smoothed_with_shifts(y, SMOOTHED)
+        moved.append(shifts)
+        return found
+
+    sized = shares_by_step(x, both)
+    value = {name: value for name, (value, _) in sized.items()}
+    if not all(map(math.isfinite, value.values())):
+        raise FloatingPointError("the smoothed figures are beyond double precision")
+    shares = shares_of(sized)
+    shares["detrended_phase"] = shares[f"detrended_phase_{x.autofocus_order}"]
+    by_order = value["detrended_phase_1"], value["detrended_phase_2"], value["detrended_phase_3"]
+    left_out = bool(ends_left_out(x))
+    smoothed = PostProcessed(
+        sigmas=Sigmas(*(value[name] for name in SETTLED)),
+        quadratic=value["quadratic_phase"],
+        cubic=value["cubic_phase"],
+        detrended=by_order[x.autofocus_order - 1],
+        by_order=by_order,
+        along_track_quadratic=value["along_track_quadratic_phase"],
+        turning_quadratic=value["turning_quadratic_phase"],
+        turning_by_order=(value["turning_detrended_phase_1"], value["turning_detrended_phase_2"]),
+        azimuth_shift=value["slope_shift"],
+        method=STATE_SPACE if bool(by_state_space(x)) and not left_out else SPECTRUM,
+        ends_left_out=left_out,
+        shares=FrozenMapping(shares),
+        respond=partial(response_of, x),
+    )
+    assert moved[0] is not None
+    shifts = Shifts(*(np.atleast_1d(value.real)[0] for value in moved[0]))  # the shares' steps are imaginary
+    return smoothed, placement_of(x, shifts, FrozenMapping({name: shares[name] for name in PLACING}))

@@ -1,0 +1,50 @@
+"""Designs that cannot be analysed, refused with the input to change."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from nav_model.budget.inputs import LONGEST_APERTURE
+from nav_model.design import Design
+from nav_model.errors import InputError
+
+
+@contextmanager
+def refused(design: Design) -> Iterator[None]:
+    """Refuse a design whose values are too far apart for double precision."""
+    try:
+        yield
+    except ArithmeticError as error:
+        key = "gnss.correlated_noise" if design.gnss.correlated else "imu.angle_random_walk"
+        reason = f"{design[key]:.3g} (SI) gives no figure beside the other noises: {error}"
+        raise InputError(key, reason, design[key]) from error
+
+
+def refuse_hidden_target(squint: float, grazing: float) -> None:
+    if math.cos(squint) < math.sin(grazing) - 1e-12:
+        raise InputError(
+            "radar.squint_angle",
+            f"{math.degrees(squint):.4g}° leaves no line of sight at a grazing angle of "
+            f"{math.degrees(grazing):.4g}°. Enter at most {90 - math.degrees(grazing):.4g}°, or a smaller grazing "
+            "angle.",
+        )
+
+
+def refuse_long_aperture(aperture: float) -> None:
+    if aperture > LONGEST_APERTURE:
+        raise InputError(
+            "radar.azimuth_resolution",
+            f"This resolution needs an aperture of {aperture:.4g} s at this range and speed. "
+            f"At most {LONGEST_APERTURE:g} s are allowed.",
+        )
+
+
+def refuse_late_data(delay: float, aperture: float) -> None:
+    if delay > aperture:
+        raise InputError(
+            "motion.delay",
+            f"{delay:.4g} s is longer than the aperture of {aperture:.4g} s. Enter a shorter delay.",
+            delay,
+        )

@@ -1,0 +1,62 @@
+"""Studies run by the command `report`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app import cli
+from app.subjects.simulation import console as simulate_command
+from app.subjects.simulation import report as simulation_report
+from nav_model.design.file import read_design
+from nav_model.sar.design_study import design_study
+from nav_model.sar.strategies import STRATEGIES
+from nav_model.simulation.study_inputs import NOTHING_ADDED
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+pytestmark = pytest.mark.usefixtures("charts_drawn_once")
+
+
+def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
+    target = tmp_path / "r.html"
+    arguments = ["report", str(EXAMPLES / "mems_x_band.toml"), "-o", str(target), "--with", "sar", "--runs", "20"]
+    assert cli.main([*arguments, "--seed", "5"]) == 0
+    page = target.read_text(encoding="utf-8")
+    study = design_study(read_design(EXAMPLES / "mems_x_band.toml"), 20, 5)
+    for strategy in STRATEGIES:
+        assert strategy.key in page
+    assert "".join(study.sentence.split()) in "".join(page.split())
+    assert "20 runs of the error model, seed 5" in page
+    assert "SAR: 20 of 20 runs" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--with", "weather"], "--with: 'weather' is not a study; simulation, sar, suborbital"),
+        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed. Enter 20"),
+        (["--with", "sar", "--seed", "-1"], "--seed: -1"),
+        (["--with", "simulation", "--outage", "then"], "--outage: 'then'"),
+    ],
+)
+def test_what_the_command_cannot_do_is_refused_in_one_line_and_writes_nothing(tmp_path, capsys, arguments, said):
+    target = tmp_path / "r.pdf"
+    assert cli.main(["report", str(EXAMPLES / "mems_x_band.toml"), "-o", str(target), *arguments]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert said in lines[-1]
+    assert not target.exists()
+
+
+def test_the_default_simulation_of_a_report_flies_the_designs_own_outage(monkeypatch):
+    design = read_design(EXAMPLES / "mems_x_band.toml")
+    asked: list[argparse.Namespace] = []
+    monkeypatch.setattr(simulate_command, "fly_design", lambda _, options: asked.append(options))
+    options = argparse.Namespace(runs=None, seed=1, duration=None, outages=[], trajectory="wandering", workers=None)
+    simulation_report.study(design, options)
+    (flown,) = asked
+    spec = simulate_command._specification(design, NOTHING_ADDED, flown, keep_runs=False)
+    assert spec.outages == ((400.0, 400.0 + design.coast.duration),)
+    assert np.isclose(spec.duration, 400.0 + design.coast.duration)

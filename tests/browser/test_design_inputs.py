@@ -1,0 +1,166 @@
+"""The design on the left as a person uses it: typed values, catalogue, undo, links, files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from on_page import box, card, content, enter, section
+from playwright.sync_api import Page, expect
+
+from nav_model.design.file import parse_design, read_design
+from nav_model.design.link import from_query
+
+Visit = Callable[..., Page]
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_an_invalid_text_is_said_in_the_verdict_and_goes_with_reset(desk: Page) -> None:
+    arw = box(desk, "Angle random walk")
+    expect(arw).to_have_value("0.15 °/√h")  # the reset after another test has reached the box
+    enter(arw, "5 kg")
+    expect(desk.get_by_role("status").first).to_contain_text("1 input is invalid: last valid values used.")
+    desk.get_by_role("button", name="Open", exact=True).click()
+    desk.get_by_role("button", name="Reset").click()
+    expect(arw).to_have_value("0.15 °/√h")
+    expect(desk.get_by_role("status").first).not_to_contain_text("invalid")
+    enter(box(desk, "Fix interval"), "5 Hz")
+    expect(box(desk, "Fix interval")).to_have_value("0.2 s")
+    enter(arw, "0,5")
+    expect(arw).to_have_value("0.5 °/√h")
+
+
+def test_typed_value_unit_and_refusal(desk: Page) -> None:
+    arw = box(desk, "Angle random walk")
+    enter(arw, "9 deg/h/sqrt(Hz)")  # = 0.15 °/√h
+    expect(arw).to_have_value("9 °/h/√Hz")
+    expect(card(desk, "Quadratic phase")).to_have_text("163°")
+    enter(arw, "0.3")  # a bare number takes the unit beside the box: 0.3 °/h/√Hz
+    expect(arw).to_have_value("0.3 °/h/√Hz")
+    expect(card(desk, "Quadratic phase")).not_to_have_text("163°")
+    kept = card(desk, "Quadratic phase").inner_text()
+    for wrong, said in (
+        ("5 kg", "not a unit of angle random walk"),
+        ("-1 °/√h", "must be at least"),
+        ("nan °/√h", "is not an angle random walk. Try 0.5 °/√h."),
+    ):
+        enter(arw, wrong)
+        expect(desk.get_by_text(said).first).to_be_visible()
+        expect(card(desk, "Quadratic phase")).to_have_text(kept)
+    enter(arw, "0.15 °/√h")
+    expect(card(desk, "Quadratic phase")).to_have_text("163°")
+
+
+@pytest.mark.slow
+def test_unit_chooser_converts_without_changing_the_value(visit: Visit) -> None:
+    page = visit()
+    before = card(page, "Position, horizontal").inner_text()
+    page.get_by_role("combobox", name="unit").nth(1).click()
+    page.get_by_role("menuitem", name="°/h/√Hz", exact=True).click()
+    expect(box(page, "Angle random walk")).to_have_value("9 °/h/√Hz")
+    expect(card(page, "Position, horizontal")).to_have_text(before)
+    expect(page.get_by_role("button", name="Undo")).to_be_disabled()
+
+
+def test_undo_redo_reset_by_keyboard(desk: Page) -> None:
+    enter(box(desk, "Position noise"), "2 cm")
+    expect(card(desk, "Position, horizontal")).not_to_have_text("40.4 cm")
+    changed = card(desk, "Position, horizontal").inner_text()
+    expect(desk.get_by_role("button", name="Undo")).to_be_enabled()
+    desk.get_by_role("button", name="Undo").focus()
+    desk.keyboard.press("Enter")
+    expect(card(desk, "Position, horizontal")).to_have_text("40.4 cm")
+    expect(box(desk, "Position noise")).to_have_value("1 m")
+    expect(desk.get_by_role("button", name="Redo")).to_be_enabled()
+    desk.get_by_role("button", name="Redo").focus()
+    desk.keyboard.press("Enter")
+    expect(card(desk, "Position, horizontal")).to_have_text(changed)
+    desk.get_by_role("button", name="Open", exact=True).press("Enter")
+    desk.get_by_role("button", name="Reset").press("Enter")
+    expect(card(desk, "Position, horizontal")).to_have_text("40.4 cm")
+
+
+@pytest.mark.slow
+def test_preset_deviation_is_marked_and_taken_back(visit: Visit) -> None:
+    page = visit()
+    expect(page.get_by_text("secondary source").first).to_be_visible()
+    enter(box(page, "Angle random walk"), "0.2 °/√h")
+    expect(page.get_by_text("≠ STIM300: 0.15 °/√h")).to_be_visible()
+    page.get_by_role("button", name="Take the catalogue's values").first.click()
+    expect(box(page, "Angle random walk")).to_have_value("0.15 °/√h")
+    page.get_by_role("combobox", name="From the catalogue").first.click()
+    page.get_by_role("menuitem", name=re.compile("^LN-100")).click()
+    expect(box(page, "Angle random walk")).to_have_value("0.001 °/√h")
+    expect(page.get_by_role("status").first).to_contain_text("Closes")
+
+
+def test_link_reproduces_the_design(desk: Page, visit: Visit, server: str) -> None:
+    page = desk
+    enter(box(page, "Position noise"), "7 cm")
+    expect(card(page, "Position, horizontal")).not_to_have_text("40.4 cm")
+    shown = card(page, "Position, horizontal").inner_text()
+    page.get_by_role("button", name="Share").click()
+    address = page.get_by_role("textbox", name="Link to this design and page")
+    expect(address).to_have_value(re.compile("gn=7cm"))
+    link = address.input_value()
+    assert link.startswith(f"{server}/?")
+    assert link.endswith("#budget")
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.get_by_role("button", name="Copy link").click()
+    expect(page.get_by_text("Copied.")).to_be_visible()
+    assert page.evaluate("() => navigator.clipboard.readText()") == link
+    query = link.removeprefix(f"{server}/").removesuffix("#budget")
+    assert from_query(query).gnss.position_noise == 0.07
+    again = visit(f"/{query}")
+    expect(card(again, "Position, horizontal")).to_have_text(shown)
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        "?imu=<script>alert(1)</script>",
+        *(
+            pytest.param(q, marks=pytest.mark.slow)
+            for q in ("?arw=5kg", "?nonsense=1", "?f=1e999GHz", "?%ff", "?ta=3600s&arw=&&")
+        ),
+    ],
+)
+def test_forged_link_is_said_and_harms_nothing(visit: Visit, query: str) -> None:
+    page = visit(f"/{query}")
+    expect(page.get_by_text("The link was not used.").first).to_be_visible()
+    expect(card(page, "Position, horizontal")).to_have_text("40.4 cm")
+
+
+def test_save_open_and_refuse(visit: Visit, tmp_path: Path) -> None:
+    page = visit()
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Save", exact=True).click()
+    saved = parse_design(content(waiting.value))
+    assert waiting.value.suggested_filename == "mems-imu-at-x-band.toml"
+    assert saved == read_design(EXAMPLES / "mems_x_band.toml")
+    chooser = page.locator("input[type=file]").first
+    chooser.set_input_files(EXAMPLES / "l_band_jet.toml")
+    expect(page.get_by_role("status").first).to_contain_text("Closes")
+    expect(box(page, "Design")).to_have_value("L band from a jet")
+    expect(box(page, "Angle random walk")).to_have_value("0.125 °/√h")
+    bad = tmp_path / "bad.toml"
+    bad.write_bytes(b'[imu]\nangle_random_walk = "5 kg"\n')
+    chooser.set_input_files(bad)
+    expect(page.get_by_text("Not opened. imu.angle_random_walk")).to_be_visible()
+    expect(page.get_by_role("status").first).to_contain_text("Closes")
+    (tmp_path / "binary.toml").write_bytes(bytes(range(256)))
+    chooser.set_input_files(tmp_path / "binary.toml")
+    expect(page.get_by_text("not a text file")).to_be_visible()
+
+
+def test_an_impossible_aperture_is_refused_at_its_field(desk: Page) -> None:
+    section(desk, "Radar")
+    kept = card(desk, "Quadratic phase").inner_text()
+    enter(box(desk, "Slant range"), "2000 km")
+    enter(box(desk, "Azimuth resolution"), "1 mm")
+    expect(desk.get_by_text(re.compile("needs an aperture of")).first).to_be_visible()
+    enter(box(desk, "Slant range"), "7 km")
+    expect(card(desk, "Quadratic phase")).to_have_text(kept)

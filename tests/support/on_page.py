@@ -1,0 +1,35 @@
+"""What a person finds and does on the dashboard, for tests in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from playwright.sync_api import Download, Locator, Page
+
+
+def box(page: Page, label: str) -> Locator:
+    """The text box of an input (its slider and unit carry other roles)."""
+    return page.get_by_role("textbox", name=label, exact=True)
+
+
+def card(page: Page, label: str) -> Locator:
+    """The value of a key figure."""
+    return page.locator(".card").filter(has=page.get_by_text(label, exact=True)).locator(".big")
+
+
+def section(page: Page, title: str) -> None:
+    """Open or close a section of the design."""
+    page.get_by_role("button", name=title, exact=True).click()
+
+
+def enter(field: Locator, text: str) -> None:
+    """Type a text into a box."""
+    field.fill(text)
+    field.press("Enter")
+
+
+def content(download: Download) -> bytes:
+    """The bytes of a file that was downloaded."""
+    path = download.path()
+    assert path is not None
+    return Path(path).read_bytes()
