@@ -234,7 +234,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         respond=partial(_response, x),
     )
     assert moved[0] is not None
-    shifts = Shifts(*(value.real.flat[0] for value in moved[0]))  # the shares' steps are imaginary
+    shifts = Shifts(*(np.asarray(value.real.flat[0]) for value in moved[0]))  # the shares' steps are imaginary
     return smoothed, _placement(x, shifts, FrozenMapping({name: shares[name] for name in PLACING}))
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from nav_model.analytic import coast as growth
 from nav_model.analytic.discrete import Sawtooth, SlowError
 from nav_model.analytic.sensitivity import horizontal_parts, vertical_parts
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
 from nav_model.budget.figures import COASTING, settled
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.frozen import FrozenMapping
@@ -227,7 +227,7 @@ def _stepped(x: Inputs) -> tuple[list[str], list[str], Inputs]:
 @cache
 def _factors(count: int, size: int) -> Array:
     """Rows that each step one of `size` places, (count, size)."""
-    return 1 + 1j * _STEP * np.eye(count, size)
+    return as_numbers(1 + 1j * _STEP * np.eye(count, size))
 
 
 def _present(x: Inputs, field: str) -> bool:
