@@ -256,6 +256,28 @@ def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array
     return start[..., 0], end[..., 0]
 
 
+def fixes_in_legs(channel: Channel, aperture: Array, leg: Leg) -> NDArray[np.int64]:
+    """How many fixes each leg has, by which alone its length counts, (3, 2, rows); but for what is too far to tell.
+
+    Two rows with equal columns have equal figures. The first is one less than the number of fixes of a leg where both
+    kinds come together, or there is one alone; the rest is then zero.
+
+    Parameters
+    ----------
+    channel : Channel
+        Whose intervals between fixes are numbers.
+    aperture : array
+        Seconds, a number.
+    leg : Leg
+        Of (rows), or numbers.
+    """
+    kinds = [channel.interval] if channel.velocity_interval is None else [channel.interval, channel.velocity_interval]
+    often, seldom = min(kinds), max(kinds)
+    reach = np.stack(np.broadcast_arrays(leg.before - leg.gap, leg.after))
+    fixes = _fixes(reach, aperture + 0 * reach[0], often, often if often == seldom else seldom)
+    return np.stack([fixes.whole, fixes.rest, fixes.lead])
+
+
 def levels(channel: Channel, aperture: Array) -> NDArray[np.int64]:
     """How finely an aperture is solved: which of `_MODES`, or beyond them by its spectrum."""
     return _level(aperture.real * rates(channel)[0])
