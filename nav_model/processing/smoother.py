@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -179,9 +180,8 @@ def _each(parts: Sequence[_Part]) -> list[dict[str, Array]]:
     """Every design in state space, of all channels in one go."""
     rows = [np.concatenate(values) for values in zip(*(part.at(part.mask) for part in parts), strict=True)]
     exact = _in_leg(parts[0].values, rows)
-    ends = np.cumsum([np.count_nonzero(part.mask) for part in parts])[:-1]
-    split = {name: np.split(values, ends) for name, values in exact.items()}
-    return [{name: values[n] for name, values in split.items()} for n in range(len(parts))]
+    ends = np.cumsum([0, *(np.count_nonzero(part.mask) for part in parts)]).tolist()
+    return [{name: values[first:end] for name, values in exact.items()} for first, end in pairwise(ends)]
 
 
 def _from_few(parts: Sequence[_Part], wanted: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:
