@@ -185,7 +185,8 @@ def test_an_aperture_that_hides_the_echo_in_the_main_lobe_is_found(open_design):
 
 
 def test_sources_are_kept_while_the_design_changes_elsewhere(full):
-    design = full.replace({"oscillator.bistatic": False, "oscillator.frequency": 1e8, "motion.imu_bandwidth": 200.0})
+    own = {"oscillator.bistatic": False, "oscillator.frequency": 1e8, "motion.imu_bandwidth": 200.0}
+    design = full.replace(own | {"radar.aperture_time": 5.0})
     kept = inputs_of(design).fast
     assert inputs_of(design.replace({"imu.gyro_bias": 1e-6, "gnss.position_noise": 0.7})).fast is kept
     changes = {
