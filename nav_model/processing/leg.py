@@ -37,7 +37,7 @@ _HELD = [most for most, _ in _MODES]
 TOO_LONG = len(_MODES)
 """The level of such an aperture (`levels`)."""
 _SAME = 1e-3  # relative difference between two fix intervals that are one
-_AT_ONCE = 2**22  # numbers in the largest array of one batch of modes
+_AT_ONCE = 2**18  # numbers in the largest array of one batch of modes, which stays in the cache
 _ROWS = 4096  # whose legs are taken together
 
 
