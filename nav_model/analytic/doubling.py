@@ -108,49 +108,56 @@ def _one(size: int) -> Array:
     return np.eye(size)
 
 
-def repeated(one: Segment, counts: NDArray[np.int64]) -> Segment:
+class Doubles:
+    """A segment, two of it in a row, four and so on, each worked out once."""
+
+    def __init__(self, one: Segment) -> None:
+        self._found = [one]
+
+    def __getitem__(self, power: int) -> Segment:
+        while len(self._found) <= power:
+            self._found.append(twice(self._found[-1]))
+        return self._found[power]
+
+
+def repeated(units: Doubles, counts: NDArray[np.int64]) -> Segment:
     """`counts` (rows) equal segments in a row; segments have the shape (n, n, rows)."""
+    one = units[0]
     row = Segment(0 * one.info, 0 * one.through + _one(len(one.info))[:, :, None], 0 * one.noise)
-    while True:
-        odd = counts % 2 == 1
+    for power in range(int(counts.max()).bit_length()):
+        odd = (counts >> power) % 2 == 1
         if odd.any():
-            longer = joined(row, one)
+            longer = joined(row, units[power])
             row = longer if odd.all() else Segment(*(np.where(odd, *both) for both in zip(longer, row, strict=True)))
-        counts = counts // 2
-        if not counts.any():
-            return row
-        one = twice(one)
+    return row
 
 
-def information(unit: Segment, counts: NDArray[np.int64], beyond: Array | None = None) -> Array:
+def information(units: Doubles, counts: NDArray[np.int64], beyond: Array | None = None) -> Array:
     """Information that a row of equal segments gives about the first state.
 
     Parameters
     ----------
-    unit : Segment
+    units : Doubles
         Of shape (n, n, rows).
     counts : array of int, (kinds, rows)
         How many of them.
     beyond : array, (n, n, kinds, rows), optional
         Information about the last state.
     """
-    known = np.zeros((*unit.info.shape[:2], *counts.shape), np.result_type(*unit)) if beyond is None else beyond
-    left, fresh = counts, beyond is None
-    while True:
-        odd = left % 2 == 1
+    one, fresh = units[0], beyond is None
+    known = np.zeros((*one.info.shape[:2], *counts.shape), np.result_type(*one)) if beyond is None else beyond
+    for power in range(int(counts.max()).bit_length()):
+        odd = (counts >> power) % 2 == 1
         if odd.all() and not fresh:
-            info, through, noise = (part[:, :, None] for part in unit)
+            info, through, noise = (part[:, :, None] for part in units[power])
             known = info + before(known, through, noise)
         elif odd.any():  # the others' rows may have gone on so far that there is no number for them
-            row = np.nonzero(odd)[1]
+            unit, row = units[power], np.nonzero(odd)[1]
             last = 0.0 if fresh else before(known[:, :, odd], unit.through[..., row], unit.noise[..., row])
             known = known.copy()
             known[:, :, odd] = unit.info[..., row] + last
             fresh = False
-        left = left // 2
-        if not left.any():
-            return known
-        unit = twice(unit)
+    return known
 
 
 def settled(unit: Segment) -> Array:

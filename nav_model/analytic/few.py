@@ -39,6 +39,7 @@ class _Box:
 class _Map:
     wanted: NDArray[np.bool_]
     jumps: tuple[bool, bool]
+    at: tuple[Array, Array]  # where rows and columns are
     values: Array  # (k, rows, columns)
     known: NDArray[np.bool_]
 
@@ -55,6 +56,7 @@ def from_few(
     jumps: Sequence[tuple[bool, bool]],
     size: int,
     exact: Callable[[Places, Places, Places], Array],
+    at: tuple[Array, Array] | None = None,
 ) -> list[Array]:
     """Values of several maps, within `BOUND` where they are interpolated.
 
@@ -69,14 +71,18 @@ def from_few(
     exact : callable
         Number of the map, row and column, each an array (n,), to values (size, n). They should vary little: the
         logarithms of variances, say.
+    at : pair of array, optional
+        Where the rows and the columns of all maps are, rising, if not evenly spaced: values are smooth in these.
 
     Returns
     -------
     list of array, (size, rows, columns)
         Anything outside what is wanted.
     """
+    rows, columns = wanted[0].shape
+    even = np.arange(rows, dtype=float), np.arange(columns, dtype=float)
     maps = [
-        _Map(where, jumping, np.zeros((size, *where.shape)), np.zeros_like(where))
+        _Map(where, jumping, at or even, np.zeros((size, *where.shape)), np.zeros_like(where))
         for where, jumping in zip(wanted, jumps, strict=True)
     ]
     boxes = [_Box(n, ((0, where.shape[0]), (0, where.shape[1]))) for n, where in enumerate(wanted)]
@@ -103,7 +109,7 @@ def _plan(box: _Box, of: _Map) -> _Plan | None:
     if not len(rows):
         return None
     box.ends = (top + rows[0], top + rows[-1] + 1), (left + columns[0], left + columns[-1] + 1)
-    points = _points(*box.ends[0], box.whole[0]), _points(*box.ends[1], box.whole[1])
+    points = _points(*box.ends[0], box.whole[0], of.at[0]), _points(*box.ends[1], box.whole[1], of.at[1])
     if all(of.jumps) or np.count_nonzero(inside) <= 1.5 * len(points[0]) * len(points[1]):
         of.asked[top:bottom, left:right] |= inside
         return None
@@ -114,11 +120,12 @@ def _plan(box: _Box, of: _Map) -> _Plan | None:
     return _Plan(points, between)
 
 
-def _points(first: int, end: int, whole: bool) -> Places:
+def _points(first: int, end: int, whole: bool, at: Array) -> Places:
     if whole or end - first <= _POINTS:
         return np.arange(first, end)
     x = (1 - np.cos(np.pi * np.arange(_POINTS) / (_POINTS - 1))) / 2
-    return np.unique(np.asarray(np.rint(first + (end - 1 - first) * x), np.int64))
+    middle = (at[first + 1 : end] + at[first : end - 1]) / 2
+    return np.unique(first + np.searchsorted(middle, at[first] + (at[end - 1] - at[first]) * x))
 
 
 def _between(points: Places, everywhere: bool) -> Places:
@@ -147,7 +154,7 @@ def _work_out(maps: Sequence[_Map], exact: Callable[[Places, Places, Places], Ar
 
 def _settle(box: _Box, plan: _Plan, of: _Map) -> list[_Box]:
     """Fill a box from its points, or return the parts that it is split into."""
-    weights = [_weights(*ends, at) for ends, at in zip(box.ends, plan.points, strict=True)]
+    weights = [_weights(*box.ends[axis], plan.points[axis], of.at[axis]) for axis in (0, 1)]
     off = _off(of.values, plan, weights[0], box.ends[0][0], 0), _off(of.values, plan, weights[1], box.ends[1][0], 1)
     if max(off) <= BOUND:
         rows, columns = plan.points
@@ -179,14 +186,15 @@ def _off(values: Array, plan: _Plan, weights: Array, first: int, axis: int) -> f
     return difference if difference == difference else np.inf
 
 
-def _weights(first: int, end: int, points: Places) -> Array:
+def _weights(first: int, end: int, points: Places, at: Array) -> Array:
     """Of the values at the points, for every place of an axis: the polynomial through them."""
-    places = np.arange(first, end)
-    if len(points) == len(places):
+    places, nodes = at[first:end], at[points]
+    if len(nodes) == len(places):
         return np.eye(len(places))
-    apart = (points[:, None] - points) * (4 / (end - first))  # near one on the whole, so that products stay in range
+    span = places[-1] - places[0]
+    apart = (nodes[:, None] - nodes) * (4 / span)  # near one on the whole, so that products stay in range
     np.fill_diagonal(apart, 1)
-    distance = (places[:, None] - points).astype(float)
+    distance = places[:, None] - nodes
     hit = distance == 0
     distance[hit] = 1
     weights = 1 / np.prod(apart, axis=1) / distance

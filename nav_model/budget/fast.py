@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 
 import numpy as np
 
 from nav_model.analytic.steady_state import Array
 from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.design import Design
+from nav_model.design.motion import Motion, Oscillator
 from nav_model.design.rows import Row
+from nav_model.frozen import FrozenMapping
 from nav_model.processing import paired_echo
 from nav_model.processing.fast_motion import Curve, Fast, Source, density_of, through_aperture
 from nav_model.sar.impulse_response import aperture_positions
@@ -30,9 +33,35 @@ def fast_sources(design: Design, value: Value, wavelength: Array, aperture: Arra
 
     `value` gives an input's number or array under its dotted key, and `wavelength` is in m.
     """
-    sources = _sources(design, value, wavelength)
-    lobe = ideal_null_cells(design.radar.window) if sources else 1.0
-    return {name: through_aperture(source, aperture, lobe) for name, source in sources.items()}
+    numbers = {key: value(key) for key in _NUMBERS if design[key] is not None}
+    numbers |= {"wavelength": wavelength, "aperture": aperture}
+    parts = design.motion, design.oscillator, design.radar.window
+    if all(number.ndim == 0 and number.dtype == float for number in numbers.values()):
+        return _of_one(*parts, tuple((key, float(number)) for key, number in numbers.items()))
+    return _through(*parts, numbers)
+
+
+_NUMBERS = ("motion.delay", "motion.imu_bandwidth", "oscillator.frequency", "radar.slant_range")
+"""What sources take beside their tables, the wavelength and the aperture."""
+
+
+@lru_cache(maxsize=64)
+def _of_one(
+    motion: Motion, oscillator: Oscillator, window: str, numbers: tuple[tuple[str, float], ...]
+) -> Mapping[str, Fast]:
+    """Those of one design, kept while it changes elsewhere: a new design shares the parts that are as they were."""
+    found = _through(motion, oscillator, window, {key: np.asarray(number) for key, number in numbers})
+    for made in found.values():
+        made.frequency.flags.writeable = made.amplitude.flags.writeable = False
+    return found
+
+
+def _through(motion: Motion, oscillator: Oscillator, window: str, numbers: Mapping[str, Array]) -> Mapping[str, Fast]:
+    sources = _sources(motion, oscillator, numbers)
+    lobe = ideal_null_cells(window) if sources else 1.0  # type: ignore[arg-type]
+    return FrozenMapping(
+        {name: through_aperture(source, numbers["aperture"], lobe) for name, source in sources.items()}
+    )
 
 
 def scattered_floor(design: Design, cells: Array, wavelength: float, aperture: float, exponent: float) -> Array:
@@ -58,7 +87,8 @@ def scattered_floor(design: Design, cells: Array, wavelength: float, aperture: f
     away = np.abs(cells)
     beside = away > ideal_null_cells(design.radar.window)
     frequency = np.where(beside, away, 1.0) / aperture
-    sources = _sources(design, lambda key: np.asarray(design[key], float), np.asarray(wavelength))
+    numbers = {key: np.asarray(design[key], float) for key in _NUMBERS if design[key] is not None}
+    sources = _sources(design.motion, design.oscillator, numbers | {"wavelength": np.asarray(wavelength)})
     density = sum((density_of(source, frequency) for source in sources.values()), start=0 * cells)
     weights = as_taper(design.radar.window).weights(aperture_positions(1024))
     wide = np.mean(weights**2) / np.mean(weights) ** 2  # energy of the lobe over its peak, cells
@@ -67,17 +97,16 @@ def scattered_floor(design: Design, cells: Array, wavelength: float, aperture: f
     return np.where(beside, share * wide * one_side, 0.0)
 
 
-def _sources(design: Design, value: Value, wavelength: Array) -> dict[str, Source]:
-    motion, oscillator = design.motion, design.oscillator
+def _sources(motion: Motion, oscillator: Oscillator, numbers: Mapping[str, Array]) -> dict[str, Source]:
     none = np.zeros(0)
     sources: dict[str, Source] = {}
     given = motion.imu_bandwidth is not None
-    if (motion.lines or motion.spectrum) and (given or np.any(value("motion.delay") != 0)):
+    if (motion.lines or motion.spectrum) and (given or np.any(numbers["motion.delay"] != 0)):
         sources[VIBRATION] = Source(
             *_lines(motion.lines),
             accelerations=_curve(motion.spectrum),
-            delay=value("motion.delay"),
-            bandwidth=value("motion.imu_bandwidth") if given else None,
+            delay=numbers["motion.delay"],
+            bandwidth=numbers["motion.imu_bandwidth"] if given else None,
         )
     if motion.unsensed_lines or motion.unsensed_spectrum:
         curve = _curve(motion.unsensed_spectrum)
@@ -88,13 +117,17 @@ def _sources(design: Design, value: Value, wavelength: Array) -> dict[str, Sourc
             displacements=None if accelerations else curve,
         )
     if (curve := _curve(oscillator.phase_noise)) is not None:
-        times = 1.0 if oscillator.frequency is None else SPEED_OF_LIGHT / wavelength / value("oscillator.frequency")
+        times = (
+            1.0
+            if oscillator.frequency is None
+            else SPEED_OF_LIGHT / numbers["wavelength"] / numbers["oscillator.frequency"]
+        )
         sources[OSCILLATOR] = Source(
             none,
             none,
             displacements=Curve(curve.frequency, 2 * curve.density),  # both sidebands
-            delay=None if oscillator.bistatic else 2 * value("radar.slant_range") / SPEED_OF_LIGHT,
-            scale=times * wavelength / (4 * math.pi),
+            delay=None if oscillator.bistatic else 2 * numbers["radar.slant_range"] / SPEED_OF_LIGHT,
+            scale=times * numbers["wavelength"] / (4 * math.pi),
         )
     return sources
 

@@ -89,7 +89,6 @@ def spectral_of(x: Inputs, cell: float) -> Spectral:
             (), FrozenMapping(dict.fromkeys(LEVELS, NOTHING)), 1.0, FrozenMapping(dict.fromkeys(LEVELS, none))
         )
     sized = shares_by_step(x, lambda y: levels(y.fast.values(), y.to_phase, y.aperture, y.window))
-    values = levels(x.fast.values(), x.to_phase, x.aperture, x.window)
     lobe = ideal_null_cells(x.window)  # type: ignore[arg-type]
     echoes = [
         Echo(name, float(at), float(phase), float(level), float(at * x.aperture * cell))
@@ -105,7 +104,7 @@ def spectral_of(x: Inputs, cell: float) -> Spectral:
     ]
     return Spectral(
         tuple(sorted(echoes, key=lambda item: -item.level)),
-        FrozenMapping({name: float(value) for name, value in values.items()}),
+        FrozenMapping({name: value for name, (value, _) in sized.items()}),
         float(stays(x.fast.values(), x.to_phase, x.aperture, x.window)[0]),
         FrozenMapping({name: _of(x.fast, shares) for name, (_, shares) in sized.items()}),
         float(x.to_phase**2 * sum(made.scattered for made in x.fast.values())),

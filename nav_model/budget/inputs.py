@@ -19,7 +19,6 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, Radar
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.errors import InputError
-from nav_model.frozen import FrozenMapping
 from nav_model.processing.fast_motion import Fast
 from nav_model.sar import geometry
 
@@ -190,6 +189,6 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         leg_after=value("processing.leg_after"),
         scene_height_error=value("processing.scene_height_error"),
         window=radar.window,
-        fast=FrozenMapping(fast_sources(design, value, wavelength, aperture)),
+        fast=fast_sources(design, value, wavelength, aperture),
         rectified=rectified(design, value),
     )

@@ -103,5 +103,5 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         respond=partial(response_of, x),
     )
     assert moved[0] is not None
-    shifts = Shifts(*(np.atleast_1d(value.real)[0] for value in moved[0]))  # the shares' steps are imaginary
+    shifts = Shifts(*(np.asarray(value.real.flat[0]) for value in moved[0]))  # the shares' steps are imaginary
     return smoothed, placement_of(x, shifts, FrozenMapping({name: shares[name] for name in PLACING}))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from nav_model.analytic import coast as growth
 from nav_model.analytic.discrete import Sawtooth, SlowError
 from nav_model.analytic.sensitivity import horizontal_parts, vertical_parts
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical
+from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
 from nav_model.budget.figures import COASTING, settled
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.frozen import FrozenMapping, Later
@@ -37,6 +37,9 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     RECTIFICATION: ("rectified",),
 }
 """Source of error -> the inputs that are its size."""
+
+_SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS)
+"""Sources that filter and smoother weigh; others reach figures beside them."""
 
 Shares = Mapping[str, float]
 """Source -> its share of a variance; they add up to one."""
@@ -61,9 +64,9 @@ def white_parts(x: Inputs) -> WhiteParts:
             dict(zip((ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE), level, strict=True)),
             dict(zip((ACCELEROMETER_NOISE, GNSS_NOISE), upright, strict=True)),
         )
-    names, stepped = _stepped(
-        replace(x, slow=None, bias_a=0 * x.bias_a, bias_w=0 * x.bias_w, rectified=None, fast={})
-    )
+    nothing = 0 * x.bias_a
+    white = replace(x, slow=None, bias_a=nothing, bias_w=nothing, scene_height_error=nothing, rectified=None, fast={})
+    names, _, stepped = _stepped(white)
     found = settled(stepped)
 
     def of(whole: Horizontal | Vertical) -> dict[str, Any]:
@@ -191,35 +194,50 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
     of : callable
         Inputs to figures, one sigma each, which broadcasts.
     """
-    names, stepped = _stepped(x)
+    seen, beside, stepped = _stepped(x)
     figures = of(stepped)
-    table = np.empty((len(figures), len(names)), complex)
-    for row, value in zip(table, figures.values(), strict=True):
-        row[:] = value
-    parts = np.maximum(table.imag / (table.real * _STEP), 0)
+    table = np.empty((len(figures), len(beside) + 1, len(seen) + bool(beside)), complex)
+    for one, value in zip(table, figures.values(), strict=True):
+        one[:] = value
+    sizes = table.real[:, -1, -1]
+    slopes = np.hstack([table.imag[:, -1, : len(seen)], table.imag[:, :-1, -1]])
+    parts = np.maximum(slopes / (sizes[:, None] * _STEP), 0)
     # The values are so far apart that rounding hides every slope: the shares are unknown.
     parts[~np.any(parts > 0, axis=1)] = 1.0
     return {
-        figure: (size, _normalised(dict(zip(names, row, strict=True))))
-        for figure, size, row in zip(figures, table.real[:, 0].tolist(), parts.tolist(), strict=True)
+        figure: (size, _normalised(dict(zip((*seen, *beside), row, strict=True))))
+        for figure, size, row in zip(figures, sizes.tolist(), parts.tolist(), strict=True)
     }
 
 
-def _stepped(x: Inputs) -> tuple[list[str], Inputs]:
-    """Sources that the design has, and its inputs as an array in which each is stepped once."""
-    names = [*(name for name, fields in _FIELDS.items() if _present(x, fields[0])), *x.fast]
+def _stepped(x: Inputs) -> tuple[list[str], list[str], Inputs]:
+    """Sources that filter and smoother see, those beside them, and the inputs with each stepped once.
+
+    The former are stepped along the last axis and the latter along one before it, so that the filter runs for its own
+    sources alone. Both axes then end with no step.
+    """
+    there = [name for name, fields in _FIELDS.items() if _present(x, fields[0])]
+    seen = [name for name in there if name in _SEEN]
+    beside = [*(name for name in there if name not in _SEEN), *x.fast]
     changes: dict[str, Any] = {}
-    for n, name in enumerate(names):
-        factor = 1 + 1j * _STEP * (np.arange(len(names)) == n)
-        if name in x.fast:
-            changes["fast"] = {**changes.get("fast", {}), name: x.fast[name].scaled(factor)}
-            continue
+    for name, factor in zip(seen, _factors(len(seen), len(seen) + bool(beside)), strict=True):
         for field in _FIELDS[name]:
             value = getattr(x, field)
-            changes[field] = (
-                SlowError(value.sigma * factor, value.correlation_time) if field == "slow" else value * factor
-            )
-    return names, replace(x, **changes)
+            changes[field] = value._replace(sigma=value.sigma * factor) if field == "slow" else value * factor
+    fast = dict(x.fast)
+    for name, row in zip(beside, _factors(len(beside), len(beside) + 1), strict=True):
+        factor = row[:, None]
+        if name in fast:
+            fast[name] = fast[name].scaled(factor)
+        else:
+            changes |= {field: getattr(x, field) * factor for field in _FIELDS[name]}
+    return seen, beside, replace(x, **changes, fast=fast)
+
+
+@cache
+def _factors(count: int, size: int) -> Array:
+    """Rows that each step one of `size` places, (count, size)."""
+    return as_numbers(1 + 1j * _STEP * np.eye(count, size))
 
 
 def _present(x: Inputs, field: str) -> bool:

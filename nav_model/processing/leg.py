@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.analytic.doubling import Segment, before, drift, information, repeated
+from nav_model.analytic.doubling import Doubles, Segment, before, drift, information, repeated
 from nav_model.analytic.steady_state import Array
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes
 from nav_model.processing.spectrum import UNEVEN, Channel, Leg, rates, smoothed
@@ -37,7 +37,7 @@ _HELD = [most for most, _ in _MODES]
 TOO_LONG = len(_MODES)
 """The level of such an aperture (`levels`)."""
 _SAME = 1e-3  # relative difference below which two fix intervals are equal
-_AT_ONCE = 2**22  # numbers in the largest array of one batch of modes
+_AT_ONCE = 2**18  # numbers in the largest array of one batch of modes, which stays in the cache
 _ROWS = 4096  # whose legs are taken together
 
 
@@ -108,29 +108,49 @@ def _pace(x: _Row) -> _Pace:
     return _Pace(often, seldom, _seen(x, first, second), _seen(x, ~first, ~second))
 
 
-def _unit(x: _Row, pace: _Pace) -> Segment:
+def _unit(x: _Row, pace: _Pace, between: Doubles) -> Segment:
     """From one of the fixes that come seldom, at its start, to the next, with a whole number of the others."""
     ratio = pace.seldom / pace.often
     parts = np.asarray(np.rint(ratio.real), np.int64)
-    unit = repeated(Segment(pace.dense * ratio / parts, *_drift(x, pace.seldom / parts)), parts)
+    if not np.array_equal(ratio, parts):
+        between = Doubles(Segment(pace.dense * ratio / parts, *_drift(x, pace.seldom / parts)))
+    unit = repeated(between, parts)
     return unit._replace(info=unit.info + pace.sparse)
 
 
-def _legs(x: _Row, pace: _Pace, reach: Array, between: Segment) -> tuple[Array, Array]:
+class _Fixes(NamedTuple):
+    """Of the legs before the aperture and after it: how many intervals between fixes that come seldom, -1 without
+    one; how many of the others follow the last of these, and lead to the first; from the aperture's end to a fix [s].
+    """
+
+    whole: NDArray[np.int64]  # (2, rows)
+    rest: NDArray[np.int64]
+    lead: NDArray[np.int64]
+    soon: Array  # (rows)
+
+
+def _fixes(reach: Array, aperture: Array, often: Array, seldom: Array) -> _Fixes:
+    away = np.ceil((aperture / seldom).real - 1e-9) * seldom - aperture
+    first = np.stack([0 * away, away])
+    whole = _count(reach - first, seldom)
+    if often is seldom:
+        return _Fixes(whole, 0 * whole, 0 * whole, away)
+    soon = np.ceil((aperture / often).real - 1e-9) * often - aperture
+    sooner = np.stack([0 * soon, soon])
+    rest = np.where(whole < 0, 0, _count(reach - first - whole * seldom, often) + 1)
+    most = np.asarray(np.rint(np.maximum(((first - sooner) / often).real, 0.0)), np.int64)
+    return _Fixes(whole, rest, np.clip(_count(reach - sooner, often) + 1, 0, most), soon)
+
+
+def _legs(x: _Row, pace: _Pace, reach: Array, between: Doubles) -> tuple[Array, Array]:
     """Information about the states at the legs' fixes beside the aperture, (n, n, 2, rows), and how far the one after
     the aperture is from its end [s]."""
-    away = np.ceil((x.aperture / pace.seldom).real - 1e-9) * pace.seldom - x.aperture
-    first = np.stack([0 * away, away])
-    whole = _count(reach - first, pace.seldom)
+    fixes = _fixes(reach, x.aperture, pace.often, pace.seldom)
     if pace.often is pace.seldom:
-        return information(between, whole + 1), away
-    soon = np.ceil((x.aperture / pace.often).real - 1e-9) * pace.often - x.aperture
-    sooner = np.stack([0 * soon, soon])
-    rest = _count(reach - first - whole * pace.seldom, pace.often) + 1
-    known = information(between, np.where(whole < 0, 0, rest)) + pace.sparse[:, :, None] * (whole >= 0)
-    known = information(_unit(x, pace), np.maximum(whole, 0), known)
-    lead = np.asarray(np.rint(np.maximum(((first - sooner) / pace.often).real, 0.0)), np.int64)
-    return information(between, np.clip(_count(reach - sooner, pace.often) + 1, 0, lead), known), soon
+        return information(between, fixes.whole + 1), fixes.soon
+    known = information(between, fixes.rest) + pace.sparse[:, :, None] * (fixes.whole >= 0)
+    known = information(Doubles(_unit(x, pace, between)), np.maximum(fixes.whole, 0), known)
+    return information(between, fixes.lead, known), fixes.soon
 
 
 def _ends(x: _Row) -> tuple[Array, Array]:
@@ -139,7 +159,7 @@ def _ends(x: _Row) -> tuple[Array, Array]:
     far = _FAR * (1 / x.slowest + pace.seldom.real)
     # before the aperture, counted from its last fix backward; after it, from its end
     reach = np.stack([np.minimum(x.before - x.gap, far), np.minimum(x.after, far)])
-    known, soon = _legs(x, pace, reach, Segment(pace.dense, *_drift(x, pace.often)))
+    known, soon = _legs(x, pace, reach, Doubles(Segment(pace.dense, *_drift(x, pace.often))))
     steps = np.stack([x.gap, soon])
     if np.any(steps):
         known = before(known, *_drift(x, steps))
@@ -234,6 +254,28 @@ def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array
     """
     start, end = _ends(_rows(channel, span, leg)[0])
     return start[..., 0], end[..., 0]
+
+
+def fixes_in_legs(channel: Channel, aperture: Array, leg: Leg) -> NDArray[np.int64]:
+    """How many fixes each leg has, by which alone its length counts, (3, 2, rows); but for what is too far to tell.
+
+    Two rows with equal columns have equal figures. The first is one less than the number of fixes of a leg where both
+    kinds come together, or there is one alone; the rest is then zero.
+
+    Parameters
+    ----------
+    channel : Channel
+        Whose intervals between fixes are numbers.
+    aperture : array
+        Seconds, a number.
+    leg : Leg
+        Of (rows), or numbers.
+    """
+    kinds = [channel.interval] if channel.velocity_interval is None else [channel.interval, channel.velocity_interval]
+    often, seldom = min(kinds), max(kinds)
+    reach = np.stack(np.broadcast_arrays(leg.before - leg.gap, leg.after))
+    fixes = _fixes(reach, aperture + 0 * reach[0], often, often if often == seldom else seldom)
+    return np.stack([fixes.whole, fixes.rest, fixes.lead])
 
 
 def levels(channel: Channel, aperture: Array) -> NDArray[np.int64]:

@@ -54,14 +54,16 @@ class Inside(NamedTuple):
 
 
 class _Basis(NamedTuple):
-    """Legendre coefficients of position, velocity and acceleration, (modes + 3, 3 + 2 modes), for an aperture of one.
+    """Legendre coefficients of position and velocity, (modes + 3, 3 + 2 modes), for an aperture of one.
 
-    Columns are the state at the start, then the modes of the accelerometer's noise, then of the gyro's.
+    Columns are the state at the start, then the modes of the accelerometer's noise, then of the gyro's. ``middle``
+    and ``end`` are position, velocity and acceleration there, (3, 3 + 2 modes).
     """
 
     position: Array
     velocity: Array
-    acceleration: Array
+    middle: Array
+    end: Array
 
 
 @cache
@@ -74,10 +76,15 @@ def _basis(modes: int) -> _Basis:
     state[0, :3] = [[1, 1 / 2, 1 / 6], [0, 1 / 2, 1 / 4], [0, 0, 1 / 12]]
     state[1, :2, 1:] = [[1, 1 / 2], [0, 1 / 2]]
     state[2, 0, 2] = 1
-    return _Basis(
+    parts = (
         np.hstack([state[0], twice, thrice]),
         np.hstack([state[1], once, twice]),
         np.hstack([state[2], 0 * once, once]),
+    )
+    middle = legendre.legvander(np.zeros(1), modes + 2)[0]
+    # every Legendre polynomial is one at the end
+    return _Basis(
+        *parts[:2], np.stack([middle @ part for part in parts]), np.stack([part.sum(axis=0) for part in parts])
     )
 
 
@@ -107,10 +114,8 @@ def _information(x: Inside, basis: _Basis, modes: int, scale: Array) -> Array:
     size = plain if x.slow is None else plain + points + 2
     whole: Array = np.zeros((rows, size, size), np.result_type(scale, x.start, x.end, x.position.known))
     _diagonal(whole)[:, 3:plain] = 1
-    second = basis.position, basis.velocity, basis.acceleration
     unit = np.stack([np.ones_like(x.aperture), 1 / x.aperture, 1 / x.aperture**2], axis=-1)
-    last = np.stack([part.sum(axis=0) for part in second])  # every Legendre polynomial is one at the end
-    ends = last * scale[:, None, :] * unit[..., None]
+    ends = basis.end * scale[:, None, :] * unit[..., None]
     whole[:, :3, :3] += np.moveaxis(x.start[:3, :3], -1, 0) * unit[:, :, None] * unit[:, None, :]
     whole[:, :plain, :plain] += _turned(ends) @ np.moveaxis(x.end[:3, :3], -1, 0) @ ends
     for kind, fixes, factor in ((basis.position, x.position, 0), (basis.velocity, x.velocity, 1)):
@@ -165,8 +170,7 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
     a, w = np.sqrt(x.accelerometer * t**3), np.sqrt(x.gyro * t**5)
     one = np.ones((len(t), modes))
     scale = np.hstack([np.ones((len(t), 3)), a[:, None] * one, w[:, None] * one])
-    middle = legendre.legvander(np.zeros(1), modes + 2)[0]
-    wanted = np.vstack([basis.position, *(middle @ part for part in basis)]) * scale[:, None, :]
+    wanted = np.vstack([basis.position, basis.middle]) * scale[:, None, :]
     whole = _information(x, basis, modes, scale)
     plain = scale.shape[1]
     sides: Array = np.zeros((*wanted.shape[:2], whole.shape[-1]), wanted.dtype)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.few import from_few
 from nav_model.analytic.steady_state import Array
-from nav_model.processing.leg import COLUMNS, TOO_LONG, levels, smoothed_in_leg
+from nav_model.processing.leg import COLUMNS, TOO_LONG, fixes_in_legs, levels, smoothed_in_leg
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 
 SPECTRUM, STATE_SPACE = "spectrum", "state space"
@@ -108,6 +110,19 @@ def smoothed_error(
 _Places = NDArray[np.int64]
 
 
+class _Axis(NamedTuple):
+    """Rows or columns of a map of which no two are alike.
+
+    The length of a leg counts by its number of fixes alone. Along an axis that changes such a number, values jump,
+    but for one leg with one kind of fixes: there they are smooth in the number.
+    """
+
+    first: _Places  # of the map, that stand for those alike
+    alike: _Places  # of each of the map, which of these it is
+    at: Array  # where these are, for values that are smooth
+    jumps: bool
+
+
 @dataclass(frozen=True)
 class _Part:
     """Inputs of one channel, by name and then aperture and leg, and where they are smoothed in state space."""
@@ -119,11 +134,25 @@ class _Part:
     def stepped(self) -> bool:
         return any(map(np.iscomplexobj, self.values.values()))
 
-    @property
-    def jumps(self) -> tuple[bool, bool]:
-        """Along which axes of a map the number of fixes changes, in the aperture or in a leg."""
-        shapes = [self.values[name].shape for name in _COUNTED if name in self.values]
-        return any(len(at) == 2 and at[0] > 1 for at in shapes), any(len(at) > 0 and at[-1] > 1 for at in shapes)
+    def axis(self, n: int) -> _Axis:
+        """The rows or the columns of a map."""
+        size = self.mask.shape[n]
+        counted = {name: self.values[name] for name in _COUNTED if name in self.values}
+        along = {name for name, value in counted.items() if value.ndim >= 2 - n and value.shape[n - 2] > 1}
+        beside = {"interval", "velocity_interval", "aperture", *({"gap"} if "before" in along else ())}
+        alone = along <= {"before", "after"} and all(counted[name].size == 1 for name in beside & set(counted))
+        if len(along) != 1 or not alone:
+            return _Axis(np.arange(size), np.arange(size), np.arange(size, dtype=float), bool(along))
+        (name,) = along
+        one = {key: value.ravel() if key == name else value.ravel()[0] for key, value in counted.items()}
+        nothing, *ends = np.zeros(()), *(one[key] for key in Leg._fields)
+        channel = Channel(nothing, None, nothing, one["interval"], None, one.get("velocity_interval"))
+        fixes = fixes_in_legs(channel, one["aperture"], Leg(*ends))[:, int(name == "after")]
+        new = np.append(True, np.any(np.diff(fixes) != 0, axis=0))
+        first, jumps = np.flatnonzero(new), bool(np.any(fixes[1:]))
+        return _Axis(
+            first, np.cumsum(new) - 1, first.astype(float) if jumps else np.log(fixes[0, first] + 3.0), jumps
+        )
 
     def at(self, place: NDArray[np.bool_] | tuple[_Places, ...]) -> list[Array]:
         """The inputs at some places of the shape that they have together."""
@@ -151,9 +180,8 @@ def _each(parts: Sequence[_Part]) -> list[dict[str, Array]]:
     """Every design in state space, of all channels in one go."""
     rows = [np.concatenate(values) for values in zip(*(part.at(part.mask) for part in parts), strict=True)]
     exact = _in_leg(parts[0].values, rows)
-    ends = np.cumsum([np.count_nonzero(part.mask) for part in parts])[:-1]
-    split = {name: np.split(values, ends) for name, values in exact.items()}
-    return [{name: values[n] for name, values in split.items()} for n in range(len(parts))]
+    ends = np.cumsum([0, *(np.count_nonzero(part.mask) for part in parts)]).tolist()
+    return [{name: values[first:end] for name, values in exact.items()} for first, end in pairwise(ends)]
 
 
 def _from_few(parts: Sequence[_Part], wanted: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:
@@ -161,29 +189,42 @@ def _from_few(parts: Sequence[_Part], wanted: Sequence[Mapping[str, Array]]) -> 
     names = [name for name in COLUMNS if any(name in columns for columns in wanted)]
     plain = sorted({one for name in names for one in _PAIRS.get(name, (name,))})
     paired = [name for name in names if name in _PAIRS]
+    rows, columns = parts[0].axis(0), parts[0].axis(1)  # fixes come to all channels alike
     kinds = [
-        (n, int(k), part.mask & (part.level == k)) for n, part in enumerate(parts) for k in np.unique(part.level)
+        (n, int(k), np.nonzero(part.mask & (part.level == k)))
+        for n, part in enumerate(parts)
+        for k in np.unique(part.level)
     ]
+    places = [(rows.alike[i], columns.alike[j]) for _, _, (i, j) in kinds]
 
-    def exact(kind: _Places, rows: _Places, columns: _Places) -> Array:
+    def exact(kind: _Places, i: _Places, j: _Places) -> Array:
         # the kinds come one after the other
-        pieces = [parts[n].at((rows[kind == m], columns[kind == m])) for m, (n, _, _) in enumerate(kinds)]
+        pieces = [
+            parts[n].at((rows.first[i[kind == m]], columns.first[j[kind == m]])) for m, (n, _, _) in enumerate(kinds)
+        ]
         inputs = [np.concatenate(values) for values in zip(*pieces, strict=True)]
         found = _in_leg(parts[0].values, inputs, np.array([k for _, k, _ in kinds])[kind])
         variances = {name: np.maximum(found[name], _NOTHING) for name in plain}
         pairs = (found[name] / np.sqrt(variances[_PAIRS[name][0]] * variances[_PAIRS[name][1]]) for name in paired)
         return np.stack([*map(np.log, variances.values()), *pairs])
 
-    jumps = [parts[n].jumps for n, _, _ in kinds]
-    solved = from_few([mask for _, _, mask in kinds], jumps, len(plain) + len(paired), exact)
-    found = [{name: np.empty(np.count_nonzero(part.mask)) for name in names} for part in parts]
-    for (n, _, mask), values in zip(kinds, solved, strict=True):
-        here, inside = values[:, mask], mask[parts[n].mask]
+    wanted_at = []
+    for place in places:
+        wanted_at.append(np.zeros((len(rows.first), len(columns.first)), bool))
+        wanted_at[-1][place] = True
+    jumps = [(rows.jumps, columns.jumps)] * len(kinds)
+    solved = from_few(wanted_at, jumps, len(plain) + len(paired), exact, (rows.at, columns.at))
+    found = [{name: np.empty(part.mask.shape) for name in names} for part in parts]
+    for (n, _, own), place, values in zip(kinds, places, solved, strict=True):
+        here = values[:, *place]
         variances = dict(zip(plain, np.exp(here[: len(plain)]), strict=True))
         for name in names:
             if name not in _PAIRS:
-                found[n][name][inside] = variances[name]
+                found[n][name][own] = variances[name]
         for name, ratio in zip(paired, here[len(plain) :], strict=True):
             one, other = _PAIRS[name]
-            found[n][name][inside] = ratio * np.sqrt(variances[one] * variances[other])
-    return found
+            found[n][name][own] = ratio * np.sqrt(variances[one] * variances[other])
+    return [
+        {name: values[part.mask] for name, values in columns.items()}
+        for columns, part in zip(found, parts, strict=True)
+    ]

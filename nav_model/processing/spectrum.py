@@ -91,7 +91,7 @@ def inverse_drift(channel: Channel, w: Array) -> Array:
 def inverse_receiver(channel: Channel, w: Array) -> Array:
     """One over the density of the receiver's position error. [P-2]"""
     power = w**2
-    noise = (channel.fix**2 * channel.interval)[..., None] + 0 * power
+    noise = (channel.fix**2 * channel.interval)[..., None]
     if channel.slow is not None and channel.slow_time is not None:
         time = channel.slow_time[..., None]
         noise = noise + 2 * channel.slow[..., None] ** 2 * time / (1 + power * time**2)
@@ -125,9 +125,9 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
     >>> f"{float(smoothed(navigation, np.array(3.0))['position']) ** 0.5 * 1e3:.3f} mm"
     '2.170 mm'
     """
-    rows = len(aperture) if aperture.ndim > 1 else 1
-    if rows > 1:  # every row of a map has different frequencies: one at a time fits the cache
-        parts = [smoothed(_row(channel, k, aperture.ndim), aperture[k], names) for k in range(rows)]
+    rows = _rows(channel, aperture)
+    if rows > 1:
+        parts = [smoothed(*_row(channel, aperture, k), names) for k in range(rows)]
         return {
             name: parts[0][name] if name in UNEVEN else np.stack([part[name] for part in parts]) for name in names
         }
@@ -157,10 +157,27 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
     return found
 
 
-def _row(channel: Channel, k: int, axes: int) -> Channel:
-    """Of a map of so many axes."""
-    values = {name: value for name, value in vars(channel).items() if value is not None and value.ndim == axes}
-    return replace(channel, **{name: value[k if len(value) > 1 else 0] for name, value in values.items()})
+def _rows(channel: Channel, aperture: Array) -> int:
+    """Of a map that is taken one row at a time, to stay in the cache; else 1.
+
+    Each row has frequencies of its own, or both axes change what drifts, or what the receiver knows.
+    """
+    if aperture.ndim > 1 and len(aperture) > 1:
+        return len(aperture)
+    given = {name: value.shape for name, value in vars(channel).items() if value is not None}
+    drift = np.broadcast_shapes(*(given.pop(name) for name in ("accelerometer", "gyro") if name in given))
+    known = np.broadcast_shapes(*given.values())
+    return max((shape[0] for shape in (drift, known) if len(shape) > 1 and shape[1] > 1), default=1)
+
+
+def _row(channel: Channel, aperture: Array, k: int) -> tuple[Channel, Array]:
+    """Of a map."""
+
+    def row(value: Array) -> Array:
+        return value if value.ndim < 2 else value[k if len(value) > 1 else 0]
+
+    values = {name: row(value) for name, value in vars(channel).items() if value is not None}
+    return replace(channel, **values), row(aperture)
 
 
 _FILTER = {"position": "whole", "velocity": "whole"}

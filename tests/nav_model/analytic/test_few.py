@@ -12,8 +12,8 @@ ARW, FIX = "imu.angle_random_walk", "gnss.position_noise"
 SHORT = {"processing.mode": "post-processed", "processing.leg_before": 20.0, "processing.leg_after": 10.0}
 
 
-def worked_out(function, wanted, jumps=(False, False)):
-    """Values of a map, and at how many places they were computed."""
+def worked_out(function, wanted, jumps=(False, False), at=None):
+    """Values of a map, and at how many places they were worked out."""
     count = 0
 
     def exact(kind, rows, columns):
@@ -22,7 +22,7 @@ def worked_out(function, wanted, jumps=(False, False)):
         assert not kind.any()
         return function(rows, columns)[None]
 
-    return from_few([wanted], [jumps], 1, exact)[0][0], count
+    return from_few([wanted], [jumps], 1, exact, at)[0][0], count
 
 
 @pytest.mark.parametrize(
@@ -47,6 +47,19 @@ def test_within_the_bound_from_fewer_places(function, jumps, share):
     assert count <= share * wanted.size
 
 
+def test_places_need_not_be_evenly_spaced():
+    rng = np.random.default_rng(3)
+    at = np.cumsum(rng.uniform(0.1, 1.9, 200)), np.log(np.arange(3, 183))
+    wanted = np.ones((200, 180), bool)
+
+    def function(i, j):
+        return np.sin(at[0][i] / 40) * np.cos(at[1][j])
+
+    found, count = worked_out(function, wanted, at=at)
+    assert np.abs(found - function(*np.indices(wanted.shape))).max() < BOUND
+    assert count < 0.05 * wanted.size < worked_out(function, wanted)[1]
+
+
 def test_nothing_wanted_is_nothing_worked_out():
     assert worked_out(lambda i, j: i + j, np.zeros((50, 60), bool))[1] == 0
 
@@ -60,6 +73,7 @@ def test_nothing_wanted_is_nothing_worked_out():
         ("gnss.correlated_noise", "gnss.correlation_time", SHORT | {"gnss.correlated": True}),
         (ARW, FIX, {"processing.mode": "post-processed", "gnss.interval": 10.0}),  # sparse; in parts by spectrum
         (ARW, "processing.leg_after", {"processing.mode": "post-processed"}),
+        ("processing.leg_before", "processing.leg_after", {"processing.mode": "post-processed"}),
         ("radar.aperture_time", "gnss.interval", SHORT),
         (ARW, "gnss.interval", {"gnss.velocity_noise": 0.03}),  # in real time, velocity takes the doubling
         (ARW, FIX, {"gnss.velocity_noise": 0.03, "gnss.correlated": True}),

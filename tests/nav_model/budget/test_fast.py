@@ -182,3 +182,28 @@ def test_an_aperture_that_hides_the_echo_in_the_main_lobe_is_found(open_design):
     answer = next(each for each in solution.each if each.binding == "paired_echo")
     assert answer.value == pytest.approx(1 / 12, rel=1e-6)
     assert answer.margin >= 0
+
+
+def test_sources_are_kept_while_the_design_changes_elsewhere(full):
+    at_carrier = full.replace(
+        {"oscillator.bistatic": False, "motion.imu_bandwidth": 200.0, "radar.aperture_time": 5.0}
+    )
+    design = at_carrier.replace({"oscillator.frequency": 1e8})
+    assert (
+        inputs_of(design.replace({"imu.gyro_bias": 1e-6, "gnss.position_noise": 0.7})).fast is inputs_of(design).fast
+    )
+    changes = {
+        "motion.delay": 3e-4, "motion.imu_bandwidth": 100.0, "oscillator.frequency": 2e8, "radar.slant_range": 9e3,
+        "radar.aperture_time": 3.0, "radar.window": "hamming", "oscillator.bistatic": True,
+        "motion.lines": ((20.0, 2 * G, "acceleration"),),
+    }  # fmt: skip
+    for start, key, value in (
+        *((design, *change) for change in changes.items()),
+        (at_carrier, "radar.frequency", 5e9),
+    ):
+        before, after = (inputs_of(one).fast for one in (start, start.replace({key: value})))
+        assert any(
+            getattr(before[name], field) != getattr(after[name], field)
+            for name in before
+            for field in ("scattered", "quadratic")
+        ), key

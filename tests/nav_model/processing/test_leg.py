@@ -14,7 +14,7 @@ from nav_model.budget.figures import channels, smoothed_figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.processing.geolocation import free_line
-from nav_model.processing.leg import smoothed_in_leg
+from nav_model.processing.leg import fixes_in_legs, smoothed_in_leg
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes
 from nav_model.processing.smoother import by_state_space, smoothed_error
 from nav_model.processing.spectrum import Channel, Leg, rates
@@ -275,6 +275,20 @@ def test_two_kinds_of_fixes_at_their_own_pace():
             ours, theirs = smoothed_in_leg(both, aperture, leg), batch(both, aperture, leg)
             for name in ("quadratic", "left_1", "slope", "position"):
                 assert math.sqrt(float(ours[name]) / theirs[name]) == pytest.approx(1, abs=0.02), (name, both)
+
+
+@pytest.mark.parametrize("velocity_interval", [None, 1.0, 0.3, 2.7])
+def test_a_leg_counts_by_its_fixes_alone(velocity_interval):
+    """Legs with as many fixes give the same figures to the last digit, and legs with others other ones."""
+    values = [np.array(x) for x in (1.2e-3, 6e-4, 1.0, 1.0)]
+    velocity = () if velocity_interval is None else (np.array(0.03), np.array(velocity_interval))
+    channel, aperture, gap = Channel(*values, *velocity), np.array(4.3), np.array(0.7)
+    lengths = np.linspace(0.7, 12.0, 150)
+    for side, leg in enumerate((Leg(lengths, np.array(9.0), gap), Leg(np.array(9.0), lengths, gap))):
+        same = np.all(np.diff(fixes_in_legs(channel, aperture, leg)[:, side]) == 0, axis=0)
+        found = smoothed_in_leg(channel, aperture, leg)["position"]
+        np.testing.assert_array_equal(np.diff(found) == 0, same)
+        assert 0 < np.count_nonzero(~same) < 60
 
 
 def test_more_leg_and_better_sensors_never_harm():
