@@ -220,14 +220,6 @@ def decoupled_response(
     return out
 
 
-def decoupled_errors(
-    flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10
-) -> ChannelErrors:
-    """The `decoupled_response` to parameter vectors (c, 61), for comparison with the INS."""
-    response = decoupled_response(flight, errors, used, every)
-    return channel_errors(flight, np.atleast_2d(parameters), response, every)
-
-
 def channel_errors(flight: TrueFlight, parameters: FloatArray, response: FloatArray, every: int) -> ChannelErrors:
     """What a `decoupled_response` makes of parameter vectors (c, 61)."""
     return ChannelErrors(flight.time_s[::every], np.einsum("cp,pmi->cmi", parameters, response))
