@@ -102,11 +102,14 @@ def _places() -> asyncio.Semaphore:
 
 
 def _work(ends: Connection) -> None:
-    """Do runs, as they come, until ended."""
+    """Do runs, as they come, until nobody is left to ask."""
     end_with_parent()
     workers.step_back()
     while True:
-        function, arguments = ends.recv()
+        try:
+            function, arguments = ends.recv()
+        except EOFError:
+            return
         try:
             result = function(*arguments, progress=lambda share, what: ends.send(("progress", share, what)))
         except InputError as error:
