@@ -31,6 +31,7 @@ from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
 from app.session import Session, link_parts
+from app.subjects import SUBJECTS
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
@@ -60,6 +61,7 @@ that one visitor's tab is the first to import known to one open page, and every 
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
 _MAX_HEADER = 65_536  # a design as a link is far shorter
 _TELL = 0.5  # seconds
+_REST = 1.0  # seconds
 _LAST_LOOKS = 20  # for results to reach the pages once all work has ended, 50 ms and more between two
 
 
@@ -145,7 +147,7 @@ def serve_on(
     for name in COMPONENTS:
         import_module(name)
     workers.use(rules.workers, row.board.processes)
-    began, collector = time.monotonic(), Collector()
+    began, collector, loaded = time.monotonic(), Collector(), asyncio.Event()
     listen_on(listening, port)
     access = provider_of(rules)
     provider = access.get("auth_provider")
@@ -156,7 +158,7 @@ def serve_on(
     )  # fmt: skip
     metrics = ServerMetrics(row.board, rules.max_sessions, lambda: time.monotonic() - began)
     server = pn.serve(
-        {"/": lambda: _counted(row, collector)},
+        {"/": lambda: _counted(row, collector, loaded)},
         address=rules.address,
         port=port,
         title=_TITLE,
@@ -179,7 +181,7 @@ def serve_on(
     settle()
     row.put("pid", os.getpid())
     ready()
-    _run(server, rules.grace, collector, row)
+    _run(server, rules.grace, collector, row, loaded)
 
 
 def opening_page() -> Callable[[str, bool], str]:
@@ -198,7 +200,7 @@ def opening_page() -> Callable[[str, bool], str]:
     return page
 
 
-def _counted(row: Row, collector: Collector) -> Any:
+def _counted(row: Row, collector: Collector, loaded: asyncio.Event) -> Any:
     """`build` with metrics and logs of sessions and computed budgets."""
     row.add("opened")
     row.add("sessions")
@@ -212,10 +214,21 @@ def _counted(row: Row, collector: Collector) -> Any:
         collector.page_closed()
 
     pn.state.on_session_destroyed(closed)
+    pn.state.onload(loaded.set)
     return build(lambda _: row.add("events"))
 
 
-def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
+async def _prepare(loaded: asyncio.Event) -> None:
+    """Do what subjects prepare, a second after the first page has loaded, which then has its lower half too."""
+    await loaded.wait()
+    await asyncio.sleep(_REST)
+    for subject in SUBJECTS:
+        if subject.ahead:
+            await asyncio.to_thread(subject.load, "page")
+            await subject.load("ahead")(first_design())
+
+
+def _run(server: Any, grace: float, collector: Collector, row: Row, loaded: asyncio.Event) -> None:
     """Run until stopped: then no new session starts, heavy work may finish and reach its page, and everything is
     closed.
 
@@ -235,6 +248,7 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
         server.io_loop.stop()
 
     def told() -> None:
+        ahead.cancel()
         event("stopping", under_way=workers.under_way())
         if stopping:
             server.io_loop.stop()
@@ -242,7 +256,8 @@ def _run(server: Any, grace: float, collector: Collector, row: Row) -> None:
             stopping.append(loop.create_task(wind_down()))
 
     server.start()
-    aside = [loop.create_task(collector.run()), loop.create_task(_tell(server, row))]
+    ahead = loop.create_task(_prepare(loaded))
+    aside = [ahead, loop.create_task(collector.run()), loop.create_task(_tell(server, row))]
     for signal_number in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(signal_number, told)
     try:

@@ -30,6 +30,9 @@ class Subject:
         study, also ``belongs(result, design)``, ``of_design(result)`` and ``study(design, options)``, which runs one.
     study : str
         What its study is called in a report; empty for a subject whose results follow from the design at once.
+    ahead : str
+        ``module:function`` awaited once per server, with the design that visitors start with, while its first page is
+        at rest: so that nobody waits for what opening the tab loads and computes.
     """
 
     key: str
@@ -38,6 +41,7 @@ class Subject:
     command: str = ""
     report: str = ""
     study: str = ""
+    ahead: str = ""
 
     def load(self, part: str) -> Any:
         """A part of the subject, such as "report", imported: a module, or what is in it behind a colon."""
@@ -50,7 +54,15 @@ SUBJECTS: tuple[Subject, ...] = (
     Subject("budget", "Budget", "page:BudgetPage", "command", "report"),
     Subject("simulation", "Simulate", "page:SimulatePage", "command", "report", "Simulation"),
     Subject("sar", "SAR", "page:SarPage", "command", "report", "SAR"),
-    Subject("suborbital", "Suborbital", "page:SuborbitalPage", "command", "report", "Suborbital flight"),
+    Subject(
+        "suborbital",
+        "Suborbital",
+        "page:SuborbitalPage",
+        "command",
+        "report",
+        "Suborbital flight",
+        ahead="studies:fly_ahead",
+    ),
     Subject("explore", "Explore", "page:ExplorePage", "command"),
     Subject("sensors", "Sensors", "page:SensorsPage", "command"),
     Subject("review", "Review", "page:ReviewPage"),

@@ -1,22 +1,25 @@
 """A long run in a separate process, with progress, which ends at once when cancelled.
 
-The pool of `app.work.pool` serves short work; its processes cannot be stopped within a task, and one that has
-done something large keeps its memory.
+The pool of `app.work.pool` serves short work; its processes cannot be stopped within a task. A process that has done
+its run and stayed small waits for the next, with all that it has loaded; there is one such at most.
 """
 
 from __future__ import annotations
 
 import asyncio
 import multiprocessing
+import os
 from collections.abc import Callable
 from functools import cache
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 from app.work import pool as workers
 from nav_model.errors import InputError
 from nav_model.processes import end_with_parent
 
+_SMALL = 400_000_000  # bytes: what a suborbital study leaves is half of it, most of that libraries and kernels
 WAITING = "waiting for another run to finish"
 
 
@@ -25,7 +28,7 @@ class RunLost(Exception):
 
 
 async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Callable[[float, str], None]) -> Any:
-    """Run an importable function in a new process; cancelling the task ends the process at once.
+    """Run an importable function in a process beside the pages; cancelling the task ends that process at once.
 
     function is called with ``progress=`` a function of the share done and of what is being done, which reaches
     `progress` here.
@@ -41,26 +44,55 @@ async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Cal
         progress(0.0, WAITING)
     with workers.counted():
         async with _places():
-            context = multiprocessing.get_context("spawn")
-            receiver, sender = context.Pipe(duplex=False)
-            process = context.Process(target=_work, args=(sender, function, arguments), daemon=True)
-            process.start()
-            sender.close()
+            process, held = _take(), None
             try:
+                await asyncio.to_thread(process.ends.send, (function, arguments))
                 while True:
-                    kind, *content = await asyncio.to_thread(receiver.recv)
+                    kind, *content = await asyncio.to_thread(process.ends.recv)
                     if kind == "progress":
                         progress(*content)
-                    elif kind == "refused":
-                        raise content[0]
-                    else:
-                        return content[0]
+                        continue
+                    outcome, held = content
+                    if kind == "refused":
+                        raise outcome
+                    return outcome
             except (EOFError, OSError) as error:
                 raise RunLost("the run ended without an answer; it may need more memory") from error
             finally:
-                process.kill()
-                await asyncio.to_thread(process.join)
-                receiver.close()
+                if held is not None and held <= _SMALL and not _waiting:
+                    _waiting.append(process)
+                else:
+                    await process.end()
+
+
+class _Process:
+    """A process that does one run after another; `ends` is our end of the pipe to it."""
+
+    def __init__(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.ends, theirs = context.Pipe()
+        self._process = context.Process(target=_work, args=(theirs,), daemon=True)
+        self._process.start()
+        theirs.close()
+
+    @property
+    def lives(self) -> bool:
+        return self._process.is_alive()
+
+    async def end(self) -> None:
+        self._process.kill()
+        await asyncio.to_thread(self._process.join)
+        self.ends.close()
+
+
+_waiting: list[_Process] = []  # for the next run, one at most
+
+
+def _take() -> _Process:
+    while _waiting:
+        if (process := _waiting.pop()).lives:
+            return process
+    return _Process()
 
 
 @cache
@@ -69,14 +101,30 @@ def _places() -> asyncio.Semaphore:
     return asyncio.Semaphore(workers.size())
 
 
-def _work(sender: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+def _work(ends: Connection) -> None:
+    """Do runs, as they come, until nobody is left to ask."""
     end_with_parent()
     workers.step_back()
-    try:
-        result = function(*arguments, progress=lambda share, what: sender.send(("progress", share, what)))
-    except InputError as error:
-        sender.send(("refused", error))
-    except ValueError as error:
-        sender.send(("refused", ValueError(str(error))))  # not every kind of it survives the way
-    else:
-        sender.send(("done", result))
+    while True:
+        try:
+            function, arguments = ends.recv()
+        except EOFError:
+            return
+        try:
+            result = function(*arguments, progress=lambda share, what: ends.send(("progress", share, what)))
+        except InputError as error:
+            answer: tuple[str, Any] = "refused", error
+        except ValueError as error:
+            answer = "refused", ValueError(str(error))  # not every kind of it survives the way
+        else:
+            answer = "done", result
+            del result
+        del function, arguments
+        ends.send((*answer, _held_memory()))
+        del answer
+
+
+def _held_memory() -> int:
+    """Bytes of memory that this process holds now."""
+    pages = int(Path("/proc/self/statm").read_text("ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")

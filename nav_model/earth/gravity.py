@@ -4,6 +4,7 @@ The ellipsoidal field is the normal field of WGS 84 to its sixth zonal: within 5
 (Heiskanen and Moritz, Physical Geodesy, sections 2-7 and 6-2) from the ground to 1000 km.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,7 +39,7 @@ def zonals(model: str) -> FloatArray:
     return np.array(ZONALS[model])
 
 
-def _field(radius: Any, s: Any, j: FloatArray) -> tuple[Any, Any]:
+def _field(radius: Any, s: Any, j: Sequence[float] | FloatArray) -> tuple[Any, Any]:
     """Radial part (along r) and the factor of the direction (k - s u), k the spin axis, u the unit radius."""
     q = (SEMI_MAJOR_AXIS / radius) ** 2
     s2 = s * s

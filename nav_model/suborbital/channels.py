@@ -213,12 +213,6 @@ def decoupled_response(flight: TrueFlight, errors: ErrorSet, every: int = 10) ->
     return out
 
 
-def decoupled_errors(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> ChannelErrors:
-    """The `decoupled_response` to parameter vectors (c, 61), for comparison with the INS."""
-    response = decoupled_response(flight, errors, every=every)
-    return channel_errors(flight, np.atleast_2d(parameters), response, every)
-
-
 def channel_errors(flight: TrueFlight, parameters: FloatArray, response: FloatArray, every: int) -> ChannelErrors:
     """Errors of parameter vectors (c, 61) from a `decoupled_response`."""
     return ChannelErrors(flight.time_s[::every], np.einsum("cp,pmi->cmi", parameters, response))

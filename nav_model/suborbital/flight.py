@@ -115,6 +115,11 @@ class TrueFlight:
         return len(self.time_s) - 1
 
     @property
+    def from_file(self) -> bool:
+        """Whether it is a loaded trajectory, which is what it is in any gravity field."""
+        return self.burnout_s is None
+
+    @property
     def attitude_bi(self) -> FloatArray:
         """Body to inertial rotation at every step, (n+1, 3, 3)."""
         return self.half_attitude_bi[::2]
@@ -278,6 +283,28 @@ def reference_flight(parameters: FlightParameters | None = None) -> TrueFlight:
         p.azimuth_rad,
         p.burn_time_s,
         f"reference flight, RK4 at {p.step_s:g} s, {p.gravity} gravity",
+    )
+
+
+def in_gravity(flight: TrueFlight, gravity: str) -> TrueFlight:
+    """The flight in another gravity field: same start, attitudes and specific forces, so another path.
+
+    InputError for another model than those of `ZONALS`; ValueError when it reaches the ground.
+    """
+    if gravity == flight.gravity:
+        return flight
+    return assemble(
+        flight.name,
+        flight.step_s,
+        flight.position_i[0],
+        flight.velocity_i[0],
+        flight.half_attitude_bi,
+        flight.specific_force_b,
+        flight.angular_rate_b,
+        gravity,
+        flight.initial_track_rad,
+        flight.burnout_s,
+        f"{flight.source}, flown again in {gravity} gravity",
     )
 
 

@@ -8,8 +8,11 @@ position vectors resolved in north, east, up at the true position. The aided INS
 attitude at the start of a step and carries it through that step with its gyros.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +25,19 @@ from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, 
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
 from nav_model.suborbital.flight import TrueFlight
-from nav_model.suborbital.layout import ATTITUDE, BIAS, GYROS, MATRIX, POSITION, SLOW_BIAS, SLOW_MATRIX, VELOCITY
+from nav_model.suborbital.layout import (
+    ACCELEROMETERS,
+    ATTITUDE,
+    BIAS,
+    GYROS,
+    MATRIX,
+    POSITION,
+    SLOW_BIAS,
+    SLOW_MATRIX,
+    VELOCITY,
+)
+
+_TOGETHER = 64  # cases in a call of the kernel: between two it can be cancelled
 
 
 class Cancelled(Exception):
@@ -51,6 +66,11 @@ class InsRun:
     attitude_bi: FloatArray = field(repr=False)
     source: str
 
+    def cases(self, which: list[int]) -> InsRun:
+        """Some of the cases."""
+        picked = {name: getattr(self, name)[which] for name in ("position_i", "velocity_i", "attitude_bi")}
+        return replace(self, **picked)
+
 
 @dataclass(frozen=True)
 class NavigationErrors:
@@ -72,94 +92,117 @@ class NavigationErrors:
     attitude_navigation_rad: FloatArray = field(repr=False)
     source: str
 
+    histories: ClassVar[tuple[str, ...]] = (
+        "position_m", "velocity_m_s", "down_range_m", "cross_range_m", "attitude_inertial_rad",
+        "attitude_navigation_rad",
+    )  # fmt: skip
+    """Names of the arrays with a row per case."""
+
+    def cases(self, which: slice) -> NavigationErrors:
+        """Some of the cases."""
+        return replace(self, **{name: getattr(self, name)[which] for name in self.histories})
+
 
 @part
 def _measured(
     p: FloatArray,
-    force: FloatArray,
-    rate: FloatArray,
-    sines: FloatArray,
+    first: int,
+    true: FloatArray,
     noise: FloatArray,
-    f: FloatArray,
-    w: FloatArray,
+    bias_sine: float,
+    matrix_sine: float,
+    out: FloatArray,
 ) -> None:
-    """Specific force and angular rate a faulty unit measures, into f and w [B-1]."""
+    """What the cases' faulty accelerometers (``first`` = ACCELEROMETERS) or gyros (GYROS) measure [B-1], into out
+    (3, c)."""
     for a in range(3):
-        fa = force[a] + noise[a] + p[BIAS + a] + p[SLOW_BIAS + a] * sines[0]
-        wa = rate[a] + noise[3 + a] + p[GYROS + BIAS + a] + p[GYROS + SLOW_BIAS + a] * sines[2]
-        for b in range(3):
-            k = 3 * a + b
-            fa += (p[MATRIX + k] + p[SLOW_MATRIX + k] * sines[1]) * force[b]
-            wa += (p[GYROS + MATRIX + k] + p[GYROS + SLOW_MATRIX + k] * sines[3]) * rate[b]
-        f[a] = fa
-        w[a] = wa
+        for case in range(out.shape[1]):
+            value = true[a] + noise[a, case] + p[first + BIAS + a, case] + p[first + SLOW_BIAS + a, case] * bias_sine
+            for b in range(3):
+                k = first + 3 * a + b
+                value += (p[MATRIX + k, case] + p[SLOW_MATRIX + k, case] * matrix_sine) * true[b]
+            out[a, case] = value
 
 
 @part
 def _inertial_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy: FloatArray) -> None:
     """[B-3]; state: direction cosines C_bi by rows (9), inertial velocity (3), inertial position (3)."""
-    x, yy, z = y[12], y[13], y[14]
-    radius = np.sqrt(x * x + yy * yy + z * z)
-    sine = z / radius
-    radial, axial = field_kernel(radius, sine, j)
-    toward = (radial - axial * sine) / radius
-    for a in range(3):
-        c0, c1, c2 = y[3 * a], y[3 * a + 1], y[3 * a + 2]
-        dy[3 * a] = c1 * w[2] - c2 * w[1]
-        dy[3 * a + 1] = c2 * w[0] - c0 * w[2]
-        dy[3 * a + 2] = c0 * w[1] - c1 * w[0]
-        dy[9 + a] = c0 * f[0] + c1 * f[1] + c2 * f[2] + toward * y[12 + a]
-        dy[12 + a] = y[9 + a]
-    dy[11] += axial
+    for case in range(y.shape[1]):
+        x, yy, z = y[12, case], y[13, case], y[14, case]
+        radius = np.sqrt(x * x + yy * yy + z * z)
+        sine = z / radius
+        radial, axial = field_kernel(radius, sine, (j[0, case], j[1, case], j[2, case]))
+        toward = (radial - axial * sine) / radius
+        f0, f1, f2 = f[0, case], f[1, case], f[2, case]
+        w0, w1, w2 = w[0, case], w[1, case], w[2, case]
+        for a in range(3):
+            c0, c1, c2 = y[3 * a, case], y[3 * a + 1, case], y[3 * a + 2, case]
+            dy[3 * a, case] = c1 * w2 - c2 * w1
+            dy[3 * a + 1, case] = c2 * w0 - c0 * w2
+            dy[3 * a + 2, case] = c0 * w1 - c1 * w0
+            pull = c0 * f0 + c1 * f1 + c2 * f2 + toward * y[12 + a, case]
+            dy[9 + a, case] = pull + axial if a == 2 else pull
+            dy[12 + a, case] = y[9 + a, case]
 
 
 @part
 def _local_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy: FloatArray) -> None:
     """[B-2]; state: C_bn by rows (9), velocity over the Earth NED (3), latitude, longitude, height."""
-    vn, ve, vd = y[9], y[10], y[11]
-    sl, cl, radius = np.sin(y[12]), np.cos(y[12]), SPHERE_RADIUS + y[14]
-    en, ed = EARTH_RATE * cl, -EARTH_RATE * sl
-    tn, te, td = ve / radius, -vn / radius, -ve * sl / (cl * radius)
-    on, oe, od = en + tn, te, ed + td
-    radial, axial = field_kernel(radius, sl, j)
-    for b in range(3):
-        cn, ce, cd = y[b], y[3 + b], y[6 + b]
-        dy[b] = -(oe * cd - od * ce)
-        dy[3 + b] = -(od * cn - on * cd)
-        dy[6 + b] = -(on * ce - oe * cn)
-    for a in range(3):
-        c0, c1, c2 = y[3 * a], y[3 * a + 1], y[3 * a + 2]
-        dy[3 * a] += c1 * w[2] - c2 * w[1]
-        dy[3 * a + 1] += c2 * w[0] - c0 * w[2]
-        dy[3 * a + 2] += c0 * w[1] - c1 * w[0]
-        dy[9 + a] = c0 * f[0] + c1 * f[1] + c2 * f[2]
-    # Coriolis and transport (2 w_ie + w_en) x v, then the centrifugal part and gravitation along N and D.
-    an, ae, ad = 2.0 * en + tn, te, 2.0 * ed + td
-    spin = EARTH_RATE * EARTH_RATE * radius * cl
-    dy[9] += -(ae * vd - ad * ve) + axial * cl - spin * sl
-    dy[10] += -(ad * vn - an * vd)
-    dy[11] += -(an * ve - ae * vn) - radial - spin * cl
-    dy[12] = vn / radius
-    dy[13] = ve / (radius * cl)
-    dy[14] = -vd
+    for case in range(y.shape[1]):
+        vn, ve, vd = y[9, case], y[10, case], y[11, case]
+        sl, cl, radius = np.sin(y[12, case]), np.cos(y[12, case]), SPHERE_RADIUS + y[14, case]
+        en, ed = EARTH_RATE * cl, -EARTH_RATE * sl
+        tn, te, td = ve / radius, -vn / radius, -ve * sl / (cl * radius)
+        on, oe, od = en + tn, te, ed + td
+        radial, axial = field_kernel(radius, sl, (j[0, case], j[1, case], j[2, case]))
+        f0, f1, f2 = f[0, case], f[1, case], f[2, case]
+        w0, w1, w2 = w[0, case], w[1, case], w[2, case]
+        for b in range(3):
+            cn, ce, cd = y[b, case], y[3 + b, case], y[6 + b, case]
+            dy[b, case] = -(oe * cd - od * ce)
+            dy[3 + b, case] = -(od * cn - on * cd)
+            dy[6 + b, case] = -(on * ce - oe * cn)
+        for a in range(3):
+            c0, c1, c2 = y[3 * a, case], y[3 * a + 1, case], y[3 * a + 2, case]
+            dy[3 * a, case] += c1 * w2 - c2 * w1
+            dy[3 * a + 1, case] += c2 * w0 - c0 * w2
+            dy[3 * a + 2, case] += c0 * w1 - c1 * w0
+            dy[9 + a, case] = c0 * f0 + c1 * f1 + c2 * f2
+        # Coriolis and transport (2 w_ie + w_en) x v, then the centrifugal part and gravitation along N and D.
+        an, ae, ad = 2.0 * en + tn, te, 2.0 * ed + td
+        spin = EARTH_RATE * EARTH_RATE * radius * cl
+        dy[9, case] += -(ae * vd - ad * ve) + axial * cl - spin * sl
+        dy[10, case] += -(ad * vn - an * vd)
+        dy[11, case] += -(an * ve - ae * vn) - radial - spin * cl
+        dy[12, case] = vn / radius
+        dy[13, case] = ve / (radius * cl)
+        dy[14, case] = -vd
 
 
 @part
-def _star_attitude(y: FloatArray, frame: FloatArray, local: bool, time: float) -> None:
-    """Write the camera's body-to-inertial attitude into the state [B-7]; in local axes by way of the INS position."""
+def _star_attitude(y: FloatArray, case: int, frame: FloatArray, local: bool, time: float) -> None:
+    """Write the camera's body-to-inertial attitude into a case's state [B-7]; in local axes by way of the INS
+    position."""
     if not local:
         for a in range(3):
             for b in range(3):
-                y[3 * a + b] = frame[a, b]
+                y[3 * a + b, case] = frame[a, b]
         return
-    sl, cl = np.sin(y[12]), np.cos(y[12])
-    angle = y[13] + EARTH_RATE * time
+    sl, cl = np.sin(y[12, case]), np.cos(y[12, case])
+    angle = y[13, case] + EARTH_RATE * time
     so, co = np.sin(angle), np.cos(angle)
     for b in range(3):
         x, yy, z = frame[0, b], frame[1, b], frame[2, b]
-        y[b] = -sl * co * x - sl * so * yy + cl * z
-        y[3 + b] = -so * x + co * yy
-        y[6 + b] = -cl * co * x - cl * so * yy - sl * z
+        y[b, case] = -sl * co * x - sl * so * yy + cl * z
+        y[3 + b, case] = -so * x + co * yy
+        y[6 + b, case] = -cl * co * x - cl * so * yy - sl * z
+
+
+@part
+def _stage(y: FloatArray, step: float, slope: FloatArray, stage: FloatArray) -> None:
+    for a in range(15):
+        for case in range(y.shape[1]):
+            stage[a, case] = y[a, case] + step * slope[a, case]
 
 
 @kernel
@@ -174,51 +217,50 @@ def _run(
     noisy: bool,
     used: NDArray[np.bool_],
     frames: FloatArray,
-    aided: bool,
+    seen: NDArray[np.int64],
     j: FloatArray,
     h: float,
     every: int,
     out: FloatArray,
 ) -> None:
-    """One case over the whole flight; `out` (m, 15) takes the state at every `every`-th step."""
-    n = force.shape[0]
-    y, stage = start.copy(), np.empty(15)
-    k = np.empty((4, 15))
-    f, w = np.empty((3, 3)), np.empty((3, 3))
-    still = np.zeros(6)
-    for i in range(n):
-        if aided and used[i]:
-            _star_attitude(y, frames[i], local, i * h)
+    """All cases over the whole flight; `out` (m, 15, c) takes the states at every `every`-th step.
+
+    Cases come last in every array, start (15, c), p (61, c), j (3, c): the processor takes several at once. Those
+    with a star tracker have their camera's row of used (k, n+1) and frames (k, n+1, 3, 3) in seen (c,), others -1.
+    """
+    n, cases = force.shape[0], start.shape[1]
+    y, stage = start.copy(), np.empty((15, cases))
+    k = np.empty((4, 15, cases))
+    f, w = np.empty((3, 3, cases)), np.empty((3, 3, cases))
+    felt = np.zeros((6, cases))
+    for i in range(n + 1):
+        for case in range(cases):
+            if seen[case] >= 0 and used[seen[case], i]:
+                _star_attitude(y, case, frames[seen[case], i], local, i * h)
         if i % every == 0:
             out[i // every] = y
+        if i == n:
+            break
+        if noisy:
+            for case in range(cases):
+                for a in range(6):
+                    felt[a, case] = noise[case, i, a]
         for node in range(3):
-            _measured(
-                p,
-                force[i, node],
-                rate[i, node],
-                sines[2 * i + node],
-                noise[i] if noisy else still,
-                f[node],
-                w[node],
-            )
+            s = sines[2 * i + node]
+            _measured(p, ACCELEROMETERS, force[i, node], felt[:3], s[0], s[1], f[node])
+            _measured(p, GYROS, rate[i, node], felt[3:], s[2], s[3], w[node])
         for s in range(4):
             node = (s + 1) // 2
-            if s == 0:
-                stage[:] = y
-            else:
-                step = h if s == 3 else 0.5 * h
-                for a in range(15):
-                    stage[a] = y[a] + step * k[s - 1, a]
+            if s > 0:
+                _stage(y, h if s == 3 else 0.5 * h, k[s - 1], stage)
+            now = y if s == 0 else stage
             if local:
-                _local_rates(stage, f[node], w[node], j, k[s])
+                _local_rates(now, f[node], w[node], j, k[s])
             else:
-                _inertial_rates(stage, f[node], w[node], j, k[s])
+                _inertial_rates(now, f[node], w[node], j, k[s])
         for a in range(15):
-            y[a] += h / 6.0 * (k[0, a] + 2.0 * k[1, a] + 2.0 * k[2, a] + k[3, a])
-    if aided and used[n]:
-        _star_attitude(y, frames[n], local, n * h)
-    if n % every == 0:
-        out[n // every] = y
+            for case in range(cases):
+                y[a, case] += h / 6.0 * (k[0, a, case] + 2.0 * k[1, a, case] + 2.0 * k[2, a, case] + k[3, a, case])
 
 
 def oscillations(flight: TrueFlight, errors: ErrorSet) -> FloatArray:
@@ -249,16 +291,30 @@ def _initial_states(flight: TrueFlight, parameters: FloatArray, local: bool) -> 
     return np.concatenate([attitude.reshape(-1, 9), velocity, position], axis=1)
 
 
+def _cameras(
+    frames: Sequence[AttitudeFrames | None],
+) -> tuple[NDArray[np.bool_], FloatArray, NDArray[np.int64]]:
+    """The frames that cases take, each once: used (k, n+1), attitudes (k, n+1, 3, 3) and
+    each case's row of them (c,), -1 without."""
+    own = {id(each): each for each in frames if each is not None}
+    place = {name: row for row, name in enumerate(own)}
+    seen = np.array([-1 if each is None else place[id(each)] for each in frames])
+    if not own:
+        return np.zeros((1, 1), dtype=np.bool_), np.zeros((1, 1, 3, 3)), seen
+    return np.stack([each.used for each in own.values()]), np.stack([each.attitude_bi for each in own.values()]), seen
+
+
 def mechanise(
     flight: TrueFlight,
     parameters: FloatArray,
     errors: ErrorSet,
     *,
-    frames: tuple[AttitudeFrames | None, ...] | None = None,
+    frames: Sequence[AttitudeFrames | None] | None = None,
     noise: FloatArray | None = None,
-    gravity: str = "spherical",
+    gravity: str | Sequence[str] = "spherical",
     axes: str = "inertial",
     every: int = 10,
+    progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> InsRun:
     """Run the INS over a flight for c cases.
@@ -266,9 +322,9 @@ def mechanise(
     parameters: (c, 61) in the order of `errors.PARAMETERS` (its star tracker entries are not read here:
     they are already in the frames); errors supplies the periods of the oscillating terms; frames: one entry
     per case, None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each
-    step; gravity: the model the INS believes in; axes: "inertial" [B-3] or "ned" [B-2]; every: output
-    spacing in steps, which must divide the flight. Raises ValueError for wrong shapes or names, Cancelled
-    when `cancel()` turns true.
+    step; gravity: the model the INS believes in, of all cases or one each; axes: "inertial" [B-3] or "ned"
+    [B-2]; every: output spacing in steps, which must divide the flight. Raises ValueError for wrong shapes or
+    names, Cancelled when `cancel()` turns true.
     """
     parameters = np.ascontiguousarray(np.atleast_2d(parameters), dtype=np.float64)
     count, n = len(parameters), flight.steps
@@ -290,31 +346,37 @@ def mechanise(
             f"axes = 'ned': the flight comes within {np.degrees(np.pi / 2 - steepest):.2f}° of a pole, where "
             "north is not defined; use inertial axes",
         )
-    j, sines = zonals(gravity), oscillations(flight, errors)
+    models = (gravity,) * count if isinstance(gravity, str) else tuple(gravity)
+    require(len(models) == count, f"gravity has {len(models)} entries: must be one per case, {count}")
+    j, sines = np.array([zonals(model) for model in models]).T, oscillations(flight, errors)
     starts = _initial_states(flight, parameters, local)
+    used, attitudes, seen = _cameras(frames or (None,) * count)
     out = np.empty((count, n // every + 1, 15))
-    no_noise, no_use, no_frames = np.zeros((1, 6)), np.zeros(1, dtype=np.bool_), np.zeros((1, 3, 3))
-    for case in range(count):
+    for first in range(0, count, _TOGETHER):
         if cancel is not None and cancel():
-            raise Cancelled(f"stopped after {case} of {count} cases")
-        aid = None if frames is None else frames[case]
+            raise Cancelled(f"stopped after {first} of {count} cases")
+        some = slice(first, min(first + _TOGETHER, count))
+        states = np.empty((n // every + 1, 15, some.stop - first))
         _run(
-            starts[case],
+            np.ascontiguousarray(starts[some].T),
             local,
-            parameters[case],
+            np.ascontiguousarray(parameters[some].T),
             flight.specific_force_b,
             flight.angular_rate_b,
             sines,
-            no_noise if noise is None else noise[case],
+            np.zeros((1, 1, 6)) if noise is None else noise[some],
             noise is not None,
-            no_use if aid is None else aid.used,
-            no_frames if aid is None else aid.attitude_bi,
-            aid is not None,
-            j,
+            used,
+            attitudes,
+            seen[some],
+            np.ascontiguousarray(j[:, some]),
             flight.step_s,
             every,
-            out[case],
+            states,
         )
+        out[some] = np.moveaxis(states, -1, 0)
+        if progress is not None:
+            progress(some.stop / count)
     index = np.arange(0, n + 1, every)
     time = flight.time_s[index]
     attitude, velocity, position = out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:12], out[..., 12:]
@@ -324,14 +386,14 @@ def mechanise(
         place = -turn[..., 2] * (SPHERE_RADIUS + position[..., 2:])
         velocity = np.einsum("cmij,cmj->cmi", turn, velocity) + earth_velocity(place)
         position = place
-    mark = "[B-2]" if local else "[B-3]"
+    mark, believed = "[B-2]" if local else "[B-3]", " and ".join(dict.fromkeys(models))
     return InsRun(
         time_s=time,
         index=index,
         position_i=position,
         velocity_i=velocity,
         attitude_bi=attitude,
-        source=f"INS in {axes} axes {mark}, sensor errors [B-1], {gravity} gravity; {flight.source}",
+        source=f"INS in {axes} axes {mark}, sensor errors [B-1], {believed} gravity; {flight.source}",
     )
 
 

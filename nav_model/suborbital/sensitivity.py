@@ -7,7 +7,7 @@ errors of [B-1] are linear in their 61 numbers, so the error history is S p. Wit
 anew at each frame from the camera's own error: body-fixed misalignment C m and latency -C omega tau.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,6 +90,28 @@ def unit_errors(
                 turn[a, GYROS + SLOW_MATRIX + k] = c[a, b] * w[d] * s[3]
 
 
+@part
+def _restart(state: FloatArray, c: FloatArray, w: FloatArray) -> None:
+    """What the camera's own errors make of the attitude at a frame: psi starts anew."""
+    state[:3] = 0.0
+    for a in range(3):
+        for b in range(3):
+            state[a, CAMERA + b] = c[a, b]
+            state[a, LATENCY] -= c[a, b] * w[b]
+
+
+@part
+def _slopes(y: FloatArray, turn: FloatArray, acc: FloatArray, g: FloatArray, u: FloatArray, k: FloatArray) -> None:
+    """[B-4] for every column: k from y, both (9, P)."""
+    for p in range(y.shape[1]):
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            k[a, p] = turn[a, p]
+            pulled = acc[a, p] + g[a, 0] * y[6, p] + g[a, 1] * y[7, p] + g[a, 2] * y[8, p]
+            k[3 + a, p] = pulled + (y[b, p] * u[c] - y[c, p] * u[b])
+            k[6 + a, p] = y[3 + a, p]
+
+
 @kernel
 def _propagate(
     state: FloatArray,
@@ -107,16 +129,10 @@ def _propagate(
     n, columns = force.shape[0], state.shape[1]
     acc, turn = np.zeros((3, 3, columns)), np.zeros((3, 3, columns))
     fi, pull = np.empty((3, 3)), np.empty((3, 3, 3))
-    k = np.empty((4, 9))
-    y = np.empty(9)
+    k, stage = np.empty((4, 9, columns)), np.empty((9, columns))
     for i in range(n):
         if used[i]:
-            state[:3] = 0.0
-            c, w = attitude[2 * i], rate[i, 0]
-            for a in range(3):
-                for b in range(3):
-                    state[a, CAMERA + b] = c[a, b]
-                    state[a, LATENCY] -= c[a, b] * w[b]
+            _restart(state, attitude[2 * i], rate[i, 0])
         if i % every == 0:
             out[i // every] = state
         for node in range(3):
@@ -129,29 +145,19 @@ def _propagate(
                 fi[node, a] = c[a, 0] * force[i, node, 0] + c[a, 1] * force[i, node, 1] + c[a, 2] * force[i, node, 2]
                 for b in range(3):
                     pull[node, a, b] = w2 * (3.0 * r[a] * r[b] / r2 - (1.0 if a == b else 0.0))
-        for p in range(columns):
-            for s in range(4):
-                node = (s + 1) // 2
-                step = 0.0 if s == 0 else (h if s == 3 else 0.5 * h)
+        for s in range(4):
+            node = (s + 1) // 2
+            if s > 0:
+                step = h if s == 3 else 0.5 * h
                 for a in range(9):
-                    y[a] = state[a, p] + (step * k[s - 1, a] if s else 0.0)
-                g, u = pull[node], fi[node]
-                for a in range(3):
-                    k[s, a] = turn[node, a, p]
-                    k[s, 3 + a] = acc[node, a, p] + g[a, 0] * y[6] + g[a, 1] * y[7] + g[a, 2] * y[8]
-                    k[s, 6 + a] = y[3 + a]
-                k[s, 3] += y[1] * u[2] - y[2] * u[1]
-                k[s, 4] += y[2] * u[0] - y[0] * u[2]
-                k[s, 5] += y[0] * u[1] - y[1] * u[0]
-            for a in range(9):
-                state[a, p] += h / 6.0 * (k[0, a] + 2.0 * k[1, a] + 2.0 * k[2, a] + k[3, a])
+                    for p in range(columns):
+                        stage[a, p] = state[a, p] + step * k[s - 1, a, p]
+            _slopes(state if s == 0 else stage, turn[node], acc[node], pull[node], fi[node], k[s])
+        for a in range(9):
+            for p in range(columns):
+                state[a, p] += h / 6.0 * (k[0, a, p] + 2.0 * k[1, a, p] + 2.0 * k[2, a, p] + k[3, a, p])
     if used[n]:
-        state[:3] = 0.0
-        c, w = attitude[2 * n], rate[n - 1, 2]
-        for a in range(3):
-            for b in range(3):
-                state[a, CAMERA + b] = c[a, b]
-                state[a, LATENCY] -= c[a, b] * w[b]
+        _restart(state, attitude[2 * n], rate[n - 1, 2])
     if n % every == 0:
         out[n // every] = state
 
@@ -255,6 +261,53 @@ def white_noise_spread(
         attitude_sigma_rad=np.sqrt(np.diagonal(out[:, :3, :3], axis1=1, axis2=2)),
         covariance=out,
     )
+
+
+@dataclass(frozen=True)
+class NoiseParts:
+    """Spread of unit white noise: its variance is linear in the squared densities, so it need not be run again.
+
+    accelerometer and gyro: for a density of one in SI; star: of the camera's own noise alone (None without).
+    """
+
+    accelerometer: NoiseSpread
+    gyro: NoiseSpread
+    star: NoiseSpread | None
+
+    def spread(self, errors: ErrorSet) -> NoiseSpread:
+        """The spread at the densities of `errors`."""
+        parts = [(errors.accelerometers.white_noise, self.accelerometer), (errors.gyros.white_noise, self.gyro)]
+        if self.star is not None:
+            parts.append((1.0, self.star))
+
+        def root(name: str) -> FloatArray:
+            return np.sqrt(sum((a * a * getattr(part, name) ** 2 for a, part in parts), np.zeros(1)))
+
+        first = self.accelerometer
+        return NoiseSpread(
+            time_s=first.time_s,
+            position_sigma_m=root("position_sigma_m"),
+            attitude_sigma_rad=root("attitude_sigma_rad"),
+            covariance=sum((a * a * part.covariance for a, part in parts), np.zeros(1)),
+            source=first.source,
+        )
+
+
+def noise_parts(
+    flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None, frame_covariance: FloatArray | None, every: int
+) -> NoiseParts:
+    """White noise in parts; arguments as `white_noise_spread`, and the densities of `errors` play no part."""
+
+    def unit(accelerometer: float, gyro: float, frame: FloatArray | None = None) -> NoiseSpread:
+        noisy = replace(
+            errors,
+            accelerometers=replace(errors.accelerometers, white_noise=accelerometer),
+            gyros=replace(errors.gyros, white_noise=gyro),
+        )
+        return white_noise_spread(flight, noisy, used, frame, every)
+
+    star = None if frame_covariance is None else unit(0.0, 0.0, frame_covariance)
+    return NoiseParts(unit(1.0, 0.0), unit(0.0, 1.0), star)
 
 
 def along_track_sigma(spread: NoiseSpread, flight: TrueFlight, every: int = 10) -> FloatArray:

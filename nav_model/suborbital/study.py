@@ -8,10 +8,10 @@ import numpy as np
 from nav_model.earth.gravity import ZONALS
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import Aiding, camera_frames, frame_steps, frame_stride, perfect_frames
-from nav_model.suborbital.channels import ChannelErrors, decoupled_errors
+from nav_model.suborbital.channels import ChannelErrors, channel_errors, decoupled_response
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
-from nav_model.suborbital.flight import FlightParameters, TrueFlight, reference_flight
+from nav_model.suborbital.flight import FlightParameters, TrueFlight, in_gravity, reference_flight
 from nav_model.suborbital.mechanisation import (
     AttitudeFrames,
     NavigationErrors,
@@ -19,10 +19,11 @@ from nav_model.suborbital.mechanisation import (
     navigation_errors,
 )
 from nav_model.suborbital.sensitivity import (
+    NoiseParts,
     NoiseSpread,
     Sensitivity,
+    noise_parts,
     sensitivity,
-    white_noise_spread,
 )
 
 GRAVITY_ROW = "gravity model"
@@ -81,6 +82,18 @@ class Study:
 
 
 @dataclass(frozen=True)
+class Parts:
+    """What a study's decoupled channels and noise are linear in: other errors need no run.
+
+    channel_response (61, m, 3): the channels [B-5] for a unit of each parameter.
+    """
+
+    channel_response: FloatArray = field(repr=False)
+    pure_noise: NoiseParts = field(repr=False)
+    aided_noise: NoiseParts = field(repr=False)
+
+
+@dataclass(frozen=True)
 class Row:
     """One line of the final-error table, m: (north, east, up), then down-range and cross-range."""
 
@@ -118,12 +131,24 @@ def run_study(
 ) -> Study:
     """Integrate every case, with and without star tracker.
 
-    flight: a loaded trajectory instead of inputs.flight; measured: attitudes from star images
-    (`star_camera.track_stars`), taken by the case "all" in place of perfect frames. The row "gravity model"
+    flight: a loaded trajectory, or inputs.flight where it has been flown already; measured: attitudes from star
+    images (`star_camera.track_stars`), taken by the case "all" in place of perfect frames. The row "gravity model"
     is an INS without any other error whose gravity is not the true one; when both are the same it asks what
     a truth with J2 would cost, flying the reference flight again in that field (for a loaded trajectory it is
     then zero). Raises ValueError for bad input, Cancelled when `cancel()` turns true.
     """
+    return study_in_parts(inputs, flight=flight, measured=measured, progress=progress, cancel=cancel)[0]
+
+
+def study_in_parts(
+    inputs: SuborbitalInputs | None = None,
+    *,
+    flight: TrueFlight | None = None,
+    measured: AttitudeFrames | None = None,
+    progress: Callable[[float], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> tuple[Study, Parts]:
+    """`run_study`, and the parts of its study."""
     given = inputs or SuborbitalInputs()
     truth = flight or reference_flight(given.flight)
     ratio = given.output_interval_s / truth.step_s
@@ -144,38 +169,34 @@ def run_study(
     worn = {name: replace(frames, used=used) for name, frames in worn.items()}
     ideal = replace(perfect_frames(truth, given.aiding), used=used)
     mismatch, believed = truth, given.ins_gravity
-    if truth.gravity == believed and flight is None:
-        other = "j2" if believed == "spherical" else "spherical"
-        mismatch = reference_flight(replace(given.flight, gravity=other))
-    done = 0
-    total = 2 * len(names)
-
-    def one(name: str, row: int, aided: bool) -> NavigationErrors:
-        nonlocal done
-        path = mismatch if name == GRAVITY_ROW else truth
-        frames = None
-        if aided:
-            frames = worn.get(name, ideal)
-            if name == GRAVITY_ROW:
-                frames = replace(ideal, attitude_bi=np.ascontiguousarray(mismatch.attitude_bi))
-        run = mechanise(
-            path,
-            parameters[row],
-            given.errors,
-            frames=(frames,),
-            gravity=believed if name in (GRAVITY_ROW, "all") else truth.gravity,
-            every=every,
-            cancel=cancel,
-        )
-        done += 1
-        if progress is not None:
-            progress(done / total)
-        return navigation_errors(path, run)
-
-    pure, aided = (
-        _stack([one(name, row, with_camera) for row, name in enumerate(names)]) for with_camera in (False, True)
+    if truth.gravity == believed and not truth.from_file:
+        mismatch = in_gravity(truth, "j2" if believed == "spherical" else "spherical")
+    count = len(names)
+    models = [believed if name in (GRAVITY_ROW, "all") else truth.gravity for name in names]
+    run = mechanise(
+        truth,
+        np.concatenate([parameters, parameters]),
+        given.errors,
+        frames=[None] * count + [worn.get(name, ideal) for name in names],
+        gravity=2 * models,
+        every=every,
+        progress=progress,
+        cancel=cancel,
     )
-    return Study(
+    found = navigation_errors(truth, run)
+    if mismatch is not truth:  # what the INS measures there, and so its run, is the same: the truth is another
+        row = names.index(GRAVITY_ROW)
+        rows = [row, count + row]
+        other = navigation_errors(mismatch, run.cases(rows))
+        for name in found.histories:
+            getattr(found, name)[rows] = getattr(other, name)
+    pure, aided = found.cases(slice(0, count)), found.cases(slice(count, None))
+    parts = Parts(
+        decoupled_response(truth, given.errors, every=every),
+        noise_parts(truth, given.errors, None, None, every),
+        noise_parts(truth, given.errors, used, worn["all"].covariance, every),
+    )
+    study = Study(
         inputs=given,
         flight=truth,
         names=names,
@@ -190,21 +211,13 @@ def run_study(
         used=used,
         pure=pure,
         aided=aided,
-        channels=decoupled_errors(truth, parameters, given.errors, every=every),
+        channels=channel_errors(truth, parameters, parts.channel_response, every),
         pure_sensitivity=sensitivity(truth, given.errors, every=every),
         aided_sensitivity=sensitivity(truth, given.errors, used, every),
-        pure_noise=white_noise_spread(truth, given.errors, every=every),
-        aided_noise=white_noise_spread(truth, given.errors, used, worn["all"].covariance, every),
+        pure_noise=parts.pure_noise.spread(given.errors),
+        aided_noise=parts.aided_noise.spread(given.errors),
     )
-
-
-def _stack(parts: list[NavigationErrors]) -> NavigationErrors:
-    joined = {
-        name: np.concatenate([getattr(part, name) for part in parts])
-        for name in vars(parts[0])
-        if name not in ("time_s", "source")
-    }
-    return NavigationErrors(time_s=parts[0].time_s, source=parts[0].source, **joined)
+    return study, parts
 
 
 def _triple(values: FloatArray) -> tuple[float, float, float]:
@@ -344,14 +357,16 @@ def matrix_gap(study: Study) -> Gap:
     return position_gap(study.pure_sensitivity.position_m(p), study.aided_sensitivity.position_m(p), study)
 
 
-def gravity_rows(inputs: SuborbitalInputs | None = None) -> tuple[tuple[str, str, FloatArray], ...]:
-    """Final north, east, up error (m) of an otherwise perfect INS for every pair (true model, INS model)."""
-    given = inputs or SuborbitalInputs()
-    rows: list[tuple[str, str, FloatArray]] = []
-    for true_model in ZONALS:
-        flight = reference_flight(replace(given.flight, gravity=true_model))
-        nothing = np.zeros_like(parameter_vector(given.errors))
-        for model in ZONALS:
-            run = mechanise(flight, nothing, given.errors, gravity=model, every=flight.steps)
-            rows.append((true_model, model, navigation_errors(flight, run).position_m[0, -1]))
-    return tuple(rows)
+def gravity_rows(flight: TrueFlight) -> tuple[tuple[str, str, FloatArray], ...]:
+    """Final north, east, up error (m) of an otherwise perfect INS for every pair (true model, INS model) on a
+    flight, which is flown again in each of the fields."""
+    perfect = ErrorSet()
+    nothing = np.zeros((len(ZONALS), len(parameter_vector(perfect))))
+    run = mechanise(flight, nothing, perfect, gravity=tuple(ZONALS), every=flight.steps)
+    return tuple(
+        (true_model, model, error)
+        for true_model in ZONALS
+        for model, error in zip(
+            ZONALS, navigation_errors(in_gravity(flight, true_model), run).position_m[:, -1], strict=True
+        )
+    )

@@ -16,11 +16,10 @@ from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.aiding import frame_steps
 from nav_model.suborbital.attitude import METHODS, MethodScore, compare_methods
 from nav_model.suborbital.channels import channel_errors, decoupled_response
-from nav_model.suborbital.errors import ErrorSet
 from nav_model.suborbital.flight import TrueFlight, reference_flight
 from nav_model.suborbital.flight_file import parse_flight
 from nav_model.suborbital.mechanisation import Cancelled, NavigationErrors
-from nav_model.suborbital.sensitivity import NoiseSpread, Sensitivity, white_noise_spread
+from nav_model.suborbital.sensitivity import NoiseParts, Sensitivity, noise_parts
 from nav_model.suborbital.settings import Settings, output_every
 from nav_model.suborbital.sky import Sky
 from nav_model.suborbital.star_camera import (
@@ -33,7 +32,16 @@ from nav_model.suborbital.star_camera import (
     star_frames,
     track_stars,
 )
-from nav_model.suborbital.study import Renewal, Study, gravity_rows, needs_renewal, renew, run_study, slide
+from nav_model.suborbital.study import (
+    Parts,
+    Renewal,
+    Study,
+    gravity_rows,
+    needs_renewal,
+    renew,
+    slide,
+    study_in_parts,
+)
 
 STAR_FRAME_SPACING_S = 2.0
 
@@ -41,51 +49,18 @@ ProgressCallback = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
-class NoiseParts:
-    """Spread of unit white noise: its variance is linear in the squared densities, so it need not be run again.
-
-    accelerometer and gyro: for a density of one in SI; star: of the camera's own noise alone (None without).
-    """
-
-    accelerometer: NoiseSpread
-    gyro: NoiseSpread
-    star: NoiseSpread | None
-
-    def spread(self, errors: ErrorSet) -> NoiseSpread:
-        """The spread at the densities of `errors`."""
-        parts = [(errors.accelerometers.white_noise, self.accelerometer), (errors.gyros.white_noise, self.gyro)]
-        if self.star is not None:
-            parts.append((1.0, self.star))
-
-        def root(name: str) -> FloatArray:
-            return np.sqrt(sum((a * a * getattr(part, name) ** 2 for a, part in parts), np.zeros(1)))
-
-        first = self.accelerometer
-        return NoiseSpread(
-            time_s=first.time_s,
-            position_sigma_m=root("position_sigma_m"),
-            attitude_sigma_rad=root("attitude_sigma_rad"),
-            covariance=sum((a * a * part.covariance for a, part in parts), np.zeros(1)),
-            source=first.source,
-        )
-
-
-@dataclass(frozen=True)
 class Survey:
     """Result of `run_survey`.
 
-    track: the whole flight's star images (None with a perfect camera); channel_response (61, m, 3): decoupled
-    channels [B-5] for a unit of each parameter; pure_noise, aided_noise: white noise in parts; star_frames:
-    an image every two seconds; scores: the five methods on those images; gravity: cost of every pair (true
-    model, INS model), m; trajectory: name of the file flown, or "".
+    track: the whole flight's star images (None with a perfect camera); parts: what the study's channels and noise
+    are made of; star_frames: an image every two seconds; scores: the five methods on those images; gravity: cost of
+    every pair (true model, INS model), m; trajectory: name of the file flown, or "".
     """
 
     settings: Settings
     study: Study
     track: StarTrack | None = field(repr=False)
-    channel_response: FloatArray = field(repr=False)
-    pure_noise: NoiseParts = field(repr=False)
-    aided_noise: NoiseParts = field(repr=False)
+    parts: Parts = field(repr=False)
     star_frames: tuple[StarFrame, ...] = field(repr=False)
     scores: tuple[MethodScore, ...]
     scenes_refused: int
@@ -133,18 +108,13 @@ def run_survey(
             progress=lambda share: say(0.05 + 0.2 * share, "star images"),
             cancel=cancel,
         )
-    study = run_study(
+    study, parts = study_in_parts(
         inputs,
-        flight=None if trajectory is None else flight,
+        flight=flight,
         measured=None if track is None else track.frames,
-        progress=lambda share: say(0.25 + 0.5 * share, "error sources"),
+        progress=lambda share: say(0.25 + 0.6 * share, "error sources"),
         cancel=cancel,
     )
-    say(0.78, "noise and channels")
-    response = decoupled_response(flight, inputs.errors, every=every)
-    covariance = None if track is None else track.covariance
-    pure_noise = _noise_parts(flight, inputs.errors, None, None, every)
-    aided_noise = _noise_parts(flight, inputs.errors, study.used, covariance, every)
     say(0.86, "star frames and attitude methods")
     times = np.arange(0.0, float(flight.time_s[-1]) + 1e-9, STAR_FRAME_SPACING_S)
     method, seed = settings["camera.method"], int(settings["seed"])
@@ -155,29 +125,13 @@ def run_survey(
         settings=settings,
         study=study,
         track=track,
-        channel_response=response,
-        pure_noise=pure_noise,
-        aided_noise=aided_noise,
+        parts=parts,
         star_frames=shown,
         scores=scores,
         scenes_refused=refused,
-        gravity=() if trajectory is not None else gravity_rows(inputs),
+        gravity=() if trajectory is not None else gravity_rows(flight),
         trajectory="" if trajectory is None else trajectory[0],
     )
-
-
-def _noise_parts(
-    flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None, star: FloatArray | None, every: int
-) -> NoiseParts:
-    def unit(accelerometer: float, gyro: float, frame: FloatArray | None = None) -> NoiseSpread:
-        noisy = replace(
-            errors,
-            accelerometers=replace(errors.accelerometers, white_noise=accelerometer),
-            gyros=replace(errors.gyros, white_noise=gyro),
-        )
-        return white_noise_spread(flight, noisy, used, frame, every)
-
-    return NoiseParts(unit(1.0, 0.0), unit(0.0, 1.0), None if star is None else unit(0.0, 0.0, star))
 
 
 def _scores(flight: TrueFlight, camera: StarCamera, sky: Sky, seed: int) -> tuple[tuple[MethodScore, ...], int]:
@@ -235,7 +189,7 @@ def renewed(study: Study, settings: Settings) -> Renewed:
     return Renewed(
         matrices,
         None if same_periods else decoupled_response(flight, inputs.errors, every=every),
-        _noise_parts(flight, inputs.errors, frame_steps(flight, inputs.aiding), None, every),
+        noise_parts(flight, inputs.errors, frame_steps(flight, inputs.aiding), None, every),
     )
 
 
@@ -250,10 +204,10 @@ def moved(survey: Survey, settings: Settings, renewal: Renewed | None = None) ->
     if renewal is None and needs_renewal(study, inputs.errors, inputs.aiding):
         renewal = renewed(study, settings)
     slid = slide(study, inputs.errors, inputs.aiding, renewal.matrices if renewal else None)
-    response = survey.channel_response
+    response = survey.parts.channel_response
     if renewal is not None and renewal.channel_response is not None:
         response = renewal.channel_response
-    noise = renewal.aided_noise if renewal else survey.aided_noise
+    noise = renewal.aided_noise if renewal else survey.parts.aided_noise
     new = slid.renewal
     every = round(study.inputs.output_interval_s / study.flight.step_s)
     return replace(
@@ -270,7 +224,7 @@ def moved(survey: Survey, settings: Settings, renewal: Renewed | None = None) ->
         channels=channel_errors(study.flight, slid.parameters, response, every),
         pure_sensitivity=new.pure,
         aided_sensitivity=new.aided,
-        pure_noise=survey.pure_noise.spread(inputs.errors),
+        pure_noise=survey.parts.pure_noise.spread(inputs.errors),
         aided_noise=noise.spread(inputs.errors),
     )
 

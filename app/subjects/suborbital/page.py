@@ -21,6 +21,7 @@ from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.finding import Finding
 from app.subjects.suborbital.inputs import InputPanel, Trajectory
 from app.subjects.suborbital.noise import NoisePanel
+from app.subjects.suborbital.studies import fly_study, kept_study
 from app.subjects.suborbital.views import CAMERA_NOISE, StudyViews
 from app.ui.answer_strip import AnswerStrip
 from app.ui.downloads import download
@@ -28,17 +29,14 @@ from app.ui.first_screen import screen_of_views
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.tiles import tiles_html
-from app.work.alone import RunLost, run_alone
-from app.work.kept import keep, kept
+from app.work.alone import RunLost
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
-from nav_model.suborbital.settings import Settings
 from nav_model.suborbital.study import Gap, Study, position_gap
-from nav_model.suborbital.survey import Renewed, Survey, moved, needs_other_matrices, needs_run, renewed, run_survey
+from nav_model.suborbital.survey import Renewed, Survey, moved, needs_other_matrices, needs_run, renewed
 from nav_model.suborbital.survey_json import gap_json, noise_json, survey_json
 
-_KEPT = 4  # studies of 12 MB each
 _SETTLE_SECONDS = 0.6  # a slider that needs a new run has come to rest after this long
 
 
@@ -137,23 +135,19 @@ class SuborbitalPage(pn.viewable.Viewer):
 
     def _recall(self) -> bool:
         """Take what this server still has of the same study."""
-        self.exact.result = kept("suborbital", _asked(self.inputs.settings))
+        self.exact.result = kept_study(self.inputs.settings)
         return self.survey is not None
 
     async def _run_survey(self, run: Run, settle: float) -> Survey | None:
         await asyncio.sleep(settle)
         settings, trajectory, before = self.inputs.settings, self.inputs.trajectory, self.study.shown
         try:
-            survey: Survey = await run_alone(
-                run_survey, settings, trajectory, progress=lambda share, what: run.tell(what, share)
-            )
+            survey = await fly_study(settings, trajectory, lambda share, what: run.tell(what, share))
         except (ValueError, RunLost) as error:
             if trajectory is None or trajectory == self._flown:
                 raise
             self.inputs.refuse(self._flown, str(error))
             return self.survey
-        if trajectory is None:
-            keep(survey, "suborbital", _asked(settings), most=_KEPT)
         same_flight = before is not None and not needs_run(before.survey, settings) and trajectory == self._flown
         self._gap, self._flown = None, trajectory
         if before is not None and same_flight and not before.exact:
@@ -202,8 +196,3 @@ class SuborbitalPage(pn.viewable.Viewer):
         if shown.ensemble is not None:
             content["white_noise_monte_carlo"] = noise_json(shown.ensemble)
         return io.BytesIO(json.dumps(content, ensure_ascii=False, allow_nan=False, indent=1).encode("utf-8"))
-
-
-def _asked(settings: Settings) -> str:
-    """All that a study of the reference flight follows from."""
-    return repr(sorted(settings.values.items()))

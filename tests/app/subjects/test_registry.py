@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import asyncio
 import subprocess
 import sys
 from pathlib import Path
@@ -20,6 +21,8 @@ def test_what_a_subject_names_is_there(subject: Subject) -> None:
         commands = argparse.ArgumentParser().add_subparsers()
         subject.load("command").add_to(commands)
         assert commands.choices
+    if subject.ahead:
+        assert asyncio.iscoroutinefunction(subject.load("ahead"))
     if subject.report:
         named = ("sections", "belongs", "of_design", "study") if subject.study else ("sections",)
         assert all(callable(getattr(subject.load("report"), name)) for name in named)

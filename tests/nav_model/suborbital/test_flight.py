@@ -6,7 +6,7 @@ import pytest
 from flight_files import format_flight
 
 from nav_model.errors import InputError
-from nav_model.suborbital.flight import FlightParameters, reference_flight
+from nav_model.suborbital.flight import FlightParameters, in_gravity, reference_flight
 from nav_model.suborbital.flight_file import parse_flight
 
 
@@ -106,3 +106,12 @@ def test_bad_files_are_refused(text, words):
 def test_an_unknown_gravity_is_refused():
     with pytest.raises(ValueError, match="gravity"):
         reference_flight(replace(FlightParameters(), gravity="EGM"))
+
+
+def test_the_same_flight_in_another_field_is_that_flown_there(flight):
+    there, flown = in_gravity(flight, "j2"), reference_flight(FlightParameters(gravity="j2"))
+    np.testing.assert_array_equal(there.position_i, flown.position_i)
+    np.testing.assert_array_equal(there.specific_force_b, flown.specific_force_b)
+    assert there.gravity == "j2"
+    assert np.abs(there.position_i - flight.position_i).max() > 1e3
+    assert in_gravity(flight, flight.gravity) is flight

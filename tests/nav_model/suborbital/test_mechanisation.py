@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -88,6 +90,24 @@ def test_ned_agrees_with_inertial(flight, gravity, aided, compared):
     )
     assert np.abs(runs[0].velocity_i - runs[1].velocity_i).max() < 1e-4
     assert np.abs(runs[0].attitude_bi - runs[1].attitude_bi).max() < 1e-8
+
+
+def test_a_case_is_the_same_in_any_company(flight):
+    """More cases than fit in one call of the kernel, each with its own errors, gravity and camera."""
+    short = replace(flight, time_s=flight.time_s[:41], specific_force_b=flight.specific_force_b[:40])
+    p = parameter_vector(ErrorSet()) * np.linspace(0.0, 2.0, 70)[:, None]
+    models = ["spherical", "j2", "ellipsoidal"] * 23 + ["j2"]
+    turned = [np.ascontiguousarray(flight.attitude_bi[shift : 41 + shift]) for shift in (0, 50)]
+    cameras = [None, *(AttitudeFrames(np.arange(41) % rest == 0, c) for rest, c in zip((4, 7), turned, strict=True))]
+    frames = [cameras[k % 3 if k % 5 else 0] for k in range(70)]
+    noise = np.random.default_rng(1).standard_normal((70, 40, 6))
+    together = mechanise(short, p, ErrorSet(), frames=frames, noise=noise, gravity=models)
+    for k in (0, 2, 34, 63, 64, 69):
+        alone = mechanise(short, p[k], ErrorSet(), frames=(frames[k],), noise=noise[[k]], gravity=models[k])
+        for name in ("position_i", "velocity_i", "attitude_bi"):
+            np.testing.assert_allclose(getattr(together, name)[k], getattr(alone, name)[0], rtol=1e-13, atol=1e-13)
+    with pytest.raises(ValueError, match="gravity"):
+        mechanise(short, p, ErrorSet(), gravity=["j2"])
 
 
 def test_full_case_against_dop853(study, compared):
@@ -233,8 +253,6 @@ def test_navigation_error_of_a_pure_shift(flight):
     axes = ned_to_inertial(flight.latitude_rad[-1], np.arctan2(flight.position_i[-1, 1], flight.position_i[-1, 0]))
     shifted = run.position_i.copy()
     shifted[0, -1] = flight.position_i[-1] + axes @ np.array([3.0, -4.0, -12.0])
-    from dataclasses import replace
-
     errors = navigation_errors(flight, replace(run, position_i=shifted))
     np.testing.assert_allclose(errors.position_m[0, -1], [3.0, -4.0, 12.0], atol=1e-6)
 

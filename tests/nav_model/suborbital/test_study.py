@@ -84,8 +84,8 @@ def test_gravity_mismatch_is_a_row_and_enters_everything(study):
     np.testing.assert_allclose(study.pure.position_m[study.case("gravity model"), -1], row, atol=1e-6)
 
 
-def test_gravity_rows_vanish_on_the_diagonal_only():
-    for truth, model, error in gravity_rows():
+def test_gravity_rows_vanish_on_the_diagonal_only(study):
+    for truth, model, error in gravity_rows(study.flight):
         if truth == model:
             assert np.linalg.norm(error) < 1e-3
         else:

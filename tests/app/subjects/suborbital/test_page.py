@@ -19,7 +19,7 @@ from waiting import PATIENCE, soon
 
 from app.serving.server import first_design
 from app.session import Session
-from app.subjects.suborbital import page
+from app.subjects.suborbital import studies
 from app.subjects.suborbital.charts import Shown, attitude, errors, sensors
 from app.subjects.suborbital.charts.camera_noise import camera_noise_answer
 from app.subjects.suborbital.controls import InputControl
@@ -219,7 +219,7 @@ def test_who_asks_the_same_study_has_it_at_once(here: SuborbitalPage, monkeypatc
         other.exact.cancel()
         return other, running
 
-    monkeypatch.setattr(page, "run_alone", flies)
+    monkeypatch.setattr(studies, "run_alone", flies)
     asyncio.run(flown(here, ("mine.csv", b"")))
     assert asyncio.run(opened(to_link(DEFAULTS)))[1]  # what was flown from a file is another study
     asyncio.run(flown(here, None))

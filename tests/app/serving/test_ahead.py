@@ -1,0 +1,39 @@
+"""What a server does before anybody asks for it."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from app.serving import server
+from app.subjects import Subject
+
+
+def test_subjects_begin_once_the_first_page_has_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun: list[Any] = []
+
+    async def ahead(design: Any) -> None:
+        begun.append(design)
+
+    room = ModuleType("app.subjects.wind.page")
+    room.__dict__.update(WindPage=object, ahead=ahead)
+    monkeypatch.setitem(sys.modules, room.__name__, room)
+    wind = Subject("wind", "Wind", "page:WindPage", ahead="page:ahead")
+    monkeypatch.setattr(server, "SUBJECTS", (Subject("rain", "Rain", "page:RainPage"), wind))
+    monkeypatch.setattr(server, "_REST", 0.0)
+
+    async def served() -> None:
+        loaded = asyncio.Event()
+        task = asyncio.create_task(server._prepare(loaded))
+        for _ in range(5):
+            await asyncio.sleep(0)
+        assert not begun
+        loaded.set()
+        await task
+
+    asyncio.run(served())
+    assert begun == [server.first_design()]

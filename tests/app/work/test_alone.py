@@ -1,0 +1,60 @@
+"""Runs in processes of their own."""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import os
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from app.work import alone
+from app.work.alone import run_alone
+
+
+@pytest.fixture(autouse=True)
+def nobody_waits() -> Iterator[None]:
+    """No process of another test's is taken, none is left."""
+    alone._waiting.clear()
+    yield
+    while alone._waiting:
+        asyncio.run(alone._waiting.pop().end())
+
+
+def _who(_: object = None, *, progress: Any) -> int:
+    progress(0.5, "looking")
+    return os.getpid()
+
+
+def _refuse(*, progress: Any) -> None:
+    raise ValueError("not this one")
+
+
+def test_a_process_that_stayed_small_does_the_next_run_and_no_other_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def runs() -> None:
+        said: list[str] = []
+        first = await run_alone(_who, progress=lambda _, what: said.append(what))
+        with pytest.raises(ValueError, match="not this one"):
+            await run_alone(_refuse, progress=lambda *_: None)
+        monkeypatch.setattr(alone, "_SMALL", 0)
+        assert await run_alone(_who, progress=lambda *_: None) == first
+        assert said == ["looking"]
+        assert not alone._waiting
+        assert first not in [child.pid for child in multiprocessing.active_children()]
+
+    asyncio.run(runs())
+
+
+def test_a_process_that_died_while_it_waited_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Gone:
+        lives = False
+
+    class New:
+        lives = True
+
+    monkeypatch.setattr(alone, "_Process", New)
+    alone._waiting.append(Gone())  # type: ignore[arg-type]
+    assert isinstance(alone._take(), New)
+    assert not alone._waiting
