@@ -15,6 +15,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is first impo
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 # No example is wrong for being slow. The same examples every time, so that a verdict is the code's; `make test-slow`
 # searches on among new ones.
@@ -22,6 +23,8 @@ _PATIENT = settings(deadline=None, print_blob=True, suppress_health_check=[Healt
 settings.register_profile("searching", _PATIENT)
 settings.register_profile("steady", _PATIENT, derandomize=True)
 settings.load_profile("steady")
+# Among them would be numbers from whatever modules other tests have imported by then.
+providers._get_local_constants = providers.Constants
 
 RECORD = Path(__file__).parents[1] / "app" / "subjects" / "theory" / "validation.json"
 _rows = {}

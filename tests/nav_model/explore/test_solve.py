@@ -32,12 +32,26 @@ def designs(designs):
 @given(data=st.data())
 def test_every_solved_value_put_back_gives_margin_zero(data, designs):
     design = data.draw(designs)
+    exact = 1e-9 if design.gnss.velocity_noise is None else 1e-7
     for solution in solve(design, verify="none"):
         for answer in solution.each:
             if answer.value is not None:
-                assert abs(_margins(design, answer.key, answer.value)[answer.requirement]) <= 1e-9
+                assert abs(_margins(design, answer.key, answer.value)[answer.requirement]) <= exact
                 around = ratios(design, {answer.key: answer.value * np.array([0.98, 1.02])})[answer.requirement]
                 assert around[0] <= 1 <= around[1]
+
+
+@pytest.mark.parametrize("interval", [0.02, 0.05, 0.2])
+@pytest.mark.parametrize("limit", [0.3, 0.632, 2.0])
+def test_positions_that_tell_nearly_nothing_beside_velocities(interval, limit):
+    """Position noises of kilometres beside velocities of millimetres a second: an answer, and no fault of ours."""
+    design = Design().replace(
+        {"imu.velocity_random_walk": 1e-5, "imu.angle_random_walk": 3e-7, "gnss.position_noise": 0.005,
+         "gnss.velocity_noise": 0.005, "gnss.interval": interval, "requirements.horizontal_position": limit}
+    )  # fmt: skip
+    answers = {solution.key: solution.each for solution in solve(design)}["gnss.position_noise"]
+    [found] = [answer for answer in answers if answer.requirement == "horizontal_position"]
+    assert found.value is None or found.value > 1e3 * design.gnss.position_noise
 
 
 @settings(max_examples=8)
