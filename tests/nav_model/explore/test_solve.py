@@ -44,7 +44,7 @@ def test_every_solved_value_put_back_gives_margin_zero(data, designs):
 @pytest.mark.parametrize("interval", [0.02, 0.05, 0.2])
 @pytest.mark.parametrize("limit", [0.3, 0.632, 2.0])
 def test_positions_that_tell_nearly_nothing_beside_velocities(interval, limit):
-    """Position noises of kilometres beside velocities of millimetres a second: an answer, and no fault of ours."""
+    """Solved position noises of metres to kilometres beside velocities of 5 mm/s: an answer, and no fault of ours."""
     design = Design().replace(
         {"imu.velocity_random_walk": 1e-5, "imu.angle_random_walk": 3e-7, "gnss.position_noise": 0.005,
          "gnss.velocity_noise": 0.005, "gnss.interval": interval, "requirements.horizontal_position": limit}
