@@ -31,8 +31,8 @@ class Subject:
     study : str
         What its study is called in a report; empty for a subject whose results follow from the design at once.
     ahead : str
-        ``module:function`` awaited once per server, with the design that visitors start with, while its first page is
-        at rest: so that nobody waits for what opening the tab loads and computes.
+        ``module:function`` that begins with what opening the tab computes for a design. It is awaited as the tab is
+        turned to, and once per server for the design that visitors start with, while its first page is at rest.
     """
 
     key: str
