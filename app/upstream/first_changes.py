@@ -11,6 +11,7 @@ Needless when: tests/app/upstream/test_first_changes.py::test_as_shipped_a_chang
 
 from __future__ import annotations
 
+import functools
 import threading
 from typing import Any
 from weakref import WeakSet
@@ -41,7 +42,12 @@ def _collected(document: Document, lock: threading.Lock) -> list[Any]:
     with lock:
         events, callbacks = list(document.callbacks._held_events), document.callbacks
         callbacks._held_events, callbacks._hold = [], None
-    return events
+    session = document.session_context.session if document.session_context else None
+    if session is None or session._pending_writes is not None:
+        return events
+    # A task of ours made the changes, such as a result that has come: they are written once the session is free.
+    document.add_next_tick_callback(functools.partial(panel_document._dispatch_events, document, events))
+    return []
 
 
 def repair() -> None:

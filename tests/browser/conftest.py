@@ -49,6 +49,7 @@ _SAYS = """() => {
 
 
 _MS = 1e3 * PATIENCE
+_EVERY = 100  # ms between two looks over a whole page: one in every frame keeps the page busy
 expect.set_options(timeout=_MS)
 
 
@@ -144,7 +145,7 @@ def desk(plain: Page) -> Iterator[Page]:
     plain.get_by_role("button", name="Open", exact=True).click()
     plain.get_by_role("button", name="Reset").click()
     expect(name).to_have_value(called)
-    plain.wait_for_function(f"said => ({_SAYS})() === said", arg=said)
+    plain.wait_for_function(f"said => ({_SAYS})() === said", arg=said, polling=_EVERY)
 
 
 @pytest.fixture(scope="session")
@@ -153,7 +154,7 @@ def settled() -> Callable[[Page], None]:
 
     def wait(page: Page) -> None:
         page.evaluate(_TWO_FRAMES)  # what was asked for has begun
-        page.wait_for_function(_STILL)
+        page.wait_for_function(_STILL, polling=_EVERY)
 
     return wait
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import weakref
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +11,11 @@ import panel as pn
 import panel.io.document as panel_document
 import pytest
 from bokeh.document import Document
+from bokeh.server.contexts import BokehSessionContext
+from bokeh.server.session import ServerSession
 from panel.io.server import WSHandler
+from tornado.ioloop import IOLoop
+from waiting import PATIENCE
 
 from app.upstream import first_changes
 
@@ -40,3 +45,28 @@ def test_what_a_hold_collects_once_the_document_is_sent_is_told(
     with pn.io.hold(document):
         document.title = "changed after"
     assert [each.title for each in changes] == ["changed after"] * told
+
+
+def test_what_a_task_changes_meanwhile_is_told_once_the_session_is_free(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(panel_document, "_drain_unconnected_events", first_changes._collected)
+
+    async def change() -> list[str]:
+        document, told = Document(), asyncio.Queue[str]()
+        context = BokehSessionContext("of a test", None, document)
+        document._session_context = weakref.ref(context)
+        session = ServerSession(context.id, document, IOLoop.current())
+        context._set_session(session)
+
+        class Connection:
+            async def send_patch_document(self, event: Any) -> None:
+                told.put_nowait(event.title)
+
+        session.subscribe(Connection())
+        first_changes._sent.add(document)
+        with pn.io.hold(document):
+            document.title = "by a task"
+        found = [await asyncio.wait_for(told.get(), PATIENCE)]
+        session.destroy()
+        return found
+
+    assert asyncio.run(change()) == ["by a task"]
