@@ -134,7 +134,7 @@ def plain(browser: Browser, server: str) -> Iterator[Page]:
 @pytest.fixture
 def desk(plain: Page) -> Iterator[Page]:
     """The same, for tests that change the design and nothing else; it is reset after them."""
-    plain.evaluate("() => scrollTo(0, 0)")  # what another test unfolded may have made the page long
+    plain.locator(".main-content").evaluate("e => e.scrollTo(0, 0)")  # another test may have gone down to a fold
     said = plain.evaluate(_SAYS)
     name = plain.get_by_role("textbox", name="Design", exact=True)
     called = name.input_value()
