@@ -221,7 +221,8 @@ def test_report_from_the_page(plain: Page, button: str, magic: bytes) -> None:
         plain.get_by_role("button", name=button).click()
         expect(plain.get_by_role("button", name=re.compile("^Writing"))).to_be_visible()
     expect(plain.get_by_role("button", name="Report", exact=True)).to_be_visible()
-    plain.keyboard.press("Escape")
+    plain.get_by_role("button", name=button).press("Escape")
+    expect(plain.get_by_role("button", name=button)).to_be_hidden()
     assert content(waiting.value).lower().startswith(magic.lower())
 
 
