@@ -178,12 +178,17 @@ def _ends(x: _Row) -> tuple[Array, Array]:
     return start, end
 
 
+def _fixes_inside(aperture: Array, interval: Array) -> NDArray[np.int64]:
+    """How many fixes are between an aperture's start and its end, without these two."""
+    return np.asarray(np.ceil((aperture / interval).real - 1e-9), np.int64) - 1
+
+
 def _inside(x: _Row, variance: Array, interval: Array, nodes: int) -> Fixes:
     """Fixes inside the aperture, one by one where they are few; more of them as evenly spread over Gauss's nodes.
 
     Each is spread over an interval around it, as those at the aperture's ends belong to the legs.
     """
-    count = np.asarray(np.ceil((x.aperture / interval).real - 1e-9), np.int64) - 1
+    count = _fixes_inside(x.aperture, interval)
     points = min(int(np.max(count)), _POINTS)
     few = count <= _POINTS
     if not np.all(few):
@@ -323,8 +328,11 @@ def smoothed_in_leg(
 def _by_modes(x: _Row, places: NDArray[np.int64], level: NDArray[np.int64], found: dict[str, Array]) -> None:
     """Put the figures of these rows into `found`, at their places: each by as many modes as its aperture needs."""
     start, end = _ends(x)
+    kinds = [x.interval] if x.velocity_interval is None else [x.velocity_interval, x.interval]
+    # batches of apertures with about as many fixes: all rows of one have as many unknowns
+    order = np.lexsort([_fixes_inside(x.aperture, interval) for interval in kinds])
     for n, (_, modes) in enumerate(_MODES):
-        rows = np.flatnonzero(level == n)
+        rows = order[level[order] == n]
         size = (2 * modes + _POINTS) * (2 * modes + 8)
         for batch in np.array_split(rows, max(1, len(rows) * size // _AT_ONCE)) if len(rows) else ():
             taken = _solved(x.of(batch), start[..., batch], end[..., batch], modes)

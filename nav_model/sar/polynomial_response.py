@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 
@@ -15,6 +16,7 @@ from nav_model.sar.impulse_response import (
     aperture_positions,
     gathered,
     impulse_response,
+    near_power,
     response_curve,
 )
 from nav_model.sar.lobe_measures import ISLR_NULL_DISTANCES, TIE, half_power_places, measure_line
@@ -40,7 +42,8 @@ def quadratic_response(
     """
     taper, spread = as_taper(window), _spread(quadratic_rad, cubic_rad)
     if spread > _FAST_SPREADS[-1]:
-        return _sampled_polynomial_response(quadratic_rad, cubic_rad, taper, spread)
+        aperture, padding = _sampled(quadratic_rad, cubic_rad, spread)
+        return impulse_response(aperture, taper, padding)
     line = _fast_line(taper, next(limit for limit in _FAST_SPREADS if spread <= limit))
     power = _power(line, quadratic_rad, cubic_rad)
     peak = _peak(power)
@@ -52,7 +55,11 @@ def half_power_extent(quadratic_rad: float, window: Window | Taper = "uniform") 
     """``half_power_extent_cells`` of `quadratic_response`, in a third of its time, as side lobes are not measured."""
     spread = _spread(quadratic_rad)
     if spread > _FAST_SPREADS[-1]:
-        return float(quadratic_response(quadratic_rad, window).half_power_extent_cells)
+        aperture, padding = _sampled(quadratic_rad, 0.0, spread)
+        # The frequency at one end of the aperture is the farthest place, rounded up to one of few extents.
+        _, power = near_power(aperture, window, 2.0 ** math.ceil(math.log2(spread)) + _WIDEST, padding)
+        low, high = half_power_places(power, _peak(power))
+        return (high - low) / padding
     limit = next(limit for limit in _FAST_SPREADS if spread <= limit)
     near = round((limit / 2 + _WIDEST) * _FAST_PADDING)
     power = _power(_fast_line(as_taper(window), limit), quadratic_rad, 0.0, slice(near))
@@ -153,9 +160,8 @@ def _fast_line(taper: Taper, spread: float) -> _FastLine:
     )
 
 
-def _sampled_polynomial_response(
-    quadratic_rad: float, cubic_rad: float, taper: Taper, spread: float
-) -> ImpulseResponse:
+def _sampled(quadratic_rad: float, cubic_rad: float, spread: float) -> tuple[NDArray[np.complex128], int]:
+    """Samples of the aperture, as many as the phase needs, and how far its transform is padded."""
     samples = max(MINIMUM_SAMPLES, 1 << int(np.ceil(np.log2(8 * spread))))
     if samples > 1 << 17:
         raise ValueError(
@@ -164,4 +170,4 @@ def _sampled_polynomial_response(
         )
     padding = ZERO_PADDING if samples == MINIMUM_SAMPLES else 16
     x = aperture_positions(samples)
-    return impulse_response(np.exp(1j * (quadratic_rad * x**2 + cubic_rad * x**3)), taper, padding)
+    return np.exp(1j * (quadratic_rad * x**2 + cubic_rad * x**3)), padding

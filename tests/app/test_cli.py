@@ -4,6 +4,7 @@ import io
 import json
 import math
 import os
+import signal
 import subprocess
 import sys
 from importlib.metadata import version
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import app.__main__
 import app.cli
 from app.cli import main
 
@@ -242,3 +244,18 @@ def test_a_reader_that_leaves_early_is_no_error():
     done = subprocess.run(["bash", "-c", shell], cwd=ROOT, capture_output=True, check=False)
     assert done.returncode == 0
     assert done.stderr == b""
+
+
+@pytest.mark.parametrize(("given", "used"), [(None, "1"), ("2", "2")])
+def test_openblas_has_one_thread_unless_the_environment_says_otherwise(monkeypatch, given, used):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given or "")
+    if given is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    monkeypatch.setattr(signal, "signal", lambda number, what: None)
+    monkeypatch.setattr(app.cli, "main", lambda: os.environ["OPENBLAS_NUM_THREADS"])
+    assert app.__main__.main() == used
+
+
+def test_the_way_in_leaves_numpy_to_the_command():
+    code = "import sys, app.__main__; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0

@@ -26,7 +26,7 @@ def test_fast_route_equals_the_full_one(quadratic, cubic, window):
 
 
 @pytest.mark.parametrize("window", WINDOWS)
-@pytest.mark.parametrize("quadratic", [0.0, 0.7, -1.5, 1.58, 4.7, 4.8, 12.5, 13.0, 300.0])
+@pytest.mark.parametrize("quadratic", [0.0, 0.7, -1.5, 1.58, 4.7, 4.8, 12.5, 13.0, 60.0, 300.0])
 def test_the_extent_alone_is_that_of_the_response(quadratic, window):
     whole = quadratic_response(quadratic, window).half_power_extent_cells
     assert half_power_extent(quadratic, window) == pytest.approx(whole, rel=1e-12)
