@@ -39,6 +39,7 @@ TOO_LONG = len(_MODES)
 _SAME = 1e-3  # relative difference below which two fix intervals are equal
 _AT_ONCE = 2**18  # numbers in the largest array of one batch of modes, which stays in the cache
 _ROWS = 4096  # whose legs are taken together
+_FEW_ROWS = 64  # with fewer, to find those alike takes longer than their legs
 
 
 @dataclass(frozen=True)
@@ -128,6 +129,9 @@ class _Fixes(NamedTuple):
     lead: NDArray[np.int64]
     soon: Array  # (rows)
 
+    def of(self, rows: NDArray[np.int64]) -> _Fixes:
+        return _Fixes(self.whole[:, rows], self.rest[:, rows], self.lead[:, rows], self.soon[rows])
+
 
 def _fixes(reach: Array, aperture: Array, often: Array, seldom: Array) -> _Fixes:
     away = np.ceil((aperture / seldom).real - 1e-9) * seldom - aperture
@@ -142,15 +146,24 @@ def _fixes(reach: Array, aperture: Array, often: Array, seldom: Array) -> _Fixes
     return _Fixes(whole, rest, np.clip(_count(reach - sooner, often) + 1, 0, most), soon)
 
 
-def _legs(x: _Row, pace: _Pace, reach: Array, between: Doubles) -> tuple[Array, Array]:
-    """Information about the states at the legs' fixes beside the aperture, (n, n, 2, rows), and how far the one after
-    the aperture is from its end [s]."""
-    fixes = _fixes(reach, x.aperture, pace.often, pace.seldom)
+def _legs(x: _Row, fixes: _Fixes) -> Array:
+    """Information about the states at the legs' fixes beside the aperture, (n, n, 2, rows)."""
+    pace = _pace(x)
+    between = Doubles(Segment(pace.dense, *_drift(x, pace.often)))
     if pace.often is pace.seldom:
-        return information(between, fixes.whole + 1), fixes.soon
+        return information(between, fixes.whole + 1)
     known = information(between, fixes.rest) + pace.sparse[:, :, None] * (fixes.whole >= 0)
     known = information(Doubles(_unit(x, pace, between)), np.maximum(fixes.whole, 0), known)
-    return information(between, fixes.lead, known), fixes.soon
+    return information(between, fixes.lead, known)
+
+
+def _different(x: _Row, fixes: _Fixes) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows whose legs differ, and for each row which of these it is like: a map over the aperture has few."""
+    known = (x.accelerometer, x.gyro, x.fix, x.interval, x.velocity, x.velocity_interval, x.slow, x.slow_time)
+    table = np.array([*(value for value in known if value is not None), *fixes.whole, *fixes.rest, *fixes.lead])
+    rows = np.ascontiguousarray(table.T)
+    _, first, alike = np.unique(rows.view(f"V{rows.strides[0]}"), return_index=True, return_inverse=True)
+    return first, alike.ravel()
 
 
 def _ends(x: _Row) -> tuple[Array, Array]:
@@ -159,8 +172,13 @@ def _ends(x: _Row) -> tuple[Array, Array]:
     far = _FAR * (1 / x.slowest + pace.seldom.real)
     # before the aperture, counted from its last fix backward; after it, from its end
     reach = np.stack([np.minimum(x.before - x.gap, far), np.minimum(x.after, far)])
-    known, soon = _legs(x, pace, reach, Doubles(Segment(pace.dense, *_drift(x, pace.often))))
-    steps = np.stack([x.gap, soon])
+    fixes = _fixes(reach, x.aperture, pace.often, pace.seldom)
+    if len(x.fix) > _FEW_ROWS:
+        first, alike = _different(x, fixes)
+        known = _legs(x.of(first), fixes.of(first))[..., alike]
+    else:
+        known = _legs(x, fixes)
+    steps = np.stack([x.gap, fixes.soon])
     if np.any(steps):
         known = before(known, *_drift(x, steps))
     start, end = known[:, :, 0].copy(), known[:, :, 1]

@@ -93,10 +93,18 @@ def smoothed_error(
     if not any(map(np.any, short)):
         return found
     parts = [_part(channel, aperture, leg, where) for channel, where in zip(channels, short, strict=True)]
-    cells = sum(np.count_nonzero(part.mask) for part in parts)
-    a_map = cells > _MANY and all(part.mask.ndim == 2 and not part.stepped for part in parts)
-    exact = _from_few(parts, found) if a_map else _each(parts)
-    for columns, part, values in zip(found, parts, exact, strict=True):
+    # A channel that one axis alone changes, or none, has few designs beside one that both axes change.
+    few = [n for n, part in enumerate(parts) if part.is_map]
+    if sum(np.count_nonzero(parts[n].mask) for n in few) <= _MANY:
+        few = []
+    rest = [n for n, part in enumerate(parts) if n not in few and part.mask.any()]
+    exact: dict[int, dict[str, Array]] = {}
+    if few:
+        exact |= zip(few, _from_few([parts[n] for n in few], [found[n] for n in few]), strict=True)
+    if rest:
+        exact |= zip(rest, _each([parts[n] for n in rest]), strict=True)
+    for n, values in exact.items():
+        columns, part = found[n], parts[n]
         whole = bool(np.all(part.mask))
         for name, base in columns.items():
             if whole:
@@ -131,8 +139,10 @@ class _Part:
     mask: NDArray[np.bool_]
 
     @property
-    def stepped(self) -> bool:
-        return any(map(np.iscomplexobj, self.values.values()))
+    def is_map(self) -> bool:
+        """Whether two axes change it, by plain numbers."""
+        shape = self.mask.shape
+        return len(shape) == 2 and min(shape) > 1 and not any(map(np.iscomplexobj, self.values.values()))
 
     def axis(self, n: int) -> _Axis:
         """The rows or the columns of a map."""

@@ -127,9 +127,12 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
     """
     rows = _rows(channel, aperture)
     if rows > 1:
-        parts = [smoothed(*_row(channel, aperture, k), names) for k in range(rows)]
+        # The aperture alone along its axis: each line of the map then has one set of frequencies.
+        axis = 1 if aperture.ndim == 2 and len(aperture) == 1 and aperture.size == rows else 0
+        parts = [smoothed(*_line(channel, aperture, axis, k), names) for k in range(rows)]
         return {
-            name: parts[0][name] if name in UNEVEN else np.stack([part[name] for part in parts]) for name in names
+            name: parts[0][name] if name in UNEVEN else np.stack([part[name] for part in parts], axis)
+            for name in names
         }
     made = table()
     half = aperture / 2
@@ -158,26 +161,31 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
 
 
 def _rows(channel: Channel, aperture: Array) -> int:
-    """Of a map that is taken one row at a time, to stay in the cache; else 1.
+    """Of a map that is taken one row or column at a time, to stay in the cache; else 1.
 
-    Each row has frequencies of its own, or both axes change what drifts, or what the receiver knows.
+    Each row has frequencies of its own, or both axes change what drifts, or what the receiver knows; of errors that
+    are not white, at the frequencies that each column's aperture takes.
     """
     if aperture.ndim > 1 and len(aperture) > 1:
         return len(aperture)
     given = {name: value.shape for name, value in vars(channel).items() if value is not None}
     drift = np.broadcast_shapes(*(given.pop(name) for name in ("accelerometer", "gyro") if name in given))
+    white = given.keys() == {"fix", "interval"}
     known = np.broadcast_shapes(*given.values())
+    if aperture.ndim == 2 and aperture.size > 1:
+        shapes = (drift, () if white else known)
+        return aperture.size if any(len(shape) > 1 and shape[0] > 1 for shape in shapes) else 1
     return max((shape[0] for shape in (drift, known) if len(shape) > 1 and shape[1] > 1), default=1)
 
 
-def _row(channel: Channel, aperture: Array, k: int) -> tuple[Channel, Array]:
-    """Of a map."""
+def _line(channel: Channel, aperture: Array, axis: int, k: int) -> tuple[Channel, Array]:
+    """Of a map, one row or column."""
 
-    def row(value: Array) -> Array:
-        return value if value.ndim < 2 else value[k if len(value) > 1 else 0]
+    def line(value: Array) -> Array:
+        return value if value.ndim < 2 else np.asarray(value.take(k if value.shape[axis] > 1 else 0, axis))
 
-    values = {name: row(value) for name, value in vars(channel).items() if value is not None}
-    return replace(channel, **values), row(aperture)
+    values = {name: line(value) for name, value in vars(channel).items() if value is not None}
+    return replace(channel, **values), line(aperture)
 
 
 _FILTER = {"position": "whole", "velocity": "whole"}

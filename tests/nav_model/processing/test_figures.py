@@ -7,12 +7,14 @@ import pytest
 from scipy.linalg import solve_discrete_are
 
 from nav_model.analytic.discrete import SlowError, cycle
+from nav_model.analytic.few import from_few
 from nav_model.analytic.steady_state import horizontal, vertical
 from nav_model.budget import analyse
 from nav_model.budget.figures import SMOOTHED, figures, smoothed_figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import cautions
+from nav_model.processing import leg, smoother
 from nav_model.processing.spectrum import Channel, smoothed
 
 # docs/processing.md, check values: quadratic, cubic, residual after orders 1 and 2, along-track quadratic [°], slope
@@ -210,8 +212,11 @@ def test_arrays_are_designs_side_by_side(named):
 
 @pytest.mark.parametrize("aperture", ["radar.aperture_time", "radar.slant_range"])
 @pytest.mark.parametrize("across", [True, False])
-def test_a_map_over_apertures_is_designs_side_by_side(named, aperture, across):
-    """By spectrum and in state space, an interval of velocity fixes of its own among them."""
+@pytest.mark.parametrize("few", [64, 1])
+def test_a_map_over_apertures_is_designs_side_by_side(named, aperture, across, few, monkeypatch):
+    """By spectrum and in state space, an interval of velocity fixes of its own among them; legs that are alike may
+    be computed once."""
+    monkeypatch.setattr(leg, "_FEW_ROWS", few)
     design = named["B"].replace({"gnss.velocity_interval": 0.4})
     spans = np.array([1.0, 3.0, 9.0]) * (1.0 if aperture == "radar.aperture_time" else 2000.0)
     noises = np.array([0.01, 0.1, 1.0, 3.0])
@@ -231,6 +236,27 @@ def test_a_map_over_apertures_is_designs_side_by_side(named, aperture, across):
             for name, values in grid.items():
                 whole = np.broadcast_to(values, (4, 3) if across else (3, 4))
                 assert whole[(j, i) if across else (i, j)] == pytest.approx(float(one[name]), rel=1e-9), name
+
+
+@pytest.mark.parametrize("key", ["gnss.vertical_position_noise", "gnss.position_noise"])
+@pytest.mark.parametrize("across", [True, False])
+def test_a_map_of_which_one_axis_leaves_a_channel_as_it_is(named, key, across, monkeypatch):
+    """The one channel is computed at a few designs, the other at each of its own."""
+    design = named["B"].replace({"gnss.vertical_position_noise": 2.0, "processing.leg_after": 20.0})
+    shape = [(1, -1), (-1, 1)]
+    changes = {
+        "radar.aperture_time": np.geomspace(0.5, 3.0, 24).reshape(shape[not across]),
+        key: np.geomspace(0.1, 3.0, 24).reshape(shape[across]),
+    }
+    names = ("quadratic_phase", "horizontal_position", "vertical_position", "le90")
+    x = inputs_of(design, changes)
+    exact = smoothed_figures(x, names)
+    counted: list[int] = []
+    monkeypatch.setattr(smoother, "_MANY", 500)
+    monkeypatch.setattr(smoother, "from_few", lambda wanted, *a: counted.append(len(wanted)) or from_few(wanted, *a))
+    for name, figure in smoothed_figures(x, names).items():
+        np.testing.assert_allclose(figure, exact[name], rtol=1e-4, err_msg=name)
+    assert counted
 
 
 def test_each_verdict_names_its_processing_and_the_chosen_one_decides(named):
