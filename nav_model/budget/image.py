@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from functools import partial
 
 from nav_model.analytic.discrete import Sawtooth
-from nav_model.analytic.steady_state import Horizontal
+from nav_model.analytic.steady_state import Array, Horizontal
 from nav_model.budget.fast import LEVELS, levels, stays
 from nav_model.budget.figures import PLACING, along_track_phase, begun, free_shifts, phase_sources, placing
 from nav_model.budget.inputs import Inputs
@@ -76,9 +76,7 @@ def response_of(x: Inputs, quadratic: float) -> ImpulseResponse | None:
     if not x.fast:
         return response
     whole, near = (float(part) for part in stays(x.fast.values(), x.to_phase, x.aperture, x.window))
-    return with_echoes(
-        response, float(levels(x.fast.values(), x.to_phase, x.aperture, x.window)["paired_echo"]), whole, near
-    )
+    return with_echoes(response, float(_heights(x)["paired_echo"]), whole, near)
 
 
 def spectral_of(x: Inputs, cell: float) -> Spectral:
@@ -88,7 +86,10 @@ def spectral_of(x: Inputs, cell: float) -> Spectral:
         return Spectral(
             (), FrozenMapping(dict.fromkeys(LEVELS, NOTHING)), 1.0, FrozenMapping(dict.fromkeys(LEVELS, none))
         )
-    sized = shares_by_step(x, lambda y: levels(y.fast.values(), y.to_phase, y.aperture, y.window))
+
+    def of_sources() -> Mapping[str, Shares]:
+        return {name: _of(x.fast, shares) for name, shares in shares_of(shares_by_step(x, _heights)).items()}
+
     lobe = ideal_null_cells(x.window)  # type: ignore[arg-type]
     echoes = [
         Echo(name, float(at), float(phase), float(level), float(at * x.aperture * cell))
@@ -104,11 +105,15 @@ def spectral_of(x: Inputs, cell: float) -> Spectral:
     ]
     return Spectral(
         tuple(sorted(echoes, key=lambda item: -item.level)),
-        FrozenMapping({name: value for name, (value, _) in sized.items()}),
+        FrozenMapping({name: float(value) for name, value in _heights(x).items()}),
         float(stays(x.fast.values(), x.to_phase, x.aperture, x.window)[0]),
-        FrozenMapping({name: _of(x.fast, shares) for name, (_, shares) in sized.items()}),
+        each(LEVELS, of_sources),
         float(x.to_phase**2 * sum(made.scattered for made in x.fast.values())),
     )
+
+
+def _heights(x: Inputs) -> dict[str, Array]:
+    return levels(x.fast.values(), x.to_phase, x.aperture, x.window)
 
 
 def _of(names: Collection[str], shares: Shares) -> Shares:
