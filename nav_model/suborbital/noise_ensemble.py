@@ -7,7 +7,8 @@ import numpy as np
 
 from nav_model.earth.rotation import FloatArray, matrix_from_vector
 from nav_model.suborbital.checks import require
-from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise, navigation_errors
+from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
+from nav_model.suborbital.navigation_errors import navigation_errors
 from nav_model.suborbital.sensitivity import NoiseSpread
 from nav_model.suborbital.study import Study
 

@@ -12,12 +12,8 @@ from nav_model.suborbital.channels import ChannelErrors, channel_errors, decoupl
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
 from nav_model.suborbital.flight import FlightParameters, TrueFlight, in_gravity, reference_flight
-from nav_model.suborbital.mechanisation import (
-    AttitudeFrames,
-    NavigationErrors,
-    mechanise,
-    navigation_errors,
-)
+from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
+from nav_model.suborbital.navigation_errors import NavigationErrors, navigation_errors
 from nav_model.suborbital.sensitivity import (
     NoiseParts,
     NoiseSpread,

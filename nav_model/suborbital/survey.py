@@ -18,7 +18,8 @@ from nav_model.suborbital.attitude import METHODS, MethodScore, compare_methods
 from nav_model.suborbital.channels import channel_errors, decoupled_response
 from nav_model.suborbital.flight import TrueFlight, reference_flight
 from nav_model.suborbital.flight_file import parse_flight
-from nav_model.suborbital.mechanisation import Cancelled, NavigationErrors
+from nav_model.suborbital.mechanisation import Cancelled
+from nav_model.suborbital.navigation_errors import NavigationErrors
 from nav_model.suborbital.sensitivity import NoiseParts, Sensitivity, noise_parts
 from nav_model.suborbital.settings import Settings, output_every
 from nav_model.suborbital.sky import Sky

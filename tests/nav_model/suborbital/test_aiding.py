@@ -14,7 +14,8 @@ from nav_model.suborbital.aiding import (
 )
 from nav_model.suborbital.errors import CLASSES, PARAMETERS, ErrorSet, mask, parameter_vector
 from nav_model.suborbital.flight import FlightParameters, attitude_program
-from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise, navigation_errors
+from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
+from nav_model.suborbital.navigation_errors import navigation_errors
 
 
 def final(flight, aiding, parameters=None, frames=None):

@@ -5,7 +5,8 @@ import pytest
 
 from nav_model.constants import GRAVITATIONAL_PARAMETER
 from nav_model.suborbital.errors import CLASSES, ErrorSet, SensorErrors, mask, parameter_vector
-from nav_model.suborbital.mechanisation import mechanise, navigation_errors
+from nav_model.suborbital.mechanisation import mechanise
+from nav_model.suborbital.navigation_errors import navigation_errors
 from nav_model.suborbital.sensor_history import sensor_history
 
 

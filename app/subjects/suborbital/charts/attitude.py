@@ -10,7 +10,7 @@ from app.charts.kinds import Array, Chart, Line, Points
 from app.document.numbers import number, show, show_in
 from app.subjects.suborbital.charts.shown import TIME, Shown, boost, called
 from nav_model.constants import ARCSECOND
-from nav_model.suborbital.mechanisation import NavigationErrors
+from nav_model.suborbital.navigation_errors import NavigationErrors
 from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
 
 
