@@ -4,6 +4,7 @@ And the record of what results were compared with: `make validation` writes it, 
 """
 
 import datetime
+import gc
 import importlib.metadata
 import json
 import os
@@ -83,6 +84,12 @@ LONG = (
     "test_docs.py::test_the_readme_prints",
 )
 """Files and tests that `make check` leaves out: seconds of servers, processes, reports and flights."""
+
+
+def pytest_collection_finish(session):
+    """What is imported by now stays: the collector need not go through it again and again, nor as often as usual."""
+    gc.freeze()
+    gc.set_threshold(100_000, 50, 50)
 
 
 def pytest_addoption(parser):

@@ -121,14 +121,20 @@ def visit(page: Page, server: str) -> Iterator[Callable[..., Page]]:
 
 @pytest.fixture(scope="session")
 def plain(browser: Browser, server: str) -> Iterator[Page]:
-    """The first design's page, for tests that change nothing on it: opening one takes seconds."""
+    """The first design's page, for tests that change nothing on it: opening one takes seconds.
+
+    Its console must not have warned of anything by the end.
+    """
     page = browser.new_page()
     page.set_default_timeout(_MS)
+    warnings: list[str] = []
+    page.on("console", lambda said: warnings.append(said.text) if said.type in {"warning", "error"} else None)
     with _watched(page, server) as open_:
         open_()
         expect(page.locator(".bk-Figure:visible")).to_have_count(4)
         yield page
     page.close()
+    assert not warnings, warnings
 
 
 @pytest.fixture

@@ -134,8 +134,8 @@ def test_forged_link_is_said_and_harms_nothing(visit: Visit, query: str) -> None
     expect(card(page, "Position, horizontal")).to_have_text("40.4 cm")
 
 
-def test_save_open_and_refuse(visit: Visit, tmp_path: Path) -> None:
-    page = visit()
+def test_save_open_and_refuse(desk: Page, tmp_path: Path) -> None:
+    page = desk
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Save", exact=True).click()
     saved = parse_design(content(waiting.value))

@@ -39,7 +39,8 @@ def _open(visit: Visit, **size: int) -> Page:
     return page
 
 
-def test_what_decides_is_on_one_screen_without_a_warning(visit: Visit, page: Page) -> None:
+def test_what_decides_is_on_one_screen_and_runs_go_stale_with_the_design(visit: Visit, page: Page) -> None:
+    """No warning until then; the formulas follow the design at once."""
     warnings: list[str] = []
     page.on("console", lambda said: warnings.append(said.text) if said.type in {"warning", "error"} else None)
     _open(visit)
@@ -51,6 +52,18 @@ def test_what_decides_is_on_one_screen_without_a_warning(visit: Visit, page: Pag
         until(lambda: page.evaluate(_OVER_THE_EDGE) <= 1, "a map as high as its card")
     assert page.get_by_role("rowheader").count() == 9
     assert not warnings, warnings
+    answer = page.get_by_role("status").filter(has_text=_ANSWER)
+    said = answer.inner_text()
+    page.get_by_role("slider", name="Angle random walk").focus()
+    page.keyboard.press("PageDown")
+    expect(answer).to_contain_text("The runs belong to an earlier design. Run again.")
+    expect(answer).not_to_have_text(said)
+    page.get_by_role("combobox", name="Runs").click()
+    page.get_by_text("1000", exact=True).click()
+    page.get_by_role("button", name="Run the strategies").click()
+    expect(page.get_by_text("of 1000 runs, about")).to_be_visible()
+    page.get_by_role("button", name="Cancel").first.click()
+    expect(page.get_by_text("Cancelled: ")).to_be_visible()
 
 
 def _seen_at_once(page: Page, width: int, height: int) -> bool:
@@ -71,22 +84,6 @@ def _seen_at_once(page: Page, width: int, height: int) -> bool:
         and box["height"] > (200 if name in {"ranking", "map"} else 20)
         for name, box in boxes.items()
     )
-
-
-def test_runs_go_stale_with_the_design_and_the_formulas_follow(visit: Visit) -> None:
-    page = _open(visit)
-    answer = page.get_by_role("status").filter(has_text=_ANSWER)
-    said = answer.inner_text()
-    page.get_by_role("slider", name="Angle random walk").focus()
-    page.keyboard.press("PageDown")
-    expect(answer).to_contain_text("The runs belong to an earlier design. Run again.")
-    expect(answer).not_to_have_text(said)
-    page.get_by_role("combobox", name="Runs").click()
-    page.get_by_text("1000", exact=True).click()
-    page.get_by_role("button", name="Run the strategies").click()
-    expect(page.get_by_text("of 1000 runs, about")).to_be_visible()
-    page.get_by_role("button", name="Cancel").first.click()
-    expect(page.get_by_text("Cancelled: ")).to_be_visible()
 
 
 @pytest.mark.slow

@@ -19,7 +19,9 @@ _COUNT = """() => {
 }"""
 
 
-def test_every_equation_is_set_offline(visit: Visit, fits: Callable[[Page, int], None]) -> None:
+def test_every_equation_is_set_offline_and_a_mark_leads_to_its_equation_and_back(
+    visit: Visit, fits: Callable[[Page, int], None], settled: Callable[[Page], None]
+) -> None:
     page = visit()
     page.get_by_text("Theory", exact=True).first.click()
     expect(page.locator("section.equation math")).to_have_count(len(ALL_EQUATIONS))
@@ -32,10 +34,10 @@ def test_every_equation_is_set_offline(visit: Visit, fits: Callable[[Page, int],
     expect(page.get_by_role("region", name="Figures stated elsewhere, beside ours")).to_contain_text("0.900 m")
     fits(page, 1440)
     fits(page, 390)
-
-
-def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
-    page = visit()
+    page.set_viewport_size({"width": 1440, "height": 900})
+    budget = page.get_by_role("tab", name="Budget", exact=True)
+    budget.click()
+    settled(page)
     page.get_by_label("Source and method: Position, velocity, attitude").press("Enter")
     mark = page.locator("details.how").get_by_role("link", name="[T-17]").first
     mark.click()
@@ -43,7 +45,6 @@ def test_a_mark_leads_to_its_equation_and_back(visit: Visit) -> None:
     expect(equation).to_be_focused()
     assert equation.evaluate(_IN_VIEW)
     assert page.evaluate("() => location.hash") == "#theory-T-17"
-    budget = page.get_by_role("tab", name="Budget", exact=True)
     page.go_back()
     expect(budget).to_have_attribute("aria-selected", "true")
     page.go_forward()

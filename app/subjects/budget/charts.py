@@ -140,9 +140,10 @@ def _regime_knowledge(kappa: float, ratio: float, *, velocity: bool) -> str:
 
 
 @cache
-def _ideal_response(window: str) -> Array:
-    """Power [dB] of an aperture without error."""
-    return polynomial_curve(0.0, 0.0, window, _RESPONSE_CELLS)[1][0]  # type: ignore[arg-type]
+def _ideal_response(window: str) -> tuple[Array, Array]:
+    """Cells from the target, and the power [dB] there of an aperture without error."""
+    cells, power = polynomial_curve(0.0, 0.0, window, _RESPONSE_CELLS)  # type: ignore[arg-type]
+    return cells, power[0]
 
 
 def response_chart(budget: Budget) -> Chart:
@@ -169,11 +170,12 @@ def response_chart(budget: Budget) -> Chart:
 def response_curves(budget: Budget) -> Chart:
     """The same without the measures of its side lobes: what a slider moves."""
     sar, image = budget.sar, budget.smoothed or budget.sar
-    if image.half_power_extent is None:
-        cells, power = np.array([0.0]), np.full((3, 1), np.nan)
+    cells, ideal = _ideal_response(sar.window)
+    if image.half_power_extent is None:  # no image
+        spread = np.full((2, cells.size), np.nan)
     else:
         cells, spread = _spread(budget)
-        power = np.vstack((_ideal_response(sar.window), spread))
+    power = np.vstack((ideal, spread))
     metres = cells * sar.cell_length
     return Chart(
         key="response",

@@ -65,8 +65,11 @@ def hostile_html(budget_of, changed) -> bytes:
 
 
 def pdf_text(data: bytes) -> str:
-    """Words of a PDF, spaces and line breaks as one space."""
-    return " ".join(" ".join(page.extract_text() for page in pypdf.PdfReader(io.BytesIO(data)).pages).split())
+    """Words of a PDF, spaces and line breaks as one space; without the charts', whose curves take long to read."""
+    pages = pypdf.PdfReader(io.BytesIO(data)).pages
+    for page in pages:
+        page["/Resources"].pop("/XObject", None)
+    return " ".join(" ".join(page.extract_text() for page in pages).split())
 
 
 def squeezed(text: str) -> str:

@@ -21,7 +21,7 @@ Simulator = Callable[..., np.ndarray]
 
 # Simulated axes, and how many intervals must hold the truth: where 95 % do in the long run, fewer do once in a
 # thousand times.
-FEW, MANY = (60, 51), (201, 181)
+FEW, MANY = (30, 25), (201, 181)
 
 CASES = {
     "quantization, random walk, flicker": {

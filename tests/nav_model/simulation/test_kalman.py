@@ -212,7 +212,7 @@ def test_the_propagation_rate_does_not_change_the_answer(paper_imu):
     assert sigmas[0] == pytest.approx(sigmas[1], rel=1e-3)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_covariance_stays_positive_definite_for_hours(make_imu):
     """Four hours of centimetre fixes with a tactical IMU and an outage: NEES is NaN as soon as Cholesky
     fails."""

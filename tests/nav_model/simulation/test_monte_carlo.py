@@ -216,7 +216,7 @@ def study(make_imu, name: str, runs: int, duration: float, scale: float = 1.0) -
     )
 
 
-@pytest.mark.parametrize("name", FIVE_DESIGNS)
+@pytest.mark.parametrize("name", ["paper", "MEMS with RTK"])  # the plainest and the fullest; below all of them
 def test_the_filter_is_consistent_and_half_the_process_noise_is_caught(make_imu, name):
     matched = simulate(study(make_imu, name, 60, 200.0))
     assert matched.consistent, matched.verdict

@@ -104,7 +104,7 @@ def test_sensitivity_starts_at_the_initial_errors(flight):
     np.testing.assert_allclose((s.velocity @ p)[0], [0.1, 0.1, 0.1], atol=1e-12)
 
 
-@pytest.mark.parametrize("aided", [False, True])
+@pytest.mark.parametrize("aided", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_white_noise_ensemble_agrees_with_its_covariance(study, aided):
     """150 nonlinear runs, fixed seed: n s²/sigma² is chi-square with n degrees; 99.9 % bounds per channel."""
     runs = 150
