@@ -31,7 +31,7 @@ def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
     if was is not None and was.met is not None:
         bar += f'<b style="width:{_share(was.used)}%"></b>'
     said = escape(limit or figure.limit or "no limit")
-    below = f'<span title="{said}">{said}</span>{_change(figure, was)}'
+    below = f"<span>{said}</span>{_change(figure, was)}"
     return (
         f'<div class="card tile {tone}" title="{escape(figure.detail)}"><dt>{escape(figure.label)}</dt>'
         f'<dd><span class="big num">{escape(figure.value)}</span> {mark}</dd>'
