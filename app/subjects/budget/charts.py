@@ -140,9 +140,10 @@ def _regime_knowledge(kappa: float, ratio: float, *, velocity: bool) -> str:
 
 
 @cache
-def _ideal_response(window: str) -> Array:
-    """Power [dB] of an aperture without error."""
-    return polynomial_curve(0.0, 0.0, window, _RESPONSE_CELLS)[1][0]  # type: ignore[arg-type]
+def _ideal_response(window: str) -> tuple[Array, Array]:
+    """Cells from the target, and the power [dB] there of an aperture without error."""
+    cells, power = polynomial_curve(0.0, 0.0, window, _RESPONSE_CELLS)  # type: ignore[arg-type]
+    return cells, power[0]
 
 
 def response_chart(budget: Budget) -> Chart:
@@ -169,15 +170,13 @@ def response_chart(budget: Budget) -> Chart:
 def response_curves(budget: Budget) -> Chart:
     """The same without the measures of its side lobes: what a slider moves."""
     sar, image = budget.sar, budget.smoothed or budget.sar
-    if image.half_power_extent is None:
-        cells, power = np.array([0.0]), np.full((3, 1), np.nan)
-    else:
-        cells, spread = _spread(budget)
-        power = np.vstack((_ideal_response(sar.window), spread))
+    focused = image.half_power_extent is not None
+    cells, ideal = _ideal_response(sar.window)
+    cells, spread = _spread(budget) if focused else (cells, np.full((2, len(cells)), np.nan))
     metres = cells * sar.cell_length
     return Chart(
         key="response",
-        title="Point target in azimuth",
+        title=f"Point target in azimuth{'' if focused else ', not focused'}",
         x_label="azimuth [m]",
         y_label="power [dB]",
         lines=tuple(
@@ -192,7 +191,7 @@ def response_curves(budget: Budget) -> Chart:
             for key, label, values, style in zip(
                 ("ideal", "quadratic", "cubic"),
                 ("no error", "1σ quadratic", "with cubic"),
-                power,
+                (ideal, *spread),
                 ("reference", "quadratic", "with cubic"),
                 strict=True,
             )

@@ -22,7 +22,7 @@ def test_a_number_begins_where_its_bar_ends_and_has_room_after_the_longest():
     ends = re.findall(r'<i style="width:([\d.]+%)"', html)
     assert re.findall(r'class="num" style="left:([^"]+)"', html) == ends
     assert ends[1] == f"{100 * 5.56 / 6:.2f}%"
-    assert html.count("padding-right:56px") == 4  # two bars and both axes: one length of scale for all
+    assert html.count("padding-right:62px") == 3  # "0.300 rad": the bars and the axis have one scale
 
 
 @pytest.mark.parametrize(
@@ -30,3 +30,7 @@ def test_a_number_begins_where_its_bar_ends_and_has_room_after_the_longest():
 )
 def test_a_limit_is_named_after_its_line_unless_that_is_near_the_end(total: float, limit: float, beside: str):
     assert f'<em style="{beside}">' in phases(total, limit)
+
+
+def test_a_long_number_gets_the_room_it_takes():
+    assert phases(12_300.0, 1.57).count("padding-right:64px") == 3  # "12300 rad"
