@@ -80,7 +80,7 @@ def test_a_limit_at_another_multiple_than_the_figure_beside_it_says_so() -> None
     figures = key_figures(changed(requirements__confidence=2.0))
     assert figures.items[0].limit == "2 m at 2σ"
     assert key_figures(changed(requirements__confidence=2.0), Display("2σ")).items[0].limit == "2 m"
-    assert key_figures(changed(), Display("2σ")).items[0].limit == "2 m at 1σ; value at 2σ"
+    assert key_figures(changed(), Display("2σ")).items[0].limit == "2 m at 1σ; value as 2σ"
     in_si = key_figures(changed(), Display(units="SI"))
     assert in_si.items[5].limit == "1.57 rad"
     assert not [item for item in in_si.items if re.search(r"\d (cm|mm|km|µm|arcsec|min|ms)\b", item.value)]
