@@ -251,6 +251,8 @@ def _change_in_words(old: Design, new: Design) -> str:
         assert isinstance(value, tuple)
         return f"{declaration.label}: {declaration.show(value, 3) or 'not given'}"
     dimension = getattr(declaration, "dimension", "")
+    if isinstance(value, float) and not dimension:
+        return f"{declaration.label} {value:g}"
     if not dimension or isinstance(value, tuple):
         return f"{declaration.label} {value}"
     return f"{declaration.label} {format_quantity(float(value), old.unit(keys[0]), dimension, 3)}"

@@ -31,7 +31,7 @@ def bars_html(chart: BarChart, total: str, was: BarChart | None = None) -> str:
     return (
         f'<table class="bars"><caption class="hidden">{escape(chart.title)}: {escape(chart.x_label)}</caption>'
         f"<thead><tr><td></td>{heads}</tr></thead><tbody>{rows}</tbody>"
-        f'<tfoot aria-hidden="true"><tr><td></td><td>{first.axis()}</td><td>{second.axis()}</td></tr></tfoot></table>'
+        f'<tfoot aria-hidden="true"><tr><td></td>{first.axis()}{second.axis()}</tr></tfoot></table>'
     )
 
 
@@ -49,6 +49,12 @@ class _Scale:
         self._limit = getattr(chart, f"{kind}_limit")
         lengths = [self._length(bar) for one in (chart, was) if one for bar in one.bars] + [self._limit]
         self._most = _round_up(max((length for length in lengths if math.isfinite(length)), default=0.0))
+        texts = [self._told(bar) for bar in chart.bars if math.isfinite(self._length(bar))]
+        room = max([40 + 4 * len(self._unit), *(_width(text) for text in texts)])
+        self._room = f'style="padding-right:{room:.0f}px"'  # for the number after the longest bar
+
+    def _told(self, bar: Bar) -> str:
+        return f"{number(self._length(bar))}{self._unit}"
 
     def _share(self, length: float) -> str:
         return f"{100 * min(length / self._most, 1):.2f}%"
@@ -57,26 +63,33 @@ class _Scale:
         length = self._length(bar)
         if not math.isfinite(length):
             return "<td></td>"
-        tip = f"{number(length)}{self._unit} = {number(self._metres(bar))} mm along the line of sight; {bar.source}"
+        tip = f"{self._told(bar)} = {number(self._metres(bar))} mm along the line of sight; {bar.source}"
         over = ' class="over"' if total and length > self._limit else ""
         outline = f'<b style="width:{self._share(self._length(was))}"></b>' if was else ""
         limit = ""
         if total and math.isfinite(self._limit):
+            share = self._share(self._limit)
+            # After the line, unless that is too close to the end.
+            beside = f"left:{share}" if self._limit < 0.75 * self._most else f"right:calc(100% - {share})"
             limit = (
-                f'<u style="left:{self._share(self._limit)}"></u><em style="left:{self._share(self._limit)}">'
+                f'<u style="left:{share}"></u><em style="{beside}">'
                 f"limit {number(self._limit, given=True)}{self._unit}</em>"
             )
         reach = max(length, self._length(was)) if was else length
-        room = 40 + 4 * len(self._unit)  # px, for the number
-        place = f"left:min({self._share(reach)}, 100% - {room}px)"
         return (
-            f'<td title="{escape(tip)}"><div{over}><i style="width:{self._share(length)}"></i>{outline}{limit}'
-            f'<span class="num" style="{place}">{number(length)}{self._unit}</span></div></td>'
+            f'<td {self._room} title="{escape(tip)}"><div{over}><i style="width:{self._share(length)}"></i>'
+            f'{outline}{limit}<span class="num" style="left:{self._share(reach)}">{self._told(bar)}</span>'
+            "</div></td>"
         )
 
     def axis(self) -> str:
         half, most = (number(length, given=True) for length in (self._most / 2, self._most))
-        return f"<div><span>0</span><span>{half}</span><span>{most}{self._unit}</span></div>"
+        return f"<td {self._room}><div><span>0</span><span>{half}</span><span>{most}{self._unit}</span></div></td>"
+
+
+def _width(text: str) -> float:
+    """Of a number in its place [px], a little more than it takes: digits are wide, what is between them is not."""
+    return 8 + sum(7.2 if letter.isdecimal() else 5 for letter in text)
 
 
 def _round_up(most: float) -> float:
@@ -84,4 +97,4 @@ def _round_up(most: float) -> float:
     if most <= 0:
         return 1.0
     decade = 10.0 ** math.floor(math.log10(most))
-    return next(step * decade for step in _STEPS if step * decade >= 1.3 * most)
+    return next(step * decade for step in _STEPS if step * decade >= most)

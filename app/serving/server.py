@@ -55,6 +55,8 @@ from nav_model.design.link import from_query
 from nav_model.errors import InputError
 
 _TITLE = "NavBudget"
+_VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'
+"""Before any script asks for the width of the window: a phone would say that of a desk."""
 COMPONENTS = ("app.ui.anchored_text", "app.ui.decision_table", "app.ui.sortable_table", "app.upstream.file_input")
 """Modules with parts for the browser that pages load late. They are imported before anybody comes: Panel makes a part
 that one visitor's tab is the first to import known to one open page, and every other page breaks on it."""
@@ -194,7 +196,8 @@ def opening_page() -> Callable[[str, bool], str]:
 
     def page(token: str, dark: bool) -> str:
         scheme = '<meta name="color-scheme" content="dark">' if dark else ""  # dark while it loads
-        first = f"<head>{scheme}<style>{OPENING_SHEET}</style><script>{OPENING_SCRIPT}{head_script(token)}</script>"
+        script = f"<script>{OPENING_SCRIPT}{head_script(token)}</script>"
+        first = f"<head>{_VIEWPORT}{scheme}<style>{OPENING_SHEET}</style>{script}"
         return light(token).replace("<head>", first, 1)
 
     return page

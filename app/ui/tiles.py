@@ -5,7 +5,9 @@ from __future__ import annotations
 from html import escape
 
 from app.document.blocks import KeyFigure, KeyFigures
-from app.document.numbers import whole_percent
+from app.document.numbers import number, whole_percent
+
+_MANY = 11.0  # times
 
 
 def tiles_html(figures: KeyFigures, before: KeyFigures | None = None) -> str:
@@ -24,19 +26,24 @@ def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
     tone = ""
     if figure.met is not None:
         tone = "good" if figure.met else "bad"
-        margin = "" if figure.used is None else f" {whole_percent(1 - figure.used)}"
+        margin = "" if figure.used is None else f" {_margin(figure.used)}"
         mark = f'<span class="mark" title="margin">{"✓" if figure.met else "✗"}{margin}</span>'
         limit = f"limit {figure.limit}"
     bar = f'<i style="width:{_share(figure.used)}%"></i>'
     if was is not None and was.met is not None:
         bar += f'<b style="width:{_share(was.used)}%"></b>'
     said = escape(limit or figure.limit or "no limit")
-    below = f'<span title="{said}">{said}</span>{_change(figure, was)}'
+    below = f"<span>{said}</span>{_change(figure, was)}"
     return (
         f'<div class="card tile {tone}" title="{escape(figure.detail)}"><dt>{escape(figure.label)}</dt>'
         f'<dd><span class="big num">{escape(figure.value)}</span> {mark}</dd>'
         f'<dd class="bar" aria-hidden="true">{bar}</dd><dd class="fine">{below}</dd></div>'
     )
+
+
+def _margin(used: float) -> str:
+    """What is left of a limit; where the figure is many times the limit, how many: a tile is narrow."""
+    return whole_percent(1 - used) if used < _MANY else f"{number(used)} ×"
 
 
 def _share(used: float | None) -> str:
@@ -49,5 +56,6 @@ def _change(figure: KeyFigure, was: KeyFigure | None) -> str:
         return ""
     said = f"was {was.value}"
     if figure.amount is not None and was.amount:
-        said = whole_percent(figure.amount / was.amount - 1)
+        ratio = figure.amount / was.amount
+        said = whole_percent(ratio - 1) if ratio < _MANY else f"{number(ratio)} ×"
     return f'<span class="delta num" title="was {escape(was.value)}">{escape(said)}</span>'

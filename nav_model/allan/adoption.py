@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis
+from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis, over_bench
 from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, Provenance, triad_random_walk
 from nav_model.allan.vibration import SPECTRUM_KEY
 from nav_model.design import Design, Value
@@ -48,18 +48,11 @@ def adopt_random_walks(result: LogAnalysis) -> Adoption:
     return _adoption(quoted, origins)
 
 
-def adopt_vibration_factor(design: Design, result: MotionAnalysis, bench: BenchNoise) -> Adoption:
-    """The vibration factor of a log in motion over `bench` as a change to `design`.
-
-    Raises InputError when the result has no factor, or when `bench` is no longer what the design states: the
-    factor multiplies the design's own random walks.
-    """
-    if result.vibration_factor is None:
-        raise InputError(VIBRATION_KEY, "The log was analysed without bench noise, so it has no vibration factor.")
-    if bench != bench_of(design):
-        raise InputError(
-            VIBRATION_KEY, "The design's random walks have changed since this log was analysed. Analyse it again."
-        )
+def adopt_vibration_factor(design: Design, result: MotionAnalysis) -> Adoption:
+    """The vibration factor of a log in motion as a change to `design`, whose own random walks it multiplies."""
+    bench = bench_of(design)
+    factor = over_bench(result, bench).vibration_factor
+    assert factor is not None  # every log has a sensor, and a design both random walks
     low, high = result.band_hz
     walks = " and ".join(
         format_quantity(walk, design.unit(key), _quantity(key).dimension, _DIGITS)
@@ -70,7 +63,7 @@ def adopt_vibration_factor(design: Design, result: MotionAnalysis, bench: BenchN
         f"noise from {low:g} to {high:g} Hz over the design's {walks}, from log in motion "
         f"{_log(result.provenance)}; {MOTION_CAVEAT}"
     )
-    return _adoption({VIBRATION_KEY: f"{result.vibration_factor:.{_DIGITS}g}"}, {VIBRATION_KEY: origin})
+    return _adoption({VIBRATION_KEY: f"{factor:.{_DIGITS}g}"}, {VIBRATION_KEY: origin})
 
 
 def adopt_vibration_spectrum(result: MotionAnalysis) -> Adoption:

@@ -10,7 +10,7 @@ bench value.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -86,12 +86,7 @@ def analyse_motion(
     bench value is not positive.
     """
     bench = bench or BenchNoise()
-    for field, value in (
-        ("angle_random_walk", bench.angle_random_walk),
-        ("velocity_random_walk", bench.velocity_random_walk),
-    ):
-        if value is not None and not 0.0 < value < np.inf:
-            raise InputError(f"bench.{field}", f"{value} is not allowed. Give a positive number.", value)
+    _check(bench)
     nyquist = log.rate_hz / 2.0
     length = round(BLOCK_S * log.rate_hz)
     first = int(np.ceil(band_from_hz * length / log.rate_hz))
@@ -116,24 +111,51 @@ def analyse_motion(
                 f"{name} is saturated: {cut:.2%} of its samples are at the largest or smallest value, so its noise "
                 "is clipped. Record the log with a wider range, or cut out that part.",
             )
-        reference = bench.angle_random_walk if quantity == "gyro" else bench.velocity_random_walk
-        found.append(_axis(name, quantity, signal, log.rate_hz, length, first, reference))
-    factors = {quantity: _triad([a.factor for a in found if a.quantity == quantity]) for quantity in UNITS}
-    known = [factor for factor in factors.values() if factor is not None]
-    return MotionAnalysis(
+        found.append(_axis(name, quantity, signal, log.rate_hz, length, first))
+    noise = MotionAnalysis(
         axes=tuple(found),
         band_hz=(band_from_hz, nyquist),
-        gyro_factor=factors["gyro"],
-        accelerometer_factor=factors["accelerometer"],
-        vibration_factor=max(known) if known else None,
+        gyro_factor=None,
+        accelerometer_factor=None,
+        vibration_factor=None,
         spectrum=vibration_spectrum(log),
         provenance=Provenance(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading),
     )
+    return over_bench(noise, bench)
 
 
-def _axis(
-    name: str, quantity: str, signal: FloatArray, rate_hz: float, length: int, first: int, bench: float | None
-) -> AxisMotionNoise:
+def over_bench(result: MotionAnalysis, bench: BenchNoise) -> MotionAnalysis:
+    """The same noise with its factors over `bench`, whatever it was compared with before.
+
+    Raises InputError when a bench value is not positive.
+    """
+    _check(bench)
+    walks = {"gyro": bench.angle_random_walk, "accelerometer": bench.velocity_random_walk}
+    axes = []
+    for axis in result.axes:
+        walk = walks[axis.quantity]
+        axes.append(replace(axis, factor=None if walk is None else axis.effective / walk))
+    factors = {quantity: _triad([a.factor for a in axes if a.quantity == quantity]) for quantity in UNITS}
+    known = [factor for factor in factors.values() if factor is not None]
+    return replace(
+        result,
+        axes=tuple(axes),
+        gyro_factor=factors["gyro"],
+        accelerometer_factor=factors["accelerometer"],
+        vibration_factor=max(known) if known else None,
+    )
+
+
+def _check(bench: BenchNoise) -> None:
+    for field, value in (
+        ("angle_random_walk", bench.angle_random_walk),
+        ("velocity_random_walk", bench.velocity_random_walk),
+    ):
+        if value is not None and not 0.0 < value < np.inf:
+            raise InputError(f"bench.{field}", f"{value} is not allowed. Give a positive number.", value)
+
+
+def _axis(name: str, quantity: str, signal: FloatArray, rate_hz: float, length: int, first: int) -> AxisMotionNoise:
     from scipy.fft import rfft
 
     blocks = len(signal) // length
@@ -146,8 +168,7 @@ def _axis(
     density = np.mean(np.abs(spectrum) ** 2, axis=1) / (window @ window) / rate_hz
     effective = float(np.sqrt(density.mean()))
     low, typical, high = (float(value) for value in np.sqrt(np.percentile(density, [5.0, 50.0, 95.0])))
-    factor = None if bench is None else effective / bench
-    return AxisMotionNoise(name, quantity, effective, typical, low, high, factor)
+    return AxisMotionNoise(name, quantity, effective, typical, low, high, factor=None)
 
 
 def _triad(factors: list[float | None]) -> float | None:

@@ -170,16 +170,13 @@ def response_chart(budget: Budget) -> Chart:
 def response_curves(budget: Budget) -> Chart:
     """The same without the measures of its side lobes: what a slider moves."""
     sar, image = budget.sar, budget.smoothed or budget.sar
+    focused = image.half_power_extent is not None
     cells, ideal = _ideal_response(sar.window)
-    if image.half_power_extent is None:  # no image
-        spread = np.full((2, cells.size), np.nan)
-    else:
-        cells, spread = _spread(budget)
-    power = np.vstack((ideal, spread))
+    cells, spread = _spread(budget) if focused else (cells, np.full((2, len(cells)), np.nan))
     metres = cells * sar.cell_length
     return Chart(
         key="response",
-        title="Point target in azimuth",
+        title=f"Point target in azimuth{'' if focused else ', not focused'}",
         x_label="azimuth [m]",
         y_label="power [dB]",
         lines=tuple(
@@ -194,7 +191,7 @@ def response_curves(budget: Budget) -> Chart:
             for key, label, values, style in zip(
                 ("ideal", "quadratic", "cubic"),
                 ("no error", "1σ quadratic", "with cubic"),
-                power,
+                (ideal, *spread),
                 ("reference", "quadratic", "with cubic"),
                 strict=True,
             )

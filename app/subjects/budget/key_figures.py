@@ -40,7 +40,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
         in_si = display.units == SI
         limit = display.in_si(check.limit, dimension, given=True) if in_si else limit_in_words(budget.design, check)
         if told != f"{budget.verdict.confidence:g}σ":  # the figure beside it is another multiple
-            limit = f"{limit} at {budget.verdict.confidence:g}σ{'' if told == '1σ' else f'; {told}'}"
+            limit = f"{limit} at {budget.verdict.confidence:g}σ{'' if told == '1σ' else f'; value as {told}'}"
         return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
 
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:

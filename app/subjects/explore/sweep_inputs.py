@@ -53,17 +53,18 @@ class SweepRow(pn.viewable.Viewer):
         super().__init__()
         self._design = design
         look: dict[str, Any] = {"size": "small", "margin": (9, 2, 0, 4)}
-        self.input = pmui.Select(label="Input", options=_LABELS, value=key, width=230, **look)
+        self.input = pmui.Select(label="Input", options=_LABELS, value=key, width=320, **look)
         self.low = pmui.TextInput(label="From", width=96, **look)
         self.high = pmui.TextInput(label="To", width=90, **look)
         self.points = pmui.TextInput(label="Points", value="20", width=64, **look)
-        self.spacing = pmui.Select(label="Spacing", options=["log", "linear"], width=82, **look)
+        self.spacing = pmui.Select(label="Spacing", options=["log", "linear"], width=92, **look)
         self.names = pmui.MultiChoice(label="Values", options=[], width=350, visible=False, margin=(9, 2, 0, 4))
         self._fill()
         self.input.param.watch(lambda _: self._fill(), "value")
         for box in (self.low, self.high, self.points, self.spacing, self.names):
             box.param.watch(lambda _: self.param.trigger("changed"), "value")
-        self._view = pn.FlexBox(self.input, self.low, self.high, self.points, self.spacing, self.names)
+        span = pn.FlexBox(self.low, self.high, self.points, self.spacing)  # stays together, beside or below the name
+        self._view = pn.FlexBox(self.input, span, self.names)
 
     def __panel__(self) -> pn.FlexBox:
         return self._view

@@ -75,7 +75,7 @@ class ReviewRoom(pn.viewable.Viewer):
         self._stand = _OPENING
         self._watch: Any = None  # looks for what others add, while a review is in view
         self._about = pmui.Select(label="Requirement", options={}, width=330, **LOOK)
-        self._design = pmui.Select(label="Design", options={}, width=200, **LOOK)
+        self._design = pmui.Select(label="Design", options={}, width=300, **LOOK)
         self._subject = pmui.Select(label="Comment on", options=_SUBJECTS, value="", width=240, **LOOK)
         self._comment = pmui.TextAreaInput(label="Comment", max_length=4000, rows=2, width=330, **LOOK)
         self._slide = html_pane("")

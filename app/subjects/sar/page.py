@@ -94,7 +94,7 @@ class SarPage(pn.viewable.Viewer):
         )
         self._rank_head, self._ranks = html_pane("", margin=_HEAD), html_pane("", margin=(0, 10, 6, 10))
         self._ranks.param.update(
-            sizing_mode="stretch_both", min_height=300, stylesheets=[*self._ranks.stylesheets, _AS_HIGH_AS_IT_IS]
+            sizing_mode="stretch_both", min_height=260, stylesheets=[*self._ranks.stylesheets, _AS_HIGH_AS_IT_IS]
         )
         self._map = ChartPane(gnss_winner_chart, lambda: session.budget)
         self._image_head, self._images = html_pane("", margin=_HEAD), html_pane(_blank(), margin=(2, 10, 6, 10))

@@ -45,7 +45,7 @@ from nav_model.allan.adoption import (
     bench_of,
 )
 from nav_model.allan.log_file import Limits
-from nav_model.allan.motion import BenchNoise, MotionAnalysis
+from nav_model.allan.motion import BenchNoise, MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis
 from nav_model.budget import Budget
 from nav_model.errors import InputError
@@ -144,9 +144,9 @@ class LogPanel(pn.viewable.Viewer):
         """Analyse the log that was uploaded last, with the current fields."""
         if self.run.running or not self.name_of_log:
             return
-        name, bench = self.name_of_log, bench_of(self.session.design)
+        name = self.name_of_log
         try:
-            request = self._request(bench)
+            request = self._request(bench_of(self.session.design))
         except InputError as error:
             self._say(f"Not analysed. {error}")
             return
@@ -159,7 +159,7 @@ class LogPanel(pn.viewable.Viewer):
         self._say("")
         await self.run.start(study)
         if not self.run.message:
-            self._show(self.run.result, bench)
+            self._show(self.run.result)
 
     def _request(self, bench: BenchNoise) -> LogRequest:
         texts = {key: box.value.strip() for key, box in self.boxes.items()}
@@ -193,9 +193,9 @@ class LogPanel(pn.viewable.Viewer):
 
     # --- what it says, and what of it goes into the design ------------------------------------------------
 
-    def _show(self, study: Study, bench: BenchNoise) -> None:
+    def _show(self, study: Study) -> None:
         if isinstance(study, MotionAnalysis):
-            self.moving.show(study, bench)
+            self.moving.show(study)
         else:
             self.static.show(study)
 
@@ -271,11 +271,12 @@ class MotionResult(pn.viewable.Viewer):
 
     def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
         super().__init__()
+        self._session = session
         self.analysis: MotionAnalysis | None = None
-        self._bench = BenchNoise()
+        self._bench: BenchNoise | None = None
         self.head, self.table = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
         self.use = _button("Use this factor in the design")
-        self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, self._known, self._bench)))
+        self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, self._known)))
         self.spectrum = _button("Use its vibration spectrum")
         self.spectrum.on_click(lambda _: adopt(lambda: adopt_vibration_spectrum(self._known)))
         self._view = _paper(self.head, pn.Row(self.use, self.spectrum), self.table, visible=False)
@@ -288,9 +289,18 @@ class MotionResult(pn.viewable.Viewer):
         assert self.analysis is not None
         return self.analysis
 
-    def show(self, analysis: MotionAnalysis, bench: BenchNoise) -> None:
-        """Show another log's analysis, made against `bench`."""
-        self.analysis, self._bench = analysis, bench
+    def show(self, analysis: MotionAnalysis) -> None:
+        """Show another log's analysis."""
+        self.analysis, self._bench = analysis, None
+        self.follow()
+
+    def follow(self) -> None:
+        """Compare the log, if there is one, with the random walks of the current design."""
+        bench = bench_of(self._session.design)
+        if self.analysis is None or bench == self._bench:
+            return
+        self._bench = bench
+        self.analysis = analysis = over_bench(self.analysis, bench)
         with pn.io.hold():
             self.head.object = "<h3>Log in motion</h3>" + html_of(
                 provenance_text(analysis.provenance), motion_answer(analysis)

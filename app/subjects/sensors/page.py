@@ -68,6 +68,7 @@ class SensorsPage(pn.viewable.Viewer):
         """Follow the current budget."""
         self._strip.show(origin_answer(budget.design))
         self._origins.object = html_of(origin_table(budget.design))
+        self.log.moving.follow()
         self._mark()
 
     def _mark(self) -> None:

@@ -64,7 +64,7 @@ def test_tiles_timelines_and_bars_follow_a_choice() -> None:
     session.shown = "2s.si"
     page.show(session.budget)
     assert "0.808 m" in page._tiles.object  # twice 0.4039 m
-    assert "limit 2 m at 1σ; 2σ" in page._tiles.object
+    assert "limit 2 m at 1σ; value as 2σ" in page._tiles.object
     assert page._stack.plots[2].yaxis[0].axis_label == "attitude, 2σ [rad]"
     assert f"{2 * session.budget.sar.quadratic:.3g} rad</span>" in page._phase.object
     assert "°</span>" not in page._phase.object

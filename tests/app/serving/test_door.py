@@ -155,7 +155,9 @@ def test_names_a_server_answers_under(
 
 def test_logout(visitor: Any) -> None:
     visitor.log_in("ada", PASSWORD)
-    assert visitor.ask("/")[0] == 200
+    status, text, _ = visitor.ask("/")
+    assert status == 200
+    assert text.index('name="viewport"') < text.index("innerWidth")  # which is a desk's before a phone has read it
     status, text, _ = visitor.ask("/logout")
     assert status == 200
     assert "http" not in text

@@ -9,7 +9,7 @@ from nav_model.allan.adoption import (
     bench_of,
 )
 from nav_model.allan.imu_log import ImuLog
-from nav_model.allan.motion import BenchNoise, analyse_motion
+from nav_model.allan.motion import analyse_motion
 from nav_model.allan.result import READING_INTERVAL, LogAnalysis, to_json, triad_random_walk
 from nav_model.allan.static_log import analyse_log
 from nav_model.design import Design
@@ -73,16 +73,14 @@ def test_a_reading_at_one_second_is_said_to_be_one():
     assert "95 %" not in note
 
 
-def test_vibration_factor_is_offered_over_the_bench_it_was_measured_against():
+def test_vibration_factor_is_offered_over_the_random_walks_of_the_design_that_takes_it():
     design = Design({ARW: 1e-4, VRW: 1e-3})
     log = ImuLog(noise(5, 3e-4), noise(6, 2e-3), 100.0, file_name="flight.csv", sha256="cd" * 32)
     result = analyse_motion(log, bench_of(design))
-    adoption = adopt_vibration_factor(design, result, bench_of(design))
+    adoption = adopt_vibration_factor(design, result)
     adopted = design.replace(adoption.changes, adoption.written, adoption.origins)
     # Known factors 3 and 2; the larger is offered, good to 1 %.
     assert adopted.imu.vibration_factor == pytest.approx(3.0, rel=0.03)
     assert "as white noise" in adopted.origins["imu.vibration_factor"]
-    with pytest.raises(ValueError, match="random walks have changed"):
-        adopt_vibration_factor(design.replace({ARW: 2e-4}), result, bench_of(design))
-    with pytest.raises(ValueError, match="without bench noise"):
-        adopt_vibration_factor(design, analyse_motion(log), BenchNoise())
+    quieter = adopt_vibration_factor(design.replace({ARW: 0.5e-4}), result)
+    assert quieter.changes["imu.vibration_factor"] == pytest.approx(6.0, rel=0.03)

@@ -7,7 +7,7 @@ import pytest
 
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import LogOptions, read_log
-from nav_model.allan.motion import BenchNoise, analyse_motion, motion_to_json
+from nav_model.allan.motion import BenchNoise, analyse_motion, motion_to_json, over_bench
 
 
 def driven(factor: float) -> ImuLog:
@@ -35,6 +35,7 @@ def test_without_bench_noise_there_is_no_factor():
     half = analyse_motion(driven(1.0), BenchNoise(velocity_random_walk=1e-3))
     assert half.gyro_factor is None
     assert half.vibration_factor == half.accelerometer_factor
+    assert over_bench(half, BenchNoise(1e-4, 1e-3)) == analyse_motion(driven(1.0), BenchNoise(1e-4, 1e-3))
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage, requirements
 from app.subjects.budget.tables import image_table, requirement_table, steady_table
 from app.subjects.budget.timelines import attitude_chart, position_chart, velocity_chart
+from app.ui.tiles import tiles_html
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
 from nav_model.design.file import read_design
@@ -79,7 +80,7 @@ def test_a_limit_at_another_multiple_than_the_figure_beside_it_says_so() -> None
     figures = key_figures(changed(requirements__confidence=2.0))
     assert figures.items[0].limit == "2 m at 2σ"
     assert key_figures(changed(requirements__confidence=2.0), Display("2σ")).items[0].limit == "2 m"
-    assert key_figures(changed(), Display("2σ")).items[0].limit == "2 m at 1σ; 2σ"
+    assert key_figures(changed(), Display("2σ")).items[0].limit == "2 m at 1σ; value as 2σ"
     in_si = key_figures(changed(), Display(units="SI"))
     assert in_si.items[5].limit == "1.57 rad"
     assert not [item for item in in_si.items if re.search(r"\d (cm|mm|km|µm|arcsec|min|ms)\b", item.value)]
@@ -222,6 +223,21 @@ def test_a_figure_that_holds_a_share_is_a_radius_and_sigmas_are_of_an_axis(mems:
     for spread, word in (("1σ", "per axis"), ("2σ", "per axis"), ("95 %", "radius"), ("CEP", "radius")):
         labels = [row[0].text for row in steady_table(mems, "d", Display(spread)).rows]
         assert [label.split(", ")[1] for label in labels if label.startswith("Horizontal")] == [word, word]
+
+
+def test_a_design_that_fails_by_far_has_tiles_in_their_place_and_an_image_that_says_so(mems: Budget) -> None:
+    """Margins in percent would reach into the next tile, and a chart without a finite number has no axes."""
+    hopeless = changed(imu__vibration_factor=1000.0)
+    assert hopeless.sar.half_power_extent is None
+    html = tiles_html(key_figures(hopeless), key_figures(mems))
+    assert max(len(percent) for percent in re.findall(r"[+−]\d+ %", html)) <= len("−1000 %")
+    detrended = next(check for check in hopeless.verdict.checks if check.name == "detrended_phase")
+    assert f"✗ {float(f'{1 - detrended.margin:.3g}'):g} ×" in html
+    chart = response_chart(hopeless)
+    ideal, *spread = chart.lines
+    assert chart.title == "Point target in azimuth, not focused"
+    assert math.isfinite(ideal.x[0] + ideal.y.max())
+    assert all(math.isnan(line.y.max()) for line in spread)
 
 
 def test_what_the_image_comes_from_is_of_the_designs_processing(mems: Budget) -> None:
