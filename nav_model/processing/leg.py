@@ -132,6 +132,11 @@ class _Fixes(NamedTuple):
     def of(self, rows: NDArray[np.int64]) -> _Fixes:
         return _Fixes(self.whole[:, rows], self.rest[:, rows], self.lead[:, rows], self.soon[rows])
 
+    def leg(self, n: int) -> _Fixes:
+        """One leg alone."""
+        one = slice(n, n + 1)
+        return _Fixes(self.whole[one], self.rest[one], self.lead[one], self.soon)
+
 
 def _fixes(reach: Array, aperture: Array, often: Array, seldom: Array) -> _Fixes:
     away = np.ceil((aperture / seldom).real - 1e-9) * seldom - aperture
@@ -147,7 +152,7 @@ def _fixes(reach: Array, aperture: Array, often: Array, seldom: Array) -> _Fixes
 
 
 def _legs(x: _Row, fixes: _Fixes) -> Array:
-    """Information about the states at the legs' fixes beside the aperture, (n, n, 2, rows)."""
+    """Information about the states at the legs' fixes beside the aperture, (n, n, legs, rows)."""
     pace = _pace(x)
     between = Doubles(Segment(pace.dense, *_drift(x, pace.often)))
     if pace.often is pace.seldom:
@@ -158,12 +163,23 @@ def _legs(x: _Row, fixes: _Fixes) -> Array:
 
 
 def _different(x: _Row, fixes: _Fixes) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows whose legs differ, and for each row which of these it is like: a map over the aperture has few."""
+    """Rows whose legs differ, and for each row which of these it is like."""
     known = (x.accelerometer, x.gyro, x.fix, x.interval, x.velocity, x.velocity_interval, x.slow, x.slow_time)
     table = np.array([*(value for value in known if value is not None), *fixes.whole, *fixes.rest, *fixes.lead])
     rows = np.ascontiguousarray(table.T)
     _, first, alike = np.unique(rows.view(f"V{rows.strides[0]}"), return_index=True, return_inverse=True)
     return first, alike.ravel()
+
+
+def _legs_once(x: _Row, fixes: _Fixes) -> Array:
+    """`_legs` of many rows, those alike once: maps over the aperture have few that differ, over legs few of each."""
+    first, alike = _different(x, fixes)
+    legs = fixes.leg(0), fixes.leg(1)
+    apart = [_different(x, leg) for leg in legs]
+    if sum(len(rows) for rows, _ in apart) < len(first):
+        each = (_legs(x.of(rows), leg.of(rows))[..., like] for leg, (rows, like) in zip(legs, apart, strict=True))
+        return np.concatenate(list(each), axis=2)
+    return _legs(x.of(first), fixes.of(first))[..., alike]
 
 
 def _ends(x: _Row) -> tuple[Array, Array]:
@@ -173,11 +189,7 @@ def _ends(x: _Row) -> tuple[Array, Array]:
     # before the aperture, counted from its last fix backward; after it, from its end
     reach = np.stack([np.minimum(x.before - x.gap, far), np.minimum(x.after, far)])
     fixes = _fixes(reach, x.aperture, pace.often, pace.seldom)
-    if len(x.fix) > _FEW_ROWS:
-        first, alike = _different(x, fixes)
-        known = _legs(x.of(first), fixes.of(first))[..., alike]
-    else:
-        known = _legs(x, fixes)
+    known = _legs_once(x, fixes) if len(x.fix) > _FEW_ROWS else _legs(x, fixes)
     steps = np.stack([x.gap, fixes.soon])
     if np.any(steps):
         known = before(known, *_drift(x, steps))

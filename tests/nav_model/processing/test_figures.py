@@ -197,14 +197,25 @@ def test_sampled_filter_with_velocity(slow, compared):
              "SciPy's solve_discrete_are", worst, 1e-6, "largest ratio − 1")  # fmt: skip
 
 
-def test_arrays_are_designs_side_by_side(named):
-    walks, afters = np.geomspace(1e-6, 1e-3, 3), np.array([5.0, 60.0, 300.0])
-    changes = {"imu.angle_random_walk": walks[:, None], "processing.leg_after": afters}
+@pytest.mark.parametrize(
+    ("key", "values", "few"),
+    [
+        ("imu.angle_random_walk", np.geomspace(1e-6, 1e-3, 3), 64),
+        ("processing.leg_before", np.array([4.0, 30.0, 90.0]), 64),
+        ("processing.leg_before", np.array([4.0, 30.0, 90.0]), 1),
+    ],
+)
+def test_arrays_are_designs_side_by_side(named, key, values, few, monkeypatch):
+    """Legs that are alike may be computed once."""
+    monkeypatch.setattr(leg, "_FEW_ROWS", few)
+    base = named["B"].replace({"gnss.velocity_interval": 0.4})
+    afters = np.array([5.0, 60.0, 300.0])
+    changes = {key: values[:, None], "processing.leg_after": afters}
     names = ("quadratic_phase", "detrended_phase", "azimuth_shift", "ce90", "horizontal_position", "tilt")
-    grid = smoothed_figures(inputs_of(named["B"], changes), names)
-    for i, walk in enumerate(walks):
+    grid = smoothed_figures(inputs_of(base, changes), names)
+    for i, value in enumerate(values):
         for j, after in enumerate(afters):
-            design = named["B"].replace({"imu.angle_random_walk": float(walk), "processing.leg_after": float(after)})
+            design = base.replace({key: float(value), "processing.leg_after": float(after)})
             one = smoothed_figures(inputs_of(design), names)
             for name in names:
                 assert np.broadcast_to(grid[name], (3, 3))[i, j] == pytest.approx(float(one[name]), rel=1e-9), name
