@@ -20,7 +20,7 @@ _COUNT = """() => {
 
 
 def test_every_equation_is_set_offline_and_a_mark_leads_to_its_equation_and_back(
-    visit: Visit, fits: Callable[[Page, int], None], settled: Callable[[Page], None]
+    visit: Visit, fits: Callable[[Page, int], None]
 ) -> None:
     page = visit()
     page.get_by_text("Theory", exact=True).first.click()
@@ -37,8 +37,9 @@ def test_every_equation_is_set_offline_and_a_mark_leads_to_its_equation_and_back
     page.set_viewport_size({"width": 1440, "height": 900})
     budget = page.get_by_role("tab", name="Budget", exact=True)
     budget.click()
-    settled(page)
-    page.get_by_label("Source and method: Position, velocity, attitude").press("Enter")
+    source = page.get_by_label("Source and method: Position, velocity, attitude")
+    expect(source).to_be_visible()  # before that no key reaches it
+    source.press("Enter")
     mark = page.locator("details.how").get_by_role("link", name="[T-17]").first
     mark.click()
     equation = page.locator("#T-17")
