@@ -172,6 +172,8 @@ def parse_exact(text: str, dimension: str, advice: str = "") -> tuple[Fraction, 
         raise QuantityError(f"{_shown(text)} has no unit. Write for example {example}.", text)
     if re.match(r",\d", unit):
         raise QuantityError(f"{_shown(text)} can be read in two ways. Write it without the comma.", text)
+    if re.match(r"\s+\d", unit):
+        raise QuantityError(f"{_shown(text)} has a space in its number. Write it without.", text)
     if dimension == "interval" and _canonical_spelling(unit) in DIMENSIONS["frequency"].units:
         rate = parse_exact(stripped, "frequency")[0]  # "5 Hz" is 0.2 s
         if rate <= 0:

@@ -25,6 +25,8 @@ _LEAST = {
     dimension: tuple((to_si(1, unit, dimension), unit) for unit in reversed(ladder))
     for dimension, ladder in _LADDERS.items()
 }
+_MANY = 11.0
+"""Times, from which on a ratio is told as such and not in percent."""
 _SMALL_ANGLE = math.radians(0.001)
 
 
@@ -82,14 +84,15 @@ def signed_percent(margin: float) -> str:
     return _signed(f"{value:+.1f} %" if abs(value) < 99.95 else f"{value:+.0f} %")
 
 
-def whole_percent(margin: float) -> str:
+def whole_percent(margin: float, ratio: float) -> str:
     """A margin or a change where there is little room: its sign and whole percents.
 
-    >>> whole_percent(0.798), whole_percent(-1.4437)
-    ('+80 %', '−144 %')
+    Where the figure is many times its limit, or what it was before, how many: `ratio`.
+
+    >>> whole_percent(0.798, 0.202), whole_percent(-1.4437, 2.4437), whole_percent(-917.0, 918.0)
+    ('+80 %', '−144 %', '918 ×')
     """
-    value = 100 * margin
-    return _signed(f"{value:+.0f} %") if abs(value) < 1e5 else f"{'+' if value > 0 else ''}{number(value)} %"
+    return _signed(f"{100 * margin:+.0f} %") if ratio < _MANY else f"{number(ratio)} ×"
 
 
 def decibels(value: float) -> str:

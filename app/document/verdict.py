@@ -133,6 +133,6 @@ def verdicts_in_short(budget: Budget) -> dict[str, str]:
 
     def said(mode: str) -> str:
         name, margin = mode[:1].upper() + mode[1:], margins.get(mode)
-        return name if margin is None else f"{name} {'✓' if margin >= 0 else '✗'} {whole_percent(margin)}"
+        return name if margin is None else f"{name} {'✓' if margin >= 0 else '✗'} {whole_percent(margin, 1 - margin)}"
 
     return {said(mode): mode for mode in (REAL_TIME, POST_PROCESSED)}

@@ -5,9 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from app.document.blocks import KeyFigure, KeyFigures
-from app.document.numbers import number, whole_percent
-
-_MANY = 11.0  # times
+from app.document.numbers import whole_percent
 
 
 def tiles_html(figures: KeyFigures, before: KeyFigures | None = None) -> str:
@@ -26,7 +24,7 @@ def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
     tone = ""
     if figure.met is not None:
         tone = "good" if figure.met else "bad"
-        margin = "" if figure.used is None else f" {_margin(figure.used)}"
+        margin = "" if figure.used is None else f" {whole_percent(1 - figure.used, figure.used)}"
         mark = f'<span class="mark" title="margin">{"✓" if figure.met else "✗"}{margin}</span>'
         limit = f"limit {figure.limit}"
     bar = f'<i style="width:{_share(figure.used)}%"></i>'
@@ -41,11 +39,6 @@ def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
     )
 
 
-def _margin(used: float) -> str:
-    """What is left of a limit; where the figure is many times the limit, how many: a tile is narrow."""
-    return whole_percent(1 - used) if used < _MANY else f"{number(used)} ×"
-
-
 def _share(used: float | None) -> str:
     return "0" if used is None else f"{100 * min(used, 1):.0f}"
 
@@ -57,5 +50,5 @@ def _change(figure: KeyFigure, was: KeyFigure | None) -> str:
     said = f"was {was.value}"
     if figure.amount is not None and was.amount:
         ratio = figure.amount / was.amount
-        said = whole_percent(ratio - 1) if ratio < _MANY else f"{number(ratio)} ×"
+        said = whole_percent(ratio - 1, ratio)
     return f'<span class="delta num" title="was {escape(was.value)}">{escape(said)}</span>'

@@ -153,7 +153,7 @@ def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
 
 def test_what_is_folded_opens_and_follows(desk: Page) -> None:
     desk.get_by_role("button", name="Requirements and cautions").click()
-    row = desk.locator("tr").filter(has_text="Quadratic phase").first
+    row = desk.get_by_role("row", name=re.compile("^Quadratic phase")).first
     expect(row).to_contain_text("163°")
     enter(box(desk, "Angle random walk"), "0.3")
     expect(row).not_to_contain_text("163°")

@@ -138,6 +138,11 @@ def test_refusals_say_what_was_given_and_what_is_allowed(text, dimension):
     assert given in message or "'" in message
 
 
+def test_a_space_among_digits_is_named():
+    with pytest.raises(QuantityError, match=r"'1 000 m' has a space in its number\. Write it without\."):
+        parse_quantity("1 000 m", "length")
+
+
 @pytest.mark.parametrize(
     ("text", "dimension", "value", "unit"),
     [("1,5 m", "length", 1.5, "m"), ("0,125 °", "angle", math.radians(0.125), "°"), (",5 s", "time", 0.5, "s"),

@@ -39,7 +39,7 @@ _NAME_COOKIE = "navbudget-name"
 
 
 class Desk(param.Parameterized):
-    """The user, the picked revisions, and messages."""
+    """The user, the chosen revisions, and messages."""
 
     session = held(Session)
     picked: tuple[Revision, ...] = declared(
@@ -112,7 +112,7 @@ class Desk(param.Parameterized):
         self.picked = (*left, revision)
 
     def put_back(self, key: str) -> None:
-        """Put a picked revision back."""
+        """Put a chosen revision back."""
         self.picked = self._without(key)
 
     def _without(self, key: str) -> tuple[Revision, ...]:

@@ -39,7 +39,7 @@ _EMPTY = (
 
 
 class LibraryView(pn.viewable.Viewer):
-    """Actions on the current design above the list, actions on the picked ones below it."""
+    """Actions on the current design above the list, actions on the chosen ones below it."""
 
     desk = held(Desk)
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=_LIBRARY, instantiate=False))
@@ -185,7 +185,7 @@ class LibraryView(pn.viewable.Viewer):
         self._open_designs ^= {design}
         await self.refresh()
 
-    # --- the picked ones -------------------------------------------------------------------------------
+    # --- the chosen ones -------------------------------------------------------------------------------
 
     def _is_ticked(self, key: str) -> bool:
         return key in self._fetched or key in {own.key for own in self.desk.picked}
