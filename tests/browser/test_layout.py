@@ -37,12 +37,14 @@ _REPAINT = """() => {
   const figures = (view) => [...(view.model.type === "Figure" && view.el.offsetParent ? [view] : []),
     ...(view.child_views ?? []).flatMap(figures)]
   const all = Bokeh.index.roots.flatMap(figures)
+  const repaint = () => { for (const view of all) { view._invalidate_all = true; view.paint() } }
+  repaint()  // what the window's last change of size left to do
   const ask = window.getComputedStyle, text = Object.getOwnPropertyDescriptor(Node.prototype, "textContent")
   let written = 0, asked = 0
   window.getComputedStyle = (...what) => { asked++; return ask(...what) }
   Object.defineProperty(HTMLStyleElement.prototype, "textContent",
     { configurable: true, get: text.get, set(css) { written++; text.set.call(this, css) } })
-  for (const view of all) { view._invalidate_all = true; view.paint() }
+  repaint()
   window.getComputedStyle = ask
   delete HTMLStyleElement.prototype.textContent
   const per = (count) => count / all.length
