@@ -13,6 +13,9 @@ import param
 from app.ui.theme import SHEET
 from app.upstream.plain_script import PlainScript
 
+WHOLE = ".scroll.tall { max-height: none; }"
+"""Style of a table whose view scrolls, so that the table itself need not."""
+
 
 class SortableTable(PlainScript):
     """Our own HTML with one table; a column whose heading holds a `<button>` can be sorted.

@@ -163,7 +163,7 @@ def smoothed(channel: Channel, aperture: Array, names: Collection[str] = FOCUS) 
 def _rows(channel: Channel, aperture: Array) -> int:
     """Of a map that is taken one row or column at a time, to stay in the cache; else 1.
 
-    Each row has frequencies of its own, or both axes change what drifts, or what the receiver knows; of errors that
+    The rows differ in their frequencies, or both axes change what drifts, or what the receiver knows; of errors that
     are not white, at the frequencies that each column's aperture takes.
     """
     if aperture.ndim > 1 and len(aperture) > 1:

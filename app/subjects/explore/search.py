@@ -20,7 +20,7 @@ from app.ui.chart_pane import source_note
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
-from app.ui.sortable_table import SortableTable
+from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.theme import SWITCH
 from app.upstream.file_input import LimitedFileInput
 from nav_model.budget import Budget
@@ -35,7 +35,6 @@ _KNOWLEDGE = (
     "requirement's variance [T-18]. Every IMU has your design's residual biases and vibration factor, since data "
     "sheets do not give them. Receiver noise is white."
 )
-_WHOLE = ".scroll.tall { max-height: none; }"  # the view scrolls, not the table in it
 
 EXAMPLE = """\
 # Your own sensors, in the format of the product's catalogue. status: confirmed, secondary, assumed or unconfirmed.
@@ -67,7 +66,7 @@ class SearchPanel(Question):
         self._found: tuple[Candidate, ...] = ()
         self._said = html_pane("", margin=(0, 14))
         self._left_out = html_pane("", margin=(0, 14))
-        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 14), stylesheets=[_WHOLE])
+        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 14), stylesheets=[WHOLE])
         self._table.param.watch(self._take, "chosen")
         self._file = LimitedFileInput(
             lambda reason: self._say(f"Not opened: {reason}."), label="Add your own sensors (TOML)",

@@ -42,8 +42,7 @@ class SolvedPanel(Question):
         tightest = session.budget.verdict.tightest
         super().__init__(session=session, figure=tightest.name if tightest else "quadratic_phase")
         self._solutions: tuple[Solution, ...] = ()
-        # As shipped no higher than its column, whatever it holds: what follows would be drawn over it.
-        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12), styles={"max-height": "none"})
+        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12))
         self._table.param.watch(self._take, "chosen")
         self._each = html_pane("")
         self._ranking = RankFigure(rank_chart(session.design, self.figure))

@@ -28,7 +28,7 @@ from app.ui.downloads import download, run_download
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.sortable_table import SortableTable
+from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.theme import ON_A_PHONE
 from app.work.alone import run_alone
 from app.work.pool import elsewhere
@@ -43,7 +43,6 @@ MOST_DESIGNS = 200_000
 MOST_SECONDS = 600.0
 _MOST_INPUTS = 4
 _ELSEWHERE = "Use fewer points, or download the sweep file and run “navbudget sweep FILE -o OUT.csv”."
-_WHOLE = ".scroll.tall { max-height: none; }"
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ class SweepPanel(Question):
         self._rows = pn.Column(*self.rows)
         self._count = html_pane("", margin=(4, 10))
         self.bar = RunBar(self.run, self.start, "Run sweep")
-        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12), stylesheets=[_WHOLE])
+        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12), stylesheets=[WHOLE])
         self._table.param.watch(self._take, "chosen")
         self._head = html_pane("<p class='quiet'>The map of the sweep appears here.</p>", margin=(6, 10, 0, 10))
         self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])

@@ -17,12 +17,11 @@ from app.ui.answer_strip import AnswerStrip
 from app.ui.first_screen import screen_of_views
 from app.ui.html_pane import block_pane
 from app.ui.named_views import NamedViews
-from app.ui.sortable_table import SortableTable
+from app.ui.sortable_table import WHOLE, SortableTable
 from nav_model.budget import Budget
 from nav_model.catalogue import Kind
 from nav_model.design.presets import preset_of
 
-_WHOLE = ".scroll.tall { max-height: none; }"  # the view scrolls, not the table in it
 _SCROLLED = """
 :host { overflow: auto; }
 @media (max-width: 1000px), print { :host { overflow: visible; height: auto !important; flex: none !important; } }
@@ -40,7 +39,7 @@ class SensorsPage(pn.viewable.Viewer):
         self._origins = block_pane(origin_table(session.design), margin=(4, 14))
         self.log = LogPanel(session)
         self.tables = {
-            kind: SortableTable(sizing_mode="stretch_width", margin=(0, 14), stylesheets=[_WHOLE]) for kind in _KINDS
+            kind: SortableTable(sizing_mode="stretch_width", margin=(0, 14), stylesheets=[WHOLE]) for kind in _KINDS
         }
         self._shown: dict[Kind, str | None] = {}
         self._mark()

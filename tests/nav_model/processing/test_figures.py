@@ -225,7 +225,7 @@ def test_arrays_are_designs_side_by_side(named, key, values, few, monkeypatch):
 @pytest.mark.parametrize("across", [True, False])
 @pytest.mark.parametrize("few", [64, 1])
 def test_a_map_over_apertures_is_designs_side_by_side(named, aperture, across, few, monkeypatch):
-    """By spectrum and in state space, an interval of velocity fixes of its own among them; legs that are alike may
+    """By spectrum and in state space, a separate interval of velocity fixes among them; legs that are alike may
     be computed once."""
     monkeypatch.setattr(leg, "_FEW_ROWS", few)
     design = named["B"].replace({"gnss.velocity_interval": 0.4})
@@ -252,7 +252,7 @@ def test_a_map_over_apertures_is_designs_side_by_side(named, aperture, across, f
 @pytest.mark.parametrize("key", ["gnss.vertical_position_noise", "gnss.position_noise"])
 @pytest.mark.parametrize("across", [True, False])
 def test_a_map_of_which_one_axis_leaves_a_channel_as_it_is(named, key, across, monkeypatch):
-    """The one channel is computed at a few designs, the other at each of its own."""
+    """The one channel is computed at a few designs, the other at every one of its designs."""
     design = named["B"].replace({"gnss.vertical_position_noise": 2.0, "processing.leg_after": 20.0})
     shape = [(1, -1), (-1, 1)]
     changes = {
