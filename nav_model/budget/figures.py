@@ -241,13 +241,6 @@ def by_state_space(x: Inputs) -> Array:
     return np.asarray(level | upright)
 
 
-def ends_left_out(x: Inputs) -> Array:
-    """Where either channel is smoothed by its spectrum although its leg is short or its fixes are sparse."""
-    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
-    level, upright = (smoother.ends_left_out(channel, x.aperture, leg) for channel in channels(x))
-    return np.asarray(level | upright)
-
-
 def smoothed_figures(x: Inputs, names: Collection[str]) -> dict[str, Array]:
     """One sigma of some figures with a smoother over the whole leg. [P-3], [P-5]
 

@@ -14,7 +14,6 @@ from nav_model.budget.figures import (
     SETTLED,
     SMOOTHED,
     by_state_space,
-    ends_left_out,
     smoothed_figures,
     smoothed_with_shifts,
 )
@@ -86,7 +85,6 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
     shares = shares_of(sized)
     shares["detrended_phase"] = shares[f"detrended_phase_{x.autofocus_order}"]
     by_order = value["detrended_phase_1"], value["detrended_phase_2"], value["detrended_phase_3"]
-    left_out = bool(ends_left_out(x))
     smoothed = PostProcessed(
         sigmas=Sigmas(*(value[name] for name in SETTLED)),
         quadratic=value["quadratic_phase"],
@@ -97,8 +95,7 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         turning_quadratic=value["turning_quadratic_phase"],
         turning_by_order=(value["turning_detrended_phase_1"], value["turning_detrended_phase_2"]),
         azimuth_shift=value["slope_shift"],
-        method=STATE_SPACE if bool(by_state_space(x)) and not left_out else SPECTRUM,
-        ends_left_out=left_out,
+        method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
         respond=partial(response_of, x),
     )

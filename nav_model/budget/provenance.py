@@ -173,11 +173,6 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             "not included."
         )
     if (smoothed := budget.smoothed) is not None:
-        if smoothed.ends_left_out:
-            said.append(
-                "Post-processed figures are for a long leg with dense fixes: the aperture is too long for the "
-                "smoother in state space. On this leg, phases can be 3 times and position 9 times as large [P-5]."
-            )
         counted = math.hypot(smoothed.quadratic, smoothed.along_track_quadratic)
         change = smoothed.turning_quadratic / counted - 1
         if abs(change) > _TURN_SAID:

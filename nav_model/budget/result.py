@@ -147,7 +147,6 @@ class PostProcessed:
     most where it is less than 0.05 rad to each side, and some 2 % at 0.2 rad.
     ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.
     ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad. ``method`` is "spectrum" or "state space".
-    ``ends_left_out``: the aperture is too long for the latter, so figures are those of a long leg with dense fixes.
     ``shares`` gives, for each figure that a requirement can limit, the share of each source in its variance.
     """
 
@@ -161,7 +160,6 @@ class PostProcessed:
     turning_by_order: tuple[float, float]
     azimuth_shift: float
     method: str
-    ends_left_out: bool
     shares: Mapping[str, Shares]
     respond: Callable[[float], ImpulseResponse | None] = field(repr=False, compare=False)
 

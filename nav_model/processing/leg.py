@@ -2,7 +2,8 @@
 
 Fixes are at whole intervals from a fix at the aperture's start. Those before it and those after it become
 information about the states at its two ends (`nav_model.analytic.doubling`), and between these the aperture is solved
-in modes of its noise (`nav_model.processing.modes`). Everything takes complex steps.
+in modes of its noise (`nav_model.processing.modes`) or, where it is long or its fixes are far apart, by doubling
+(`nav_model.processing.long_aperture`). Everything takes complex steps.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.doubling import Doubles, Segment, before, drift, information, repeated
 from nav_model.analytic.steady_state import Array
+from nav_model.processing.long_aperture import Fixing, Noise, smoothed_by_doubling
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes
-from nav_model.processing.spectrum import UNEVEN, Channel, Leg, rates, smoothed
+from nav_model.processing.spectrum import Channel, Leg, rates
 
 COLUMNS = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "curved", "with_curved", "mean",
@@ -30,12 +32,11 @@ _FAR = 12.0  # time constants of the error, and as many fixes: farther ones carr
 _UNKNOWN = 1e-10  # information about unknown states, as a part of one fix's
 _KNOWN = 1e30  # 1/m²: information about a state that does not exist
 _POINTS = 32  # fixes inside an aperture, treated one by one; more are treated as evenly spread
-_MODES = ((0.8, 4), (2.5, 8), (7.0, 16), (20.0, 32), (60.0, 64), (120.0, 96))
-"""Times in which the error changes that an aperture may hold, and the modes of noise that it then takes; beyond, the
-ends of the leg are too far from most of the aperture to matter, and the spectrum has it."""
+_MODES = ((0.8, 4), (2.5, 8), (7.0, 16))
+"""Times in which the error changes that an aperture may hold, and the modes of noise that it then takes."""
 _HELD = [most for most, _ in _MODES]
-TOO_LONG = len(_MODES)
-"""The level of such an aperture (`levels`)."""
+_DOUBLED = len(_MODES)  # the level of apertures of more, which are solved by doubling
+_SHARP = 0.3  # so many of these times between velocity fixes, and modes converge too slowly
 _SAME = 1e-3  # relative difference below which two fix intervals are equal
 _AT_ONCE = 2**18  # numbers in the largest array of one batch of modes, which stays in the cache
 _ROWS = 4096  # whose legs are taken together
@@ -132,6 +133,10 @@ class _Fixes(NamedTuple):
     def of(self, rows: NDArray[np.int64]) -> _Fixes:
         return _Fixes(self.whole[:, rows], self.rest[:, rows], self.lead[:, rows], self.soon[rows])
 
+    @property
+    def counts(self) -> tuple[Array, ...]:
+        return (*self.whole, *self.rest, *self.lead)
+
     def leg(self, n: int) -> _Fixes:
         """One leg alone."""
         one = slice(n, n + 1)
@@ -162,20 +167,20 @@ def _legs(x: _Row, fixes: _Fixes) -> Array:
     return information(between, fixes.lead, known)
 
 
-def _different(x: _Row, fixes: _Fixes) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows whose legs differ, and for each row which of these it is like."""
+def _different(x: _Row, *others: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows of which no two are alike in drift, fixes and `others`, and for each row which of these it is like."""
     known = (x.accelerometer, x.gyro, x.fix, x.interval, x.velocity, x.velocity_interval, x.slow, x.slow_time)
-    table = np.array([*(value for value in known if value is not None), *fixes.whole, *fixes.rest, *fixes.lead])
+    table = np.array([*(value for value in known if value is not None), *others])
     rows = np.ascontiguousarray(table.T)
-    _, first, alike = np.unique(rows.view(f"V{rows.strides[0]}"), return_index=True, return_inverse=True)
+    _, first, alike = np.unique(rows.view(f"V{rows[0].nbytes}"), return_index=True, return_inverse=True)
     return first, alike.ravel()
 
 
 def _legs_once(x: _Row, fixes: _Fixes) -> Array:
     """`_legs` of many rows, those alike once: maps over the aperture have few that differ, over legs few of each."""
-    first, alike = _different(x, fixes)
+    first, alike = _different(x, *fixes.counts)
     legs = fixes.leg(0), fixes.leg(1)
-    apart = [_different(x, leg) for leg in legs]
+    apart = [_different(x, *leg.counts) for leg in legs]
     if sum(len(rows) for rows, _ in apart) < len(first):
         each = (_legs(x.of(rows), leg.of(rows))[..., like] for leg, (rows, like) in zip(legs, apart, strict=True))
         return np.concatenate(list(each), axis=2)
@@ -251,8 +256,8 @@ def _solved(x: _Row, start: Array, end: Array, modes: int) -> dict[str, Array]:
     return smoothed_modes(Inside(x.accelerometer, x.gyro, x.aperture, start, end, position, velocity, slow), modes)
 
 
-def _rows(channel: Channel, aperture: Array, leg: Leg) -> tuple[_Row, dict[str, Array], tuple[int, ...]]:
-    """A row a design, the same as plain arrays, and the shape that the inputs have together."""
+def _rows(channel: Channel, aperture: Array, leg: Leg) -> tuple[_Row, tuple[int, ...]]:
+    """A row a design, and the shape that the inputs have together."""
     fastest, slowest = rates(channel)
     velocity, slow = channel.velocity, channel.slow
     squared = {
@@ -267,7 +272,7 @@ def _rows(channel: Channel, aperture: Array, leg: Leg) -> tuple[_Row, dict[str, 
     even = np.zeros(np.broadcast_shapes(*(value.shape for value in given.values())))
     flat = {name: (value + even).ravel() for name, value in given.items()}
     kind = np.result_type(*flat.values())
-    return _Row(**dict.fromkeys(squared) | flat, kind=kind), flat, even.shape  # type: ignore[arg-type]
+    return _Row(**dict.fromkeys(squared) | flat, kind=kind), even.shape  # type: ignore[arg-type]
 
 
 def known_at_ends(channel: Channel, span: Array, leg: Leg) -> tuple[Array, Array]:
@@ -314,12 +319,17 @@ def fixes_in_legs(channel: Channel, aperture: Array, leg: Leg) -> NDArray[np.int
 
 
 def levels(channel: Channel, aperture: Array) -> NDArray[np.int64]:
-    """How finely an aperture is solved: index into `_MODES`, or beyond them by its spectrum."""
-    return _level(aperture.real * rates(channel)[0])
+    """How an aperture is solved: index into `_MODES`, or `_DOUBLED`."""
+    fastest = rates(channel)[0]
+    return _level(fastest, aperture.real, None if channel.velocity is None else channel.velocity_interval)
 
 
-def _level(held: Array) -> NDArray[np.int64]:
-    return np.asarray(np.searchsorted(_HELD, held, "right"))
+def _level(fastest: Array, aperture: Array, velocity_interval: Array | None) -> NDArray[np.int64]:
+    found = np.searchsorted(_HELD, aperture * fastest, "right")
+    if velocity_interval is None:
+        return np.asarray(found, np.int64)
+    apart = velocity_interval.real
+    return np.where((apart * fastest > _SHARP) & (apart < aperture), _DOUBLED, found)
 
 
 def smoothed_in_leg(
@@ -344,18 +354,18 @@ def smoothed_in_leg(
         ``turned_curved`` those of the quadratics of the error, of its turn and of the turn's square [m²], and with
         ``cubic_`` those of the cubics.
     """
-    x, flat, shape = _rows(channel, aperture, leg)
-    held = x.aperture.real * x.fastest
-    taken = _level(held) if level is None else np.ravel(np.broadcast_to(level, shape))
+    x, shape = _rows(channel, aperture, leg)
+    if level is None:
+        taken = _level(x.fastest, x.aperture.real, x.velocity_interval)
+    else:
+        taken = np.ravel(np.broadcast_to(level, shape))
     found = {name: np.empty(taken.shape, x.kind) for name in COLUMNS}
     for rows in np.array_split(np.arange(len(taken)), max(1, len(taken) // _ROWS)):
-        _by_modes(x.of(rows), rows, taken[rows], found)
-    if len(rows := np.flatnonzero(taken == TOO_LONG)):
-        _by_spectrum(flat, rows, found)
+        _put(x.of(rows), rows, taken[rows], found)
     return {name: values.reshape(shape) for name, values in found.items()}
 
 
-def _by_modes(x: _Row, places: NDArray[np.int64], level: NDArray[np.int64], found: dict[str, Array]) -> None:
+def _put(x: _Row, places: NDArray[np.int64], level: NDArray[np.int64], found: dict[str, Array]) -> None:
     """Put the figures of these rows into `found`, at their places: each by as many modes as its aperture needs."""
     start, end = _ends(x)
     kinds = [x.interval] if x.velocity_interval is None else [x.velocity_interval, x.interval]
@@ -368,23 +378,13 @@ def _by_modes(x: _Row, places: NDArray[np.int64], level: NDArray[np.int64], foun
             taken = _solved(x.of(batch), start[..., batch], end[..., batch], modes)
             for name, values in taken.items():
                 found[name][places[batch]] = values
+    if len(rows := order[level[order] == _DOUBLED]):
+        for name, values in _doubled(x.of(rows), start[..., rows], end[..., rows]).items():
+            found[name][places[rows]] = values
 
 
-def _by_spectrum(flat: dict[str, Array], rows: NDArray[np.int64], found: dict[str, Array]) -> None:
-    """Put the figures of these rows into `found`: their apertures are long compared with the time constant of the
-    errors."""
-    given = {name: value[rows] for name, value in flat.items()}
-    squared = ("accelerometer", "gyro", "fix", "velocity", "slow")
-    values = {
-        name: np.sqrt(given[name]) if name in squared else given[name]
-        for name in Channel.__dataclass_fields__
-        if name in given
-    }
-    for name, column in smoothed(Channel(**values), given["aperture"]).items():
-        found[name][rows] = column
-    for name in ("tilt", *UNEVEN):
-        found[name][rows] = 0.0
-    level = values["gyro"].real > 0
-    if np.any(level):
-        some = Channel(**{name: value[level] for name, value in values.items()})
-        found["tilt"][rows[level]] = smoothed(some, given["aperture"][level], ("tilt",))["tilt"]
+def _doubled(x: _Row, start: Array, end: Array) -> dict[str, Array]:
+    slow = None if x.slow is None or x.slow_time is None else (x.slow, x.slow_time)
+    return smoothed_by_doubling(
+        Noise(x.accelerometer, x.gyro, slow), Fixing(*_pace(x)), x.aperture, start, end, *_different(x)
+    )

@@ -17,7 +17,9 @@ from numpy.polynomial import legendre
 
 from nav_model.analytic.steady_state import Array
 
-_SINGLY = 6  # Legendre orders of the position error that figures use: 0 to 5
+ORDERS = 6
+"""Legendre orders of the position error that figures use: 0 to 5."""
+
 _ALL = 9  # modes that reach them
 _LEFT = 4  # the lowest order of what is left after order 3
 # Quadratics, by the coefficients of orders 0 to 5, of the error, of its turn, and of the square of its turn; cubics.
@@ -91,9 +93,34 @@ def _basis(modes: int) -> _Basis:
 @cache
 def _whole() -> tuple[Array, Array]:
     """Covariance of the Legendre coefficients 0 to 5 by all modes of the accelerometer's noise, and of the gyro's."""
-    rows = _basis(_ALL).position[:_SINGLY, 3:]
+    rows = _basis(_ALL).position[:ORDERS, 3:]
     one, other = rows[:, :_ALL], rows[:, _ALL:]
     return one @ one.T, other @ other.T
+
+
+class Drift(NamedTuple):
+    """Position error along a time of one without fixes, in orthonormal polynomials of orders 0 to 5.
+
+    ``state`` is that by the state at the start, (6, 3). For the noise of the accelerometer and then of the gyro,
+    ``spread`` is the covariance, (2, 6, 6), ``with_end`` that with the state at the end, (2, 6, 3), and ``rest`` the
+    mean square of what these orders leave, (2).
+    """
+
+    state: Array
+    spread: Array
+    with_end: Array
+    rest: Array
+
+
+@cache
+def drifts() -> Drift:
+    """The drift that `nav_model.processing.long_aperture` is built of."""
+    basis = _basis(_ALL)
+    lines = basis.position[:ORDERS] / np.sqrt(2 * np.arange(ORDERS)[:, None] + 1)
+    parts = [slice(3, 3 + _ALL), slice(3 + _ALL, None)]
+    spread = np.stack([lines[:, part] @ lines[:, part].T for part in parts])
+    with_end = np.stack([lines[:, part] @ basis.end[:, part].T for part in parts])
+    return Drift(lines[:, :3], spread, with_end, np.array([1 / 12, 1 / 120]) - spread.trace(axis1=1, axis2=2))
 
 
 def _turned(matrix: Array) -> Array:
@@ -184,15 +211,31 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
     # the moment in the middle has a little of modes above those taken
     above = np.stack([a**2 / 24 + w**2 / 640, a**2 / 2 + w**2 / 24, w**2 / 2], axis=-1) - unseen[:, -3:]
     now = variance[:, -3:] + above
-    named = wanted[:, :_SINGLY] @ solved[..., :_SINGLY]
+    named = wanted[:, :ORDERS] @ solved[..., :ORDERS]
     if modes < _ALL:  # and so have the orders that figures name
         from_a, from_w = _whole()
-        noise = wanted[:, :_SINGLY, 3:]
+        noise = wanted[:, :ORDERS, 3:]
         beyond = a[:, None, None] ** 2 * from_a + w[:, None, None] ** 2 * from_w - noise @ _turned(noise)
         named = named + beyond
-        variance[:, :_SINGLY] = _diagonal(named)
+    return variances(named, left_3, np.stack([now[:, 0], now[:, 1] / t**2, now[:, 2] / t**4], axis=-1), t)
+
+
+def variances(named: Array, left_3: Array, now: Array, t: Array) -> dict[str, Array]:
+    """Those of `nav_model.processing.leg.COLUMNS`.
+
+    Parameters
+    ----------
+    named : array (rows, 6, 6)
+        Covariance of the Legendre coefficients of the position error, orders 0 to 5 [m²].
+    left_3 : array (rows)
+        Mean square of what the first four of these leave [m²].
+    now : array (rows, 3)
+        Variances of position, velocity and acceleration by tilt in the middle.
+    t : array (rows)
+        Aperture [s].
+    """
     of_turn, of_cubic = (rows @ named @ rows.T for rows in (_QUADRATICS, _CUBICS))
-    quadratic, cubic = variance[:, 2] * 9 / 4, variance[:, 3] * 25 / 4
+    quadratic, cubic = named[:, 2, 2] * 9 / 4, named[:, 3, 3] * 25 / 4
     left_2 = left_3 + cubic * (4 / 25 / 7)
     found: dict[str, Any] = {
         "quadratic": quadratic,
@@ -200,11 +243,11 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
         "left_1": left_2 + quadratic * (4 / 9 / 5),
         "left_2": left_2,
         "left_3": left_3,
-        "slope": variance[:, 1] * 4 / t**2,
+        "slope": named[:, 1, 1] * 4 / t**2,
         "turned": of_turn[:, 1, 1],
         "curved": of_turn[:, 2, 2],
         "with_curved": of_turn[:, 0, 2],
-        "mean": variance[:, 0],
+        "mean": named[:, 0, 0],
         "mean_slope": named[:, 0, 1] * 2 / t,
         "with_turned": of_turn[:, 0, 1],
         "turned_curved": of_turn[:, 1, 2],
@@ -214,7 +257,7 @@ def smoothed_modes(x: Inside, modes: int) -> dict[str, Array]:
         "cubic_with_curved": of_cubic[:, 0, 2],
         "cubic_turned_curved": of_cubic[:, 1, 2],
         "position": now[:, 0],
-        "velocity": now[:, 1] / t**2,
-        "tilt": now[:, 2] / t**4,
+        "velocity": now[:, 1],
+        "tilt": now[:, 2],
     }
     return found

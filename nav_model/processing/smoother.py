@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from nav_model.analytic.few import from_few
 from nav_model.analytic.steady_state import Array
-from nav_model.processing.leg import COLUMNS, TOO_LONG, fixes_in_legs, levels, smoothed_in_leg
+from nav_model.processing.leg import COLUMNS, fixes_in_legs, levels, smoothed_in_leg
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 
 SPECTRUM, STATE_SPACE = "spectrum", "state space"
@@ -49,11 +49,6 @@ def by_state_space(channel: Channel, leg: Leg) -> NDArray[np.bool_]:
     side = np.minimum(leg.before.real, leg.after.real)
     where = (side * slowest < LONG) | (interval * fastest > _DENSE) | (leg.gap.real > 0)
     return np.asarray(where)
-
-
-def ends_left_out(channel: Channel, aperture: Array, leg: Leg) -> NDArray[np.bool_]:
-    """Where the spectrum is used although it does not hold: the aperture is too long for the state space."""
-    return np.asarray(by_state_space(channel, leg) & (levels(channel, aperture) == TOO_LONG))
 
 
 def smoothed_error(

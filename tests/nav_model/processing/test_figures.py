@@ -348,12 +348,3 @@ def test_a_turn_that_counts_is_told_with_its_size(named, order):
     if abs(change) > 0.5:
         assert f"With the turn it is {abs(change):.2g} % {'larger' if change > 0 else 'smaller'}" in said
     assert "{" not in said
-
-
-def test_an_aperture_too_long_for_the_state_space_is_said(open_design):
-    short = {"processing.mode": "post-processed", "processing.leg_before": 2.0, "processing.leg_after": 2.0}
-    long = short | {"radar.azimuth_resolution": 0.05, "gnss.velocity_noise": 1e-3}
-    for interval, method, said in ((0.2, "state space", False), (0.01, "spectrum", True)):
-        budget = analyse(open_design.replace(long | {"gnss.velocity_interval": interval}))
-        assert budget.post_processed.method == method
-        assert any("too long for the smoother in state space" in caution for caution in cautions(budget)) == said
