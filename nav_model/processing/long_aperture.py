@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from nav_model.analytic.doubling import drift
 from nav_model.analytic.steady_state import Array
+from nav_model.processing.leg_fixes import Pace, uneven
 from nav_model.processing.modes import ORDERS, drifts, variances
 
 Counts = NDArray[np.int64]
 
 _AT_ONCE = 512  # rows, so that their matrices stay in the cache
-_WHOLE = 1e-3  # relative difference from a whole number of fixes of one kind to those of the other
 _SINGLY = 64  # fixes in an aperture, to take them one by one where there is no such number
 
 
@@ -37,18 +37,6 @@ class Noise(NamedTuple):
         """These rows."""
         slow = None if self.slow is None else (self.slow[0][rows], self.slow[1][rows])
         return Noise(self.accelerometer[rows], self.gyro[rows], slow)
-
-
-class Fixing(NamedTuple):
-    """Intervals of two kinds of fixes [s], (rows), both from the aperture's start, and information, (n, n, rows).
-
-    Where they are equal, or there is one kind alone, ``sparse`` is zero.
-    """
-
-    often: Array
-    seldom: Array
-    dense: Array
-    sparse: Array
 
 
 class _Grid(NamedTuple):
@@ -257,14 +245,15 @@ class _Doubles:
 
 
 def smoothed_by_doubling(
-    noise: Noise, fixing: Fixing, aperture: Array, start: Array, end: Array, first: Counts, alike: Counts
+    noise: Noise, pace: Pace, aperture: Array, start: Array, end: Array, first: Counts, alike: Counts
 ) -> dict[str, Array]:
     """Variances over the aperture, as `nav_model.processing.modes.smoothed_modes`.
 
     Parameters
     ----------
     noise : Noise
-    fixing : Fixing
+    pace : Pace
+        Both kinds have a fix at the aperture's start.
     aperture : array (rows)
         Seconds.
     start, end : array (n, n, rows)
@@ -277,7 +266,7 @@ def smoothed_by_doubling(
     dict
         Those of `nav_model.processing.leg.COLUMNS`.
     """
-    grid, apart = _grid(fixing, aperture)
+    grid, apart = _grid(pace, aperture)
     known, later = (np.moveaxis(part, -1, 0) for part in (start, end))
     found: list[tuple[Counts, dict[str, Array]]] = []
 
@@ -293,20 +282,20 @@ def smoothed_by_doubling(
         )
     solve(
         np.flatnonzero(apart),
-        lambda rows: _one_by_one(noise.of(rows), Fixing(*(part[..., rows] for part in fixing)), aperture[rows]),
+        lambda rows: _one_by_one(noise.of(rows), Pace(*(part[..., rows] for part in pace)), aperture[rows]),
     )
     order = np.argsort(np.concatenate([rows for rows, _ in found]))
     return {name: np.concatenate([values[name] for _, values in found])[order] for name in found[0][1]}
 
 
-def _grid(fixing: Fixing, aperture: Array) -> tuple[_Grid, NDArray[np.bool_]]:
+def _grid(pace: Pace, aperture: Array) -> tuple[_Grid, NDArray[np.bool_]]:
     """The fixes with a whole number of the ones in each interval of the others, and where they are to be taken one
     by one instead, as there is not."""
-    ratio = fixing.seldom / fixing.often
+    ratio = pace.seldom / pace.often
     parts = np.asarray(np.rint(ratio.real), np.int64)
-    apart = (abs(ratio.real - parts) > _WHOLE * parts) & ((aperture / fixing.often).real < _SINGLY)
-    dense = np.moveaxis(fixing.dense * (ratio / parts), -1, 0)
-    return _Grid(fixing.seldom / parts, parts, dense, np.moveaxis(fixing.sparse, -1, 0)), apart
+    apart = uneven(pace) & ((aperture / pace.often).real < _SINGLY)
+    dense = np.moveaxis(pace.dense * (ratio / parts), -1, 0)
+    return _Grid(pace.seldom / parts, parts, dense, np.moveaxis(pace.sparse, -1, 0)), apart
 
 
 def _figures(halves: _Stretch, aperture: Array, known: Array, later: Array) -> dict[str, Array]:
@@ -364,18 +353,18 @@ def _halves(
     return _joined(row, _free(noise, _not_negative(np.where(some, span - lead - between * grid.step, 0.0))))
 
 
-def _one_by_one(noise: Noise, fixing: Fixing, aperture: Array) -> _Stretch:
+def _one_by_one(noise: Noise, pace: Pace, aperture: Array) -> _Stretch:
     """Both halves of each aperture, fix after fix."""
     both, half = _twice(len(aperture)), aperture / 2
     noise, span, zero = noise.of(both), half[both], 0 * aperture
     begin = np.concatenate([zero, half])[:, None]
     times, infos = [], []
-    for step, info in ((fixing.often, fixing.dense), (fixing.seldom, fixing.sparse)):
+    for step, info in ((pace.often, pace.dense), (pace.seldom, pace.sparse)):
         k = np.arange(1, int(np.max((aperture / step).real)) + 2)
         times.append(k * step[both, None] - begin)
         infos.append(np.broadcast_to(np.moveaxis(info, -1, 0)[both, None], (*times[-1].shape, *info.shape[:2])))
     time, info = np.hstack(times), np.concatenate(infos, axis=1)
-    edge = 1e-9 * np.minimum(fixing.often, fixing.seldom).real[both, None]
+    edge = 1e-9 * np.minimum(pace.often, pace.seldom).real[both, None]
     second = (np.arange(len(both)) >= len(aperture))[:, None]
     inside = (time.real >= np.where(second, -edge, edge)) & (time.real < span.real[:, None] - edge)
     order = np.argsort(np.where(inside, time.real, np.inf), axis=1)[:, : int(np.max(inside.sum(axis=1)))]

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from nav_model.analytic.few import from_few
 from nav_model.analytic.steady_state import Array
-from nav_model.processing.leg import COLUMNS, fixes_in_legs, levels, smoothed_in_leg
+from nav_model.processing.leg import COLUMNS, levels, smoothed_in_leg
+from nav_model.processing.leg_fixes import fixes_in_legs
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 
 SPECTRUM, STATE_SPACE = "spectrum", "state space"

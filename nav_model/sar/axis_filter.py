@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.processing.leg import known_at_ends
+from nav_model.processing.leg_fixes import known_at_ends
 from nav_model.processing.spectrum import Channel, Leg
 from nav_model.sar.axis_model import AxisModel, draw_state, filter_drift, fix_rows, inertial_drift, measure
 from nav_model.sar.smoother import rts_smooth, smoother_gain

@@ -14,7 +14,7 @@ from nav_model.budget.figures import SMOOTHED, figures, smoothed_figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import cautions
-from nav_model.processing import leg, smoother
+from nav_model.processing import leg_fixes, smoother
 from nav_model.processing.spectrum import Channel, smoothed
 
 # docs/processing.md, check values: quadratic, cubic, residual after orders 1 and 2, along-track quadratic [°], slope
@@ -207,7 +207,7 @@ def test_sampled_filter_with_velocity(slow, compared):
 )
 def test_arrays_are_designs_side_by_side(named, key, values, few, monkeypatch):
     """Legs that are alike may be computed once."""
-    monkeypatch.setattr(leg, "_FEW_ROWS", few)
+    monkeypatch.setattr(leg_fixes, "_FEW_ROWS", few)
     base = named["B"].replace({"gnss.velocity_interval": 0.4})
     afters = np.array([5.0, 60.0, 300.0])
     changes = {key: values[:, None], "processing.leg_after": afters}
@@ -227,7 +227,7 @@ def test_arrays_are_designs_side_by_side(named, key, values, few, monkeypatch):
 def test_a_map_over_apertures_is_designs_side_by_side(named, aperture, across, few, monkeypatch):
     """By spectrum and in state space, a separate interval of velocity fixes among them; legs that are alike may
     be computed once."""
-    monkeypatch.setattr(leg, "_FEW_ROWS", few)
+    monkeypatch.setattr(leg_fixes, "_FEW_ROWS", few)
     design = named["B"].replace({"gnss.velocity_interval": 0.4})
     spans = np.array([1.0, 3.0, 9.0]) * (1.0 if aperture == "radar.aperture_time" else 2000.0)
     noises = np.array([0.01, 0.1, 1.0, 3.0])

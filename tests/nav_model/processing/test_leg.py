@@ -14,7 +14,8 @@ from nav_model.budget.figures import channels, smoothed_figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.processing.geolocation import free_line
-from nav_model.processing.leg import fixes_in_legs, smoothed_in_leg
+from nav_model.processing.leg import smoothed_in_leg
+from nav_model.processing.leg_fixes import fixes_in_legs
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes
 from nav_model.processing.smoother import by_state_space, smoothed_error
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
@@ -24,6 +25,7 @@ from nav_model.sar.phase import phase_budget, total
 NAMES = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity", "tilt",
 )  # fmt: skip
+SMALL = ("left_2", "left_3", "cubic")
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 
@@ -144,7 +146,7 @@ def test_batch_least_squares(sparse, compared):
             name
             for name in NAMES
             if (channel.gyro is not None or name != "tilt")
-            and (name not in ("left_2", "left_3", "cubic") or theirs[name] > 1e-7 * theirs["position"])
+            and (name not in SMALL or theirs[name] > 1e-7 * theirs["position"])
         ]
         ours = smoothed_error([channel], aperture, leg, names)[0]
         methods.add(bool(by_state_space(channel, leg)))
@@ -166,6 +168,7 @@ def test_batch_least_squares(sparse, compared):
         {"velocity": 0.02, "interval": 2.0, "slow": 1.0, "slow_time": 300.0, "fix": 0.1},
         {"fix": 0.005, "gyro": 0.027, "interval": 10.0},  # little is known between fixes
         {"velocity": 0.05, "velocity_interval": 0.5},  # many velocity fixes for each of position
+        {"accelerometer": 0.01, "velocity": 0.002, "interval": 2.0},  # each fix of velocity bends the error sharply
         {"fix": 0.3, "interval": 0.2},  # too many fixes in the aperture to take them one by one
     ],
 )
@@ -264,17 +267,50 @@ def test_free_ins_by_the_same_filters(modes, aperture, compared):
              off, 1e-9, "largest ratio − 1")  # fmt: skip
 
 
-def test_two_kinds_of_fixes_at_their_own_pace():
-    """Velocity ten times as often as position, and the other way about, against the batch."""
+def pace_design(rng, ratio):
+    """Fixes of two kinds, velocity at `ratio` of the interval of position: sharp, poor, dense and sparse ones."""
+
+    def between(low, high):
+        return np.array(math.exp(rng.uniform(math.log(low), math.log(high))))
+
+    while True:
+        interval = between(0.05, 10)
+        gyro = 9.80665 * np.radians(between(0.002, 2)) / 60
+        channel = Channel(
+            between(0.003, 0.5) / 60, gyro, between(0.01, 5), interval, between(0.001, 0.3), interval * ratio(rng)
+        )
+        rate = float(rates(channel)[1])
+        leg, aperture = Leg(between(1, 10) / rate, between(1, 10) / rate, np.array(0.0)), between(0.5, 60)
+        often, seldom = sorted([float(channel.interval), float(channel.velocity_interval)])
+        count = float(leg.before + leg.after + aperture) / often
+        # In a longer leg double precision leaves the batch too few digits.
+        if 6 <= count <= 300 and 2 * seldom < leg.before < 200 and seldom < leg.after < 200:
+            return channel, aperture, leg
+
+
+@pytest.mark.parametrize(
+    ("ratio", "most", "usual"),
+    [
+        (lambda rng: 1.0, 0.006, 1e-4),
+        (lambda rng: float(rng.integers(2, 7)) ** rng.choice([-1, 1]), 0.006, 1e-4),
+        (lambda rng: math.exp(rng.uniform(-2.0, 2.0)), 0.02, 1e-3),  # no whole number of fixes: far ones are spread
+    ],
+    ids=["together", "a whole number", "any ratio"],
+)
+def test_two_kinds_of_fixes_at_their_own_pace(ratio, most, usual):
+    """Velocity of 1 mm/s to 0.3 m/s against the batch, apertures of up to a minute, as chosen and by doubling."""
     rng = np.random.default_rng(4)
-    for often in (0.1, 10.0):
-        for _ in range(3):
-            channel, aperture, leg = random_design(rng, False)
-            interval = np.maximum(channel.interval, (leg.before + leg.after) / 60)
-            both = replace(channel, interval=interval, velocity=np.array(0.05), velocity_interval=interval * often)
-            ours, theirs = smoothed_in_leg(both, aperture, leg), batch(both, aperture, leg)
-            for name in ("quadratic", "left_1", "slope", "position"):
-                assert math.sqrt(float(ours[name]) / theirs[name]) == pytest.approx(1, abs=0.02), (name, both)
+    off = {None: [], 3: []}
+    for _ in range(40):
+        channel, aperture, leg = pace_design(rng, ratio)
+        theirs = batch(channel, aperture, leg)
+        names = [name for name in NAMES if name not in SMALL or theirs[name] > 1e-7 * theirs["position"]]
+        for level, found in off.items():
+            ours = smoothed_in_leg(channel, aperture, leg, None if level is None else np.array(level))
+            found.append(max(abs(math.sqrt(float(ours[name]) / theirs[name]) - 1) for name in names))
+    for found in off.values():
+        assert max(found) < most
+    assert np.median(off[3]) < usual
 
 
 @pytest.mark.parametrize("velocity_interval", [None, 1.0, 0.3, 2.7])
@@ -319,9 +355,10 @@ def test_a_very_long_aperture_is_all_middle():
     """Where next to nothing of an aperture is near its ends, its figures are those of the spectrum, upright too."""
     channel = Channel(*(np.array(x) for x in (2e-3, 1e-3, 0.05, 0.2)))
     leg, aperture = Leg(*(np.array(x) for x in (100.0, 100.0, 0.0))), np.array(2000.0)
-    for one in (channel, replace(channel, gyro=None)):
-        names = ("quadratic", "cubic", "left_1", "slope", "position")
+    names = ("quadratic", "cubic", "left_1", "slope", "position")
+    for gyro, tilted in ((channel.gyro, channel.gyro), (np.array(0.0), None)):
         with np.errstate(divide="raise", invalid="raise"):
-            ours, theirs = smoothed_in_leg(replace(one, gyro=0 * one.fix if one.gyro is None else one.gyro), aperture, leg), smoothed(one, aperture, names)
+            ours = smoothed_in_leg(replace(channel, gyro=gyro), aperture, leg)
+            theirs = smoothed(replace(channel, gyro=tilted), aperture, names)
         for name in names:
-            assert np.sqrt(ours[name] / theirs[name]) == pytest.approx(1, abs=0.002), name
+            assert np.sqrt(ours[name] / theirs[name]) == pytest.approx(1, abs=2e-4), name
