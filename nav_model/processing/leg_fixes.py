@@ -160,11 +160,11 @@ def _fixes(reach: Array, aperture: Array, often: Array, seldom: Array) -> _Fixes
 
 
 class _Near(NamedTuple):
-    """The first fixes of each leg, of both kinds, where one interval holds no whole number of the other.
+    """The first fixes of legs, of both kinds, where one interval holds no whole number of the other.
 
-    Of each, (2, rows, n): its ``time`` from the aperture [s], rising, whether it is of the kind that comes
-    ``often``, and whether the leg has it. Farther ones begin with one of the other kind at ``beyond`` [s]: how many
-    intervals between these, -1 without one, and how many fixes after the last of them, (2, rows).
+    Of each, (rows, n): its ``time`` from the aperture [s], rising, whether it is of the kind that comes ``often``,
+    and whether the leg has it. Farther ones begin with one of the other kind at ``beyond`` [s]: how many intervals
+    between these, -1 without one, and how many fixes after the last of them, (rows).
     """
 
     time: Array
@@ -181,40 +181,53 @@ def uneven(pace: Pace) -> NDArray[np.bool_]:
     return np.asarray((abs(ratio - np.rint(ratio)) > WHOLE * ratio) & (ratio < _FEW))
 
 
-def _near(reach: Array, aperture: Array, often: Array, seldom: Array) -> _Near:
-    begin = np.stack([0 * aperture, aperture])
+def _near(reach: Array, begin: Array, often: Array, seldom: Array) -> _Near:
+    """Of legs that reach this far from `begin`, the time since a fix of both kinds; seconds, (rows)."""
     first, other = (np.ceil((begin / step).real - 1e-9) for step in (often, seldom))
     beyond = np.ceil(((first + _NEAR) * often / seldom).real - 1e-9) * seldom - begin
     k = np.arange(_NEAR + _FEW + 1)
-    time = np.concatenate([
-        (first[..., None] + k) * often[:, None] - begin[..., None],
-        (other[..., None] + k) * seldom[:, None] - begin[..., None],
-    ], axis=-1)  # fmt: skip
+    time = np.hstack([
+        (count[:, None] + k) * step[:, None] - begin[:, None] for count, step in ((first, often), (other, seldom))
+    ])  # fmt: skip
     edge = 1e-9 * often.real[:, None]
-    there = (time.real < beyond.real[..., None] - edge) & (time.real <= reach.real[..., None] + edge)
-    order = np.argsort(np.where(there, time.real, np.inf), axis=-1)[..., : int(np.max(there.sum(axis=-1), initial=0))]
+    there = (time.real < beyond.real[:, None] - edge) & (time.real <= reach.real[:, None] + edge)
+    order = np.argsort(np.where(there, time.real, np.inf), axis=1)[:, : int(np.max(there.sum(axis=1), initial=0))]
     whole = _count(reach - beyond, seldom)
     rest = np.where(whole < 0, 0, _count(reach - beyond - whole * seldom, often) + 1)
     return _Near(
-        np.take_along_axis(time, order, -1), order < len(k), np.take_along_axis(there, order, -1), beyond, whole, rest
+        np.take_along_axis(time, order, 1), order < len(k), np.take_along_axis(there, order, 1), beyond, whole, rest
     )
 
 
-def _legs_one_by_one(x: Row, reach: Array) -> tuple[Array, Array]:
-    """As `_legs`, and the time from the aperture's end to the first fix, where the near fixes are not spread."""
+def _leg_one_by_one(x: Row, reach: Array, begin: Array) -> tuple[Array, Array]:
+    """Information about the states at the first fix of a leg, whose near fixes are not spread, and when that is."""
     pace = pace_of(x)
-    near = _near(reach, x.aperture, pace.often, pace.seldom)
+    near = _near(reach, begin, pace.often, pace.seldom)
     between = Doubles(Segment(pace.dense, *_drift(x, pace.often)))
-    known = information(between, near.rest) + pace.sparse[:, :, None] * (near.whole >= 0)
-    known = information(Doubles(_unit(x, pace, between)), np.maximum(near.whole, 0), known)
+    known = information(between, near.rest[None])[:, :, 0] + pace.sparse * (near.whole >= 0)
+    units = Doubles(_unit(x, pace, between))
+    known = information(units, np.maximum(near.whole, 0)[None], known[:, :, None])[:, :, 0]
     then = near.beyond
-    for n in reversed(range(near.time.shape[-1])):
-        there = near.there[..., n]
-        now = np.where(there, near.time[..., n], then)
-        seen = np.where(near.often[..., n], pace.dense[:, :, None], pace.sparse[:, :, None])
-        known = before(known, *_drift(x, then - now)) + seen * there
+    for n in reversed(range(near.time.shape[1])):
+        there = near.there[:, n]
+        now = np.where(there, near.time[:, n], then)
+        known = before(known, *_drift(x, then - now)) + np.where(near.often[:, n], pace.dense, pace.sparse) * there
         then = now
-    return known, then[1]
+    return known, then
+
+
+def _legs_one_by_one(x: Row, reach: Array) -> tuple[Array, Array]:
+    """As `_legs`, and the time from the aperture's end to the first fix."""
+    rows = len(x.aperture)
+    both = x.of(np.concatenate([np.arange(rows), np.arange(rows)]))
+    begin, reach = np.concatenate([0 * x.aperture, x.aperture]), reach.ravel()
+    if rows > _FEW_ROWS:
+        first, alike = different(both, reach, begin)
+        known, then = _leg_one_by_one(both.of(first), reach[first], begin[first])
+        known, then = known[..., alike], then[alike]
+    else:
+        known, then = _leg_one_by_one(both, reach, begin)
+    return known.reshape(*known.shape[:2], 2, rows), then[rows:]
 
 
 def _legs(x: Row, fixes: _Fixes) -> Array:
@@ -321,7 +334,8 @@ def fixes_in_legs(channel: Channel, aperture: Array, leg: Leg) -> NDArray[np.int
     span = aperture + 0 * reach[0]
     nothing = np.zeros(())
     if uneven(Pace(often, seldom, nothing, nothing)):
-        near = _near(reach, span, often + 0 * span, seldom + 0 * span)
-        return np.stack([near.whole, near.rest, near.there.sum(axis=-1)])
+        begin = np.concatenate([0 * span, span])
+        near = _near(reach.ravel(), begin, often + 0 * begin, seldom + 0 * begin)
+        return np.stack([near.whole, near.rest, near.there.sum(axis=1)]).reshape(3, 2, -1)
     fixes = _fixes(reach, span, often, often if often == seldom else seldom)
     return np.stack([fixes.whole, fixes.rest, fixes.lead])

@@ -339,16 +339,24 @@ def test_more_leg_and_better_sensors_never_harm():
         assert np.all(np.diff(found[name]) >= -2e-3 * found[name][1:]), name
 
 
-def test_a_complex_step_is_answered_with_a_slope():
+@pytest.mark.parametrize("velocity", [(), (0.02, 1.0), (0.02, 0.25), (0.02, 0.3)])
+@pytest.mark.parametrize("level", [1, 3])
+def test_a_complex_step_is_answered_with_a_slope(velocity, level):
     step = np.array(1.0 + 1e-20j)
     leg = Leg(*(np.array(x) for x in (10.0, 10.0, 0.0)))
-    values = [np.array(x) for x in (1.2e-3, 6e-4, 1.0, 1.0)]
+    values = [np.array(x) for x in (1.2e-3, 6e-4, 1.0, 1.0, *velocity)]
     total_slope = 0.0
-    for n in range(3):  # the variance is of degree one in the sources' variances
+    sources = [0, 1, 2, 4][: 3 + bool(velocity)]
+    for n in sources:  # the variance is of degree one in the sources' variances
         scaled = [value * step if n == m else value for m, value in enumerate(values)]
-        found = smoothed_error([Channel(*scaled)], np.array(5.0), leg, ["quadratic"])[0]["quadratic"]
+        found = smoothed_in_leg(Channel(*scaled), np.array(5.0), leg, np.array(level))["quadratic"]
         total_slope += float(found.imag / found.real) * 1e20
     assert total_slope == pytest.approx(2, abs=1e-5)
+    slopes = []  # and the figures in the aperture are smooth between fixes
+    for aperture in (np.array(5.1) * step, np.array(5.1 * (1 + 1e-5)), np.array(5.1 * (1 - 1e-5))):
+        slopes.append(smoothed_in_leg(Channel(*values), aperture, leg, np.array(level))["quadratic"])
+    by_difference = float(slopes[1] - slopes[2]) / 2e-5
+    assert float(slopes[0].imag) * 1e20 == pytest.approx(by_difference, rel=1e-5)
 
 
 def test_a_very_long_aperture_is_all_middle():
