@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import Array
 from nav_model.processing.leg_fixes import Row, at_ends, different, pace_of, rows_of
-from nav_model.processing.long_aperture import Noise, smoothed_by_doubling
+from nav_model.processing.long_aperture import smoothed_by_doubling
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes
 from nav_model.processing.spectrum import Channel, Leg, rates
+from nav_model.processing.stretch import Noise
 
 COLUMNS = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "curved", "with_curved", "mean",
