@@ -28,7 +28,8 @@ def first_screen(
     ``bottom`` is a row under them.
 
     Each half has one part, or two on top of each other. On a narrow window everything is in one column at its natural
-    height. A ``height`` of "100%" fills a place within the window, such as a view of `screen_of_views`.
+    height, the second part of the left half below the right one. A ``height`` of "100%" fills a place within the
+    window, such as a view of `screen_of_views`.
 
     Examples
     --------
@@ -38,8 +39,9 @@ def first_screen(
     parts = [pn.Column(part, styles={"grid-area": f"{row} / 1 / auto / span 2"}) for row, part in enumerate(top, 1)]
     for column, half in enumerate((left, right), 1):
         for place, part in enumerate(half):
+            order = "1" if place and column == 1 else "0"  # places count where there are two columns
             span, wide = 2 if len(half) == 1 else 1, "auto" if right else "span 2"
-            where = {"grid-area": f"{rows + 1 + place} / {column} / span {span} / {wide}"}
+            where = {"grid-area": f"{rows + 1 + place} / {column} / span {span} / {wide}", "order": order}
             parts.append(
                 pn.Column(
                     part,
@@ -49,7 +51,8 @@ def first_screen(
                 )
             )
     if bottom is not None:
-        parts.append(pn.Column(bottom, styles={"grid-area": f"{rows + 3} / 1 / auto / span 2"} | FRAME))
+        where = {"grid-area": f"{rows + 3} / 1 / auto / span 2", "order": "1"}
+        parts.append(pn.Column(bottom, styles=where | FRAME))
     within = height == "100%"
     sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height)
     # Two parts on top of each other in a view may need more than a low window leaves them: the view then scrolls.

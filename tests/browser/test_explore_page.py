@@ -59,16 +59,16 @@ def test_every_question_fits_the_window_and_says_nothing_in_the_console(
 def test_answer_first_and_a_solved_value_is_one_press_away(visit: Visit) -> None:
     page = _open(visit)
     answer = page.get_by_role("status").first
-    expect(answer).to_contain_text("Largest gyro noise (angle random walk) that closes: 0.036 °/√h")
+    expect(answer).to_contain_text("Largest gyro noise (angle random walk) that closes: 0.0360 °/√h")
     expect(answer).to_contain_text("You have 0.15 °/√h")
     slider = page.get_by_role("slider", name="Angle random walk")
     slider.focus()
     page.keyboard.press("ArrowLeft")
     expect(answer).not_to_contain_text("You have 0.15 °/√h")
-    expect(answer).to_contain_text("0.036 °/√h")  # the others are held: the largest value does not move
+    expect(answer).to_contain_text("0.0360 °/√h")  # the others are held: the largest value does not move
     page.get_by_role("button", name="Gyro noise (angle random walk)").press("Enter")
-    expect(page.get_by_role("textbox", name="Angle random walk", exact=True)).to_have_value(re.compile("^0.036"))
-    expect(page.get_by_role("region", name="Largest allowed value of each input")).to_contain_text("✓ 0.036")
+    expect(page.get_by_role("textbox", name="Angle random walk", exact=True)).to_have_value(re.compile("^0.0360"))
+    expect(page.get_by_role("region", name="Largest allowed value of each input")).to_contain_text("✓ 0.0360")
 
 
 def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
@@ -156,4 +156,22 @@ def test_a_sweep_is_run_taken_away_and_nothing_axe_minds(visit: Visit, accessibl
 @pytest.mark.slow
 def test_nothing_overflows_a_phone(visit: Visit, fits: Check) -> None:
     page = _open(visit, "Which sensors", width=390, height=844)
+    fits(page, 390)
+
+
+@pytest.mark.slow
+def test_on_a_phone_the_map_of_a_sweep_is_above_its_table(visit: Visit, fits: Check) -> None:
+    page = _open(visit, "Sweep", width=390, height=844)
+    page.get_by_role("button", name="Run sweep").click()
+    expect(page.get_by_role("status").first).to_contain_text("of 400 designs meet all requirements")
+    expect(page.locator(".bk-Figure:visible")).to_have_count(1)
+    row = page.get_by_role("columnheader", name="Angle random walk")
+    expect(row).to_be_visible()
+    places = [
+        place.bounding_box()
+        for place in (page.get_by_role("button", name="Run sweep"), page.locator(".bk-Figure:visible"), row)
+    ]
+    tops = [place["y"] for place in places if place]
+    assert len(tops) == 3
+    assert tops == sorted(tops)
     fits(page, 390)

@@ -85,10 +85,12 @@ def test_a_page_in_dark_stays_dark(visit: Visit, settled: Callable[[Page], None]
     settled(page)
     dark, on_dark = page.evaluate(_GROUND), page.evaluate(_CANVAS)
     page = visit()
+    settled(page)
     assert page.evaluate(_GROUND) == dark
     assert set(page.evaluate(_CANVAS)) == set(on_dark)
     page.get_by_role("button", name="Toggle theme").click()
     page.wait_for_function("() => document.cookie.includes('navbudget-theme=light')")
     page = visit()
+    settled(page)
     assert page.evaluate(_GROUND) == light
     assert set(page.evaluate(_CANVAS)) == set(on_light)

@@ -363,7 +363,7 @@ class SimulatePage(pn.viewable.Viewer):
         else:
             self._file = flight
             length = files.file_duration(flight)
-            self._say(f"{name}: a flight of {shown(length, 4)} s.")
+            self._say(f"{name}: a flight of {shown(length, 4, given=True)} s.")
             self.length = f"{math.floor(10 * length) / 10:.1f}"
 
 
