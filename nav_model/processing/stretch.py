@@ -61,7 +61,7 @@ class Stretch(NamedTuple):
         """With these rows in place of its own."""
         if len(rows) == len(self.span):
             return new
-        found = Stretch(*(part.copy() for part in self))
+        found = Stretch(*(part.astype(np.result_type(part, values)) for part, values in zip(self, new, strict=True)))
         for part, values in zip(found, new, strict=True):
             part[rows] = values
         return found

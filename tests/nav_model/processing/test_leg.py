@@ -339,9 +339,18 @@ def test_more_leg_and_better_sensors_never_harm():
         assert np.all(np.diff(found[name]) >= -2e-3 * found[name][1:]), name
 
 
-@pytest.mark.parametrize("velocity", [(), (0.02, 1.0), (0.02, 0.25), (0.02, 0.3)])
+@pytest.mark.parametrize(
+    ("velocity", "aperture"),
+    [
+        ((), 5.1),
+        ((0.02, 1.0), 5.1),
+        ((0.02, 0.25), 5.1),
+        ((0.02, 0.3), 5.1),
+        ((0.02, 1.7), 1.1),  # with a fix in the second half alone
+    ],
+)
 @pytest.mark.parametrize("level", [1, 3])
-def test_a_complex_step_is_answered_with_a_slope(velocity, level):
+def test_a_complex_step_is_answered_with_a_slope(velocity, aperture, level):
     step = np.array(1.0 + 1e-20j)
     leg = Leg(*(np.array(x) for x in (10.0, 10.0, 0.0)))
     values = [np.array(x) for x in (1.2e-3, 6e-4, 1.0, 1.0, *velocity)]
@@ -349,12 +358,12 @@ def test_a_complex_step_is_answered_with_a_slope(velocity, level):
     sources = [0, 1, 2, 4][: 3 + bool(velocity)]
     for n in sources:  # the variance is of degree one in the sources' variances
         scaled = [value * step if n == m else value for m, value in enumerate(values)]
-        found = smoothed_in_leg(Channel(*scaled), np.array(5.0), leg, np.array(level))["quadratic"]
+        found = smoothed_in_leg(Channel(*scaled), np.array(aperture), leg, np.array(level))["quadratic"]
         total_slope += float(found.imag / found.real) * 1e20
     assert total_slope == pytest.approx(2, abs=1e-5)
     slopes = []  # and the figures in the aperture are smooth between fixes
-    for aperture in (np.array(5.1) * step, np.array(5.1 * (1 + 1e-5)), np.array(5.1 * (1 - 1e-5))):
-        slopes.append(smoothed_in_leg(Channel(*values), aperture, leg, np.array(level))["quadratic"])
+    for span in (np.array(aperture) * step, np.array(aperture * (1 + 1e-5)), np.array(aperture * (1 - 1e-5))):
+        slopes.append(smoothed_in_leg(Channel(*values), span, leg, np.array(level))["quadratic"])
     by_difference = float(slopes[1] - slopes[2]) / 2e-5
     assert float(slopes[0].imag) * 1e20 == pytest.approx(by_difference, rel=1e-5)
 
