@@ -58,7 +58,7 @@ class Stretch(NamedTuple):
         return Stretch(*(part[rows] for part in self))
 
     def put(self, rows: Counts, new: Stretch) -> Stretch:
-        """With these rows in place of its own."""
+        """This, but for these rows, which are the new ones."""
         if len(rows) == len(self.span):
             return new
         found = Stretch(*(part.astype(np.result_type(part, values)) for part, values in zip(self, new, strict=True)))
@@ -79,7 +79,7 @@ def trace(one: Array, other: Array) -> Array:
 
 
 def free(noise: Noise, span: Array) -> Stretch:
-    """A stretch without fixes."""
+    """A stretch without fixes, of `span` seconds, (rows)."""
     drifted = drift(span, noise.accelerometer, noise.gyro, noise.slow)
     through, added = (np.moveaxis(part, -1, 0) for part in drifted)
     size, made = through.shape[-1], drifts()
@@ -132,7 +132,7 @@ def _gain(one: Stretch, known: Array) -> _Gain:
 
 
 def measured(one: Stretch, known: Array) -> Stretch:
-    """With information about its last state."""
+    """With information about its last state, (rows, n, n)."""
     gain, size = _gain(one, known), known.shape[-1]
     covered = one.lines[..., size:]
     into = _blocks(np.eye(size), None, gain.back, gain.kept)
@@ -149,7 +149,15 @@ def measured(one: Stretch, known: Array) -> Stretch:
 
 
 def joined(first: Stretch, second: Stretch) -> Stretch:
-    """One stretch after the other."""
+    """One stretch after the other.
+
+    Examples
+    --------
+    >>> noise = Noise(np.array([1e-6]), np.array([1e-8]), None)
+    >>> one, two = free(noise, np.array([1.0])), free(noise, np.array([2.0]))
+    >>> bool(np.allclose(joined(one, one).spread, two.spread, rtol=1e-12))
+    True
+    """
     gain, size = _gain(first, second.known), first.through.shape[-1]
     ahead = second.through @ np.concatenate([gain.through, gain.noise], axis=-1)
     onward, covered, along = ahead[..., size:], first.lines[..., size:], second.lines[..., :size]
