@@ -207,13 +207,13 @@ def _leg_one_by_one(x: Row, reach: Array, begin: Array) -> tuple[Array, Array]:
     known = information(between, near.rest[None])[:, :, 0] + pace.sparse * (near.whole >= 0)
     units = Doubles(_unit(x, pace, between))
     known = information(units, np.maximum(near.whole, 0)[None], known[:, :, None])[:, :, 0]
-    then = near.beyond
-    for n in reversed(range(near.time.shape[1])):
-        there = near.there[:, n]
-        now = np.where(there, near.time[:, n], then)
-        known = before(known, *_drift(x, then - now)) + np.where(near.often[:, n], pace.dense, pace.sparse) * there
-        then = now
-    return known, then
+    time = np.where(near.there, near.time, near.beyond[:, None]).T  # those that a leg has not are at its beyond
+    then = np.concatenate([time[1:], near.beyond[None]])
+    through, noise = _drift(x, then - time)
+    for n in reversed(range(len(time))):
+        seen = np.where(near.often[:, n], pace.dense, pace.sparse) * near.there[:, n]
+        known = before(known, through[:, :, n], noise[:, :, n]) + seen
+    return known, time[0] if len(time) else near.beyond
 
 
 def _legs_one_by_one(x: Row, reach: Array) -> tuple[Array, Array]:
