@@ -267,13 +267,15 @@ def at_ends(x: Row) -> tuple[Array, Array]:
     far = _FAR * (1 / x.slowest + pace.seldom.real)
     # before the aperture, counted from its last fix backward; after it, from its end
     reach = np.stack([np.minimum(x.before - x.gap, far), np.minimum(x.after, far)])
-    fixes = _fixes(reach, x.aperture, pace.often, pace.seldom)
-    known = _legs_once(x, fixes) if len(x.fix) > _FEW_ROWS else _legs(x, fixes)
-    soon = fixes.soon
-    apart = np.flatnonzero(uneven(pace))
-    if len(apart):
-        known, soon = known.astype(x.kind), soon.astype(x.kind)
-        known[..., apart], soon[apart] = _legs_one_by_one(x.of(apart), reach[:, apart])
+    apart = uneven(pace)
+    if np.all(apart):
+        known, soon = _legs_one_by_one(x, reach)
+    else:
+        fixes = _fixes(reach, x.aperture, pace.often, pace.seldom)
+        known, soon = _legs_once(x, fixes) if len(x.fix) > _FEW_ROWS else _legs(x, fixes), fixes.soon
+        if np.any(apart):
+            known, soon, rows = known.astype(x.kind), soon.astype(x.kind), np.flatnonzero(apart)
+            known[..., rows], soon[rows] = _legs_one_by_one(x.of(rows), reach[:, rows])
     steps = np.stack([x.gap, soon])
     if np.any(steps):
         known = before(known, *_drift(x, steps))
