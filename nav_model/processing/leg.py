@@ -75,13 +75,14 @@ def _solved(x: Row, start: Array, end: Array, modes: int) -> dict[str, Array]:
     velocity = None
     if x.velocity is not None and x.velocity_interval is not None:
         velocity = _inside(x, x.velocity, x.velocity_interval, modes + 3)
-    slow = None if x.slow is None or x.slow_time is None else (x.slow, x.slow_time)
     position = _inside(x, x.fix, x.interval, modes + 3)
-    return smoothed_modes(Inside(x.accelerometer, x.gyro, x.aperture, start, end, position, velocity, slow), modes)
+    return smoothed_modes(
+        Inside(x.accelerometer, x.gyro, x.aperture, start, end, position, velocity, x.slow_error), modes
+    )
 
 
 def levels(channel: Channel, aperture: Array) -> NDArray[np.int64]:
-    """How an aperture is solved: index into `_MODES`, or `_DOUBLED`."""
+    """How an aperture [s] is solved: index into `_MODES`, or `_DOUBLED`; an array of the shape of all together."""
     fastest = rates(channel)[0]
     return _level(fastest, aperture.real, None if channel.velocity is None else channel.velocity_interval)
 
@@ -146,7 +147,6 @@ def _put(x: Row, places: NDArray[np.int64], level: NDArray[np.int64], found: dic
 
 
 def _doubled(x: Row, start: Array, end: Array) -> dict[str, Array]:
-    slow = None if x.slow is None or x.slow_time is None else (x.slow, x.slow_time)
     return smoothed_by_doubling(
-        Noise(x.accelerometer, x.gyro, slow), pace_of(x), x.aperture, start, end, *different(x)
+        Noise(x.accelerometer, x.gyro, x.slow_error), pace_of(x), x.aperture, start, end, *different(x)
     )

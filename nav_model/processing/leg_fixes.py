@@ -29,7 +29,11 @@ _FEW_ROWS = 64  # with fewer, to find those alike takes longer than their legs
 
 @dataclass(frozen=True)
 class Row:
-    """One row per design, every field an array; None without velocity fixes or slow error."""
+    """One row per design, every field an array (rows); None without velocity fixes or slow error.
+
+    Noises are squared: densities of the sensors, variances of the fixes and of their slow error. Times are in s,
+    ``fastest`` and ``slowest`` those of `nav_model.processing.spectrum.rates`.
+    """
 
     accelerometer: Array  # m²/s³
     gyro: Array  # m²/s⁵
@@ -48,7 +52,13 @@ class Row:
 
     kind: np.dtype[Any]  # of the numbers: complex where one is
 
+    @property
+    def slow_error(self) -> tuple[Array, Array] | None:
+        """Variance [m²] and correlation time [s] of the slow error of the position fixes."""
+        return None if self.slow is None or self.slow_time is None else (self.slow, self.slow_time)
+
     def of(self, rows: NDArray[np.int64]) -> Row:
+        """These rows."""
         taken: dict[str, Any] = {
             key: value[rows] for key, value in vars(self).items() if isinstance(value, np.ndarray)
         }
@@ -80,8 +90,7 @@ def _count(span: Array, step: Array) -> NDArray[np.int64]:
 
 
 def _drift(x: Row, step: Array) -> tuple[Array, Array]:
-    slow = None if x.slow is None or x.slow_time is None else (x.slow, x.slow_time)
-    return drift(step, x.accelerometer, x.gyro, slow)
+    return drift(step, x.accelerometer, x.gyro, x.slow_error)
 
 
 def _seen(x: Row, positions: ArrayLike, velocities: ArrayLike) -> Array:
@@ -96,15 +105,16 @@ def _seen(x: Row, positions: ArrayLike, velocities: ArrayLike) -> Array:
 
 
 class Pace(NamedTuple):
-    """Intervals of the two kinds of fixes: one comes often, the other seldom, unless they are equal."""
+    """Intervals of the two kinds of fixes, (rows): one comes often, the other seldom, unless they are equal."""
 
     often: Array  # s
     seldom: Array  # s; the same array where both kinds come together, or there is one alone
-    dense: Array  # information of the fixes that come often, together
-    sparse: Array  # and of the others, zero where the two kinds come together
+    dense: Array  # information of one of the fixes that come often, (n, n, rows)
+    sparse: Array  # and of one of the others, zero where the two kinds come together
 
 
 def pace_of(x: Row) -> Pace:
+    """How often the fixes of each row come, and what one of them says about the states."""
     if x.velocity_interval is None or np.array_equal(x.velocity_interval, x.interval):
         seen = _seen(x, 1.0, 1.0)
         return Pace(x.interval, x.interval, seen, 0 * seen)
@@ -176,7 +186,7 @@ class _Near(NamedTuple):
 
 
 def uneven(pace: Pace) -> NDArray[np.bool_]:
-    """Where neither interval holds a whole number of the other, nor nearly."""
+    """Where the longer interval holds no whole number of the shorter one, nor nearly, nor many: (rows)."""
     ratio = (pace.seldom / pace.often).real
     return np.asarray((abs(ratio - np.rint(ratio)) > WHOLE * ratio) & (ratio < _FEW))
 
@@ -219,7 +229,7 @@ def _leg_one_by_one(x: Row, reach: Array, begin: Array) -> tuple[Array, Array]:
 def _legs_one_by_one(x: Row, reach: Array) -> tuple[Array, Array]:
     """As `_legs`, and the time from the aperture's end to the first fix."""
     rows = len(x.aperture)
-    both = x.of(np.concatenate([np.arange(rows), np.arange(rows)]))
+    both = x.of(np.tile(np.arange(rows), 2))
     begin, reach = np.concatenate([0 * x.aperture, x.aperture]), reach.ravel()
     if rows > _FEW_ROWS:
         first, alike = different(both, reach, begin)
@@ -242,7 +252,8 @@ def _legs(x: Row, fixes: _Fixes) -> Array:
 
 
 def different(x: Row, *others: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows of which no two are alike in drift, fixes and `others`, and for each row which of these it is like."""
+    """Rows of which no two are alike in drift, fixes and `others` (rows), and for each row which of these it is
+    like."""
     known = (x.accelerometer, x.gyro, x.fix, x.interval, x.velocity, x.velocity_interval, x.slow, x.slow_time)
     table = np.array([*(value for value in known if value is not None), *others])
     rows = np.ascontiguousarray(table.T)
@@ -262,7 +273,11 @@ def _legs_once(x: Row, fixes: _Fixes) -> Array:
 
 
 def at_ends(x: Row) -> tuple[Array, Array]:
-    """Information of the legs about the states at the aperture's start and end."""
+    """Information of the legs about the states at the aperture's start and end, each (n, n, rows).
+
+    States are position, velocity, acceleration by tilt, and the slow error of the fixes where there is one, n 3 or 4.
+    A fix at the start or the end belongs to its leg. Farther fixes than 12 time constants and intervals are left out.
+    """
     pace = pace_of(x)
     far = _FAR * (1 / x.slowest + pace.seldom.real)
     # before the aperture, counted from its last fix backward; after it, from its end

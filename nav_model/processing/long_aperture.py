@@ -64,7 +64,12 @@ def smoothed_by_doubling(
     Returns
     -------
     dict
-        Those of `nav_model.processing.leg.COLUMNS`.
+        Those of `nav_model.processing.leg.COLUMNS`, (rows); not a number where double precision holds none.
+
+    Notes
+    -----
+    The figures are those of [P-5]. As in `nav_model.analytic.doubling`, two equal stretches in a row are one; the
+    Legendre coefficients of the error along it, and what these leave, are our own addition.
     """
     grid, apart = _grid(pace, aperture)
     known, later = (np.moveaxis(part, -1, 0) for part in (start, end))
@@ -135,7 +140,7 @@ def _halves(
     noise: Noise, grid: _Grid, aperture: Array, units: Doubles, dense: Doubles | None, alike: Counts
 ) -> Stretch:
     """Both halves of each aperture, all first ones before the second ones."""
-    both = _twice(len(aperture))
+    both = np.tile(np.arange(len(aperture)), 2)
     half, zero = aperture / 2, 0 * aperture
     middle, last = (np.asarray(np.ceil((span / grid.step).real - 1e-9), np.int64) - 1 for span in (half, aperture))
     first = np.concatenate([0 * middle + 1, middle + 1])
@@ -160,7 +165,7 @@ def _halves(
 
 def _one_by_one(noise: Noise, pace: Pace, aperture: Array) -> Stretch:
     """Both halves of each aperture, fix after fix."""
-    both, half = _twice(len(aperture)), aperture / 2
+    both, half = np.tile(np.arange(len(aperture)), 2), aperture / 2
     noise, span, zero = noise.of(both), half[both], 0 * aperture
     begin = np.concatenate([zero, half])[:, None]
     times, infos = [], []
@@ -181,10 +186,6 @@ def _one_by_one(noise: Noise, pace: Pace, aperture: Array) -> Stretch:
         row = row.put(rows, measured(new, info[rows, column[rows]]))
         now[rows] = then
     return joined(row, free(noise, span - now))
-
-
-def _twice(rows: int) -> Counts:
-    return np.concatenate([np.arange(rows), np.arange(rows)])
 
 
 def _not_negative(time: Array) -> Array:

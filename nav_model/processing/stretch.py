@@ -36,7 +36,7 @@ class Noise(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """A stretch of flight with fixes, given its first state; rows come first.
+    """A stretch of flight with fixes, given its first state; rows come first, n is the number of states.
 
     ``known`` is the information of its fixes about the first state, ``through`` and ``noise`` give the last one,
     (rows, n, n). ``lines`` are the coefficients of the position error by the first state, and beside these their
@@ -132,7 +132,7 @@ def _gain(one: Stretch, known: Array) -> _Gain:
 
 
 def measured(one: Stretch, known: Array) -> Stretch:
-    """With information about its last state, (rows, n, n)."""
+    """The stretch with information about its last state, (rows, n, n)."""
     gain, size = _gain(one, known), known.shape[-1]
     covered = one.lines[..., size:]
     into = _blocks(np.eye(size), None, gain.back, gain.kept)
