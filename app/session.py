@@ -15,13 +15,13 @@ import param
 
 from app.declared import declared, held
 from app.work.run import Run
+from nav_model.base.errors import InputError
+from nav_model.base.units import format_quantity
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.rows import Rows
-from nav_model.errors import InputError
-from nav_model.units import format_quantity
 
 WATCHED = tuple(f"{section}.{name}" for section, inputs in INPUTS.items() for name in inputs)
 """Every input that a person can set, by its dotted key."""

@@ -7,9 +7,9 @@ import pytest
 
 from nav_model.analytic.coast import horizontal_growth, vertical_growth
 from nav_model.analytic.steady_state import horizontal, vertical
+from nav_model.aperture.phase import phase_budget, total
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.sar.phase import phase_budget, total
 
 DESIGN = Design({"radar.aperture_time": 3.0})
 SIGMA_A, SIGMA_W, S, G = 0.05 / 60, np.radians(0.5) / 60, 1.0, 9.80665

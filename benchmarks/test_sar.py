@@ -11,8 +11,10 @@ import pytest
 from scipy.linalg import solve_discrete_are
 
 from nav_model.analytic.discrete import SlowError, cycle
+from nav_model.aperture.impulse_response import aperture_positions, impulse_response
+from nav_model.aperture.polynomial_response import quadratic_response
+from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.budget import analyse
-from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.design import Design
 from nav_model.sar.axis_model import AxisModel, inertial_drift
 from nav_model.sar.decomposition import decompose, run_responses
@@ -20,9 +22,7 @@ from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study, run_chunk
 from nav_model.sar.fast_engine import simulate_axis
 from nav_model.sar.image import back_project, simulate_phase_history
-from nav_model.sar.impulse_response import aperture_positions, impulse_response
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
-from nav_model.sar.polynomial_response import quadratic_response
 from nav_model.sar.strategies import Tuning
 from nav_model.sar.winners import Conditions, map_of_winners
 

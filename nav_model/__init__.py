@@ -27,10 +27,10 @@ from typing import TYPE_CHECKING
 __all__ = ["Budget", "Design", "InputError", "analyse", "format_design", "parse_design", "read_design"]
 
 if TYPE_CHECKING:
+    from nav_model.base.errors import InputError
     from nav_model.budget import Budget, analyse
     from nav_model.design import Design
     from nav_model.design.file import format_design, parse_design, read_design
-    from nav_model.errors import InputError
 else:
     _HOMES = {
         "Budget": "nav_model.budget",
@@ -39,7 +39,7 @@ else:
         "format_design": "nav_model.design.file",
         "parse_design": "nav_model.design.file",
         "read_design": "nav_model.design.file",
-        "InputError": "nav_model.errors",
+        "InputError": "nav_model.base.errors",
     }
 
     def __getattr__(name: str) -> object:

@@ -95,8 +95,8 @@ LONG = (
     "nav_model/suborbital/test_sensitivity.py",
     "nav_model/suborbital/test_study.py",
     "nav_model/suborbital/test_survey.py",
-    "nav_model/test_compiled.py",
-    "nav_model/test_processes.py",
+    "nav_model/base/test_compiled.py",
+    "nav_model/base/test_processes.py",
     "test_docs.py::test_the_readme_prints",
 )
 """Files and tests that `make check` leaves out: seconds of servers, processes, reports and flights."""

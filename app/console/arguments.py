@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from app.console.files import whole_file
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import KEY_VALUE, MAX_BYTES, parse_design, read_bytes
 from nav_model.design.parts import all_keys
-from nav_model.errors import InputError
 
 
 def design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:

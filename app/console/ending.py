@@ -15,8 +15,8 @@ from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from nav_model.errors import InputError, shown
-from nav_model.processes import kill_workers
+from nav_model.base.errors import InputError, shown
+from nav_model.base.processes import kill_workers
 
 DONE, OPEN, BAD_INPUT, SURROUNDINGS, OWN_FAULT = 0, 1, 2, 3, 4
 """Exit codes: done or closes, does not close, bad input, a fault of the surroundings, a fault of NavBudget's own."""

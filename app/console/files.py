@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from app.console.ending import is_of_surroundings
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 
 @contextmanager

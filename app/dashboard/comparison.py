@@ -12,9 +12,9 @@ import param
 from app.session import Compared, Session
 from app.ui.theme import PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design.file import MAX_BYTES, parse_design
-from nav_model.errors import InputError
 
 _MOST = 100  # designs offered, the last saved first
 

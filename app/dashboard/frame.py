@@ -30,9 +30,9 @@ from app.ui.turns import in_turns, once_quiet
 from app.upstream.browser import Repairs
 from app.upstream.busy_line import follow_own_work
 from app.upstream.full_height import FULL_HEIGHT
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.link import from_query
-from nav_model.errors import InputError
 
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"

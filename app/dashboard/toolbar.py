@@ -20,10 +20,10 @@ from app.report.studies import study_sections
 from app.session import Session
 from app.subjects import SUBJECTS
 from app.work.pool import elsewhere
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, format_design, parse_design
-from nav_model.errors import InputError
 
 
 class Say(Protocol):

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from app.charts.kinds import BarChart, Chart
 from app.document.numbers import number, show
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 _SPREADS: dict[str, tuple[str, float, float]] = {
     "1σ": ("1s", 1.0, 1.0),

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from nav_model.sar.geometry import phase_to_metres
-from nav_model.units import format_quantity, from_si, plain_number, to_si
+from nav_model.aperture.geometry import phase_to_metres
+from nav_model.base.units import format_quantity, from_si, plain_number, to_si
 
 DIGITS = 3
 NONE = "–"

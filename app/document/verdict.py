@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 from app.document.blocks import Answer, Cell
 from app.document.numbers import percent, show_in, signed_percent, whole_percent
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES
 from nav_model.budget.result import Check, Verdict
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
-from nav_model.errors import InputError
 from nav_model.processing.paired_echo import NOTHING
 
 SAID = {REAL_TIME: "in real time", POST_PROCESSED: "post-processed"}

@@ -14,7 +14,7 @@ from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
-from nav_model.errors import InputError, shown
+from nav_model.base.errors import InputError, shown
 
 _WAIT = 15.0  # seconds that a writer waits for another before it gets an error
 _POSTGRESQL = {

@@ -19,7 +19,7 @@ from sqlalchemy import text
 
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 MAX_ARCHIVE = 20_000_000
 """The largest archive taken, in bytes as it comes."""

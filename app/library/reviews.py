@@ -21,9 +21,9 @@ from sqlalchemy import Connection, text
 from app.library.seal import CHANGED, doubt_about, signature_of
 from app.library.store import Conflict, Library, Revision, as_revision, find, new_id, now
 from app.library.texts import clean, moment
+from nav_model.base.errors import InputError
 from nav_model.budget.figures import FIGURES
 from nav_model.design.parts import all_keys
-from nav_model.errors import InputError
 
 MAX_ITEMS = 6
 """The most revisions one review, or one comparison, takes: what fits side by side."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from sqlalchemy import Connection, inspect, text
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 STEPS: tuple[tuple[str, ...], ...] = (
     (

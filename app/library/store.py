@@ -22,10 +22,10 @@ from app.document.verdict import verdict_of
 from app.library.engine import engine_at, is_read_only, said
 from app.library.schema import is_current, migrate, version_of
 from app.library.texts import clean, clean_tags
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.verdict import checked
 from nav_model.design.file import format_design, parse_design
-from nav_model.errors import InputError
 
 
 class Conflict(InputError):

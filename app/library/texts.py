@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import unicodedata
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 LIMITS = {"name": 200, "author": 100, "note": 4000, "tag": 40, "title": 200, "comment": 4000, "reason": 1000}
 """The longest text of each kind, in characters."""

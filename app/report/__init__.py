@@ -7,8 +7,8 @@ from datetime import datetime
 from pathlib import Path
 
 from app.document.blocks import Chapter, Section
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 
 SUFFIXES = (".html", ".pdf")
 """The kinds of file a report comes in."""

@@ -13,8 +13,8 @@ from app.document.display import display_of
 from app.document.wording import chapter_key, design_labels
 from app.report import kind_of, report_bytes
 from app.subjects import STUDIES
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
-from nav_model.errors import InputError
 
 
 def add_to(commands: Any) -> None:

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.charts.kinds import Bar, BarChart, Chart, Line
+from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
 from nav_model.budget.result import PostProcessed, Sar
-from nav_model.sar.geometry import phase_to_metres
 
 
 def position_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> Chart:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import number
 from app.document.wording import preset_name, printable, when_empty
-from nav_model.catalogue import Entry, SourcedValue
 from nav_model.design import Design
+from nav_model.design.catalogue import Entry, SourcedValue
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, PARTS
 from nav_model.design.presets import deviations, entry_of

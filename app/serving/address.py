@@ -11,7 +11,7 @@ from typing import Any
 from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.rules import Rules
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 _BACKLOG = 128  # visitors that may wait to be let in
 _STEP_BACK = 0.015  # seconds: another process needs less, unless it is busy

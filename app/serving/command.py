@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 if TYPE_CHECKING:
     from app.serving.rules import Rules

@@ -17,7 +17,7 @@ from sqlalchemy import Connection, text
 from sqlalchemy.exc import DBAPIError
 
 from app.library.engine import engine_at
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 _TRIES = 10
 _WINDOW = 60.0  # seconds

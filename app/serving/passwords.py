@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 _COST, _BLOCK, _LANES = 2**14, 8, 1  # 16 MiB and some 50 ms a try
 _MOST_COST, _MOST_BLOCK, _MOST_LANES = 2**18, 16, 4  # a file must not stop the server

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 _SHORTEST_SECRET = 32
 _ENOUGH = 4  # processes of pages unless more are asked for

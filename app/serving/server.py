@@ -49,10 +49,10 @@ from app.upstream.page_marks import mark_own_part
 from app.upstream.proxy_headers import believe_proxies_only
 from app.upstream.request_location import read_any_address
 from app.work import pool as workers
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import parse_design
 from nav_model.design.link import from_query
-from nav_model.errors import InputError
 
 _TITLE = "NavBudget"
 _VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'

@@ -24,7 +24,7 @@ from app.serving.board import Board, Row
 from app.serving.logs import event, set_up
 from app.serving.passwords import read_passwords
 from app.serving.rules import Rules
-from nav_model.processes import end_with_parent
+from nav_model.base.processes import end_with_parent
 
 _LOOK = 0.05  # seconds between two looks at what starts
 _PAUSE = 1.0  # seconds before a process that ended is started again; twice as long each time

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 
 def whole_number(name: str, text: str, low: int, high: int) -> int:

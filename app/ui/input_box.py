@@ -12,9 +12,9 @@ import param
 
 from app.ui.log_slider import LogSlider
 from app.upstream.prompt_input import PromptInput
+from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.several import Axes
-from nav_model.errors import InputError
 
 
 class InputBox(pn.viewable.Viewer, param.ParameterizedABC):

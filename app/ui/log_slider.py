@@ -10,7 +10,7 @@ from typing import Any
 from bokeh.models import CustomJSTickFormatter
 
 from app.upstream.prompt_slider import PromptSlider
-from nav_model.units import from_si, to_si
+from nav_model.base.units import from_si, to_si
 
 _STEP = 0.02  # decades: 4.7 % a key press
 _ZERO = 10 * _STEP  # how far below the lowest value zero lies

@@ -2,5 +2,5 @@
 
 Each file says what the library does, the version it was written for, the upstream issue or pull request, and which
 test shows the library as shipped still doing so: when that test fails, the file can go. What Numba does otherwise
-is in `nav_model.compiled` and `nav_model.numba_typing`, which know no app.
+is in `nav_model.base.compiled` and `nav_model.base.numba_typing`, which know no app.
 """

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from app.work import pool as workers
-from nav_model.errors import InputError
-from nav_model.processes import end_with_parent
+from nav_model.base.errors import InputError
+from nav_model.base.processes import end_with_parent
 
 _SMALL = 400_000_000  # bytes: what a suborbital study leaves is half of it, most of that libraries and kernels
 WAITING = "waiting for another run to finish"

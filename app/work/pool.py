@@ -13,7 +13,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import TypeVar, TypeVarTuple
 
-from nav_model.processes import kill_workers, worker_pool
+from nav_model.base.processes import kill_workers, worker_pool
 
 _A = TypeVarTuple("_A")
 _T = TypeVar("_T")

@@ -8,11 +8,11 @@ from typing import Final
 from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis, over_bench
 from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, Provenance, triad_random_walk
 from nav_model.allan.vibration import SPECTRUM_KEY
+from nav_model.base.errors import InputError
+from nav_model.base.units import format_quantity, from_si
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
-from nav_model.errors import InputError
-from nav_model.units import format_quantity, from_si
 
 WALK_KEYS: Final = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
 VIBRATION_KEY: Final = "imu.vibration_factor"

@@ -11,7 +11,7 @@ from typing import BinaryIO
 import numpy as np
 
 from nav_model.allan.noise_terms import FloatArray
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 _CHUNK = 1_000_000  # characters
 _MOST_COLUMNS = 100

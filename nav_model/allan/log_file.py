@@ -17,8 +17,8 @@ from nav_model.allan.csv_table import read_csv_table
 from nav_model.allan.imu_log import AXIS_LETTERS, ImuLog
 from nav_model.allan.log_names import Meaning, Scale, meaning_of, scale_of
 from nav_model.allan.noise_terms import FloatArray
-from nav_model.errors import InputError
-from nav_model.npz_arrays import read_npz_arrays
+from nav_model.base.errors import InputError
+from nav_model.base.npz_arrays import read_npz_arrays
 
 IGNORED = "-"
 RATE_TOLERANCE = 0.01

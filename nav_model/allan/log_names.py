@@ -11,8 +11,8 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-from nav_model.constants import DEGREE, STANDARD_GRAVITY
-from nav_model.errors import InputError
+from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
+from nav_model.base.errors import InputError
 
 
 @dataclass(frozen=True)

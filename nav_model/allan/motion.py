@@ -20,8 +20,8 @@ from nav_model.allan.noise_terms import FloatArray
 from nav_model.allan.result import UNITS, Provenance
 from nav_model.allan.vibration import declared_spectrum, vibration_spectrum
 from nav_model.allan.warnings import saturated_share
+from nav_model.base.errors import InputError
 from nav_model.design.rows import Row
-from nav_model.errors import InputError
 
 DEFAULT_BAND_FROM_HZ = 10.0
 BLOCK_S = 5.0

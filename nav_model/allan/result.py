@@ -10,7 +10,7 @@ import numpy as np
 
 from nav_model.allan.deviation import AllanDeviation
 from nav_model.allan.noise_terms import TERMS, FloatArray, allan_variance
-from nav_model.constants import DEGREE, STANDARD_GRAVITY
+from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 
 CONFIDENCE_INTERVAL: Final = "95 % confidence"
 READING_INTERVAL: Final = "from the white-noise floor to the reading at 1 s, not a confidence interval"

@@ -22,7 +22,7 @@ from nav_model.allan.remedy import Cause, what_would_resolve
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance
 from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings, saturated_share
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 # Both shares were set on the available logs: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
 # accelerometers under a 0.6 Hz line.

@@ -6,7 +6,7 @@ import numpy as np
 
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.noise_terms import FloatArray
-from nav_model.constants import STANDARD_GRAVITY
+from nav_model.base.constants import STANDARD_GRAVITY
 
 _BLOCKS = 60
 _BURST_RATIO = 1.3

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.base.arrays import Array, as_numbers
 
 
 class HorizontalGrowth(NamedTuple):

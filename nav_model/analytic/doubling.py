@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.stacks import even, plus_one, solved, times, turned
-from nav_model.analytic.steady_state import Array, as_numbers
+from nav_model.base.arrays import Array, as_numbers
 
 _MOST_STEPS = 60
 _FEW = 400  # elements; with fewer, NumPy's own functions are faster than our stacks

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 
 BOUND = 1e-4
 """Largest difference, at the places compared, of a polynomial from what is computed there."""

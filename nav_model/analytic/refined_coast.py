@@ -19,8 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
-from nav_model.constants import EARTH_RATE, MEAN_RADIUS
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.base.arrays import Array, as_numbers
+from nav_model.base.constants import EARTH_RATE, MEAN_RADIUS
 
 # Schuler angle -> points of the rule that integrate the squared responses up to it to rounding.
 _RULES = ((0.8, 8), (3.0, 14), (20.0, 40))

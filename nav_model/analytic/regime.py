@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nav_model.analytic.steady_state import (
-    Array,
     fix_density,
     gyro_dominance,
     horizontal,
     position_ratio,
     vertical,
 )
-from nav_model.catalogue import catalogue
+from nav_model.base.arrays import Array
 from nav_model.design import Design
+from nav_model.design.catalogue import catalogue
 
 
 def curves(low: float, high: float, count: int) -> tuple[Array, Array, Array]:

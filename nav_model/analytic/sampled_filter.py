@@ -22,7 +22,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.base.arrays import Array, as_numbers
 
 _NEWTON_STEPS = 10  # the start is at most about three times the root; six steps reach the last bit
 

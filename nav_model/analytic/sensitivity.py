@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, horizontal, vertical
+from nav_model.analytic.steady_state import Horizontal, Vertical, horizontal, vertical
+from nav_model.base.arrays import Array
 
 
 class LogDerivatives(NamedTuple):

@@ -27,7 +27,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nav_model.analytic.sampled_filter import cubic_factors, delta_root, quadratic_factor
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.base.arrays import Array, as_numbers
 
 _MOST_STEPS = 200  # ten are usual
 _NEAR = 1e-6  # of the root: two more steps of Newton's method reach the last bit

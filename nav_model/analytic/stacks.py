@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 
 _FEW = 400  # elements; with fewer, NumPy's own functions are faster
 

@@ -10,19 +10,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
-
-
-def as_numbers(x: ArrayLike) -> Array:
-    """As an array of floats; complex numbers pass, so that a complex step gives exact derivatives.
-
-    Source: Squire and Trapp, SIAM Review 40(1), 1998.
-    """
-    array = np.asarray(x)
-    numbers: Array = array if array.dtype.kind in "fc" else array.astype(float)
-    return numbers
+from nav_model.base.arrays import Array, as_numbers
 
 
 class Horizontal(NamedTuple):

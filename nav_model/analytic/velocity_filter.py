@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from nav_model.analytic.doubling import Segment, drift, settled
 from nav_model.analytic.few import from_few
 from nav_model.analytic.stacks import plus_one, solved, times
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.base.arrays import Array, as_numbers
 
 _MANY = 2000  # designs; a larger map is interpolated from a few of them
 _NOTHING = 1e-300  # instead of zero under a logarithm

@@ -10,6 +10,7 @@ from functools import partial
 
 from numpy.typing import ArrayLike
 
+from nav_model.base.frozen import Once
 from nav_model.budget.figures import sampled_both, settled
 from nav_model.budget.image import free_placement, sar_of, spectral_of
 from nav_model.budget.inputs import inputs_of
@@ -20,7 +21,6 @@ from nav_model.budget.result import Budget
 from nav_model.budget.shares import white_parts
 from nav_model.budget.verdict import judge
 from nav_model.design import Design
-from nav_model.frozen import Once
 
 __all__ = ["Budget", "analyse"]
 

@@ -8,16 +8,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
-from nav_model.constants import SPEED_OF_LIGHT
+from nav_model.aperture.impulse_response import aperture_positions
+from nav_model.aperture.window import as_taper, ideal_null_cells
+from nav_model.base.arrays import Array
+from nav_model.base.constants import SPEED_OF_LIGHT
+from nav_model.base.frozen import FrozenMapping
 from nav_model.design import Design
 from nav_model.design.motion import Motion, Oscillator
 from nav_model.design.rows import Row
-from nav_model.frozen import FrozenMapping
 from nav_model.processing import paired_echo
 from nav_model.processing.fast_motion import Curve, Fast, Source, density_of, through_aperture
-from nav_model.sar.impulse_response import aperture_positions
-from nav_model.sar.window import as_taper, ideal_null_cells
 
 VIBRATION, UNSENSED, OSCILLATOR = "vibration", "unsensed motion", "oscillator"
 """Names of the sources in every budget."""

@@ -18,7 +18,10 @@ from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, cycle
 from nav_model.analytic.refined_coast import refined_growth
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.analytic.turning import TURNING, smoothed_bent_variance, turn_weights
+from nav_model.aperture import geometry, phase
+from nav_model.base.arrays import Array, as_numbers
 from nav_model.budget.fast import LEVELS, levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.processing import smoother
@@ -32,8 +35,6 @@ from nav_model.processing.geolocation import (
     shifts,
 )
 from nav_model.processing.spectrum import Channel, Leg
-from nav_model.sar import geometry, phase
-from nav_model.sar.turning import TURNING, smoothed_bent_variance, turn_weights
 
 SETTLED = ("horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt")
 COASTING = ("coast_horizontal_position", "coast_vertical_position")

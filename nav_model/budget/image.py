@@ -7,20 +7,21 @@ from collections.abc import Collection, Mapping
 from functools import partial
 
 from nav_model.analytic.discrete import Sawtooth
-from nav_model.analytic.steady_state import Array, Horizontal
+from nav_model.analytic.steady_state import Horizontal
+from nav_model.aperture import geometry, phase
+from nav_model.aperture.impulse_response import ImpulseResponse, with_echoes
+from nav_model.aperture.polynomial_response import half_power_extent, quadratic_response
+from nav_model.aperture.window import ideal_null_cells
+from nav_model.base.arrays import Array
+from nav_model.base.frozen import FrozenMapping, Later
 from nav_model.budget.fast import LEVELS, levels, stays
 from nav_model.budget.figures import PLACING, along_track_phase, begun, free_shifts, phase_sources, placing
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.result import Echo, PhaseLine, Placement, Sar, Spectral
 from nav_model.budget.shares import Parts, Shares, each, shares_by_step, shares_of, velocity_shares
 from nav_model.design import Design
-from nav_model.frozen import FrozenMapping, Later
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
-from nav_model.sar import geometry, phase
-from nav_model.sar.impulse_response import ImpulseResponse, with_echoes
-from nav_model.sar.polynomial_response import half_power_extent, quadratic_response
-from nav_model.sar.window import ideal_null_cells
 
 _NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
 

@@ -11,16 +11,16 @@ from numpy.typing import ArrayLike
 
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import SlowError
-from nav_model.analytic.steady_state import Array, as_numbers
+from nav_model.aperture import geometry
+from nav_model.base.arrays import Array, as_numbers
+from nav_model.base.constants import SPEED_OF_LIGHT
+from nav_model.base.errors import InputError
 from nav_model.budget.fast import fast_sources, rectified
-from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, Radar
 from nav_model.design.processing import POST_PROCESSED
-from nav_model.errors import InputError
 from nav_model.processing.fast_motion import Fast
-from nav_model.sar import geometry
 
 RECTIFICATION = "vibration rectification"
 """Name of the source in every budget."""

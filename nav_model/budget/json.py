@@ -6,9 +6,9 @@ import math
 from dataclasses import asdict, fields
 from typing import Any
 
+from nav_model.aperture.impulse_response import ImpulseResponse
 from nav_model.budget.provenance import cautions, provenance
 from nav_model.budget.result import Budget, Check, Placement, PostProcessed, Sigmas, Spectral, Verdict
-from nav_model.sar.impulse_response import ImpulseResponse
 
 
 def to_json(budget: Budget) -> dict[str, Any]:

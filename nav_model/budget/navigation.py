@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError, shown
 from nav_model.budget.figures import COASTING, SETTLED, outage
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.result import Outage, Sigmas, SteadyState
 from nav_model.budget.shares import Parts, coast_shares, each, steady_shares
 from nav_model.design import Design
-from nav_model.errors import InputError, shown
 
 COAST_POINTS = 300
 

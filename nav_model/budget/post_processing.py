@@ -7,7 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
+from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.figures import (
     COASTING,
     PLACING,
@@ -34,7 +35,6 @@ from nav_model.budget.result import (
 from nav_model.budget.shares import shares_by_step, shares_of
 from nav_model.budget.verdict import confidence_of, judge
 from nav_model.design import Design
-from nav_model.frozen import FrozenMapping
 from nav_model.processing.geolocation import Shifts
 from nav_model.processing.smoother import SPECTRUM, STATE_SPACE
 

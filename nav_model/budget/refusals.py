@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from nav_model.base.errors import InputError
 from nav_model.budget.inputs import LONGEST_APERTURE
 from nav_model.design import Design
-from nav_model.errors import InputError
 
 
 @contextmanager

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
+from nav_model.aperture.impulse_response import ImpulseResponse
+from nav_model.base.arrays import Array
+from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
-from nav_model.frozen import FrozenMapping
 from nav_model.processing.paired_echo import NOTHING
-from nav_model.sar.impulse_response import ImpulseResponse
 
 
 @dataclass(frozen=True)

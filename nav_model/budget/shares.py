@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike
 from nav_model.analytic import coast as growth
 from nav_model.analytic.discrete import Sawtooth, SlowError
 from nav_model.analytic.sensitivity import horizontal_parts, vertical_parts
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.base.arrays import Array, as_numbers
+from nav_model.base.frozen import FrozenMapping, Later
 from nav_model.budget.figures import COASTING, settled
 from nav_model.budget.inputs import RECTIFICATION, Inputs
-from nav_model.frozen import FrozenMapping, Later
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
 ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"

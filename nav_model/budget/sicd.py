@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 from nav_model.budget.figures import begun, free_lines, smoothed_lines, with_fast
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design

@@ -12,6 +12,8 @@ import hashlib
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
+from nav_model.base.errors import InputError, shown
+from nav_model.base.frozen import FrozenMapping
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import (
     INPUTS,
@@ -34,8 +36,6 @@ from nav_model.design.parts import (
     declaration_of,
 )
 from nav_model.design.rows import Row
-from nav_model.errors import InputError, shown
-from nav_model.frozen import FrozenMapping
 
 Value = float | int | bool | str | tuple[Row, ...] | None
 

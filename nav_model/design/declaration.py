@@ -12,9 +12,9 @@ from typing import Any, TypeVar, cast
 
 import param
 
-from nav_model.dimensions import DIMENSIONS
-from nav_model.errors import InputError, not_a_choice, shown
-from nav_model.units import (
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.errors import InputError, not_a_choice, shown
+from nav_model.base.units import (
     Parsed,
     QuantityError,
     format_bound,
@@ -233,7 +233,7 @@ class Quantity(BaseQuantity[float]):
     default, bounds, softbounds : float
         SI. `softbounds` is the range a slider spans.
     dimension : str
-        Key of `nav_model.units.DIMENSIONS`; empty for a plain number.
+        Key of `nav_model.base.units.DIMENSIONS`; empty for a plain number.
     unit : str
         Usual display unit.
     short : str

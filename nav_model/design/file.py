@@ -14,14 +14,14 @@ from typing import Any
 
 import tomli_w
 
+from nav_model.base.errors import InputError, shown
+from nav_model.base.toml_text import read_toml
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS, Input
 from nav_model.design.presets import preset_fill, preset_of
 from nav_model.design.rows import Rows
-from nav_model.errors import InputError, shown
-from nav_model.toml_text import read_toml
 
 ORIGINS = "origins"
 """The table of a design file that says where values came from, each under its dotted key in quotes."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nav_model.constants import DEGREE, STANDARD_GRAVITY
+from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.design.declaration import Quantity
 from nav_model.design.part import Part
 

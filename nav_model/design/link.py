@@ -11,13 +11,13 @@ from functools import lru_cache
 from typing import Any
 from urllib.parse import parse_qsl, quote_plus, urlencode
 
+from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
-from nav_model.errors import InputError
 
 _MOST_FIELDS = 500  # there are not half as many names
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from nav_model.constants import STANDARD_GRAVITY
+from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
 from nav_model.design.part import Part
 from nav_model.design.rows import Rows

@@ -5,10 +5,10 @@ Files written today have them in ``[origins]``; only files and links without one
 
 from __future__ import annotations
 
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import LONGEST_ORIGIN, declaration_of
-from nav_model.errors import InputError
 
 
 def noted_origins(design: Design) -> dict[str, str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nav_model.catalogue import Entry, Kind, find
 from nav_model.design import Design, Value
+from nav_model.design.catalogue import Entry, Kind, find
 from nav_model.design.parts import PRESET_KEYS
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from nav_model.constants import DEGREE
+from nav_model.base.constants import DEGREE
 from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
 from nav_model.design.part import Part
 

@@ -10,9 +10,9 @@ from typing import Any
 
 import param
 
-from nav_model.dimensions import DIMENSIONS
-from nav_model.errors import InputError, shown
-from nav_model.units import QuantityError, format_quantity, parse_quantity
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.errors import InputError, shown
+from nav_model.base.units import QuantityError, format_quantity, parse_quantity
 
 Row = tuple[float, float, str]
 """Frequency [Hz], amount [SI], and the dimension that the amount has."""

@@ -9,9 +9,9 @@ from typing import Any
 
 import param
 
+from nav_model.base.errors import InputError, shown
+from nav_model.base.units import QuantityError, format_quantity, join_quantity, parse_quantity
 from nav_model.design.declaration import Quantity, sentence_label
-from nav_model.errors import InputError, shown
-from nav_model.units import QuantityError, format_quantity, join_quantity, parse_quantity
 
 Spans = tuple[tuple[float, float], ...]
 _COUNTS = {3: "three", 6: "six"}

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.compiled import part
-from nav_model.constants import (
+from nav_model.base.compiled import part
+from nav_model.base.constants import (
     EARTH_RATE,
     GRAVITATIONAL_PARAMETER,
     J2,
@@ -21,8 +21,8 @@ from nav_model.constants import (
     SEMI_MAJOR_AXIS,
     SPHERE_RADIUS,
 )
+from nav_model.base.errors import InputError, not_a_choice
 from nav_model.earth.rotation import FloatArray
-from nav_model.errors import InputError, not_a_choice
 
 ZONALS: dict[str, tuple[float, float, float]] = {
     "spherical": (0.0, 0.0, 0.0),

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.compiled import part
+from nav_model.base.compiled import part
 
 FloatArray = NDArray[np.float64]
 

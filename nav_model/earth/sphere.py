@@ -1,8 +1,8 @@
 """The spherical Earth of the suborbital study: inertial and local axes over it.
 
 Inertial axes have z along the Earth's spin and x through the Greenwich meridian at lift-off. Local axes are
-north, east, down on the sphere of radius `nav_model.constants.SPHERE_RADIUS`. Everything here is star_tracker.md's
-own choice (X) for its reconstruction.
+north, east, down on the sphere of radius `nav_model.base.constants.SPHERE_RADIUS`. Everything here is
+star_tracker.md's own choice (X) for its reconstruction.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.constants import EARTH_RATE, SPHERE_RADIUS
+from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
 from nav_model.earth.rotation import FloatArray, matrix_of
 
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from nav_model.base.errors import InputError, shown
 from nav_model.earth.rotation import FloatArray
-from nav_model.errors import InputError, shown
 
 COLUMNS = ("time_s", "latitude_deg", "longitude_deg", "height_m", "roll_deg", "pitch_deg", "yaw_deg")
 _DEGREES = [place for place, column in enumerate(COLUMNS) if column.endswith("_deg")]

@@ -12,8 +12,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from nav_model.compiled import part
-from nav_model.constants import EARTH_RATE, FLATTENING, GRAVITATIONAL_PARAMETER, SEMI_MAJOR_AXIS
+from nav_model.base.compiled import part
+from nav_model.base.constants import EARTH_RATE, FLATTENING, GRAVITATIONAL_PARAMETER, SEMI_MAJOR_AXIS
 
 ECCENTRICITY_SQUARED: Final = FLATTENING * (2.0 - FLATTENING)
 EQUATOR_GRAVITY: Final = 9.7803253359

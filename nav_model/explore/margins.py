@@ -7,14 +7,14 @@ from typing import cast
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import Inputs, Replacement, inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
-from nav_model.errors import InputError
 
 ALL = "all requirements"
 """Name of the result that is the largest value over limit of every requirement given."""

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError, not_a_choice
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
-from nav_model.errors import InputError, not_a_choice
 from nav_model.explore.margins import quantity
 
 _STEP = 1e-20

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
-from nav_model.catalogue import Entry
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
-from nav_model.errors import InputError
+from nav_model.design.catalogue import Entry
 from nav_model.explore.margins import limits, ratios, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 

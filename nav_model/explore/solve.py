@@ -15,15 +15,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.analytic.steady_state import Array
+from nav_model.aperture.geometry import WINDOW_WIDTH, cell_length
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.fast import LEVELS
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.design.processing import REAL_TIME
-from nav_model.errors import InputError
 from nav_model.explore.margins import ALL, limits, quantity, ratios
-from nav_model.sar.geometry import WINDOW_WIDTH, cell_length
 
 SOLVED = (
     "imu.angle_random_walk",

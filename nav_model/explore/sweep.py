@@ -22,15 +22,15 @@ from typing import Any
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError
+from nav_model.base.processes import worker_pool
 from nav_model.budget.figures import FIGURES, UNSCALED, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design, Value
-from nav_model.errors import InputError
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
 from nav_model.explore.sweep_plan import Plan
-from nav_model.processes import worker_pool
 
 SUFFIXES = (".csv", ".parquet")
 _UNITS = {

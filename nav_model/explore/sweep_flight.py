@@ -20,11 +20,11 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from nav_model.base.errors import InputError
+from nav_model.base.units import QuantityError, parse_quantity
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, specification
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
-from nav_model.units import QuantityError, parse_quantity
 
 _NOT_FLOWN = float("nan")
 

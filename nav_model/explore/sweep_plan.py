@@ -28,6 +28,8 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from nav_model.base.errors import InputError, not_a_choice
+from nav_model.base.toml_text import read_toml
 from nav_model.budget.figures import FIGURES
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
@@ -35,10 +37,8 @@ from nav_model.design.file import parse_design, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
-from nav_model.errors import InputError, not_a_choice
 from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import SweepFlight, check_flight, read_flight
-from nav_model.toml_text import read_toml
 
 _MAX_BYTES = 1_000_000
 MOST_ROWS = 50_000_000

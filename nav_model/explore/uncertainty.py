@@ -17,10 +17,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError
 from nav_model.budget.inputs import VARIABLES
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.explore.margins import limits, quantity, ratios, worst
 
 SCRAMBLINGS = 10

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array, as_numbers
+from nav_model.base.arrays import Array, as_numbers
 
 _SERIES_BELOW = 4.0  # in x: the power series there, the recurrence above
 _TERMS = 30
@@ -81,7 +81,7 @@ def _left(x: Array, taken: Array) -> dict[str, Array]:
 def filters(x: Array, *, turning: bool = True) -> dict[str, Array]:
     """Each filter at x = w T/2; without ``turning`` those of the turning line of sight are left out.
 
-    ``quadratic`` and ``cubic`` are of the coefficients of x² and x³ (as in `nav_model.sar.phase`), ``left_1`` to
+    ``quadratic`` and ``cubic`` are of the coefficients of x² and x³ (as in `nav_model.aperture.phase`), ``left_1`` to
     ``left_3`` of the mean square after autofocus to that order, ``slope`` of half the aperture times the slope
     of the line, ``turned`` of the quadratic from an along-track error through the turning line of sight, for a turn
     of one over half the aperture [S-2], ``curved`` of the quadratic that the square of that turn makes,

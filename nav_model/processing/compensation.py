@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array, as_numbers
+from nav_model.base.arrays import Array, as_numbers
 
 OSCILLATING = 16 * np.pi
 """Phase w τ beyond which the power that is left is taken without its oscillation in a continuous spectrum."""

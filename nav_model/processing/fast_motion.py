@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.few import from_few
-from nav_model.analytic.steady_state import Array, as_numbers
+from nav_model.base.arrays import Array, as_numbers
 from nav_model.processing import compensation
 from nav_model.processing.aperture_filter import AVERAGES, OSCILLATING, filters
 from nav_model.processing.compensation import power_left

@@ -16,7 +16,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from nav_model.analytic.coast import carried
-from nav_model.analytic.steady_state import Array, Horizontal, Vertical, as_numbers
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.base.arrays import Array, as_numbers
 
 _ANGLES = 96  # of a quarter turn: the integrand is smooth for every ratio of the axes
 _STEPS = 12

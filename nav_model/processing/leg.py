@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 from nav_model.processing.leg_fixes import Row, at_ends, different, pace_of, rows_of
 from nav_model.processing.long_aperture import smoothed_by_doubling
 from nav_model.processing.modes import Fixes, Inside, smoothed_modes

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.doubling import Doubles, Segment, before, drift, information, repeated
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 from nav_model.processing.spectrum import Channel, Leg, rates
 
 _FAR = 12.0  # time constants of the error, and as many fixes: farther ones carry no information about the aperture

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 from nav_model.processing.leg_fixes import Pace, uneven
 from nav_model.processing.modes import ORDERS, variances
 from nav_model.processing.stretch import (

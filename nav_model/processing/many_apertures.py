@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 from nav_model.processing.aperture_filter import OSCILLATING
 
 _RATIO = 2.0  # between the ends of a piece, at most

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 
 ORDERS = 6
 """Legendre orders of the position error that figures use: 0 to 5."""

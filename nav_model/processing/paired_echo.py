@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 from nav_model.processing.fast_motion import NEAR_CELLS, Fast
 
 NOTHING = 1e-15

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.few import from_few
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 from nav_model.processing.leg import COLUMNS, levels, smoothed_in_leg
 from nav_model.processing.leg_fixes import fixes_in_legs
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 from nav_model.processing.aperture_filter import table
 
 FOCUS = (

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.doubling import drift
-from nav_model.analytic.steady_state import Array
+from nav_model.base.arrays import Array
 from nav_model.processing.modes import ORDERS, drifts
 
 Counts = NDArray[np.int64]

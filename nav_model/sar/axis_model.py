@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.doubling import Segment, drift, settled
 from nav_model.analytic.stacks import matrices_last
-from nav_model.analytic.steady_state import as_numbers
-from nav_model.constants import STANDARD_GRAVITY
+from nav_model.base.arrays import as_numbers
+from nav_model.base.constants import STANDARD_GRAVITY
 
 _FloatArray = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.sar.impulse_response import aperture_of_phase, impulse_response
-from nav_model.sar.window import Taper, Window
+from nav_model.aperture.impulse_response import aperture_of_phase, impulse_response
+from nav_model.aperture.window import Taper, Window
 
 HIGHEST_SMOOTH_ORDER = 8
 ENSEMBLE_PADDING = 8

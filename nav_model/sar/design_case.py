@@ -9,23 +9,23 @@ from typing import Literal
 import numpy as np
 
 from nav_model.analytic.discrete import SlowError, cycle
+from nav_model.analytic.turning import TURNING, smoothed_bent_variance, turn_weights
+from nav_model.aperture.geometry import line_of_sight_weights
+from nav_model.aperture.window import Window
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.fast import not_flown
 from nav_model.budget.figures import channels
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
-from nav_model.errors import InputError
 from nav_model.processing.smoother import smoothed_error
 from nav_model.processing.spectrum import Leg
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import ApertureFlight, flight_of
-from nav_model.sar.geometry import line_of_sight_weights
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.strategies import NAMES
 from nav_model.sar.strategy_forms import QUADRATIC_MEAN_SQUARE
-from nav_model.sar.turning import TURNING, smoothed_bent_variance, turn_weights
-from nav_model.sar.window import Window
 from nav_model.sar.winners import Conditions
 
 Engine = Literal["fast", "simulator"]

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.aperture.geometry import aperture_time
+from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.budget import Budget
-from nav_model.catalogue import catalogue
-from nav_model.constants import SPEED_OF_LIGHT
+from nav_model.design.catalogue import catalogue
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.design_case import conditions
-from nav_model.sar.geometry import aperture_time
 from nav_model.sar.winners import WinnerMap, map_of_winners
 
 _FloatArray = NDArray[np.float64]

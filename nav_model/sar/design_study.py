@@ -15,10 +15,10 @@ from itertools import repeat
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
-from nav_model.errors import InputError
 from nav_model.sar.advice import LEFT, Advice, advise
 from nav_model.sar.decomposition import Band, autofocus, band
 from nav_model.sar.design_case import DesignCase, Engine, conditions, design_case, required_phase

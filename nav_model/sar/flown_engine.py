@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.errors import InputError
 from nav_model.budget.figures import channels
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.processing.smoother import LONG
 from nav_model.processing.spectrum import rates
 from nav_model.sar.axis_model import AxisModel

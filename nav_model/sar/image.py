@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.constants import SPEED_OF_LIGHT
-from nav_model.npz_arrays import read_npz_arrays
-from nav_model.sar.impulse_response import aperture_positions
+from nav_model.aperture.impulse_response import aperture_positions
+from nav_model.aperture.window import Taper, Window, as_taper
+from nav_model.base.constants import SPEED_OF_LIGHT
+from nav_model.base.npz_arrays import read_npz_arrays
 from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
-from nav_model.sar.window import Taper, Window, as_taper
 
 RANGE_PADDING = 16
 MOST_UNPACKED_BYTES = 256 * 2**20

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.budget import Budget
-from nav_model.constants import SPEED_OF_LIGHT
 from nav_model.sar.design_case import design_case
 from nav_model.sar.image import (
     back_project,

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.constants import SPEED_OF_LIGHT
-from nav_model.sar.geometry import cell_length
+from nav_model.aperture.geometry import cell_length
+from nav_model.aperture.window import Taper, Window
+from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.sar.image import back_project, pulse_errors, simulate_phase_history
 from nav_model.sar.line_of_sight import ApertureGeometry
-from nav_model.sar.window import Taper, Window
 
 _FloatArray = NDArray[np.float64]
 # Beyond the scene by this factor, so that nothing folds back into it.

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.constants import STANDARD_GRAVITY
-from nav_model.sar.phase import PhaseVariances, phase_budget, total
+from nav_model.aperture.phase import PhaseVariances, phase_budget, total
+from nav_model.base.constants import STANDARD_GRAVITY
 
 _FloatArray = NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.aperture.window import Taper, Window
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import Decomposition, autofocus, decompose, fix_rate_harmonics, run_responses
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, damping_loop, tracking_filter
-from nav_model.sar.window import Taper, Window
 
 _FloatArray = NDArray[np.float64]
 FIX_HARMONICS = 3

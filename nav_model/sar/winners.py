@@ -16,10 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.discrete import SlowError
 from nav_model.analytic.steady_state import Horizontal, Vertical
-from nav_model.constants import STANDARD_GRAVITY
+from nav_model.analytic.turning import Turn, bent_variance, turn_weights
+from nav_model.aperture.geometry import line_of_sight_weights
+from nav_model.aperture.phase import phase_budget, total
+from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.sar.fit_noise import SlowFit, slow_fit
-from nav_model.sar.geometry import line_of_sight_weights
-from nav_model.sar.phase import phase_budget, total
 from nav_model.sar.strategy_forms import (
     QUADRATIC_MEAN_SQUARE,
     fit_quadratic_sigma,
@@ -27,7 +28,6 @@ from nav_model.sar.strategy_forms import (
     ins_variances,
     shrunk_residual_variance,
 )
-from nav_model.sar.turning import Turn, bent_variance, turn_weights
 
 _FloatArray = NDArray[np.float64]
 

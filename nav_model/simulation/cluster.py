@@ -7,8 +7,8 @@ from concurrent.futures import Executor
 from contextlib import contextmanager
 from typing import Any
 
-from nav_model.compiled import room_digest
-from nav_model.errors import InputError
+from nav_model.base.compiled import room_digest
+from nav_model.base.errors import InputError
 
 
 @contextmanager

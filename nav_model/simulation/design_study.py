@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.steady_state import yaw_variance
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.simulation.specification import (
     TRAJECTORY_KINDS,
     GnssModel,

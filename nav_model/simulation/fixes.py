@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel, part
-from nav_model.constants import EARTH_RATE
+from nav_model.base.compiled import kernel, part
+from nav_model.base.constants import EARTH_RATE
 from nav_model.earth.rotation import normalise, rotate
 from nav_model.earth.wgs84 import curvature_radii_kernel
 from nav_model.simulation.kalman import update

@@ -22,7 +22,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.processes import worker_pool
+from nav_model.base.processes import worker_pool
 from nav_model.simulation.result import ClosedForm, SimulationResult, summarise
 from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
 from nav_model.simulation.specification import SimulationSpec, refused

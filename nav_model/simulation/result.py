@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.constants import STANDARD_GRAVITY
+from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.simulation.schedule import plan
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, RunRecord
 from nav_model.simulation.specification import SimulationSpec

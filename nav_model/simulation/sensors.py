@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import part
+from nav_model.base.compiled import part
 from nav_model.simulation.specification import TriadModel
 
 FloatArray = NDArray[np.float64]

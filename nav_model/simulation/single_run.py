@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel, part
+from nav_model.base.compiled import kernel, part
 from nav_model.earth.rotation import write_matrix
 from nav_model.earth.wgs84 import curvature_radii_kernel
 from nav_model.simulation.fixes import Receiver, Truth, Tuning, correct, take_fix

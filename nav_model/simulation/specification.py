@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from typing import Final, Literal, get_args
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 TrajectoryKind = Literal["wandering", "straight", "turns", "climb", "file"]
 TRAJECTORY_KINDS: Final[tuple[str, ...]] = get_args(TrajectoryKind)

@@ -19,8 +19,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel, part
-from nav_model.constants import EARTH_RATE
+from nav_model.base.compiled import kernel, part
+from nav_model.base.constants import EARTH_RATE
 from nav_model.earth.rotation import normalise, quaternion_from_matrix, rotate
 from nav_model.earth.wgs84 import curvature_radii_kernel, normal_gravity_kernel
 from nav_model.simulation.layout import (

@@ -10,10 +10,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
-from nav_model.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
+from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
+from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity, OptionalQuantity, Quantity
 from nav_model.design.parts import Part
-from nav_model.errors import InputError
 from nav_model.simulation.specification import (
     FilterModel,
     GnssModel,

@@ -16,11 +16,11 @@ from typing import Final
 
 import numpy as np
 
-from nav_model.constants import STANDARD_GRAVITY
+from nav_model.base.constants import STANDARD_GRAVITY
+from nav_model.base.errors import InputError
 from nav_model.earth.rotation import FloatArray
 from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
 from nav_model.earth.wgs84 import curvature_radii
-from nav_model.errors import InputError
 from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec, refused
 
 MARGIN_S = 5.0

@@ -13,8 +13,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel
-from nav_model.constants import EARTH_RATE
+from nav_model.base.compiled import kernel
+from nav_model.base.constants import EARTH_RATE
 from nav_model.earth.rotation import matrix_from_euler
 from nav_model.earth.wgs84 import ECCENTRICITY_SQUARED, curvature_radii_kernel, normal_gravity_kernel
 from nav_model.simulation.specification import TrajectorySpec

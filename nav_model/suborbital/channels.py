@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.compiled import kernel
-from nav_model.constants import GRAVITATIONAL_PARAMETER, SPHERE_RADIUS
+from nav_model.base.compiled import kernel
+from nav_model.base.constants import GRAVITATIONAL_PARAMETER, SPHERE_RADIUS
 from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.checks import require

@@ -13,6 +13,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from nav_model.base.units import to_si
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.checks import require, require_finite
 from nav_model.suborbital.layout import (
@@ -30,7 +31,6 @@ from nav_model.suborbital.layout import (
     SLOW_MATRIX,
     VELOCITY,
 )
-from nav_model.units import to_si
 
 Triple = tuple[float, float, float]
 Matrix = tuple[Triple, Triple, Triple]

@@ -11,13 +11,13 @@ from functools import cached_property
 
 import numpy as np
 
-from nav_model.compiled import kernel
-from nav_model.constants import EARTH_RATE, SPHERE_RADIUS
+from nav_model.base.compiled import kernel
+from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
+from nav_model.base.units import to_si
 from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.earth.rotation import FloatArray, matrix_from_euler
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
 from nav_model.suborbital.checks import require, require_finite
-from nav_model.units import to_si
 
 MAX_STEPS = 100_000
 """Of a flight: ten thousand seconds at 0.1 s, and no memory beyond it."""

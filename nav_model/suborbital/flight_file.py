@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nav_model.constants import EARTH_RATE, SPHERE_RADIUS
+from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
+from nav_model.base.errors import InputError
 from nav_model.earth.gravity import gravitation
 from nav_model.earth.rotation import (
     matrix_from_euler,
@@ -13,7 +14,6 @@ from nav_model.earth.rotation import (
 )
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial
 from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
-from nav_model.errors import InputError
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.flight import MAX_STEPS, TrueFlight, assemble, step_nodes
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import param
 
-from nav_model.constants import ARCSECOND, DEGREE, DEGREE_PER_HOUR, MILLI_G
+from nav_model.base.constants import ARCSECOND, DEGREE, DEGREE_PER_HOUR, MILLI_G
 from nav_model.design.declaration import BaseQuantity, Choice, OptionalQuantity, Quantity
 from nav_model.design.several import Axes, Intervals, Whole
 from nav_model.earth.gravity import ZONALS

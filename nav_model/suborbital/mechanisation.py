@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel, part
-from nav_model.constants import EARTH_RATE, SPHERE_RADIUS
+from nav_model.base.compiled import kernel, part
+from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
 from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.earth.rotation import FloatArray, matrix_from_vector
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.compiled import kernel, part
-from nav_model.constants import GRAVITATIONAL_PARAMETER
+from nav_model.base.compiled import kernel, part
+from nav_model.base.constants import GRAVITATIONAL_PARAMETER
 from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.checks import require

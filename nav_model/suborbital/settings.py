@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.several import Axes, with_unit
-from nav_model.errors import InputError
 from nav_model.suborbital.aiding import Aiding
 from nav_model.suborbital.checks import Misfit, require
 from nav_model.suborbital.errors import ErrorSet, InitialErrors, SensorErrors, Triple, scale_matrix

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from nav_model.compiled import kernel
-from nav_model.constants import ARCSECOND
+from nav_model.base.compiled import kernel
+from nav_model.base.constants import ARCSECOND
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import attitude_at
 from nav_model.suborbital.attitude import COLLINEAR, METHODS, attitude_error, information, nees, solvable

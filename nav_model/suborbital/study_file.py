@@ -20,9 +20,10 @@ from urllib.parse import urlencode
 
 import tomli_w
 
+from nav_model.base.errors import InputError, shown
+from nav_model.base.toml_text import read_toml
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import STUDY_PREFIX, pairs_of
-from nav_model.errors import InputError, shown
 from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import (
@@ -34,7 +35,6 @@ from nav_model.suborbital.settings import (
     from_design,
     read_value,
 )
-from nav_model.toml_text import read_toml
 
 if TYPE_CHECKING:
     from nav_model.design import Design

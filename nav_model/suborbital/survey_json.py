@@ -6,7 +6,7 @@ import math
 import shlex
 from typing import Any
 
-from nav_model.constants import ARCSECOND
+from nav_model.base.constants import ARCSECOND
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.noise_ensemble import LEVEL, NoiseEnsemble

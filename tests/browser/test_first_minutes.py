@@ -10,7 +10,7 @@ from playwright.sync_api import Page, expect
 
 from app.serving.server import first_design
 from nav_model.budget import analyse
-from nav_model.catalogue import catalogue
+from nav_model.design.catalogue import catalogue
 from nav_model.design.presets import preset_fill
 
 Visit = Callable[..., Page]

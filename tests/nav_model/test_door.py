@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import nav_model
+import nav_model.base.frozen
 import nav_model.budget
-import nav_model.frozen
 from nav_model.budget import Budget
 
 ROOT = Path(nav_model.__file__).parent.parent
@@ -32,7 +32,7 @@ def test_the_door_loads_nothing_before_it_is_asked():
 
 
 @pytest.mark.parametrize(
-    "module", [nav_model, nav_model.budget, nav_model.frozen], ids=lambda module: module.__name__
+    "module", [nav_model, nav_model.budget, nav_model.base.frozen], ids=lambda module: module.__name__
 )
 def test_the_examples_in_docstrings_are_true(module):
     found = doctest.testmod(module)

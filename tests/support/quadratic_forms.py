@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.constants import STANDARD_GRAVITY
-from nav_model.sar.phase import phase_budget, total
+from nav_model.aperture.phase import phase_budget, total
+from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.sar.strategy_forms import QUADRATIC_MEAN_SQUARE, fit_quadratic_sigma
 
 FloatArray = NDArray[np.float64]

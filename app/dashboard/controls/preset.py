@@ -8,8 +8,8 @@ import param
 
 from app.document.wording import preset_name
 from app.session import Session
-from nav_model.catalogue import Entry, catalogue, find
 from nav_model.design import Design
+from nav_model.design.catalogue import Entry, catalogue, find
 from nav_model.design.presets import deviations, kind_of, preset_fill, preset_of
 
 

@@ -11,13 +11,13 @@ from app.document.wording import when_empty
 from app.session import Session
 from app.ui.input_box import InputBox, slider_of
 from app.upstream.prompt_input import PromptInput
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.errors import InputError
+from nav_model.base.units import format_quantity, with_point
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import entry_of, preset_of
-from nav_model.dimensions import DIMENSIONS
-from nav_model.errors import InputError
-from nav_model.units import format_quantity, with_point
 
 _SLIDERS = {
     "imu.velocity_random_walk",

@@ -8,10 +8,10 @@ import param
 
 from app.session import Session
 from app.ui.input_box import InputBox
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.design.rows import Rows
-from nav_model.errors import InputError
 
 
 class RowsControl(InputBox):

@@ -15,11 +15,11 @@ from app.document.wording import DETRENDED
 from app.subjects.budget.tables import ALONG_TRACK
 from app.subjects.budget.timelines import DEGREES, attitude_chart, limit_at_sigma, position_chart, velocity_chart
 from nav_model.analytic import regime
+from nav_model.aperture.geometry import phase_to_metres
+from nav_model.aperture.impulse_response import MINIMUM_SAMPLES, aperture_positions, response_curve
+from nav_model.aperture.polynomial_response import polynomial_curve
 from nav_model.budget import Budget
 from nav_model.budget.fast import scattered_floor
-from nav_model.sar.geometry import phase_to_metres
-from nav_model.sar.impulse_response import MINIMUM_SAMPLES, aperture_positions, response_curve
-from nav_model.sar.polynomial_response import polynomial_curve
 
 _RESPONSE_CELLS = 6.0  # shown on each side of the target
 

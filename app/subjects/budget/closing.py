@@ -8,14 +8,14 @@ from typing import NamedTuple
 from app.document.blocks import Block, Cell, Column, Table, Text
 from app.document.numbers import number, show_in, signed_percent
 from app.document.wording import preset_name
+from nav_model.base.units import from_si, to_si
 from nav_model.budget import Budget
-from nav_model.catalogue import catalogue
 from nav_model.design import Design, Value
+from nav_model.design.catalogue import catalogue
 from nav_model.design.parts import declaration_of
 from nav_model.explore.margins import label_of, limits, quantity
 from nav_model.explore.search import OWN_GNSS, search
 from nav_model.explore.solve import round_down, solve
-from nav_model.units import from_si, to_si
 
 _MOST_UNITS = 8
 

@@ -11,11 +11,11 @@ from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.ending import one_line, refuse
 from app.document.sicd import sicd_xml
 from app.document.verdict import SAID, check_words
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.sicd import error_statistics
-from nav_model.catalogue import catalogue
-from nav_model.errors import InputError
+from nav_model.design.catalogue import catalogue
 
 
 def add_to(commands: Any) -> None:

@@ -6,9 +6,9 @@ from app.document.blocks import KeyFigure, KeyFigures
 from app.document.display import ONE_SIGMA, SI, Display
 from app.document.numbers import show
 from app.document.verdict import limit_in_words
+from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
 from nav_model.budget.provenance import steady_marks
-from nav_model.sar.geometry import phase_to_metres
 
 _MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix", "closed": "rms over the fix cycle"}
 

@@ -40,9 +40,9 @@ from app.ui.tiles import tiles_html
 from app.ui.turns import once_loaded, once_quiet
 from app.upstream.prompt_input import PromptSwitch
 from app.work.pool import elsewhere
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
-from nav_model.errors import InputError
 
 _KEY = '<span class="quiet fine">red: limit · grey: aperture · faint: compared{}</span>'
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart

@@ -9,11 +9,11 @@ import numpy as np
 
 from app.charts.kinds import LEVELS, AnyChart, Array, Chart, Limit, Line, RankBar, RankChart, TradeMapChart
 from app.charts.region import contour
+from nav_model.base.dimensions import DIMENSIONS
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
-from nav_model.dimensions import DIMENSIONS
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.rank import Sensitivity, rank, sentence, silent
 from nav_model.explore.sweep import Column, sweep_ratios, sweep_sigma

@@ -11,11 +11,11 @@ from typing import Any
 
 from app.console.arguments import put_json
 from app.console.progress import show_progress
+from nav_model.base.errors import InputError
 from nav_model.budget.figures import FIGURES
-from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.design import Design
+from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.design.file import read_bytes
-from nav_model.errors import InputError
 from nav_model.explore.margins import ALL, label_of, limits
 from nav_model.explore.rank import rank, sentence, silent
 from nav_model.explore.search import left_out, search

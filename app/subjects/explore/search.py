@@ -23,9 +23,9 @@ from app.ui.html_pane import html_pane
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.theme import SWITCH
 from app.upstream.file_input import LimitedFileInput
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.catalogue import Entry, Kind, catalogue, read_catalogue
-from nav_model.errors import InputError
+from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.explore.search import Candidate, left_out, search
 
 MAX_BYTES = 200_000

@@ -33,8 +33,8 @@ from app.ui.theme import ON_A_PHONE
 from app.work.alone import run_alone
 from app.work.pool import elsewhere
 from app.work.run import Run
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 from nav_model.explore.sweep import Column, expected_seconds, to_csv, to_parquet, whole_sweep
 from nav_model.explore.sweep_plan import Plan, parse_plan
 

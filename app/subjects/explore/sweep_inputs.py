@@ -11,9 +11,10 @@ import panel_material_ui as pmui
 import param
 import tomli_w
 
+from nav_model.base.units import format_quantity
 from nav_model.budget.inputs import VARIABLES
-from nav_model.catalogue import catalogue
 from nav_model.design import Design
+from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import Choice
 from nav_model.design.file import format_design
 from nav_model.design.parts import INPUTS, PARTS, PRESET_KEYS, declaration_of
@@ -21,7 +22,6 @@ from nav_model.design.presets import kind_of
 from nav_model.design.several import with_unit
 from nav_model.explore.margins import quantity, usual_range
 from nav_model.explore.trade_map import is_log
-from nav_model.units import format_quantity
 
 NONE = "none"
 _TITLES = {part.section: part.title for part in PARTS}

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from app.charts.kinds import TradeMapChart
 from app.document.blocks import Answer, Block, Cell, Column, Table, Text
 from app.document.numbers import number, percent, signed_percent
+from nav_model.base.units import from_si, join_quantity, to_si
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.parts import PRESET_KEYS, declaration_of
@@ -22,7 +23,6 @@ from nav_model.explore.sweep import Column as Swept
 from nav_model.explore.sweep import sweep_ratios
 from nav_model.explore.sweep_plan import Plan
 from nav_model.explore.uncertainty import Probability, UncertainVerdict
-from nav_model.units import from_si, join_quantity, to_si
 
 NAMES = {
     "imu.angle_random_walk": "gyro noise (angle random walk)",

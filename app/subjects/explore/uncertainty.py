@@ -20,13 +20,13 @@ from app.ui.html_pane import html_pane
 from app.ui.theme import NARROW
 from app.work.pool import elsewhere
 from app.work.run import Run
+from nav_model.base.errors import InputError
+from nav_model.base.units import format_quantity
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.several import with_unit
-from nav_model.errors import InputError
 from nav_model.explore.margins import quantity
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
-from nav_model.units import format_quantity
 
 _INPUTS = (
     "imu.angle_random_walk",

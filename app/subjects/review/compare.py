@@ -20,7 +20,7 @@ from app.subjects.review.desk import LOOK, Desk, listed
 from app.ui.chart_pane import ChartPane
 from app.ui.html_pane import html_pane
 from app.work.pool import elsewhere
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 _NOTHING = Answer("Nothing to compare yet", "open", ("Tick two to six designs in the library, then press Compare.",))
 _HEIGHT = 340  # of a chart in pixels

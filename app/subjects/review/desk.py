@@ -23,7 +23,7 @@ from app.session import Session
 from app.ui.downloads import run_download
 from app.ui.html_pane import html_pane
 from app.ui.remembered import Remembered, recalled
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 _T = TypeVar("_T")
 

@@ -24,8 +24,8 @@ from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
 from app.ui.html_pane import html_pane
 from app.upstream.file_input import LimitedFileInput
+from nav_model.base.errors import InputError
 from nav_model.design.file import parse_design
-from nav_model.errors import InputError
 
 _LIBRARY = Answer("Library", "open", ("Opening the library …",))
 _SHOWN = 25  # designs listed at once; a search narrows

@@ -19,8 +19,8 @@ from app.subjects.review.desk import Desk
 from app.subjects.review.library_view import LibraryView
 from app.subjects.review.room import ReviewRoom
 from app.ui.answer_strip import AnswerStrip
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 
 _LIBRARY, _COMPARE, _REVIEWS = range(3)
 

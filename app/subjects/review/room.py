@@ -39,8 +39,8 @@ from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.work.pool import elsewhere
+from nav_model.base.errors import InputError
 from nav_model.design.parts import INPUTS
-from nav_model.errors import InputError
 
 _NONE = "choose a review"
 _OPENING = Answer("Reviews", "open", ("Opening the library …",))

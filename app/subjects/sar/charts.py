@@ -11,16 +11,16 @@ import numpy as np
 from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
 from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
+from nav_model.aperture.geometry import metres_to_phase, phase_to_metres
+from nav_model.aperture.impulse_response import aperture_of_phase, response_curve
+from nav_model.base.units import from_si
 from nav_model.budget import Budget
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.advice import LEFT
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
-from nav_model.sar.geometry import metres_to_phase, phase_to_metres
-from nav_model.sar.impulse_response import aperture_of_phase, response_curve
 from nav_model.sar.pictures import Pictures
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS
-from nav_model.units import from_si
 
 _INERTIAL = ("2", "3", "5", "5w")
 _FILTERED = ("4", "6", "7", "8", "9")

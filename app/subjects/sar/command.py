@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.console.arguments import design_arguments, paths_of, put_json, read_design
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 if TYPE_CHECKING:
     from nav_model.design import Design

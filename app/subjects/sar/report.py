@@ -13,11 +13,11 @@ from app.document.wording import identified
 from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
 from app.subjects.sar.run import SarResult
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables
+from nav_model.aperture.geometry import metres_to_phase
+from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study
-from nav_model.sar.geometry import metres_to_phase
 from nav_model.sar.pictures import point_pictures, scene_pictures
 
 REFERENCES = (

@@ -9,8 +9,8 @@ from app.charts.kinds import PictureChart
 from app.work.pool import elsewhere
 from app.work.run import Run
 from app.work.simulator import made_ready, prepare
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
 from nav_model.sar.design_study import SarStudy, chunks, gather, run_chunk, typical_history, typical_place

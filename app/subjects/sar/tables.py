@@ -15,6 +15,7 @@ from app.charts.kinds import DotChart
 from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
 from app.document.numbers import NONE, hundredths, number
 from app.document.ranks_html import ranks_html
+from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
 from nav_model.design.processing import REAL_TIME
 from nav_model.sar.advice import LEFT
@@ -22,7 +23,6 @@ from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
 from nav_model.sar.design_case import flight_cautions, study_cautions
 from nav_model.sar.design_study import ClosedForms, SarStudy
-from nav_model.sar.geometry import metres_to_phase
 from nav_model.sar.strategies import NAMES, STRATEGIES, Strategy
 
 _NOT_RUN = "…"

@@ -24,7 +24,7 @@ from app.ui.run_bar import RunBar
 from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from app.work.run import Run
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 from nav_model.sar.pictures import uploaded_pictures
 from nav_model.sar.strategies import NAMES, STRATEGY_KEYS
 

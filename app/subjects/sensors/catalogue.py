@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import number
-from nav_model.catalogue import Entry, Kind, SourcedValue, catalogue
-from nav_model.units import from_si
+from nav_model.base.units import from_si
+from nav_model.design.catalogue import Entry, Kind, SourcedValue, catalogue
 
 # Key, heading, dimension, unit of the column.
 _COLUMNS: dict[Kind, tuple[tuple[str, str, str, str], ...]] = {

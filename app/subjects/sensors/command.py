@@ -9,9 +9,9 @@ from typing import Any
 
 from app.console.arguments import put_json
 from app.console.progress import show_progress
+from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
-from nav_model.errors import InputError
 
 
 def add_to(commands: Any) -> None:

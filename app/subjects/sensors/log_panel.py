@@ -47,8 +47,8 @@ from nav_model.allan.adoption import (
 from nav_model.allan.log_file import Limits
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
 _HELP = (

@@ -14,7 +14,7 @@ from nav_model.allan.log_file import Limits, LogOptions, read_log
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, analyse_motion, motion_to_json
 from nav_model.allan.result import LogAnalysis, to_json
 from nav_model.allan.static_log import analyse_log
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 Study = LogAnalysis | MotionAnalysis
 Progress = Callable[[float, str], None]

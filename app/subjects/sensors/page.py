@@ -19,7 +19,7 @@ from app.ui.html_pane import block_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import WHOLE, SortableTable
 from nav_model.budget import Budget
-from nav_model.catalogue import Kind
+from nav_model.design.catalogue import Kind
 from nav_model.design.presets import preset_of
 
 _SCROLLED = """

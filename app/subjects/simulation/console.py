@@ -9,8 +9,8 @@ import sys
 from app.console.files import whole_file
 from app.console.progress import COMPILES, count_runs
 from app.subjects.simulation.files import as_csv, as_json, as_npz
+from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.simulation.design_study import (
     NAMED_TRAJECTORIES,
     SimulationStudy,

@@ -17,7 +17,7 @@ from app.declared import declared
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.ui.html_pane import html_pane
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, SimulationInputs, read_study_inputs
 
 

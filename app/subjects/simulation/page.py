@@ -45,8 +45,8 @@ from app.work.kept import keep, kept
 from app.work.pool import elsewhere
 from app.work.run import Run
 from app.work.simulator import prepare
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 from nav_model.simulation.design_study import SimulationStudy, specification
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from app.console.arguments import put_json
 from app.console.files import put_file
 from app.console.progress import show_progress
+from nav_model.base.errors import InputError
 from nav_model.design.declaration import Choice
 from nav_model.design.file import parse_design, read_bytes
-from nav_model.errors import InputError
 from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.noise_ensemble import MOST_RUNS, fly_noise

@@ -14,9 +14,9 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.ui.input_box import InputBox, slider_of
+from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.several import Axes
-from nav_model.errors import InputError
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, GP1, Settings, Value, read_value
 

@@ -21,9 +21,9 @@ from app.ui.html_pane import html_pane
 from app.upstream.file_input import LimitedFileInput
 from app.upstream.plain_titles import WordedAccordion
 from app.work.pool import elsewhere
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.link import MAX_QUERY
-from nav_model.errors import InputError
 from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.settings import DEFAULTS, Settings, Value, follow_design, follows_design, from_design

@@ -15,8 +15,8 @@ from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer, explained
 from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
 from app.subjects.suborbital.finding import Finding
+from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.settings import DEFAULTS, OF_DESIGN, Settings, follows_design, from_design, read_changes
 from nav_model.suborbital.survey import run_survey

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import DIGITS, NONE, number, percent
 from app.subjects.suborbital.charts.shown import CHANNELS, Shown, called
-from nav_model.constants import ARCSECOND
+from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.star_camera import StarFrame
 from nav_model.suborbital.study import Row, table
 from nav_model.suborbital.summary import PAPER_FINAL_M

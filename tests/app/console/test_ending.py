@@ -15,7 +15,7 @@ import pytest
 from waiting import PATIENCE
 
 from app.console import ending
-from nav_model.processes import worker_pool
+from nav_model.base.processes import worker_pool
 
 ROOT = Path(ending.__file__).parents[2]
 TACTICAL, MEMS = (str(ROOT / "examples" / f"{name}_x_band.toml") for name in ("tactical", "mems"))

@@ -10,12 +10,12 @@ from app.dashboard.controls.preset import PresetControl
 from app.dashboard.controls.quantity import QuantityControl
 from app.dashboard.controls.rows import RowsControl
 from app.session import Session
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.units import parse_quantity
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, all_keys, declaration_of
 from nav_model.design.rows import Rows
-from nav_model.dimensions import DIMENSIONS
-from nav_model.units import parse_quantity
 
 QUANTITIES = [key for key in all_keys() if isinstance(declaration_of(key), BaseQuantity)]
 _BAD = [

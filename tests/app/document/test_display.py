@@ -14,8 +14,8 @@ from app.subjects.budget.charts import phase_chart
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage
 from app.subjects.budget.timelines import together
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
-from nav_model.errors import InputError
 
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style'")
 

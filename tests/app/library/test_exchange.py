@@ -11,9 +11,9 @@ import pytest
 
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.store import Library
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.file import format_design, parse_design
-from nav_model.errors import InputError
 
 
 def _zip(files: dict[str, bytes | str]) -> bytes:

@@ -15,8 +15,8 @@ import pytest
 from app.cli import main
 from app.library.place import look_at
 from app.library.store import Library
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 
 _NOBODY = 65534
 

@@ -21,9 +21,9 @@ from app.library.exchange import export_archive, import_archive
 from app.library.reviews import add_comment, decide, load_review, open_review, sign
 from app.library.schema import STEPS
 from app.library.store import Conflict, Library
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.file import parse_design
-from nav_model.errors import InputError
 
 _TABLES = (
     "review_decisions", "review_comments", "review_items", "reviews",

@@ -22,8 +22,8 @@ from app.library.reviews import (
 )
 from app.library.store import Conflict, Library
 from app.subjects.review.overview import overview
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 
 
 @pytest.fixture

@@ -17,8 +17,8 @@ from app.library.reviews import Review, decide, load_review, open_review, sign
 from app.library.store import Library
 from app.subjects.review.overview import state_of
 from app.subjects.review.report import audit_table
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.errors import InputError
 
 
 def _pem(key: Ed25519PrivateKey) -> bytes:

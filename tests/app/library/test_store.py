@@ -13,10 +13,10 @@ import pytest
 from app.library.schema import STEPS
 from app.library.store import Conflict, Library
 from app.library.texts import LIMITS
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
 from nav_model.design.file import format_design, parse_design
-from nav_model.errors import InputError
 
 HOSTILE = "<script>alert(1)</script> '; DROP TABLE designs; -- \" ${7*7} {{7*7}} =cmd|'/c calc'!A0 ../../etc/passwd"
 

@@ -13,11 +13,11 @@ from scipy import stats
 from app.document.blocks import Bullets, Report, Table, Text
 from app.document.display import Display
 from app.report.content import report_of
+from nav_model.base.units import format_quantity
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.equations import EQUATIONS
-from nav_model.units import format_quantity
 
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 

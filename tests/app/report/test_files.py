@@ -16,12 +16,12 @@ from app.charts.kinds import to_csv
 from app.document.blocks import Equations, Symbols
 from app.report import report_bytes
 from app.report.content import report_of
+from nav_model.base.units import format_quantity
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.file import parse_design
 from nav_model.equations import EQUATIONS
 from nav_model.equations.symbols import SYMBOLS
-from nav_model.units import format_quantity
 
 pytestmark = pytest.mark.usefixtures("charts_drawn_once")
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)

@@ -12,7 +12,7 @@ from waiting import PATIENCE
 from app.cli import main
 from app.serving.passwords import Passwords, password_line, read_passwords
 from app.serving.rules import OAuth, Rules, cookie_secret, is_loopback, oauth_from
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 PASSWORD = "correct horse battery"
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import app.upstream
-import nav_model.compiled
-import nav_model.numba_typing
+import nav_model.base.compiled
+import nav_model.base.numba_typing
 from app.upstream.browser import Repairs, head_script
 
 ROOT = Path(__file__).parents[3]
@@ -19,8 +19,8 @@ SCRIPTS = sorted(ROOM.glob("*.js"))
 OVERRIDES = [
     *(path for path in sorted(ROOM.glob("*.py")) if path.stem not in ("__init__", "browser")),
     *SCRIPTS,
-    Path(nav_model.compiled.__file__),
-    Path(nav_model.numba_typing.__file__),
+    Path(nav_model.base.compiled.__file__),
+    Path(nav_model.base.numba_typing.__file__),
 ]
 
 

@@ -9,8 +9,8 @@ import pytest
 from app.session import Session
 from app.ui.run_bar import RunBar, progress_html
 from app.work.run import Clock, Progress, Run
+from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.errors import InputError
 
 
 def test_the_time_left_is_the_time_spent_over_the_share_done():

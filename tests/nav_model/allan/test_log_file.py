@@ -11,7 +11,7 @@ import pytest
 
 from nav_model.allan.log_file import Limits, LogOptions, read_log
 from nav_model.allan.log_names import meaning_of, scale_of
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 RNG = np.random.default_rng(0)
 GYRO = RNG.standard_normal((50, 3)) * 0.01

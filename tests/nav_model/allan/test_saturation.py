@@ -9,7 +9,7 @@ from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.motion import BenchNoise, analyse_motion
 from nav_model.allan.static_log import analyse_log
 from nav_model.allan.warnings import saturated_share
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 
 def _noise(seed: int, samples: int = 60_000) -> np.ndarray:

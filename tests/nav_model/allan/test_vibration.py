@@ -7,9 +7,9 @@ from nav_model.allan.adoption import adopt_vibration_spectrum
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.motion import analyse_motion, motion_to_json
 from nav_model.allan.vibration import vibration_spectrum
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import parse_design
-from nav_model.errors import InputError
 
 RATE = 400.0
 

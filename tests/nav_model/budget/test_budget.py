@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.navigation import COAST_POINTS
 from nav_model.budget.provenance import cautions
-from nav_model.catalogue import catalogue
 from nav_model.design import Design
+from nav_model.design.catalogue import catalogue
 from nav_model.design.file import parse_design
-from nav_model.errors import InputError
 
 DEGREE = math.pi / 180
 BASE = Design(

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.design.processing import POST_PROCESSED
-from nav_model.errors import InputError
 from nav_model.explore.margins import ratios
 from nav_model.explore.rank import rank, silent
 from nav_model.explore.solve import solve

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
-from nav_model.errors import InputError
 from nav_model.explore.margins import ratios, worst
 from nav_model.explore.solve import SOLVED
 

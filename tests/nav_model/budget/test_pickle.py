@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.json import to_json
 from nav_model.design import Design
 from nav_model.design.file import format_design
-from nav_model.errors import InputError
 
 ORIGINS = {"imu.angle_random_walk": "static log bench.csv"}
 

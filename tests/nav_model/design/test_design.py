@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import nav_model
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import parse_design
 from nav_model.design.parts import INPUTS, declaration_of
-from nav_model.errors import InputError
 
 QUANTITIES = [
     f"{section}.{name}"

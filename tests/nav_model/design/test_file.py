@@ -10,15 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nav_model
-from nav_model.catalogue import catalogue
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import format_design, parse_design, read_design
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import deviations, preset_fill
 from nav_model.design.rows import Rows
-from nav_model.dimensions import DIMENSIONS
-from nav_model.errors import InputError
 
 EXAMPLES = sorted((Path(nav_model.__file__).parent.parent / "examples").glob("*.toml"))
 

@@ -7,8 +7,8 @@ import pytest
 
 from nav_model.budget import analyse
 from nav_model.budget.fast import LEVELS
-from nav_model.catalogue import catalogue
 from nav_model.design import Design
+from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import preset_fill

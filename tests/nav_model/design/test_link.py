@@ -10,16 +10,16 @@ from design_tables import rows_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nav_model.catalogue import catalogue
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.errors import InputError
+from nav_model.base.units import parse_quantity
 from nav_model.design import Design
+from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
-from nav_model.dimensions import DIMENSIONS
-from nav_model.errors import InputError
-from nav_model.units import parse_quantity
 
 
 @st.composite

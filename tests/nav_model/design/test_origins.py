@@ -4,11 +4,11 @@ import math
 
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import LONGEST_ORIGIN
-from nav_model.errors import InputError
 
 ARW, RATE = "imu.angle_random_walk", "imu.rate"
 LOG = 'rms of gyro x, y, z (0.11 to 0.13, 95 %), from static log "bench 7.csv" & more = öß'

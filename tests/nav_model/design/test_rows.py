@@ -2,10 +2,10 @@
 
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
-from nav_model.errors import InputError
 
 G = 9.80665
 LINES = ((20.0, 0.1 * G, "acceleration"), (80.0, 2e-5, "length"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nav_model.constants import EARTH_RATE, FLATTENING, GRAVITATIONAL_PARAMETER, SEMI_MAJOR_AXIS
+from nav_model.base.constants import EARTH_RATE, FLATTENING, GRAVITATIONAL_PARAMETER, SEMI_MAJOR_AXIS
 from nav_model.earth.gravity import ZONALS, compare_gravity, gravitation
 from nav_model.earth.wgs84 import curvature_radii, normal_gravity
 

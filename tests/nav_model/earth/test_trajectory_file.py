@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from flight_files import trajectory_table
 
+from nav_model.base.errors import InputError
 from nav_model.earth.sphere import ned_to_inertial
 from nav_model.earth.trajectory_file import COLUMNS, FileBounds, read_trajectory_table
-from nav_model.errors import InputError
 from nav_model.simulation.trajectory import parse_trajectory, plan_trajectory
 from nav_model.suborbital.flight_file import parse_flight
 

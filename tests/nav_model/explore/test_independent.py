@@ -14,8 +14,8 @@ from scipy.linalg import expm, solve_discrete_are
 from scipy.optimize import brentq
 from scipy.stats import lognorm
 
-from nav_model.catalogue import catalogue
 from nav_model.design import Design
+from nav_model.design.catalogue import catalogue
 from nav_model.explore.rank import rank
 from nav_model.explore.search import OWN_GNSS, search
 from nav_model.explore.solve import solve

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
-from nav_model.catalogue import catalogue, read_catalogue
-from nav_model.errors import InputError
+from nav_model.design.catalogue import catalogue, read_catalogue
 from nav_model.explore.margins import ALL
 from nav_model.explore.search import OWN_GNSS, left_out, search
 from nav_model.explore.trade_map import SIZE, changes_at, place, trade_map

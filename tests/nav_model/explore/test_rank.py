@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from nav_model.analytic.sensitivity import horizontal_parts
 from nav_model.analytic.steady_state import horizontal
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
-from nav_model.errors import InputError
 from nav_model.explore.rank import Sensitivity, log_derivatives, rank, sentence, silent, stated
 
 

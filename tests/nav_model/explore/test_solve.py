@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nav_model.aperture.geometry import aperture_time
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.explore.margins import ALL, quantity, ratios
 from nav_model.explore.solve import SOLVED, remedies, resolution_for, round_down, solve
-from nav_model.sar.geometry import aperture_time
 
 
 def _margins(design, key, value):

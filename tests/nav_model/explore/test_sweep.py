@@ -5,10 +5,10 @@ import csv
 import pyarrow.parquet
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design.file import format_design
 from nav_model.design.presets import preset_fill
-from nav_model.errors import InputError
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.design.file import format_design
-from nav_model.errors import InputError
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
 from nav_model.simulation.design_study import specification, study_of, to_document

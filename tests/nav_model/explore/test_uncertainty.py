@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 from nav_model.explore.margins import ratios, worst
 from nav_model.explore.solve import solve
 from nav_model.explore.uncertainty import Uncertain, read_uncertain, uncertain_verdict

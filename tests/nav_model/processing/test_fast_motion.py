@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from scipy.special import jv, spherical_jn
 
-from nav_model.analytic.steady_state import Array
+from nav_model.aperture.impulse_response import aperture_positions, impulse_response, response_curve, with_echoes
+from nav_model.aperture.polynomial_response import quadratic_response
+from nav_model.aperture.window import ideal_null_cells
+from nav_model.base.arrays import Array
 from nav_model.budget import analyse
 from nav_model.budget.fast import scattered_floor
 from nav_model.processing.compensation import power_left
 from nav_model.processing.fast_motion import Curve, Source, through_aperture
 from nav_model.processing.paired_echo import NOTHING, echo, highest_echo, scatter_exponent, scattered_ratio
-from nav_model.sar.impulse_response import aperture_positions, impulse_response, response_curve, with_echoes
-from nav_model.sar.polynomial_response import quadratic_response
-from nav_model.sar.window import ideal_null_cells
 
 NONE = np.zeros(0)
 TABLE = Curve(np.array([0.05, 1.0, 20.0, 2000.0]), np.array([1e-3, 2e-3, 0.5, 0.01]))

@@ -10,6 +10,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from nav_model.analytic.coast import horizontal_growth
 from nav_model.analytic.steady_state import horizontal
+from nav_model.aperture.phase import phase_budget, total
 from nav_model.budget.figures import channels, smoothed_figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
@@ -20,7 +21,6 @@ from nav_model.processing.modes import Fixes, Inside, smoothed_modes
 from nav_model.processing.smoother import by_state_space, smoothed_error
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 from nav_model.sar.line_of_sight import ApertureGeometry
-from nav_model.sar.phase import phase_budget, total
 
 NAMES = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity", "tilt",

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from nav_model.aperture.impulse_response import aperture_of_phase, impulse_response
 from nav_model.sar.axis_model import steady_covariance
 from nav_model.sar.decomposition import (
     autofocus,
@@ -13,7 +14,6 @@ from nav_model.sar.decomposition import (
     run_responses,
 )
 from nav_model.sar.fast_engine import simulate_axis
-from nav_model.sar.impulse_response import aperture_of_phase, impulse_response
 
 N = 4001
 X = np.linspace(-1, 1, N)

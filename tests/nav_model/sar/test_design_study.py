@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.sar.decomposition import decompose
 from nav_model.sar.design_case import conditions, design_case, study_cautions
 from nav_model.sar.design_map import arw_map, gnss_map

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
 
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import decompose
 from nav_model.sar.design_case import design_case

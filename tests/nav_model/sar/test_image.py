@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nav_model.constants import SPEED_OF_LIGHT
+from nav_model.aperture.polynomial_response import quadratic_response
+from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.sar.image import (
     PhaseHistory,
     back_project,
@@ -17,7 +18,6 @@ from nav_model.sar.image import (
     simulate_phase_history,
 )
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
-from nav_model.sar.polynomial_response import quadratic_response
 
 SHARED = Path(__file__).parents[3].parent / "shared" / "data"
 COLLECTION = [SHARED / f"sar_gotcha_pass1_az00{k}_HH.npz" for k in (1, 2)]

@@ -6,8 +6,8 @@ from exact_sight import directions
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.sar.decomposition import autofocus, decompose
-from nav_model.sar.geometry import line_of_sight_weights
 from nav_model.sar.line_of_sight import (
     ApertureGeometry,
     range_error,

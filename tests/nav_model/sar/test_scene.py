@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from nav_model.aperture.polynomial_response import quadratic_response
 from nav_model.sar.line_of_sight import ApertureGeometry
-from nav_model.sar.polynomial_response import quadratic_response
 from nav_model.sar.scene import scene_images
 
 GEOMETRY = ApertureGeometry(6000.0, 100.0, 0.6)

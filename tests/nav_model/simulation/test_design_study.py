@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.simulation.conditions import conditions
 from nav_model.simulation.design_study import (
     LONGEST_OUTAGE,

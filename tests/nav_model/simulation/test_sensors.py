@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from nav_model.compiled import kernel
-from nav_model.errors import InputError
+from nav_model.base.compiled import kernel
+from nav_model.base.errors import InputError
 from nav_model.simulation.sensors import Triad, draw_triad, measure
 from nav_model.simulation.specification import GnssModel, ImuModel, TriadModel
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly, fly_without_errors
 from nav_model.simulation.specification import (

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.errors import InputError
 from nav_model.simulation.conditions import conditions
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.study_inputs import (

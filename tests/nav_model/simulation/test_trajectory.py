@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from nav_model.constants import EARTH_RATE
+from nav_model.base.constants import EARTH_RATE
+from nav_model.base.errors import InputError
 from nav_model.earth.trajectory_file import COLUMNS
 from nav_model.earth.wgs84 import normal_gravity
-from nav_model.errors import InputError
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.trajectory import parse_trajectory, plan_trajectory, read_trajectory
 from nav_model.simulation.truth import specific_force_and_rate

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from nav_model.constants import ARCSECOND
+from nav_model.base.constants import ARCSECOND
 from nav_model.earth.rotation import (
     matrix_from_quaternion,
     matrix_from_vector,

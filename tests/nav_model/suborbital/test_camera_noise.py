@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nav_model.constants import ARCSECOND
+from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.camera_noise import sweep_camera_noise
 from nav_model.suborbital.settings import DEFAULTS
 from nav_model.suborbital.survey import run_survey

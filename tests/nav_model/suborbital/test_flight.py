@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from flight_files import format_flight
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 from nav_model.suborbital.flight import FlightParameters, in_gravity, reference_flight
 from nav_model.suborbital.flight_file import parse_flight
 

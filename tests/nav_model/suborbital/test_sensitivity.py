@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from nav_model.constants import ARCSECOND
+from nav_model.base.constants import ARCSECOND
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.aiding import Aiding, frame_steps
 from nav_model.suborbital.errors import CLASSES, ErrorSet, InitialErrors, parameter_vector

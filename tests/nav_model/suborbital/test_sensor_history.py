@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nav_model.constants import GRAVITATIONAL_PARAMETER
+from nav_model.base.constants import GRAVITATIONAL_PARAMETER
 from nav_model.suborbital.errors import CLASSES, ErrorSet, SensorErrors, mask, parameter_vector
 from nav_model.suborbital.mechanisation import mechanise
 from nav_model.suborbital.navigation_errors import navigation_errors

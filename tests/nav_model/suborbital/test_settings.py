@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nav_model.base.errors import InputError
 from nav_model.design.file import parse_design
-from nav_model.errors import InputError
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, from_design, output_every, read_changes, read_value
 from nav_model.suborbital.study import SuborbitalInputs

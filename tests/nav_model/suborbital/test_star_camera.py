@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from nav_model.constants import ARCSECOND
+from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.attitude import METHODS
 from nav_model.suborbital.mechanisation import Cancelled
 from nav_model.suborbital.sky import Sky, hipparcos_sky, synthetic_sky

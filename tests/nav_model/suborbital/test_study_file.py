@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nav_model.base.errors import InputError
 from nav_model.design.declaration import Choice
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import split_link
 from nav_model.design.several import Axes, Intervals, Whole
-from nav_model.errors import InputError
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, read_changes
 from nav_model.suborbital.study_file import (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flight_files import format_flight
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 from nav_model.suborbital.flight_file import parse_flight
 from nav_model.suborbital.mechanisation import Cancelled
 from nav_model.suborbital.settings import DEFAULTS, read_changes

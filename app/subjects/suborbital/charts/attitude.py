@@ -9,7 +9,7 @@ import numpy as np
 from app.charts.kinds import Array, Chart, Line, Points
 from app.document.numbers import number, show, show_in
 from app.subjects.suborbital.charts.shown import TIME, Shown, boost, called
-from nav_model.constants import ARCSECOND
+from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.navigation_errors import NavigationErrors
 from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
 

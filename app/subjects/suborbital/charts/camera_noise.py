@@ -7,7 +7,7 @@ import numpy as np
 from app.charts.kinds import Array, Chart, Line, Points
 from app.document.blocks import Answer
 from app.document.numbers import number, show
-from nav_model.constants import ARCSECOND
+from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.camera_noise import CameraNoise
 
 NOISES = np.geomspace(0.3, 300.0, 13) * ARCSECOND

@@ -9,7 +9,7 @@ import numpy as np
 from app.charts.kinds import Array, Chart, Line, Points
 from app.document.numbers import show
 from app.subjects.suborbital.charts.shown import TIME, Shown, boost, every_of
-from nav_model.constants import STANDARD_GRAVITY
+from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.earth.gravity import compare_gravity
 from nav_model.suborbital.study import Study
 

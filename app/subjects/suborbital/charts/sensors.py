@@ -9,7 +9,7 @@ import numpy as np
 from app.charts.kinds import Band, Chart, Line
 from app.document.numbers import number
 from app.subjects.suborbital.charts.shown import CHANNELS, SENSOR_CLASSES, SENSORS, TIME, Shown, boost
-from nav_model.constants import STANDARD_GRAVITY
+from nav_model.base.constants import STANDARD_GRAVITY
 
 _UNITS = ((1e3 / STANDARD_GRAVITY, "mg", "specific force"), (math.degrees(3600.0), "°/h", "angular rate"))
 _STYLES = tuple((f"{sensor} bias", f"{sensor} instability", "everything") for sensor in SENSORS)

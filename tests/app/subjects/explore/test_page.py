@@ -21,7 +21,7 @@ from app.subjects.explore.sweep import SweepPanel
 from app.subjects.explore.sweep_inputs import NONE
 from app.subjects.explore.uncertainty import RangeRow
 from nav_model.budget import analyse
-from nav_model.catalogue import catalogue
+from nav_model.design.catalogue import catalogue
 from nav_model.design.presets import preset_fill
 from nav_model.explore import solve as solving
 from nav_model.explore.search import OWN_GNSS

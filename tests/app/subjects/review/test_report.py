@@ -19,9 +19,9 @@ from app.report import report_bytes
 from app.report.comparison import difference_tables
 from app.subjects.review.compare import comparison_link
 from app.subjects.review.report import audit_sections, audit_table, front_page, status_table
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.design.file import read_design
-from nav_model.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("charts_drawn_once")
 EXAMPLES = Path(__file__).parents[4] / "examples"

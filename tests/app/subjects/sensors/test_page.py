@@ -25,8 +25,8 @@ from app.work.alone import RunLost, run_alone
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import LogOptions
 from nav_model.allan.static_log import analyse_log
-from nav_model.catalogue import catalogue
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
+from nav_model.design.catalogue import catalogue
 
 # The Material download button passes both names of one argument to its own base class.
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")

@@ -33,9 +33,9 @@ from app.subjects.simulation.run import Flown, fly, same_subject
 from app.subjects.simulation.tables import findings, verdict
 from app.work import kept, simulator
 from app.work.run import Run
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.link import split_link
-from nav_model.errors import InputError
 from nav_model.simulation.design_study import SimulationStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
 

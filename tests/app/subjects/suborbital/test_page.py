@@ -28,7 +28,7 @@ from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, p
 from app.subjects.suborbital.views import VIEWS
 from app.work import kept
 from app.work.alone import run_alone
-from nav_model.constants import ARCSECOND
+from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.camera_noise import CameraNoise
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.settings import DEFAULTS, follows_design

@@ -13,7 +13,7 @@ import psutil
 import pytest
 from waiting import PATIENCE
 
-from nav_model.processes import worker_pool
+from nav_model.base.processes import worker_pool
 
 _POOL = """
 import os, sys, time
@@ -28,7 +28,7 @@ if __name__ == "__main__":
 
 @pytest.mark.parametrize(
     ("module", "name", "arguments"),
-    [("nav_model.processes", "worker_pool", "2"), ("nav_model.simulation.monte_carlo", "local_pool", "2"),
+    [("nav_model.base.processes", "worker_pool", "2"), ("nav_model.simulation.monte_carlo", "local_pool", "2"),
      ("app.work.pool", "pool", "")],
 )  # fmt: skip
 def test_workers_end_when_their_parent_is_killed(tmp_path, module: str, name: str, arguments: str) -> None:
@@ -58,7 +58,7 @@ def test_killed_workers_are_told_of_whatever_else_was_cancelled() -> None:
 _HALF_A_RESULT = """
 import os, struct, sys, time
 from pathlib import Path
-from nav_model.processes import kill_workers, worker_pool
+from nav_model.base.processes import kill_workers, worker_pool
 
 def send_half_a_result(told):
     # As a worker does that is killed while it sends: what says that more is to come, and no more.

@@ -5,14 +5,14 @@ import pickle
 
 import pytest
 
-import nav_model.errors
+import nav_model.base.errors
+from nav_model.base.errors import InputError
+from nav_model.base.units import QuantityError, parse_quantity
 from nav_model.budget import analyse
-from nav_model.catalogue import find
 from nav_model.design import Design
+from nav_model.design.catalogue import find
 from nav_model.design.file import parse_design
 from nav_model.design.link import from_query
-from nav_model.errors import InputError
-from nav_model.units import QuantityError, parse_quantity
 
 
 class Elsewhere(InputError):
@@ -64,4 +64,4 @@ def test_what_the_unit_parser_refuses_has_fields_too():
 
 
 def test_the_examples_are_true():
-    assert doctest.testmod(nav_model.errors).failed == 0
+    assert doctest.testmod(nav_model.base.errors).failed == 0

@@ -5,7 +5,7 @@ followed by a unit of the dimension its key asks for. Every unit has one canonic
 printing, and is read in the usual ASCII spellings too (``deg/sqrt(h)``, ``ug/sqrt(Hz)``, ``m/s^2``).
 
 Conversions are exact rational arithmetic rounded once, so that printing and reading again gives the same
-float, whatever the unit. The units themselves are in `nav_model.dimensions`.
+float, whatever the unit. The units themselves are in `nav_model.base.dimensions`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from fractions import Fraction
 from functools import cache, lru_cache
 from typing import NamedTuple
 
-from nav_model.dimensions import DIMENSIONS, MAX_EXPONENT
+from nav_model.base.dimensions import DIMENSIONS, MAX_EXPONENT
 
 
 class QuantityError(ValueError):

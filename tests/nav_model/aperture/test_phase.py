@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nav_model.sar.phase import SOURCES, along_track_quadratic, phase_budget, total
+from nav_model.aperture.phase import SOURCES, along_track_quadratic, phase_budget, total
 
 G = 9.81
 NODES = 1200

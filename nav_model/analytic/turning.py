@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.doubling import drift
 from nav_model.analytic.stacks import matrices_last
-from nav_model.analytic.steady_state import as_numbers
+from nav_model.base.arrays import as_numbers
 
 _FloatArray = NDArray[np.float64]
 

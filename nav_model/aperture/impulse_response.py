@@ -25,8 +25,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.sar.lobe_measures import measure_periodic
-from nav_model.sar.window import Taper, Window, as_taper, ideal_null_cells
+from nav_model.aperture.lobe_measures import measure_periodic
+from nav_model.aperture.window import Taper, Window, as_taper, ideal_null_cells
 
 MINIMUM_SAMPLES = 1024
 ZERO_PADDING = 64

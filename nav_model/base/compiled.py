@@ -9,7 +9,7 @@ process dies; Windows has none and is not supported.
 
 Written for: numba 0.68.1
 Upstream: numba/numba#8396 (open), numba/numba#1833
-Needless when: tests/nav_model/test_compiled.py::test_as_shipped_a_changed_callee_goes_unnoticed fails
+Needless when: tests/nav_model/base/test_compiled.py::test_as_shipped_a_changed_callee_goes_unnoticed fails
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.core.compiler_lock import global_compiler_lock
 
-from nav_model import numba_typing
+from nav_model.base import numba_typing
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -1,7 +1,7 @@
 """Constants of nature, of the WGS 84 Earth and of the units, each with its source. SI, angles in rad.
 
 Everything that needs one takes it from here; the compiled kernels are compiled again when this file changes
-(`nav_model.compiled`).
+(`nav_model.base.compiled`).
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, as_numbers
+from nav_model.base.arrays import Array, as_numbers
 
 WINDOW_WIDTH: dict[str, float] = {
     "uniform": 0.8858929413789045,

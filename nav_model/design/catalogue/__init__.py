@@ -8,11 +8,11 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Literal
 
+from nav_model.base.errors import InputError, not_a_choice
+from nav_model.base.toml_text import read_toml
+from nav_model.base.units import QuantityError, parse_quantity
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS
-from nav_model.errors import InputError, not_a_choice
-from nav_model.toml_text import read_toml
-from nav_model.units import QuantityError, parse_quantity
 
 Kind = Literal["imu", "radar", "gnss"]
 STATUSES = ("confirmed", "secondary", "assumed", "unconfirmed")
@@ -79,7 +79,7 @@ _EXTRA: dict[str, dict[str, str]] = {
 @cache
 def catalogue(kind: Kind) -> Mapping[str, Entry]:
     """Name -> entry of the catalogue shipped with the product, in the order of its file."""
-    text = files("nav_model.catalogue").joinpath(f"{kind}.toml").read_text(encoding="utf-8")
+    text = files("nav_model.design.catalogue").joinpath(f"{kind}.toml").read_text(encoding="utf-8")
     return read_catalogue(text, kind)
 
 

@@ -3,7 +3,7 @@
 Python's parser takes memory and time as the square of the number of parts of a key: one of 15,000 dots needs a
 gigabyte. Nesting, keys and parts of keys are therefore counted first, in one pass in linear time.
 
-Memory is at most 50 times the text's, time a second a megabyte; tests/nav_model/test_toml_text.py holds hostile texts
+Memory is at most 50 times the text's, time a second a megabyte; tests/nav_model/base/test_toml_text.py holds hostile texts
 to both.
 """
 
@@ -13,7 +13,7 @@ import re
 import tomllib
 from typing import Any
 
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
 
 MOST_PARTS = 8
 """Parts of one dotted key; what this program reads has three."""

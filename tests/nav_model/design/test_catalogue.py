@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from nav_model.catalogue import STATUSES, catalogue, find, read_catalogue
-from nav_model.errors import InputError
+from nav_model.base.errors import InputError
+from nav_model.design.catalogue import STATUSES, catalogue, find, read_catalogue
 
 # name: ARW °/√h, VRW m/s/√h, gyro bias °/h, accelerometer bias mg; None where the page gives none.
 IMUS = {

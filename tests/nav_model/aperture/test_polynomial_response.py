@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from nav_model.sar.impulse_response import aperture_positions, impulse_response, response_curve
-from nav_model.sar.polynomial_response import half_power_extent, polynomial_curve, quadratic_response
-from nav_model.sar.window import WINDOWS
+from nav_model.aperture.impulse_response import aperture_positions, impulse_response, response_curve
+from nav_model.aperture.polynomial_response import half_power_extent, polynomial_curve, quadratic_response
+from nav_model.aperture.window import WINDOWS
 
 X = aperture_positions(1024)
 RATIOS = ("pslr_null_db", "pslr_fixed_db", "islr_null_db", "islr_fixed_db", "islr_fixed_ten_db")

@@ -3,8 +3,8 @@
 import pytest
 from scipy.signal import windows
 
-from nav_model.sar.impulse_response import aperture_positions
-from nav_model.sar.window import Taper, as_taper, ideal_null_cells
+from nav_model.aperture.impulse_response import aperture_positions
+from nav_model.aperture.window import Taper, as_taper, ideal_null_cells
 
 
 def test_windows_are_those_of_the_literature(compared, ratio_off):

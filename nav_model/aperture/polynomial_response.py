@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.sar.impulse_response import (
+from nav_model.aperture.impulse_response import (
     MINIMUM_SAMPLES,
     ZERO_PADDING,
     ImpulseResponse,
@@ -19,8 +19,8 @@ from nav_model.sar.impulse_response import (
     near_power,
     response_curve,
 )
-from nav_model.sar.lobe_measures import ISLR_NULL_DISTANCES, TIE, half_power_places, measure_line
-from nav_model.sar.window import Taper, Window, as_taper, ideal_null_cells
+from nav_model.aperture.lobe_measures import ISLR_NULL_DISTANCES, TIE, half_power_places, measure_line
+from nav_model.aperture.window import Taper, Window, as_taper, ideal_null_cells
 
 _FAST_PADDING = ZERO_PADDING  # the same grid, so that both routes find the same shallow minima
 _CURVE_PADDING = 16  # samples to a cell of a curve

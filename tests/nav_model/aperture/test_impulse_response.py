@@ -8,9 +8,14 @@ from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import fresnel, jv
 
-from nav_model.sar.impulse_response import aperture_of_phase, aperture_positions, impulse_response, response_curve
-from nav_model.sar.polynomial_response import quadratic_response
-from nav_model.sar.window import WINDOWS, Taper
+from nav_model.aperture.impulse_response import (
+    aperture_of_phase,
+    aperture_positions,
+    impulse_response,
+    response_curve,
+)
+from nav_model.aperture.polynomial_response import quadratic_response
+from nav_model.aperture.window import WINDOWS, Taper
 
 X = aperture_positions(1024)
 

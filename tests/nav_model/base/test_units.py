@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nav_model.dimensions import DIMENSIONS
-from nav_model.units import (
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.units import (
     QuantityError,
     format_quantity,
     from_si,
@@ -168,7 +168,7 @@ def test_conversion_there_and_back_stays_within_one_rounding(dimension, unit, nu
 
 @pytest.mark.parametrize(("dimension", "unit"), LINEAR, ids=lambda value: value)
 @settings(max_examples=30)
-@given(value=st.floats(min_value=-1e300, max_value=1e300))
+@given(value=st.floats(min_value=-1e280, max_value=1e280))
 def test_an_amount_is_rounded_once(dimension, unit, value):
     assert from_si(value, unit, dimension) == float(Fraction(value) / DIMENSIONS[dimension].units[unit])
 

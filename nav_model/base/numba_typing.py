@@ -6,7 +6,7 @@ and the flags alone, which are also the keys of each template's own cache.
 
 Written for: numba 0.68.1
 Upstream: none found, searched 2026-11-22
-Needless when: tests/nav_model/test_numba_typing.py::test_as_shipped_every_use_is_looked_up_again fails
+Needless when: tests/nav_model/base/test_numba_typing.py::test_as_shipped_every_use_is_looked_up_again fails
 """
 
 from __future__ import annotations

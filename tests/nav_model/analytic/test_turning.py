@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from nav_model.analytic.turning import bent_variance, free_quadratic_variance, turn_weights
+from nav_model.aperture.phase import phase_budget, total
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
-from nav_model.sar.phase import phase_budget, total
-from nav_model.sar.turning import bent_variance, free_quadratic_variance, turn_weights
 
 SPAN, SPEED, FAR = 6.0, 100.0, 7000.0
 

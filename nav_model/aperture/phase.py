@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.steady_state import Array, as_numbers
-from nav_model.sar.geometry import line_of_sight_weights
+from nav_model.aperture.geometry import line_of_sight_weights
+from nav_model.base.arrays import Array, as_numbers
 
 SOURCES = (
     "initial tilt",

@@ -8,7 +8,7 @@ from numba import errors, njit
 from numba.core.types.functions import BaseFunction, Function
 from numba.core.typing.templates import AbstractTemplate
 
-from nav_model import numba_typing
+from nav_model.base import numba_typing
 
 ELEMENTS = 40
 
@@ -36,7 +36,7 @@ def test_as_shipped_every_use_is_looked_up_again(monkeypatch):
 
 
 def test_kernels_are_compiled_this_way():
-    import nav_model.compiled  # noqa: F401
+    import nav_model.base.compiled  # noqa: F401
 
     assert Function.get_call_type is numba_typing.remembered
 

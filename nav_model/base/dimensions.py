@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import Context, Decimal
 from fractions import Fraction
 
-from nav_model.constants import STANDARD_GRAVITY
+from nav_model.base.constants import STANDARD_GRAVITY
 
 _PI = Fraction(math.pi)
 _DEGREE = _PI / 180

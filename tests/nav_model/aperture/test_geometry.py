@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from nav_model.sar.geometry import (
+from nav_model.aperture.geometry import (
     WINDOW_WIDTH,
     aperture_time,
     cell_length,

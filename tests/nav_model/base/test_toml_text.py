@@ -8,16 +8,16 @@ import tomllib
 
 import pytest
 
-from nav_model.errors import InputError
-from nav_model.toml_text import MOST_KEYS, read_toml
+from nav_model.base.errors import InputError
+from nav_model.base.toml_text import MOST_KEYS, read_toml
 
 MB = 1_000_000
 
 # In a process of its own, so that what it took is what reading took: MB, seconds of processor time, what was said.
 _READ = """
 import resource, sys, time
-from nav_model.errors import InputError
-from nav_model.toml_text import read_toml
+from nav_model.base.errors import InputError
+from nav_model.base.toml_text import read_toml
 def taken():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 resource.setrlimit(resource.RLIMIT_CPU, (60, 60))
