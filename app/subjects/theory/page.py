@@ -27,7 +27,8 @@ _PARTS = {"T": "Navigation", "S": "Radar", "P": "Processing", "B": "Suborbital f
 _FIELDS = {
     "acceptance": "The worked design",
     "analytic": "Navigation formulas",
-    "sar": "Radar",
+    "aperture": "Radar",
+    "sar": "Radar navigation strategies",
     "processing": "Processing",
     "simulation": "Simulator",
     "earth": "Gravity",
