@@ -11,22 +11,6 @@ from nav_model.design.presets import deviations, preset_of
 DETRENDED = {1: "linear detrend", 2: "quadratic detrend", 3: "cubic detrend"}
 """What is removed from the phase before its residual is measured, by the order of the autofocus."""
 
-_WHEN_EMPTY = {
-    "gnss.vertical_position_noise": "as horizontal",
-    "gnss.velocity_noise": "no velocity",
-    "gnss.vertical_velocity_noise": "as horizontal",
-    "gnss.velocity_interval": "with each fix",
-    "radar.aperture_time": "from the resolution",
-    "motion.imu_bandwidth": "no limit",
-    "oscillator.frequency": "at the carrier",
-}
-
-
-def when_empty(key: str) -> str:
-    """The meaning of an input that is not given: a requirement is not checked, no velocity noise means no velocity
-    fixes."""
-    return "not checked" if key.startswith("requirements.") else _WHEN_EMPTY.get(key, "none")
-
 
 def best_of(shares: Mapping[str, float]) -> tuple[str, float]:
     """The largest share and its source."""

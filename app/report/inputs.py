@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import number
-from app.document.wording import preset_name, printable, when_empty
+from app.document.wording import preset_name, printable
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry, SourcedValue
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import INPUTS, PARTS
+from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.parts import INPUTS, PARTS, declaration_of
 from nav_model.design.presets import deviations, entry_of
 from nav_model.design.rows import Rows
 
@@ -80,8 +80,8 @@ def shown_value(design: Design, section: str, name: str) -> str:
         return ""
     if isinstance(declaration, Rows):
         return declaration.show(value, 6)  # type: ignore[arg-type]
-    if not isinstance(declaration, BaseQuantity):
-        return {True: "yes", False: "no"}.get(value, str(value)) if isinstance(value, bool) else str(value)
+    if isinstance(declaration, Choice):
+        return declaration.options[value]
     assert isinstance(value, float | int)
     if not declaration.dimension:
         return f"{value:g}"
@@ -130,4 +130,5 @@ def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_
 def _absent(key: str, aperture_time: float) -> str:
     if key == "radar.aperture_time":
         return f"{number(aperture_time)} s, from range, speed, resolution and window [S-3]"
-    return when_empty(key)
+    declaration = declaration_of(key)
+    return declaration.when_empty if isinstance(declaration, BaseQuantity) else "none"

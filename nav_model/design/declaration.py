@@ -6,8 +6,10 @@ One declaration serves the file reader, the link, the command line and the widge
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from types import MappingProxyType
 from typing import Any, TypeVar, cast
 
 import param
@@ -47,10 +49,37 @@ def sentence_label(declaration: param.Parameter[Any]) -> str:
     return label if label[:2].isupper() else f"{label[:1].lower()}{label[1:]}"
 
 
-class BaseQuantity(param.Number[_T]):
+class Declared:
+    """What the declaration of every input has, whatever kind of value it takes.
+
+    Attributes
+    ----------
+    key : str
+        Dotted key, as in a design file.
+    since : str
+        Version that brought the input, if designs had been saved by then: at its default it leaves their hash as it
+        was.
+    """
+
+    __slots__ = ()
+
+    name: str | None
+    owner: Any
+    since: str
+
+    @property
+    def key(self) -> str:
+        """Dotted key, as in a design file."""
+        section = getattr(self.owner, "section", "")
+        return f"{section}.{self.name}" if section else str(self.name)
+
+
+class BaseQuantity(Declared, param.Number[_T]):
     """A number with a dimension; see `Quantity`."""
 
-    __slots__ = ["alternative", "datasheet", "dimension", "short", "typical", "unit"]
+    __slots__ = [
+        "alternative", "datasheet", "dimension", "short", "since", "slider", "typical", "unit", "when_empty",
+    ]  # fmt: skip
 
     dimension: str
     unit: str
@@ -58,6 +87,8 @@ class BaseQuantity(param.Number[_T]):
     datasheet: str
     typical: str
     alternative: Alternative | None
+    slider: bool
+    when_empty: str
 
     def __init__(
         self,
@@ -72,6 +103,9 @@ class BaseQuantity(param.Number[_T]):
         datasheet: str = "",
         typical: str = "",
         alternative: Alternative | None = None,
+        slider: bool = False,
+        when_empty: str = "none",
+        since: str = "",
         **params: Any,
     ) -> None:
         self.dimension = dimension
@@ -80,6 +114,9 @@ class BaseQuantity(param.Number[_T]):
         self.datasheet = datasheet
         self.typical = typical
         self.alternative = alternative
+        self.slider = slider
+        self.when_empty = when_empty
+        self.since = since
         super().__init__(  # type: ignore[misc]  # param's overloads name the two concrete cases only
             default=default,
             bounds=bounds,
@@ -93,12 +130,6 @@ class BaseQuantity(param.Number[_T]):
         """Return the value without Param's check for functions of time, which no input is."""
         value: _T = param.Parameter.__get__(self, obj, objtype)
         return value
-
-    @property
-    def key(self) -> str:
-        """Dotted key, as in a design file."""
-        section = getattr(self.owner, "section", "")
-        return f"{section}.{self.name}" if section else str(self.name)
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -242,35 +273,47 @@ class Quantity(BaseQuantity[float]):
         Where to find the value on a data sheet; usual values by grade.
     alternative : Alternative, optional
         A second key for the same input.
+    slider : bool
+        Whether the page has a slider for it.
+    since : str
+        As `Declared`.
     """
 
 
 class OptionalQuantity(BaseQuantity[float | None]):
-    """An input that may be left out (``None``); otherwise as `Quantity`."""
+    """An input that may be left out (``None``), which means what `when_empty` says; otherwise as `Quantity`."""
 
     def __init__(self, **params: Any) -> None:
         super().__init__(allow_None=True, **params)
 
 
-class Choice(param.Selector[Any]):
-    """One of a few named options."""
+class Choice(Declared, param.Selector[Any]):
+    """One of a few options.
 
-    __slots__ = ["short"]
+    Parameters
+    ----------
+    options : mapping
+        Option, as a file has it -> what a person reads.
+    short : str
+        Name in links.
+    since : str
+        As `Declared`.
+    """
 
+    __slots__ = ["options", "short", "since"]
+
+    options: Mapping[Any, str]
     short: str
 
-    def __init__(self, default: Any, *, options: list[Any], short: str, **params: Any) -> None:
-        self.short = short
-        super().__init__(default=default, objects=options, constant=True, **params)
-
-    @property
-    def key(self) -> str:
-        """Dotted key, as in a design file."""
-        return f"{getattr(self.owner, 'section', '')}.{self.name}"
+    def __init__(
+        self, default: Any, *, options: Mapping[Any, str], short: str, since: str = "", **params: Any
+    ) -> None:
+        self.options, self.short, self.since = options, short, since
+        super().__init__(default=default, objects=list(options), constant=True, **params)
 
     def _validate(self, val: Any) -> None:
-        if not any(val == option and type(val) is type(option) for option in self.objects):
-            raise InputError(self.key, not_a_choice(val, map(_spelled, self.objects)), val)
+        if not any(val == option and type(val) is type(option) for option in self.options):
+            raise InputError(self.key, not_a_choice(val, map(_spelled, self.options)), val)
 
     def read(self, text: Any) -> Any:
         """The option `text` names.
@@ -280,13 +323,16 @@ class Choice(param.Selector[Any]):
         InputError
             Listing the options.
         """
-        options = list(self.objects)
-        for option in options:
+        for option in self.options:
             if text == option and type(text) is type(option):
                 return option
             if isinstance(text, str) and not isinstance(option, str) and text.strip().lower() == _spelled(option):
                 return option
-        raise InputError(self.key, not_a_choice(text, map(_spelled, options)), text)
+        raise InputError(self.key, not_a_choice(text, map(_spelled, self.options)), text)
+
+
+SWITCH: Mapping[Any, str] = MappingProxyType({False: "no", True: "yes"})
+"""Options of an input that is on or off."""
 
 
 def _spelled(option: Any) -> str:

@@ -24,6 +24,7 @@ class Flight(Part):
         doc="Ground speed along the track.",
         datasheet="Not on data sheets: the flight plan.",
         typical="small UAV 30, turboprop 90, jet 220 m/s",
+        slider=True,
     )
     altitude = Quantity(
         default=3000.0,
@@ -92,6 +93,7 @@ class Coast(Part):
         doc="Length of the outage after the last fix. Requirements on the outage are checked at its end.",
         datasheet="Not on data sheets: the mission's requirement.",
         typical="the longest outage the mission must survive",
+        slider=True,
     )
     before_aperture = Quantity(
         default=0.0,
@@ -104,4 +106,5 @@ class Coast(Part):
         doc="Time without fixes between the last fix and the start of the aperture.",
         datasheet="Not on data sheets: the mission's requirement, such as jamming near the scene.",
         typical="0 s when fixes last up to the aperture",
+        slider=True,
     )

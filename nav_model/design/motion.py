@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from nav_model.base.constants import STANDARD_GRAVITY
-from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
+from nav_model.design.declaration import SWITCH, Choice, OptionalQuantity, Quantity
 from nav_model.design.part import Part
 from nav_model.design.rows import Rows
 
@@ -26,6 +26,7 @@ class Motion(Part):
         label="Vibration lines",
         doc="Frequency and peak amplitude along the line of sight, in g or mm, of vibration that moves antenna and "
         "IMU alike: rotor, propeller, engine [P-8].",
+        since="0.1.0",
     )
     spectrum = Rows(
         dimensions=("acceleration density",),
@@ -35,6 +36,7 @@ class Motion(Part):
         label="Vibration spectrum",
         doc="The same motion as a one-sided density, straight lines between points on logarithmic axes, as in "
         "environmental test standards; zero outside the table [P-8].",
+        since="0.1.0",
     )
     imu_bandwidth = OptionalQuantity(
         dimension="frequency",
@@ -46,6 +48,8 @@ class Motion(Part):
         doc="-3 dB bandwidth of the accelerometers, first order: vibration beyond it is not compensated [P-8].",
         datasheet='Accelerometer table: "bandwidth" or "-3 dB bandwidth".',
         typical="50 to 500 Hz",
+        when_empty="no limit",
+        since="0.1.0",
     )
     delay = Quantity(
         default=0.0,
@@ -58,6 +62,7 @@ class Motion(Part):
         doc="Age of the IMU's data when the radar uses them: filters, transport, time stamps [P-8].",
         datasheet='IMU: "group delay" or "latency"; the rest is the integrator\'s.',
         typical="0.1 to 10 ms",
+        since="0.1.0",
     )
     unsensed_lines = Rows(
         dimensions=("length", "acceleration"),
@@ -67,6 +72,7 @@ class Motion(Part):
         label="Unsensed lines",
         doc="Frequency and peak amplitude along the line of sight of motion between IMU and antenna, which nothing "
         "compensates: flexure, mount.",
+        since="0.1.0",
     )
     unsensed_spectrum = Rows(
         dimensions=("length density", "acceleration density"),
@@ -75,6 +81,7 @@ class Motion(Part):
         example="1 Hz 0.001 mm²/Hz; 100 Hz 1e-7 mm²/Hz",
         label="Unsensed spectrum",
         doc="The same motion as a one-sided density of displacement or acceleration.",
+        since="0.1.0",
     )
     rectification = Quantity(
         default=0.0,
@@ -87,6 +94,7 @@ class Motion(Part):
         doc="Accelerometer bias caused by vibration, per square of its rms, lines and spectrum together [P-12].",
         datasheet='Accelerometer table: "vibration rectification error", "VRE" or "VRC".',
         typical="quartz 10 to 50, MEMS 50 to 1000 µg/g²",
+        since="0.1.0",
     )
 
 
@@ -104,6 +112,7 @@ class Oscillator(Part):
         label="Phase noise",
         doc="Single-sideband L(f), straight lines between points over the logarithm of frequency; zero outside the "
         "table. Start it below one cycle per aperture [P-10].",
+        since="0.1.0",
     )
     frequency = OptionalQuantity(
         dimension="frequency",
@@ -115,12 +124,15 @@ class Oscillator(Part):
         doc="Frequency at which the phase noise is specified; it is scaled up to the carrier. Empty: at the carrier.",
         datasheet='Oscillator: "nominal frequency".',
         typical="10 or 100 MHz",
+        when_empty="at the carrier",
+        since="0.1.0",
     )
     bistatic = Choice(
         default=False,
-        options=[False, True],
+        options=SWITCH,
         short="bi",
         label="Bistatic",
         doc="Transmitter and receiver use separate oscillators, so slow phase noise does not cancel over the echo "
         "delay. The table is the noise of their difference, 3 dB above one of two equal oscillators [P-10].",
+        since="0.1.0",
     )

@@ -26,13 +26,7 @@ PARTS: tuple[type[Part], ...] = (Imu, Gnss, Flight, Coast, Radar, Motion, Oscill
 INPUTS: dict[str, dict[str, Input]] = {part.section: part.inputs() for part in PARTS}
 """Section -> name -> declaration."""
 
-LATER = (
-    "gnss.velocity_noise", "gnss.vertical_velocity_noise", "gnss.velocity_interval",
-    "processing.mode", "processing.leg_before", "processing.leg_after", "processing.scene_height_error",
-    "requirements.cubic_phase", "requirements.azimuth_shift", "requirements.range_shift", "requirements.ce90",
-    "requirements.le90", "requirements.paired_echo", "requirements.islr",
-    *(f"{part.section}.{name}" for part in (Motion, Oscillator) for name in part.inputs()),
-)  # fmt: skip
+LATER = frozenset(declaration.key for names in INPUTS.values() for declaration in names.values() if declaration.since)
 """Inputs that came after the first designs were saved: at their defaults they leave a design's hash as it was."""
 
 PRESET_KEYS = tuple(f"{part.section}.preset" for part in PARTS if "preset" in part.param)

@@ -16,11 +16,12 @@ class Processing(Part):
 
     mode = Choice(
         default=REAL_TIME,
-        options=[REAL_TIME, POST_PROCESSED],
+        options={REAL_TIME: "real time", POST_PROCESSED: "post-processed"},
         short="proc",
         label="Processing",
         doc="Real time: a free INS from the last fix before the aperture. Post-processed: a smoother with the fixes "
         "before, in and after the aperture. Requirements are checked for the one chosen.",
+        since="0.1.0",
     )
     leg_before = Quantity(
         default=200.0,
@@ -33,6 +34,7 @@ class Processing(Part):
         doc="Straight and level flight with fixes before the aperture that the smoother can use.",
         datasheet="Not on data sheets: the flight plan.",
         typical="60 to 600 s",
+        since="0.1.0",
     )
     leg_after = Quantity(
         default=200.0,
@@ -45,6 +47,7 @@ class Processing(Part):
         doc="Straight and level flight with fixes after the aperture, before the next turn.",
         datasheet="Not on data sheets: the flight plan.",
         typical="60 to 600 s",
+        since="0.1.0",
     )
     scene_height_error = Quantity(
         default=0.0,
@@ -58,4 +61,5 @@ class Processing(Part):
         "height error times the tangent of the grazing angle.",
         datasheet='Elevation model: "LE90" is 1.645 σ.',
         typical="lidar 0.2, TanDEM-X 2, SRTM 5 m",
+        since="0.1.0",
     )

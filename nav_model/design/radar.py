@@ -38,6 +38,7 @@ class Radar(Part):
         doc="Distance to the scene at the middle of the aperture.",
         datasheet='Radar table: "slant range"; else from height and grazing angle.',
         typical="5 to 30 km",
+        slider=True,
     )
     grazing_angle = Quantity(
         default=35 * DEGREE,
@@ -62,10 +63,11 @@ class Radar(Part):
         doc="Required −3 dB width. It sets the aperture time unless one is given [S-3].",
         datasheet='Radar table: "azimuth" or "cross-range resolution".',
         typical="0.1 m spotlight to 3 m strip map",
+        slider=True,
     )
     window = Choice(
         default="uniform",
-        options=["uniform", "hamming", "taylor"],
+        options={"uniform": "uniform", "hamming": "Hamming", "taylor": "Taylor −35 dB, n̄ 5"},
         short="win",
         label="Window",
         doc="Azimuth weighting: uniform, Hamming, or Taylor (-35 dB, n̄ = 5). A setting of the image processor: "
@@ -94,10 +96,11 @@ class Radar(Part):
         doc="Replaces the aperture time that follows from range, speed, resolution and window.",
         datasheet='Radar table: "integration time" or "synthetic aperture time".',
         typical="0.5 to 50 s",
+        when_empty="from the resolution",
     )
     autofocus_order = Choice(
         default=1,
-        options=[1, 2, 3],
+        options={1: "nothing (linear phase only)", 2: "quadratic", 3: "quadratic and cubic"},
         short="af",
         label="Autofocus removes",
         doc="Highest polynomial order of phase removed: 1 linear only (no autofocus), 2 quadratic, 3 cubic. A "

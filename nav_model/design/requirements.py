@@ -21,6 +21,7 @@ def _limit(
     label: str,
     doc: str,
     typical: str,
+    since: str = "",
 ) -> Any:
     return OptionalQuantity(
         dimension=dimension,
@@ -32,6 +33,8 @@ def _limit(
         doc=doc,
         datasheet=_GIVEN,
         typical=typical,
+        when_empty="not checked",
+        since=since,
     )
 
 
@@ -61,7 +64,7 @@ class Requirements(Part):
     )
     steady_state = Choice(
         default="prior",
-        options=["prior", "closed", "posterior"],
+        options={"prior": "just before a fix", "closed": "rms over the fix cycle", "posterior": "just after a fix"},
         short="ss",
         label="Steady state checked",
         doc="Which point of the fix cycle is checked: just before a fix (prior; the largest error), the rms over "
@@ -80,40 +83,40 @@ class Requirements(Part):
     cubic_phase: Any = _limit(
         "angle", "°", "cpe", 1e6 * DEGREE, _PHASE, "Cubic phase",
         "Limit on cubic phase error at the aperture's ends: 22.5° tight, 45° usual [S-4].",
-        "22.5° to 45°; beyond, one side lobe rises",
+        "22.5° to 45°; beyond, one side lobe rises", "0.1.0",
     )  # fmt: skip
     azimuth_shift: Any = _limit(
         "length", "m", "azs", 1e6, _POSITION, "Azimuth shift",
         "Image shift along track: the position error there and R/V times the line-of-sight velocity error.",
-        f"{_REACHED}navigation 0.3 to 0.7, tactical 1 to 4, MEMS 2 to 6 m; a fifth of that post-processed",
+        f"{_REACHED}navigation 0.3 to 0.7, tactical 1 to 4, MEMS 2 to 6 m; a fifth of that post-processed", "0.1.0",
     )  # fmt: skip
     range_shift: Any = _limit(
         "length", "m", "rgs", 1e6, _POSITION, "Range shift",
         "Image shift along the line of sight: the mean position error over the aperture.",
-        f"{_REACHED}navigation 0.2 to 0.3, tactical 0.3 to 0.6, MEMS 0.4 to 0.7 m",
+        f"{_REACHED}navigation 0.2 to 0.3, tactical 0.3 to 0.6, MEMS 0.4 to 0.7 m", "0.1.0",
     )  # fmt: skip
     ce90: Any = _limit(
         "length", "m", "ce", 1e6, _POSITION, "CE90",
         "Radius on the ground that contains 90 % of images. The confidence does not multiply it, since it is "
         "already a percentage.",
-        f"{_REACHED}navigation 0.6 to 1.2, tactical 2 to 7, MEMS 4 to 10 m",
+        f"{_REACHED}navigation 0.6 to 1.2, tactical 2 to 7, MEMS 4 to 10 m", "0.1.0",
     )  # fmt: skip
     le90: Any = _limit(
         "length", "m", "le", 1e6, _POSITION, "LE90",
         "Height error that 90 % of images stay below. The confidence does not multiply it, since it is already a "
         "percentage.",
-        f"{_REACHED}navigation 0.2 to 0.5, tactical 0.2 to 0.5, MEMS 0.4 to 0.7 m",
+        f"{_REACHED}navigation 0.2 to 0.5, tactical 0.2 to 0.5, MEMS 0.4 to 0.7 m", "0.1.0",
     )  # fmt: skip
     paired_echo: Any = _limit(
         "level", "dB", "pe", 10.0, (1e-3, 0.3), "Paired echo",
         "Highest paired echo caused by a vibration line, relative to the target's peak [P-9].",
-        "−25 to −40 dB; −30 dB is 0.157 mm along the line of sight at X band",
+        "−25 to −40 dB; −30 dB is 0.157 mm along the line of sight at X band", "0.1.0",
     )  # fmt: skip
     islr: Any = _limit(
         "level", "dB", "isl", 10.0, (1e-3, 0.3), "ISLR of vibration and oscillator",
         "Energy outside the main lobe due to vibration, unsensed motion and oscillator, relative to the target's. "
         "The window's own side lobes are not included [P-11].",
-        "−15 to −25 dB",
+        "−15 to −25 dB", "0.1.0",
     )  # fmt: skip
     horizontal_position: Any = _limit(
         "length",

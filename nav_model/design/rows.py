@@ -13,6 +13,7 @@ import param
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, shown
 from nav_model.base.units import QuantityError, format_quantity, parse_quantity
+from nav_model.design.declaration import Declared
 
 Row = tuple[float, float, str]
 """Frequency [Hz], amount [SI], and the dimension that the amount has."""
@@ -27,7 +28,7 @@ _MOST = MappingProxyType(
 _LEAST = 1e-40  # of a density: below it, a logarithm of rounding
 
 
-class Rows(param.Parameter[Any]):
+class Rows(Declared, param.Parameter[Any]):
     """A table: a tuple of `Row`, empty when it is not given.
 
     Parameters
@@ -41,23 +42,22 @@ class Rows(param.Parameter[Any]):
         zero. Otherwise each row counts by itself.
     example : str
         A text that `read` takes.
+    since : str
+        As `Declared`.
     """
 
-    __slots__ = ["curve", "dimensions", "example", "short"]
+    __slots__ = ["curve", "dimensions", "example", "short", "since"]
 
     dimensions: tuple[str, ...]
     short: str
     curve: bool
     example: str
 
-    def __init__(self, *, dimensions: tuple[str, ...], short: str, curve: bool, example: str, **params: Any) -> None:
-        self.dimensions, self.short, self.curve, self.example = dimensions, short, curve, example
+    def __init__(
+        self, *, dimensions: tuple[str, ...], short: str, curve: bool, example: str, since: str = "", **params: Any
+    ) -> None:
+        self.dimensions, self.short, self.curve, self.example, self.since = dimensions, short, curve, example, since
         super().__init__(default=(), constant=True, **params)
-
-    @property
-    def key(self) -> str:
-        """Dotted key, as in a design file."""
-        return f"{getattr(self.owner, 'section', '')}.{self.name}"
 
     def _validate(self, val: Any) -> None:
         if not isinstance(val, tuple) or not all(isinstance(row, tuple) and len(row) == 3 for row in val):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
-from nav_model.design.declaration import Alternative, Choice, OptionalQuantity, Quantity
+from nav_model.design.declaration import SWITCH, Alternative, Choice, OptionalQuantity, Quantity
 from nav_model.design.part import Part, preset
 
 _ARW = DEGREE / 60  # 1 °/√h in rad/√s
@@ -28,6 +28,7 @@ class Imu(Part):
         doc="White noise of the accelerometers, per axis.",
         datasheet='Accelerometer table: "velocity random walk" or "noise density".',
         typical="navigation 0.003, tactical 0.03, MEMS 0.01 to 0.2 m/s/√h",
+        slider=True,
     )
     angle_random_walk = Quantity(
         default=0.5 * _ARW,
@@ -40,6 +41,7 @@ class Imu(Part):
         doc="White noise of the gyros, per axis.",
         datasheet='Gyro table: "angle random walk" or "rate noise density".',
         typical="navigation 0.002, tactical 0.1, MEMS 0.1 to 0.7 °/√h",
+        slider=True,
     )
     accelerometer_bias = Quantity(
         default=0.0,
@@ -55,6 +57,7 @@ class Imu(Part):
             "because in level flight tilt cancels a constant bias."
         ),
         typical="tactical in-run 0.05, MEMS in-run 0.003 to 0.1 mg",
+        slider=True,
     )
     gyro_bias = Quantity(
         default=0.0,
@@ -67,6 +70,7 @@ class Imu(Part):
         doc="1σ of the bias that the filter has not estimated by the last fix, per axis.",
         datasheet="Not printed as such: at most the in-run bias stability of the gyro table.",
         typical="navigation 0.003, tactical 0.5, MEMS 1 to 10 °/h",
+        slider=True,
     )
     vibration_factor = Quantity(
         default=1.0,
@@ -79,6 +83,7 @@ class Imu(Part):
         doc="Multiplies both random walks: the ratio of noise in motion to noise on the bench.",
         datasheet="Not on data sheets. Take it from a log recorded in the aircraft; 1 is bench noise.",
         typical="in road tests, errors were 8 to 35 times what bench noise predicts",
+        slider=True,
     )
     rate = Quantity(
         default=100.0,
@@ -111,6 +116,7 @@ class Gnss(Part):
         doc="1σ of one position fix, per axis, independent from fix to fix.",
         datasheet='Receiver table: "position accuracy"; CEP = 1.18 σ, 2DRMS = 2.83 σ.',
         typical="carrier phase 0.02, differential 0.5, code 1.5 to 3 m",
+        slider=True,
     )
     vertical_position_noise = OptionalQuantity(
         dimension="length",
@@ -122,6 +128,7 @@ class Gnss(Part):
         doc="1σ of one position fix, vertical, if it differs from the horizontal noise.",
         datasheet="Usually 1.5 to 2 times the horizontal figure.",
         typical="carrier phase 0.03, code 3 to 5 m",
+        when_empty="as horizontal",
     )
     interval = Quantity(
         default=1.0,
@@ -135,6 +142,7 @@ class Gnss(Part):
         datasheet='"Update rate": 1 Hz is 1 s.',
         typical="0.05 to 1 s",
         alternative=Alternative("rate", "frequency", "Hz", 1.0),
+        slider=True,
     )
     velocity_noise = OptionalQuantity(
         dimension="speed",
@@ -146,6 +154,8 @@ class Gnss(Part):
         doc="1σ of one velocity fix, per axis, independent from fix to fix. Leave empty to use position only.",
         datasheet='Receiver table: "velocity accuracy".',
         typical="Doppler 0.03 to 0.1, carrier phase 0.01 m/s",
+        when_empty="no velocity",
+        since="0.1.0",
     )
     vertical_velocity_noise = OptionalQuantity(
         dimension="speed",
@@ -157,6 +167,8 @@ class Gnss(Part):
         doc="1σ of one velocity fix, vertical, if it differs from the horizontal noise.",
         datasheet="Usually 1.5 to 2 times the horizontal figure.",
         typical="0.02 to 0.2 m/s",
+        when_empty="as horizontal",
+        since="0.1.0",
     )
     velocity_interval = OptionalQuantity(
         dimension="time",
@@ -169,10 +181,12 @@ class Gnss(Part):
         "the position fixes, with its noise scaled to the same density.",
         datasheet='"Velocity update rate": 10 Hz is 0.1 s.',
         typical="as the fix interval",
+        when_empty="with each fix",
+        since="0.1.0",
     )
     correlated = Choice(
         default=False,
-        options=[False, True],
+        options=SWITCH,
         short="gm",
         label="Slow error",
         doc="Adds a slow GNSS error (first-order Gauss-Markov); the steady state is then solved numerically. Off for "

@@ -11,7 +11,7 @@ import param
 
 from nav_model.base.errors import InputError, shown
 from nav_model.base.units import QuantityError, format_quantity, join_quantity, parse_quantity
-from nav_model.design.declaration import Quantity, sentence_label
+from nav_model.design.declaration import Declared, Quantity, sentence_label
 
 Spans = tuple[tuple[float, float], ...]
 _COUNTS = {3: "three", 6: "six"}
@@ -31,16 +31,11 @@ class Whole(Quantity):
             raise InputError(self.key, f"{val:g} is not a whole number. {self.allowed()}", val)
 
 
-class _Several(param.Parameter[Any]):
+class _Several(Declared, param.Parameter[Any]):
     """Base class of inputs with several numbers."""
 
     def __init__(self, default: Any, **params: Any) -> None:
         super().__init__(default=default, constant=True, **params)
-
-    @property
-    def key(self) -> str:
-        """Dotted key, as in a file."""
-        return f"{getattr(self.owner, 'section', '')}.{self.name}"
 
     def _parts(self, text: Any, example: str) -> list[str]:
         if not isinstance(text, str):

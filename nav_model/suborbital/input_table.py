@@ -53,7 +53,7 @@ def _axes(
 
 
 def _choice(key: str, label: str, doc: str, default: str, options: tuple[str, ...]) -> _Row:
-    return key, Choice(default, options=list(options), short="", label=label, doc=doc)
+    return key, Choice(default, options={option: option for option in options}, short="", label=label, doc=doc)
 
 
 def _sensor(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from html import escape
-from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -14,18 +13,6 @@ from app.ui.html_pane import html_pane
 from nav_model.design import Design
 from nav_model.design.declaration import Choice
 from nav_model.design.parts import declaration_of
-from nav_model.design.processing import POST_PROCESSED, REAL_TIME
-
-_CHOICES: dict[str, dict[Any, str]] = {
-    "radar.window": {"uniform": "uniform", "hamming": "Hamming", "taylor": "Taylor −35 dB, n̄ 5"},
-    "radar.autofocus_order": {1: "nothing (linear phase only)", 2: "quadratic", 3: "quadratic and cubic"},
-    "requirements.steady_state": {
-        "prior": "just before a fix",
-        "closed": "rms over the fix cycle",
-        "posterior": "just after a fix",
-    },
-    "processing.mode": {REAL_TIME: "real time", POST_PROCESSED: "post-processed"},
-}
 
 
 class ChoiceControl(pn.viewable.Viewer):
@@ -44,10 +31,9 @@ class ChoiceControl(pn.viewable.Viewer):
         if isinstance(declaration.default, bool):
             self.widget = pmui.Switch(label=label, margin=(10, 10, 0, 10))
         else:
-            names = _CHOICES[key]
             self.widget = pmui.Select(
                 label=label,
-                options={names[option]: option for option in declaration.objects},
+                options={said: option for option, said in declaration.options.items()},
                 margin=(10, 10, 0, 10),
                 sizing_mode="stretch_width",
             )

@@ -7,7 +7,6 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.document.wording import when_empty
 from app.session import Session
 from app.ui.input_box import InputBox, slider_of
 from app.upstream.prompt_input import PromptInput
@@ -18,21 +17,6 @@ from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import entry_of, preset_of
-
-_SLIDERS = {
-    "imu.velocity_random_walk",
-    "imu.angle_random_walk",
-    "imu.accelerometer_bias",
-    "imu.gyro_bias",
-    "imu.vibration_factor",
-    "gnss.position_noise",
-    "gnss.interval",
-    "flight.speed",
-    "coast.duration",
-    "coast.before_aperture",
-    "radar.slant_range",
-    "radar.azimuth_resolution",
-}
 
 # The whole label is at the edge of the box, whether the box is empty or not: within an empty one it would be cut.
 _LABEL = {
@@ -69,14 +53,14 @@ class QuantityControl(InputBox):
         self._declaration = declaration
         box = PromptInput(
             label=str(declaration.label),
-            placeholder=when_empty(key) if declaration.allow_None else "",
+            placeholder=declaration.when_empty if declaration.allow_None else "",
             margin=(10, 4, 0, 10),
             sizing_mode="stretch_width",
             # Help may run on under the unit chooser: the box alone is too narrow to read in.
             sx={"& .MuiFormHelperText-root": {"marginRight": "-100px" if declaration.dimension else "0"}, **_LABEL},
         )
         slider, value = None, session.design[key]
-        if key in _SLIDERS:
+        if declaration.slider:
             assert isinstance(value, float | int)
             slider = slider_of(declaration, float(value))
         super().__init__(key, box, slider)
