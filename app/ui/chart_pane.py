@@ -16,13 +16,11 @@ from app.charts.print.svg import to_svg
 from app.charts.screen.figures import to_bokeh
 from app.charts.words import in_words
 from app.document.prose import prose
-from app.session import Session
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME, ON_A_PHONE, PRINT_NOTHING, PRINT_WHOLE
 from app.ui.turns import once_quiet
 from app.work.pool import elsewhere
-from nav_model.budget import Budget
 
 _T = TypeVar("_T")
 
@@ -94,13 +92,6 @@ class ChartPane(Generic[_T]):
         if self._fills:
             return head_html(chart.title, chart.knowledge, legend_html(chart), described(chart))
         return f"<h3>{escape(chart.title)}</h3>"
-
-
-class ChartView(ChartPane[Budget]):
-    """A chart of the current budget."""
-
-    def __init__(self, describe: Callable[[Budget], AnyChart], session: Session, height: int) -> None:
-        super().__init__(describe, lambda: session.budget, height)
 
 
 def takes(describe: Callable[[_T], AnyChart], current: Callable[[], _T]) -> list[pmui.FileDownload]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
 from html import escape
 from typing import Any
 
@@ -29,10 +28,11 @@ from app.subjects.budget.closing import Way, ways, ways_block
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import echo_table, processing_table, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import ChartPane, ChartView, described, head_html, source_note
+from app.ui.chart_pane import ChartPane, described, head_html, source_note, takes
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
+from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE, SWITCH
@@ -65,7 +65,7 @@ class BudgetPage(pn.viewable.Viewer):
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
         budget = session.budget
-        self._follow: list[Callable[[Budget], object]] = []
+        self._details = Follower(lambda: self.session.budget)
         self._close = pmui.Button(
             label=_ask(budget), variant="text", end_icon="expand_more", margin=(6, 10), stylesheets=[PRINT_NOTHING]
         )
@@ -89,7 +89,6 @@ class BudgetPage(pn.viewable.Viewer):
         self._phase.sizing_mode = "stretch_both"
         self._phase_head = html_pane("", margin=_HEAD)
         self._response = ChartPane(charts.response_chart, lambda: self.session.budget, moving=charts.response_curves)
-        self._details = pn.Column()
         figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
         for figure in figures:  # the last has the axis
             figure.styles = {"flex": "1.25 1 0" if figure is figures[-1] else "1 1 0"}
@@ -105,7 +104,6 @@ class BudgetPage(pn.viewable.Viewer):
                     response,
                 ],
             ),
-            self._details,
         )
         self._compared: Any = None
         self._was: tuple[KeyFigures | None, BarChart | None] = None, None
@@ -116,7 +114,7 @@ class BudgetPage(pn.viewable.Viewer):
         # The answer is on the screen while the figures, most of the browser's work, are still drawn.
         once_loaded(lambda: lines.extend(figures))
         once_loaded(lambda: response.append(self._response.view))
-        once_loaded(self._add_details)
+        once_loaded(lambda: self._view.append(self._folded()))
 
     def __panel__(self) -> pn.Column:
         return self._view
@@ -146,8 +144,7 @@ class BudgetPage(pn.viewable.Viewer):
             self._close.label = _ask(budget)
         if self._panel.visible:
             self._find_ways()
-        for follow in self._follow:
-            follow(budget)
+        self._details.follow()
 
     def _choose(self, event: Any) -> None:
         changes = {"processing.mode": event.new}
@@ -238,52 +235,27 @@ class BudgetPage(pn.viewable.Viewer):
 
     # --- below the first screen ------------------------------------------------------------------------------
 
-    def _add_details(self) -> None:
-        self._details.append(
-            Folded(
+    def _folded(self) -> Folded:
+        details = self._details
+        return Folded(
+            (
+                ("Requirements and cautions", lambda: details.text(requirements)),
+                ("Phase and image location in either processing", lambda: details.text(_both)),
+                ("Sources and methods", lambda: details.text(lambda budget: _sources(budget, self._display))),
+                ("Paired echoes: vibration and oscillator", lambda: details.text(_echoes)),
                 (
-                    ("Requirements and cautions", lambda: self._told(requirements)),
-                    ("Phase and image location in either processing", lambda: self._told(_both)),
-                    ("Sources and methods", lambda: self._told(self._sources)),
-                    ("Paired echoes: vibration and oscillator", lambda: self._told(_echoes)),
-                    ("What limits horizontal position: gyro or accelerometer?", self._regime),
-                    ("Growth of the position error by cause", self._growth),
-                    ("Exports", self._exports),
-                )
+                    "What limits horizontal position: gyro or accelerometer?",
+                    lambda: details.chart(charts.regime_chart, 340),
+                ),
+                ("Growth of the position error by cause", lambda: details.chart(timelines.position_chart, 340)),
+                ("Exports", self._exports),
             )
         )
 
-    def _told(self, tell: Callable[[Budget], str]) -> Any:
-        pane = html_pane(tell(self.session.budget))
-
-        def follow(budget: Budget) -> None:
-            pane.object = tell(budget)
-
-        self._follow.append(follow)
-        return pane
-
-    def _sources(self, budget: Budget) -> str:
-        return _sources(budget, self._display)
-
-    def _regime(self) -> Any:
-        return self._chart(charts.regime_chart)
-
-    def _growth(self) -> Any:
-        return self._chart(timelines.position_chart)
-
-    def _chart(self, describe: Callable[[Budget], Any]) -> Any:
-        chart = ChartView(describe, self.session, 340)
-        self._follow.append(chart.show)
-        return chart.view
-
     def _exports(self) -> Any:
-        takes = [
-            take
-            for describe in charts.BUDGET_CHARTS
-            for take in ChartPane(describe, lambda: self.session.budget).takes()
-        ]
-        takes.append(download("Image location errors: SICD XML", "error-statistics.xml", self._sicd))
-        return pn.FlexBox(*takes, stylesheets=[PRINT_NOTHING])
+        found = [take for describe in charts.BUDGET_CHARTS for take in takes(describe, lambda: self.session.budget)]
+        found.append(download("Image location errors: SICD XML", "error-statistics.xml", self._sicd))
+        return pn.FlexBox(*found, stylesheets=[PRINT_NOTHING])
 
     def _sicd(self) -> io.BytesIO:
         return io.BytesIO(sicd_xml(error_statistics(self.session.budget.design)))

@@ -13,7 +13,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.kinds import AnyChart, DotChart, PictureChart
+from app.charts.kinds import AnyChart, Chart, DotChart, PictureChart
 from app.charts.legend import legend_html
 from app.charts.screen.pictures import picture_gallery
 from app.charts.words import in_words
@@ -42,7 +42,7 @@ from app.ui.downloads import download
 from app.ui.fields import whole_number
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
-from app.ui.grid import cell, grid
+from app.ui.follower import Follower
 from app.ui.html_pane import html_pane, stale_mark
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
@@ -81,7 +81,9 @@ class SarPage(pn.viewable.Viewer):
         self._session = session
         self._closed: ClosedForms = closed_forms(session.budget)
         self._asked = False  # whether a person has started a run; the page starts the first by itself
-        self._follow: list[Callable[[], object]] = []  # of what was unfolded
+        self._of_design = Follower(lambda: session.budget)
+        self._of_runs = Follower(lambda: self._result, _COMING)
+        self._map = ChartPane(gnss_winner_chart, lambda: session.budget)
         self._settings = StudySettings(session, "sar", self, ("engine", "runs", "seed"), self._recall)
         self._strip = AnswerStrip(answer(session.budget, self._closed, None)[0])
         self._bar = RunBar(
@@ -96,21 +98,24 @@ class SarPage(pn.viewable.Viewer):
         self._ranks.param.update(
             sizing_mode="stretch_both", min_height=260, stylesheets=[*self._ranks.stylesheets, _AS_HIGH_AS_IT_IS]
         )
-        self._map = ChartPane(gnss_winner_chart, lambda: session.budget)
         self._image_head, self._images = html_pane("", margin=_HEAD), html_pane(_blank(), margin=(2, 10, 6, 10))
         self._points: PictureChart | None = None
         self._upload = UploadedPicture(session, lambda: self._result)
+        design, runs = self._of_design, self._of_runs
         self._details = Folded(
             (
-                ("Why, and what would change it", lambda: self._told(self._reasons)),
-                ("Errors by strategy", lambda: self._told(self._errors)),
-                ("Error histories and impulse responses", self._histories),
-                ("Parts of the error, impulse response in figures", lambda: self._told(self._tables)),
-                ("Quadratic phase before autofocus", lambda: self._told(self._quadratic)),
-                ("Best strategy by angle random walk", lambda: self._chart(arw_winner_chart)),
-                ("Eight point targets", self._scene),
+                ("Why, and what would change it", lambda: design.text(self._reasons)),
+                ("Errors by strategy", lambda: design.text(self._errors)),
+                (
+                    "Error histories and impulse responses",
+                    lambda: runs.charts(*(_of_study(draw) for draw in RUN_CHARTS), height=320),
+                ),
+                ("Parts of the error, impulse response in figures", lambda: runs.text(self._tables)),
+                ("Quadratic phase before autofocus", lambda: design.text(self._quadratic)),
+                ("Best strategy by angle random walk", lambda: design.chart(arw_winner_chart, 400)),
+                ("Eight point targets", lambda: runs.later(self._scene)),
                 ("Your phase history", lambda: self._upload),
-                ("Exports", self._exports),
+                ("Exports", lambda: runs.later(self._exports)),
             )
         )
         self._view = pn.Column(
@@ -184,65 +189,22 @@ class SarPage(pn.viewable.Viewer):
             (self._ranks, ranking(chart, best)),
             (self._image_head, head),
         ):
-            if pane.object != text:
-                pane.object = text
-        for follow in self._follow:
-            follow()
+            pane.say(text)
+        self._of_design.follow()
+        self._of_runs.follow()
 
-    def _told(self, tell: Callable[[], str]) -> Any:
-        """A pane whose text is updated."""
-        pane = html_pane(tell())
-        self._follow.append(lambda: setattr(pane, "object", tell()))
-        return pane
+    def _reasons(self, budget: Budget) -> str:
+        return html_of(*answer(budget, self._closed, self._valid)[1], cautions(budget, self._study))
 
-    def _reasons(self) -> str:
-        budget, study = self._session.budget, self._valid
-        return html_of(*answer(budget, self._closed, study)[1], cautions(budget, self._study))
+    def _errors(self, budget: Budget) -> str:
+        return self._mark + html_of(error_table(budget, self._closed, self._study, "page"))
 
-    def _errors(self) -> str:
-        return self._mark + html_of(error_table(self._session.budget, self._closed, self._study, "page"))
+    def _tables(self, result: SarResult) -> str:
+        return self._mark + html_of(*run_tables(result.study, result.beside, "page"))
 
-    def _tables(self) -> str:
-        result = self._result
-        return self._mark + html_of(*run_tables(result.study, result.beside, "page")) if result else _COMING
-
-    def _quadratic(self) -> str:
-        chart: DotChart = quadratic_chart(self._session.budget, self._closed, self._study)
+    def _quadratic(self, budget: Budget) -> str:
+        chart: DotChart = quadratic_chart(budget, self._closed, self._study)
         return head_html(chart.title, chart.knowledge, self._mark, legend_html(chart)) + ranking(chart, "")
-
-    def _chart(self, describe: Callable[[Budget], AnyChart]) -> Any:
-        chart = ChartPane(describe, lambda: self._session.budget, 400)
-        self._follow.append(lambda: chart.show(self._session.budget))
-        return chart.view
-
-    def _later(self, make: Callable[[], Any], feed: Callable[[], object]) -> pn.Column:
-        """Parts that need a result, with a sentence until there is one."""
-        place = pn.Column(html_pane(_COMING))
-        made: list[Any] = []
-
-        def follow() -> None:
-            if self._result and not made:
-                made.append(make())
-                place.objects = made
-            if made:
-                feed()
-
-        self._follow.append(follow)
-        follow()
-        return place
-
-    def _histories(self) -> pn.Column:
-        panes: list[ChartPane[Any]] = []
-
-        def make() -> Any:
-            panes.extend(ChartPane(draw, lambda: self._study, 320) for draw in RUN_CHARTS)
-            return grid(*(cell(6, pane.view) for pane in panes))
-
-        def feed() -> None:
-            for pane in panes:
-                pane.show(self._study)
-
-        return self._later(make, feed)
 
     def _scene(self) -> pn.Column:
         """Formed when first looked at, and again for each result."""
@@ -256,35 +218,28 @@ class SarPage(pn.viewable.Viewer):
         run.param.watch(show, "result")
         run.param.watch(lambda event: setattr(status, "object", f"<p>{escape(event.new)}</p>"), "message")
 
-        def feed() -> None:
-            panel.stale, result = self._mark, self._result
-            if result is not None and result not in formed:
+        def follow(result: SarResult) -> None:
+            panel.stale = self._mark
+            if result not in formed:
                 formed[:] = [result]
                 run.start(lambda _: scene_of(result.study))
 
-        return self._later(lambda: pn.Column(status, panel), feed)
+        self._of_runs.also(follow)
+        return pn.Column(status, panel)
 
-    def _exports(self) -> pn.Column:
-        def of_strategies(draw: Callable[..., AnyChart]) -> Callable[[Any], AnyChart]:
-            return lambda study: draw(self._session.budget, self._closed, study)
+    def _exports(self) -> pn.FlexBox:
+        def of_strategies(draw: Callable[..., AnyChart]) -> Callable[[SarResult], AnyChart]:
+            return lambda result: draw(self._session.budget, self._closed, result.study)
 
-        def study_of() -> SarStudy:
-            result: SarResult = self.run.result
-            return result.study
-
-        def make() -> pn.FlexBox:
-            points = PicturePanel("Point target", "sar-point")
-            points.chart = self._points
-            self._follow.append(lambda: setattr(points, "chart", self._points))
-            drawn: list[list[Any]] = [
-                *(takes(of_strategies(draw), study_of) for draw in STRATEGY_CHARTS),
-                *(takes(draw, lambda: self._session.budget) for draw in WINNER_CHARTS),
-                *(takes(draw, study_of) for draw in RUN_CHARTS),
-            ]
-            study = download("All of the study (JSON)", "sar-study.json", self._json)
-            return pn.FlexBox(study, *(take for pair in drawn for take in pair), points.links)
-
-        return self._later(make, lambda: None)
+        points, result_of = PicturePanel("Point target", "sar-point"), self._of_runs.known
+        self._of_runs.also(lambda _: setattr(points, "chart", self._points))
+        drawn: list[list[Any]] = [
+            *(takes(of_strategies(draw), result_of) for draw in STRATEGY_CHARTS),
+            *(takes(draw, lambda: self._session.budget) for draw in WINNER_CHARTS),
+            *(takes(_of_study(draw), result_of) for draw in RUN_CHARTS),
+        ]
+        study = download("All of the study (JSON)", "sar-study.json", self._json)
+        return pn.FlexBox(study, *(take for pair in drawn for take in pair), points.links)
 
     # --- the run ----------------------------------------------------------------------------------------
 
@@ -331,6 +286,10 @@ class SarPage(pn.viewable.Viewer):
         result: SarResult = self.run.result
         document = await asyncio.to_thread(to_json, result.study, result.beside)
         return io.BytesIO(json.dumps(document, ensure_ascii=False, allow_nan=False, indent=1).encode("utf-8"))
+
+
+def _of_study(draw: Callable[[SarStudy], Chart]) -> Callable[[SarResult], Chart]:
+    return lambda result: draw(result.study)
 
 
 def _blank() -> str:

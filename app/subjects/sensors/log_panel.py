@@ -14,7 +14,6 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.kinds import Chart
 from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
@@ -29,7 +28,7 @@ from app.subjects.sensors.tables import (
     remedies,
     warnings,
 )
-from app.ui.chart_pane import ChartView
+from app.ui.follower import Follower
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
@@ -48,7 +47,6 @@ from nav_model.allan.log_file import Limits
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
-from nav_model.budget import Budget
 
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
 _HELP = (
@@ -105,7 +103,7 @@ class LogPanel(pn.viewable.Viewer):
         self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self.boxes.values())
         self.bar.start.disabled = True
         self.file.param.watch(self._uploaded, "value")
-        self.static = StaticResult(session, self._adopt)
+        self.static = StaticResult(self._adopt)
         self.moving = MotionResult(session, self._adopt)
         if pn.state.curdoc:
             pn.state.on_session_destroyed(lambda _: self.close())
@@ -214,56 +212,45 @@ class LogPanel(pn.viewable.Viewer):
 class StaticResult(pn.viewable.Viewer):
     """What a log at rest says."""
 
-    def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
+    def __init__(self, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
         super().__init__()
-        self._session = session
         self.analysis: LogAnalysis | None = None
-        self.head, self.tables = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
+        self._parts = parts = Follower(lambda: self.analysis)
+        self.head = parts.text(_static_head, (10, 14, 0, 14))
+        self.tables = parts.text(_static_tables, (0, 14, 10, 14))
         self.use = _button("Use these in the design")
-        self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(self._known)))
+        self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(parts.known())))
         self.axis = pmui.Select(label="Axis", width=220, margin=(8, 14), options=[])
-        self.axis.param.watch(lambda event: self._feed() if event.new else None, "value")
-        self._charts: list[ChartView] = []
-        self._place = pn.Column()
-        self._view = pn.Column(_paper(self.head, self.use, self.tables), self._place, visible=False)
+        self.axis.param.watch(lambda event: parts.follow() if event.new else None, "value")
+        charts = parts.later(self._charts)
+        self._view = pn.Column(_paper(self.head, self.use, self.tables), charts, visible=False)
 
     def __panel__(self) -> pn.Column:
         return self._view
-
-    @property
-    def _known(self) -> LogAnalysis:
-        assert self.analysis is not None
-        return self.analysis
 
     def show(self, analysis: LogAnalysis) -> None:
         """Show another log's analysis."""
         self.analysis = analysis
         names = [axis.name for axis in analysis.axes]
         with pn.io.hold():
-            self.head.object = "<h3>Log at rest</h3>" + html_of(provenance_text(analysis.provenance), offer(analysis))
             self.use.disabled = not adopt_random_walks(analysis).changes
-            self.tables.object = html_of(*coefficient_tables(analysis), *remedies(analysis), *warnings(analysis))
             self.axis.param.update(options=names, value=self.axis.value if self.axis.value in names else names[0])
-            if self._charts:
-                self._feed()
-            else:
-                self._build()
+            self._parts.follow()
             self._view.visible = True
 
-    def _build(self) -> None:
-        triads, single = [], ChartView(lambda _: axis_chart(self._known, self.axis.value), self._session, 380)
-        for quantity in ("gyro", "accelerometer"):
-            triads.append(ChartView(partial(self._triad, quantity), self._session, 400))
-        self._charts = [*triads, single]
-        cells = [cell(6, chart.view) for chart in triads]
-        self._place.append(grid(*cells, cell(12, self.axis, single.view)))
+    def _charts(self) -> pn.Column:
+        chart = self._parts.chart
+        triads = [chart(partial(triad_chart, quantity=quantity), 400) for quantity in ("gyro", "accelerometer")]
+        single = chart(lambda analysis: axis_chart(analysis, self.axis.value), 380)
+        return grid(*(cell(6, triad) for triad in triads), cell(12, self.axis, single))
 
-    def _triad(self, quantity: str, _: Budget) -> Chart:
-        return triad_chart(self._known, quantity)
 
-    def _feed(self) -> None:
-        for chart in self._charts:
-            chart.show(self._session.budget)
+def _static_head(analysis: LogAnalysis) -> str:
+    return "<h3>Log at rest</h3>" + html_of(provenance_text(analysis.provenance), offer(analysis))
+
+
+def _static_tables(analysis: LogAnalysis) -> str:
+    return html_of(*coefficient_tables(analysis), *remedies(analysis), *warnings(analysis))
 
 
 class MotionResult(pn.viewable.Viewer):

@@ -6,7 +6,7 @@ import asyncio
 import importlib
 import io
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from html import escape
 from typing import Any
@@ -16,7 +16,6 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.kinds import Chart
 from app.charts.legend import legend_html
 from app.charts.screen.timelines import Timelines
 from app.charts.words import in_words
@@ -30,12 +29,12 @@ from app.subjects.simulation.files import as_csv, as_json, as_npz
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import ChartPane, head_html, takes
+from app.ui.chart_pane import head_html, takes
 from app.ui.downloads import download
 from app.ui.fields import number, whole_number
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
-from app.ui.grid import cell, grid
+from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
@@ -100,7 +99,7 @@ class SimulatePage(pn.viewable.Viewer):
         self._file: TrajectorySpec | None = None
         self._asked: tuple[str, ...] = ("simulation",)  # what the result follows from
         self._more = StudyControls()
-        self._follow: list[Callable[[], object]] = []  # of what was unfolded
+        self._details = details = Follower(lambda: self._result.study if self._result else None, f"<p>{_COMING}</p>")
         self._more.param.watch(lambda event: setattr(self, "added", urlencode(event.new)), "texts")
         names = ("trajectory", "runs", "length", "outages", "seed", "states", "added")
         self._settings = StudySettings(session, "simulation", self, names, self._recall)
@@ -127,11 +126,14 @@ class SimulatePage(pn.viewable.Viewer):
             Folded(
                 (
                     ("Advanced: sensor errors, receiver, filter tuning", lambda: self._more),
-                    ("Where formula and simulation differ, and why", lambda: self._told(departures, conditions_told)),
-                    ("Sigmas: simulated, filter, formula", lambda: self._told(sigma_table)),
+                    (
+                        "Where formula and simulation differ, and why",
+                        lambda: details.text(_told(departures, conditions_told)),
+                    ),
+                    ("Sigmas: simulated, filter, formula", lambda: details.text(_told(sigma_table))),
                     ("What was flown", self._flown),
                     ("Outage growth and spread of the runs", self._spread),
-                    ("Exports", self._exports),
+                    ("Exports", lambda: details.later(self._exports)),
                 )
             ),
         )  # fmt: skip
@@ -176,11 +178,6 @@ class SimulatePage(pn.viewable.Viewer):
         result: Flown | None = self.run.result
         return result
 
-    @property
-    def _study(self) -> SimulationStudy:
-        assert self._result is not None  # asked for by what appears with the first result
-        return self._result.study
-
     def _write(self) -> None:
         """Strip, charts and what was unfolded; a text that stays the same is not sent."""
         study = self._result.study if self._result else None
@@ -194,11 +191,8 @@ class SimulatePage(pn.viewable.Viewer):
             said = "".join(f'<p class="hidden">What the chart shows: {escape(in_words(line))}</p>' for line in lines)
             knowledge = " ".join(line.knowledge for line in lines) if study else _COMING
             key = f'<span class="quiet fine">{_COMING}</span>' if study is None else self._keys[draws]
-            text = head_html(title, knowledge, said, key)
-            if head.object != text:
-                head.object = text
-        for follow in self._follow:
-            follow()
+            head.say(head_html(title, knowledge, said, key))
+        self._details.follow()
 
     def _answer(self) -> tuple[Answer, str]:
         """What the strip says: the verdict, of which runs, and whether it is one of this design."""
@@ -217,73 +211,36 @@ class SimulatePage(pn.viewable.Viewer):
             notes.append("Stale: the instruments or the flight have changed since.")
         return said, " ".join(notes)
 
-    def _told(self, *tell: Callable[[SimulationStudy, str], Block]) -> Any:
-        """A pane that follows the result."""
-        pane = html_pane("")
-
-        def follow() -> None:
-            said = html_of(*(one(self._study, "page") for one in tell)) if self._result else f"<p>{_COMING}</p>"
-            if pane.object != said:
-                pane.object = said
-
-        self._follow.append(follow)
-        follow()
-        return pane
-
-    def _later(self, draws: Sequence[Callable[[SimulationStudy], Chart]], *beside: Any) -> pn.Column:
-        """Charts of the result: a sentence until there is one."""
-        place, panes = pn.Column(html_pane(f"<p>{_COMING}</p>")), list[ChartPane[SimulationStudy]]()
-
-        def follow() -> None:
-            if self._result is None:
-                return
-            if not panes:
-                panes.extend(ChartPane(draw, lambda: self._study, 300) for draw in draws)
-                place.objects = [*beside, grid(*(cell(6, pane.view) for pane in panes))]
-            for pane in panes:
-                pane.show(self._study)
-
-        self._follow.append(follow)
-        follow()
-        return place
-
     def _flown(self) -> pn.Column:
         from app.subjects.simulation.charts import designed_attitude_chart, path_chart
 
-        return pn.Column(self._told(run_table), self._later((path_chart, designed_attitude_chart)))
+        details = self._details
+        charts = details.charts(path_chart, designed_attitude_chart, height=300)
+        return pn.Column(details.text(_told(run_table)), charts)
 
     def _spread(self) -> pn.Column:
         from app.subjects.simulation.charts import ensemble_chart, outage_chart
 
         axis = pmui.RadioButtonGroup.from_param(self.param.axis, margin=(4, 10))
-        return self._later((outage_chart, lambda study: ensemble_chart(study, self.axis)), axis)
+        charts = (outage_chart, lambda study: ensemble_chart(study, self.axis))
+        return self._details.later(lambda: pn.Column(axis, self._details.charts(*charts, height=300)))
 
     @param.depends("axis", watch=True)
     def _look(self) -> None:
         with pn.io.hold():
             self._write()
 
-    def _exports(self) -> pn.Column:
-        place = pn.Column(html_pane(f"<p>{_COMING}</p>"))
+    def _exports(self) -> pn.FlexBox:
+        from app.subjects.simulation.charts import CHARTS
 
-        def follow() -> None:
-            if self._result is not None and not isinstance(place[0], pn.FlexBox):
-                from app.subjects.simulation.charts import CHARTS
-
-                place.objects = [
-                    pn.FlexBox(
-                        download("Everything (JSON)", "simulation.json",
-                                 lambda: io.BytesIO(as_json(self._study).encode())),
-                        download("Statistics (NPZ)", "simulation.npz", lambda: io.BytesIO(as_npz(self._study))),
-                        download("Sigmas (CSV)", "simulation.csv", lambda: io.BytesIO(as_csv(self._study).encode())),
-                        *(take for draw in CHARTS for take in takes(draw, lambda: self._study)),
-                        stylesheets=[PRINT_NOTHING],
-                    )
-                ]  # fmt: skip
-
-        self._follow.append(follow)
-        follow()
-        return place
+        study = self._details.known
+        return pn.FlexBox(
+            download("Everything (JSON)", "simulation.json", lambda: io.BytesIO(as_json(study()).encode())),
+            download("Statistics (NPZ)", "simulation.npz", lambda: io.BytesIO(as_npz(study()))),
+            download("Sigmas (CSV)", "simulation.csv", lambda: io.BytesIO(as_csv(study()).encode())),
+            *(take for draw in CHARTS for take in takes(draw, study)),
+            stylesheets=[PRINT_NOTHING],
+        )
 
     # --- the run --------------------------------------------------------------------------------------
 
@@ -365,6 +322,11 @@ class SimulatePage(pn.viewable.Viewer):
             length = files.file_duration(flight)
             self._say(f"{name}: a flight of {shown(length, 4, given=True)} s.")
             self.length = f"{math.floor(10 * length) / 10:.1f}"
+
+
+def _told(*tell: Callable[[SimulationStudy, str], Block]) -> Callable[[SimulationStudy], str]:
+    """Blocks of a study as HTML."""
+    return lambda study: html_of(*(one(study, "page") for one in tell))
 
 
 def outages_of(text: str) -> tuple[tuple[float, float], ...]:

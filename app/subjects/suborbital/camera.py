@@ -5,13 +5,14 @@ from __future__ import annotations
 import panel as pn
 import param
 
+from app.charts.kinds import Chart
 from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.charts.camera_noise import NOISES, camera_noise_answer, camera_noise_chart
-from app.ui.chart_pane import ChartPane
 from app.ui.first_screen import first_screen
+from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import progress_html
 from app.ui.theme import NARROW
@@ -29,8 +30,8 @@ class CameraNoisePanel(pn.viewable.Viewer):
     def __init__(self, session: Session) -> None:
         super().__init__(run=session.new_run())
         self._said = html_pane("", margin=0)
-        self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[NARROW])
-        self._chart: ChartPane[CameraNoise] | None = None
+        self._swept: Follower[CameraNoise] = Follower(lambda: self.run.result)
+        self._place = self._swept.later(self._chart, sizing_mode="stretch_both", stylesheets=[NARROW])
         self._settings: Settings | None = None
 
     def __panel__(self) -> pn.Column:
@@ -51,14 +52,12 @@ class CameraNoisePanel(pn.viewable.Viewer):
         if self.run.message:
             self._said.object = f"<p role='alert'>{self.run.message}</p>"
         elif swept is not None:
-            now = settings["camera.centroid_noise"]
-            self._said.object = html_of(camera_noise_answer(swept, now))
-            if self._chart is None:
-                self._chart = ChartPane(lambda found: camera_noise_chart(found, self._now()), lambda: self.run.result)
-                self._place.append(self._chart.view)
-            else:
-                self._chart.show(swept)
+            self._said.object = html_of(camera_noise_answer(swept, settings["camera.centroid_noise"]))
+            self._swept.follow()
 
-    def _now(self) -> float:
-        assert self._settings is not None
-        return float(self._settings["camera.centroid_noise"])
+    def _chart(self) -> pn.Column:
+        def draw(swept: CameraNoise) -> Chart:
+            assert self._settings is not None
+            return camera_noise_chart(swept, float(self._settings["camera.centroid_noise"]))
+
+        return self._swept.chart(draw)

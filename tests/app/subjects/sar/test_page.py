@@ -92,7 +92,7 @@ def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPa
     assert sar._ranks.object.count("after the runs") == 4
     assert "reconstruction" in sar._ranks.object
     assert sar._images.object.count('class="blank"') == 10
-    assert not sar._follow
+    assert not any(place.objects for place in sar._details._places)
     assert (
         "Appears when the strategies have been run"
         in part(sar, "Parts of the error, impulse response in figures").object

@@ -9,7 +9,9 @@ from html import unescape
 from pathlib import Path
 
 import numpy as np
+import panel as pn
 import pytest
+from bokeh.models import ColumnDataSource
 from waiting import PATIENCE, soon
 
 from app.document.pane import html_of
@@ -93,12 +95,13 @@ def test_another_log_feeds_the_same_figures(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
     asyncio.run(panel.take(log(), "one.csv"))
-    charts = [view.figure for view in panel.static._charts]
-    old = {name: dict(source.data) for name, source in charts[0]._sources.items()}
+    plots = [pane.object for pane in panel.static._view.select(pn.pane.Bokeh)]
+    assert len(plots) == 3
+    curves = [curve for plot in plots for curve in plot.select({"type": ColumnDataSource})]
+    old = [dict(curve.data) for curve in curves]
     asyncio.run(panel.take(log(9000, 2.0), "two.csv"))
-    assert [view.figure for view in panel.static._charts] == charts
-    for name, source in charts[0]._sources.items():
-        assert len(source.data["x"]) != len(old[name]["x"])
+    assert [pane.object for pane in panel.static._view.select(pn.pane.Bokeh)] == plots
+    assert all(not np.array_equal(curve.data["x"], was["x"]) for curve, was in zip(curves, old, strict=True))
 
 
 def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):

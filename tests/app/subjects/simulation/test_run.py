@@ -231,7 +231,7 @@ def test_settings_travel_in_the_link_and_the_server_still_has_the_result(
     found = SimulatePage(again)
     assert (found.runs, found.outages, found.states, found.length) == ("12", "40,60", 15, "300")
     assert found._specification().imu.gyro.bias_instability == page._specification().imu.gyro.bias_instability > 0
-    assert found._study is study
+    assert found.run.result.study is study
     assert "Partial: 12 of 20 runs" in said_by(found)
     assert SimulatePage(Session(DESIGN))._result is None
 
