@@ -276,10 +276,23 @@ def format_bound(value: float, unit: str, dimension: str, *, low: bool) -> str:
 
     Six digits at most; the last is rounded towards the inside of the range.
     """
-    exact = DIMENSIONS[dimension].number(Fraction(value), unit)
-    near = Context(prec=12).divide(Decimal(exact.numerator), Decimal(exact.denominator))
-    inside = Context(prec=6, rounding=ROUND_CEILING if low else ROUND_FLOOR).plus(near)
+    inside = Context(prec=6, rounding=ROUND_CEILING if low else ROUND_FLOOR).plus(_near(value, unit, dimension))
     return join_quantity(_plain_decimal(inside.normalize()), unit)
+
+
+def exact_bound(value: float, unit: str, dimension: str) -> float:
+    """A lowest or highest allowed value (SI) as its text in `unit` reads, if six digits say it.
+
+    Declared as a product of floats, it may miss that by rounding, and its own text would be refused.
+    """
+    near = _near(value, unit, dimension)
+    return to_si(Fraction(near), unit, dimension) if Context(prec=6).plus(near) == near else value
+
+
+def _near(value: float, unit: str, dimension: str) -> Decimal:
+    """A value in SI as a number of `unit`, without the rounding in its last digits."""
+    exact = DIMENSIONS[dimension].number(Fraction(value), unit)
+    return Context(prec=12).divide(Decimal(exact.numerator), Decimal(exact.denominator))
 
 
 def join_quantity(number: str, unit: str) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from nav_model.base.errors import InputError
+from nav_model.base.units import format_bound
 from nav_model.budget.inputs import LONGEST_APERTURE
 from nav_model.design import Design
 
@@ -24,10 +25,12 @@ def refused(design: Design) -> Iterator[None]:
 
 def refuse_hidden_target(squint: float, grazing: float) -> None:
     if math.cos(squint) < math.sin(grazing) - 1e-12:
+        forward = squint > 0
+        most = format_bound(math.copysign(math.pi / 2 - grazing, squint), "°", "angle", low=not forward)
         raise InputError(
             "radar.squint_angle",
             f"{math.degrees(squint):.4g}° leaves no line of sight at a grazing angle of "
-            f"{math.degrees(grazing):.4g}°. Enter at most {90 - math.degrees(grazing):.4g}°, or a smaller grazing "
+            f"{math.degrees(grazing):.4g}°. Enter at {'most' if forward else 'least'} {most}, or a smaller grazing "
             "angle.",
         )
 

@@ -19,6 +19,7 @@ from nav_model.base.errors import InputError, not_a_choice, shown
 from nav_model.base.units import (
     Parsed,
     QuantityError,
+    exact_bound,
     format_bound,
     format_quantity,
     join_quantity,
@@ -117,9 +118,10 @@ class BaseQuantity(Declared, param.Number[_T]):
         self.slider = slider
         self.when_empty = when_empty
         self.since = since
+        low, high = (exact_bound(bound, unit, dimension) if dimension else bound for bound in bounds)
         super().__init__(  # type: ignore[misc]  # param's overloads name the two concrete cases only
             default=default,
-            bounds=bounds,
+            bounds=(low, high),
             inclusive_bounds=inclusive_bounds,
             softbounds=softbounds or bounds,
             constant=True,

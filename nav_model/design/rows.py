@@ -12,7 +12,7 @@ import param
 
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, shown
-from nav_model.base.units import QuantityError, format_quantity, parse_quantity
+from nav_model.base.units import QuantityError, format_bound, format_quantity, parse_quantity
 from nav_model.design.declaration import Declared
 
 Row = tuple[float, float, str]
@@ -70,7 +70,7 @@ class Rows(Declared, param.Parameter[Any]):
                 raise InputError(self.key, f"{dimension!r} is not one of {', '.join(self.dimensions)}", val)
             if not low <= frequency <= high:  # NaN lands here too
                 raise InputError(
-                    self.key, f"{frequency:g} Hz is not allowed. Give frequencies from 0.1 mHz to 1 GHz.", val
+                    self.key, f"{frequency:g} Hz is not allowed. Give frequencies from 0.0001 Hz to 1 GHz.", val
                 )
             least, most = _LEAST if self.curve else 0.0, _MOST[dimension]
             if not least <= amount <= most:
@@ -78,7 +78,7 @@ class Rows(Declared, param.Parameter[Any]):
                 text = _said(amount, dimension) if sayable else f"{amount:g} (SI)"
                 above = "more than zero and " if self.curve else "zero or more and "
                 above = "" if DIMENSIONS[dimension].decibels else above
-                said = f"It must be {above}at most {_said(most, dimension)}."
+                said = f"It must be {above}at most {format_bound(most, _unit(dimension), dimension, low=False)}."
                 raise InputError(self.key, f"{text} at {frequency:g} Hz is not allowed. {said}", val)
         if self.curve and val:
             self._validate_curve(val)
@@ -151,5 +151,8 @@ class Rows(Declared, param.Parameter[Any]):
 
 
 def _said(amount: float, dimension: str, digits: int | None = 6) -> str:
-    unit = {"acceleration": "g", "length": "mm"}.get(dimension, DIMENSIONS[dimension].default_unit)
-    return format_quantity(amount, unit, dimension, digits)
+    return format_quantity(amount, _unit(dimension), dimension, digits)
+
+
+def _unit(dimension: str) -> str:
+    return {"acceleration": "g", "length": "mm"}.get(dimension, DIMENSIONS[dimension].default_unit)

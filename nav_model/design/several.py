@@ -10,7 +10,14 @@ from typing import Any
 import param
 
 from nav_model.base.errors import InputError, shown
-from nav_model.base.units import QuantityError, format_quantity, join_quantity, parse_quantity
+from nav_model.base.units import (
+    QuantityError,
+    exact_bound,
+    format_bound,
+    format_quantity,
+    join_quantity,
+    parse_quantity,
+)
 from nav_model.design.declaration import Declared, Quantity, sentence_label
 
 Spans = tuple[tuple[float, float], ...]
@@ -65,7 +72,8 @@ class Axes(_Several):
     def __init__(
         self, default: tuple[float, ...], *, dimension: str, unit: str, softbounds: tuple[float, float], **params: Any
     ) -> None:
-        self.dimension, self.unit, self.softbounds = dimension, unit, softbounds
+        low, high = softbounds
+        self.dimension, self.unit, self.softbounds = dimension, unit, (low, exact_bound(high, unit, dimension))
         super().__init__(default, **params)
 
     @property
@@ -80,7 +88,8 @@ class Axes(_Several):
         most = self.softbounds[1]
         for number in val:
             if not abs(number) <= most:  # NaN lands here too
-                said = f"is not allowed. Each axis must be at most {self._one(most, 6)} in size."
+                largest = format_bound(most, self.unit, self.dimension, low=False)
+                said = f"is not allowed. Each axis must be at most {largest} in size."
                 raise InputError(self.key, f"{self._one(number, 6)} {said}", val)
 
     def show(self, value: tuple[float, ...], digits: int | None = 6) -> str:

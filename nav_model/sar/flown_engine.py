@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.errors import InputError
+from nav_model.base.units import format_bound
 from nav_model.budget.figures import channels
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
@@ -69,11 +70,12 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Apertu
     enough = max(LONG / float(rates(axis)[1]) for axis in channels(inputs_of(design)))
     length = of_aperture + min(design.processing.leg_after, enough)
     if length * rate > _MOST_SAMPLES:
+        most = format_bound((_MOST_SAMPLES - 2) / (length - 2 / rate), "Hz", "frequency", low=False)
         raise InputError(
             "imu.rate",
             f"{rate:g} Hz over {length:.4g} s, in which the filter settles ({before:.4g} s) and the leg after the "
             f"aperture follows ({length - of_aperture:.4g} s), are more than the simulator flies for a strategy; "
-            f"give at most {_MOST_SAMPLES / length:.4g} Hz, or use the error model",
+            f"give at most {most}, or use the error model",
         )
     start = round(count * interval * rate) / rate
     held = math.floor(design.processing.leg_before / interval + 1e-9)

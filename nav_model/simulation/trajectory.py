@@ -185,7 +185,7 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     if spec.kind == "file":
         table = _table(spec)
         if duration > table[-1, 0] + 1e-9:
-            raise refused("duration", duration, f"must be at most the trajectory file's {table[-1, 0]:.3f} s")
+            raise refused("duration", duration, f"must be at most the trajectory file's {table[-1, 0]:.15g} s")
         return spline_through(table[:, 0], table[:, 1:])
     step = 0.5
     before, after = round(MARGIN_S / step), int(np.ceil(duration / step)) + round(MARGIN_S / step)

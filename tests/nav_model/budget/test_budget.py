@@ -275,5 +275,5 @@ def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refuse
     longer = (squinted.sar.aperture_time / broad.sar.aperture_time) ** 2
     turned = longer * math.cos(math.radians(40)) ** 2
     assert squinted.sar.along_track_quadratic == pytest.approx(turned * broad.sar.along_track_quadratic)
-    with pytest.raises(InputError, match=r"radar\.squint_angle.*at most 55°"):
+    with pytest.raises(InputError, match=r"radar\.squint_angle.*at least -55°"):
         analyse(Design({"radar.squint_angle": math.radians(-56)}))

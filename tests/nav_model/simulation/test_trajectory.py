@@ -125,7 +125,7 @@ def test_a_file_is_flown_through_its_points(tmp_path):
     assert np.degrees(found[:, 1]) == pytest.approx(table[:, 2], abs=1e-9)
     assert found[:, 2] == pytest.approx(table[:, 3], abs=1e-9)
     assert np.degrees(found[:, 5]) == pytest.approx(table[:, 6], abs=1e-9)
-    with pytest.raises(ValueError, match=r"at most the trajectory file's 39\.000 s"):
+    with pytest.raises(ValueError, match=r"at most the trajectory file's 39 s"):
         plan_trajectory(spec, 40.0)
 
 
