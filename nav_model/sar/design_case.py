@@ -262,9 +262,6 @@ def flight_cautions(budget: Budget) -> tuple[str, ...]:
             "Its residual biases act from take-off and the filter does not estimate them. Tilt absorbs most of an "
             "accelerometer bias, so the image suffers less than the formulas and the error model predict."
         )
-    gnss = design.gnss
-    if gnss.velocity_noise is not None and gnss.vertical_velocity_noise not in (None, gnss.velocity_noise):
-        said.append("Its velocity fixes have the horizontal noise on all axes.")
     if design.gnss.correlated:
         said.append(
             "Its fixes carry the slow error, which its filter of nine states does not estimate; the error model's "

@@ -158,8 +158,7 @@ def flown_smoother(
         spec.imu.accelerometer.random_walk * spec.imu.vibration_factor,
         spec.imu.gyro.random_walk * spec.imu.vibration_factor,
     )
-    velocity = spec.gnss.velocity_noise
-    noise = np.array([*spec.gnss.axis_noise, *([] if velocity is None else [velocity] * 3)]) ** 2
+    noise = np.array([*spec.gnss.axis_noise, *spec.gnss.axis_velocity_noise]) ** 2
     prior, posterior, transitions = [], [], []
     at, gathered, since = [], [], []  # nodes since the last fix: time, covariance, transition from the fix
     node_time, node_fix, node_gain, node_back = [], [], [], []

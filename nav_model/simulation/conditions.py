@@ -7,7 +7,7 @@ import math
 from nav_model.budget.fast import not_flown
 from nav_model.design import Design
 from nav_model.earth.wgs84 import normal_gravity
-from nav_model.simulation.departures import untold
+from nav_model.simulation.departures import untold, velocity_told
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
@@ -25,7 +25,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
             f"The simulator uses WGS 84 normal gravity, {local:.5f} m/s² at the start of the flight; the "
             f"formulas use the design's {flight.gravity:.5f} m/s² ({100 * (flight.gravity / local - 1):+.2f} %)."
         )
-    more = {key: value for key, value in added(spec).items() if not key.startswith("filter.")}
+    more = {key: v for key, v in added(spec, velocity_told(design)).items() if not key.startswith("filter.")}
     if more:
         listed = ", ".join(f"{_named(key)} {STUDY_KEYS[key].show(value)}" for key, value in more.items())
         said.append(f"Simulated in addition to the design and not in the formulas: {listed}.")

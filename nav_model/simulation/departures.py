@@ -1,8 +1,9 @@
 """Where closed form and simulation differ, and why, found by changing one thing at a time.
 
 A chain of covariances connects the closed form and the simulated errors, each with one more of the simulator's
-properties than the one before: a filter of discrete fixes on a flat Earth, the simulator's Earth, its flight, its
-filter and instruments, its errors. A departure is the product of the steps, so each cause has a measured share.
+properties than the one before: discrete fixes on a flat Earth, the start and the outages, the simulator's Earth, its
+flight, its filter and instruments, its errors. A departure is the product of the steps, so each cause has a measured
+share, and without the cause its step is 1.
 """
 
 from __future__ import annotations
@@ -20,8 +21,9 @@ from nav_model.analytic import coast as growth
 from nav_model.budget.figures import sampled, settled
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
+from nav_model.simulation.kalman import propagate, update
 from nav_model.simulation.result import STATES, SimulationResult, chi_square_band
-from nav_model.simulation.schedule import plan
+from nav_model.simulation.schedule import FIX, OUTPUT, plan
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import (
     FilterModel,
@@ -37,14 +39,14 @@ FloatArray = NDArray[np.float64]
 
 CAUSES: Final = {
     "biases": "the formula includes the residual biases, this covariance does not",
-    "fixes": "just after a fix, below the average between fixes that the formula gives [T-8]",
-    "settling": "still settling from the initial errors; the formula is the steady state",
+    "fixes": "the filter's sawtooth between fixes, of which the formula gives the average [T-8]",
+    "settling": "the filter is still settling, after the start or an outage; the formula is the steady state",
     "earth": "Schuler, Coriolis and transport terms, gravity with height, local gravity [T-17]",
     "flight": "turns, climbs or wander, where [T-1] assumes straight and level",
     "filter": "the filter differs from that of the formula",
     "errors": "errors that the filter does not model",
 }
-"""Steps of the chain in its order ("settling" stands for "earth" at the start of a flight)."""
+"""Steps of the chain in its order."""
 SMALL: Final = "several small differences, none above 3 %"
 _LEAST_STEP = 0.03  # of a factor: smaller steps explain nothing a reader would ask about
 _LEAST_SHARE = 0.25  # of the largest step
@@ -55,15 +57,17 @@ _CHANCE = 1e-3  # probability that a correct study reports a difference of the s
 class Departure:
     """One state over one phase of the flight.
 
-    group, axis: as in the JSON. phase: "settling", "aided" or "coast". start_s, stop_s: when they differ by more
-    than the tolerance. ratio: filter sigma over closed form where they differ most. simulated: the same of the
-    simulated errors, smoothed over the phase. steps: (key of `CAUSES`, factor) of what matters, in the order of
-    the chain; their product is `simulated` but for the steps too small to name. reason: the same in words.
+    group, axis: as in the JSON. phase: "settling" (after the start or an outage), "aided" or "coast". stretch: how
+    many outages have ended before. start_s, stop_s: when they differ by more than the tolerance. ratio: filter sigma
+    over closed form where they differ most. simulated: the same of the simulated errors, smoothed over the phase.
+    steps: (key of `CAUSES`, factor) of what matters, in the order of the chain; their product is `simulated` but for
+    the steps too small to name. reason: the same in words.
     """
 
     group: str
     axis: str
     phase: str
+    stretch: int
     start_s: float
     stop_s: float
     ratio: float
@@ -76,13 +80,15 @@ class Departure:
 class Chain:
     """The covariances between closed form and filter as sigmas (outputs, 9), in the order of `STATES`.
 
-    bare: the closed form without residual biases. fixes: discrete fixes, flat Earth [T-8]. earth: the
-    simulator's filter with the design's white noises, flown straight and level. flight: the same along the
-    study's flight. velocity: of one fix, that the closed form has, as `velocity_told`.
+    bare: the closed form without residual biases. fixes: as long after the last fix, by a settled filter on a flat
+    Earth [T-8]. settling: the same filter from the study's start and through its outages. earth: the simulator's
+    filter with the design's white noises, flown straight and level. flight: the same along the study's flight.
+    velocity: of one fix, that the closed form has, as `velocity_told`.
     """
 
     bare: FloatArray
     fixes: FloatArray
+    settling: FloatArray
     earth: FloatArray
     flight: FloatArray
     velocity: float | None
@@ -101,34 +107,63 @@ def chain(design: Design, spec: SimulationSpec) -> Chain:
 
 @lru_cache(maxsize=4)
 def _chain(design: Design, spec: SimulationSpec) -> Chain:
-    schedule = plan(spec)
-    coast_s, elapsed_s = schedule.coast_s, schedule.outputs.time_s
-    x = inputs_of(design)
-    yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * elapsed_s)
+    schedule, x, imu, gnss = plan(spec), inputs_of(design), spec.imu, spec.gnss
+    fixes, outputs = (np.flatnonzero(schedule.events & kind) for kind in (FIX, OUTPUT))
+    last = np.concatenate([[0], fixes])[np.searchsorted(fixes, outputs, side="right")]
+    longest = np.where(schedule.coast_s > 0.0, np.inf, gnss.interval)  # after an outage the next fix may be late
+    yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * schedule.outputs.time_s)
     flat = []
-    for start in (settled(x), sampled(replace(x, slow=None)).posterior):
-        level = growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, coast_s)
-        upright = growth.vertical_growth(start.vertical, x.sigma_a, coast_s)
+    since_fix = np.minimum((outputs - last) / imu.rate, longest)
+    posterior = sampled(replace(x, slow=None)).posterior
+    for start, time_s in ((settled(x), schedule.coast_s), (posterior, since_fix)):
+        level = growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, time_s)
+        upright = growth.vertical_growth(start.vertical, x.sigma_a, time_s)
         variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]
         flat.append(np.stack([*map(np.sqrt, (*variances, level.tilt, level.tilt)), yaw], axis=1))
-    velocity = velocity_told(design)
+    velocity = x.velocity_of_fix
+    told = (None, None) if velocity is None else (float(velocity[0]), float(velocity[1]))
     plain = replace(
         spec,
         imu=ImuModel(
-            TriadModel(random_walk=spec.imu.gyro.random_walk),
-            TriadModel(random_walk=spec.imu.accelerometer.random_walk),
-            spec.imu.rate,
-            spec.imu.vibration_factor,
+            TriadModel(random_walk=imu.gyro.random_walk),
+            TriadModel(random_walk=imu.accelerometer.random_walk),
+            imu.rate,
+            imu.vibration_factor,
         ),
         gnss=GnssModel(
-            spec.gnss.position_noise, spec.gnss.vertical_position_noise, spec.gnss.interval, velocity_noise=velocity
+            gnss.position_noise,
+            gnss.vertical_position_noise,
+            gnss.interval,
+            velocity_noise=told[0],
+            vertical_velocity_noise=told[1],
         ),
         filter=FilterModel(states=9),
     )
     earth, flight = (
         fly_without_errors(one).filter_sigma[POSTERIOR] for one in (replace(plain, trajectory=_straight(spec)), plain)
     )
-    return Chain(flat[0], flat[1], earth, flight, velocity)
+    return Chain(flat[0], flat[1], _settling(plain, float(x.g)), earth, flight, told[0])
+
+
+def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
+    """Sigmas (outputs, 9) just after the fix of the filter on a flat Earth, from the study's start. [T-1]"""
+    imu, gnss, start, events = spec.imu, spec.gnss, spec.initial, plan(spec).events
+    accelerometer, gyro = (triad.random_walk * imu.vibration_factor for triad in (imu.accelerometer, imu.gyro))
+    noises = [*gnss.axis_noise, *gnss.axis_velocity_noise]
+    covariance = np.diag([*np.repeat([start.position, start.velocity, start.tilt], 3)[:8], start.yaw]) ** 2
+    dynamics, force, none, work = np.zeros((9, 9)), np.array([0.0, 0.0, -gravity]), np.zeros(6), np.empty((4, 9, 9))
+    dynamics[range(3), range(3, 6)] = 1.0
+    dynamics[3, 7], dynamics[4, 6] = gravity, -gravity
+    found, before = [], 0
+    for sample in np.flatnonzero(events & (FIX | OUTPUT)).tolist():
+        elapsed = (sample - before) / imu.rate
+        propagate(covariance, dynamics, force, elapsed, accelerometer, gyro, none, none, work)
+        before = sample
+        for state, noise in enumerate(noises if events[sample] & FIX else ()):
+            update(covariance, np.eye(9)[state], 0.0, noise**2, np.zeros(9), work)
+        if events[sample] & OUTPUT:
+            found.append(np.sqrt(np.diagonal(covariance)))
+    return np.stack(found)
 
 
 def _straight(spec: SimulationSpec) -> TrajectorySpec:
@@ -154,22 +189,25 @@ def departures(
 ) -> list[Departure]:
     """Where filter or simulated errors differ from the closed form by more than `tolerance` (relative).
 
-    One finding per state and phase: the first `settling_s` seconds, the time with fixes, the outages; all
-    just after the fix. Simulated errors count only if the difference of their rms over the phase is significant at
-    0.1 %. Empty where no closed form was given.
+    One finding per state and phase: each outage, `settling_s` seconds from the start and from each outage's end, the
+    rest of the time with fixes before the next one; all just after the fix. Simulated errors count only if the
+    difference of their rms over the phase is significant at 0.1 %. Empty where no closed form was given.
     """
     closed = result.closed_form_sigma
     if closed is None:
         return []
     believed, simulated = (sigma[POSTERIOR, :, :9] for sigma in (result.filter_sigma, result.rms))
-    coasting = result.coast_s > 0.0
-    settling = (result.time_s < settling_s) & ~coasting
+    stops = sorted(stop for _, stop in result.spec.outages)
+    stretch = np.searchsorted(stops, result.time_s - 0.5 / result.spec.imu.rate)
+    young = result.time_s - np.array([0.0, *stops])[stretch] < settling_s
+    phase_of = np.where(result.coast_s > 0.0, "coast", np.where(young, "settling", "aided"))
+    phases = [(n, phase) for n in range(len(stops) + 1) for phase in ("settling", "aided", "coast")]
     low, high = (math.sqrt(bound) for bound in chi_square_band(float(result.spec.runs), 1.0 - _CHANCE))
     found = []
     for column, (group, axis, _unit) in enumerate(STATES):
         ratio = believed[:, column] / closed[:, column]
-        for phase, mask in (("settling", settling), ("aided", ~settling & ~coasting), ("coast", coasting)):
-            rows = np.flatnonzero(mask)
+        for number, phase in phases:
+            rows = np.flatnonzero((stretch == number) & (phase_of == phase))
             if len(rows) == 0:
                 continue
             off = float(np.sqrt(np.mean((simulated[rows, column] / believed[rows, column]) ** 2)))
@@ -182,16 +220,16 @@ def departures(
                 worst = rows[-1]
             else:
                 worst = apart[np.argmax(np.abs(np.log(ratio[apart])))]
-            curve = (closed, links.bare, links.fixes, links.earth, links.flight, believed)
+            curve = (closed, links.bare, links.fixes, links.settling, links.earth, links.flight, believed)
             factors = [float(after[worst, column] / before[worst, column]) for before, after in pairwise(curve)]
-            keys = ("biases", "fixes", "settling" if phase == "settling" else "earth", "flight", "filter")
-            steps = [*zip(keys, factors, strict=True), ("errors", 1.0 if by_chance else off)]
+            steps = list(zip(CAUSES, (*factors, 1.0 if by_chance else off), strict=True))
             named = _that_matter(steps)
             found.append(
                 Departure(
                     group,
                     axis,
                     phase,
+                    number,
                     float(result.time_s[apart[0]]),
                     float(result.time_s[apart[-1]]),
                     float(ratio[worst]),

@@ -59,10 +59,10 @@ def specification(
 
     The IMU takes the design's random walks with its vibration factor, its rate, and its residual biases as
     turn-on biases: constant through a run, drawn anew for each. GNSS takes the fix noise, horizontal and
-    vertical, the interval, the velocity noise (the horizontal one on all axes), and the slow error where it is
-    switched on. The flight starts at the design's
-    latitude, altitude, speed and heading. Errors start at the closed form's horizontal steady-state sigmas
-    [T-3] on all axes, so that little time is spent settling; yaw starts at 0.1°.
+    vertical, the interval, the velocity noise, and the slow error where it is switched on; a velocity noise in `more`
+    holds for all axes. The flight starts at the design's latitude, altitude, speed and heading. Errors start at the
+    closed form's horizontal steady-state sigmas [T-3] on all axes, so that little time is spent settling; yaw starts
+    at 0.1°.
 
     trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as `read_trajectory` gives.
     duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases, or 21 for one that
@@ -71,7 +71,7 @@ def specification(
     Raises InputError naming the key of the design, or the option, that cannot be flown.
     """
     imu, gnss = design.imu, design.gnss
-    settled = analyse(design).steady_state.closed
+    settled, velocity = analyse(design).steady_state.closed, _velocity_noise(design, more)
     longest = max((stop - start for start, stop in outages), default=0.0)
     if longest > LONGEST_OUTAGE:
         raise InputError("outage", f"{longest:g} s are too long. Give at most {LONGEST_OUTAGE:g} s.", longest)
@@ -90,7 +90,8 @@ def specification(
             markov_noise=slow,
             vertical_markov_noise=slow,
             markov_time=gnss.correlation_time,
-            velocity_noise=_velocity_noise(design, more),
+            velocity_noise=velocity[0],
+            vertical_velocity_noise=velocity[1],
             lever_arm=more.lever_arm(),
         ),
         trajectory=_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
@@ -110,11 +111,12 @@ def specification(
     )
 
 
-def _velocity_noise(design: Design, more: SimulationInputs) -> float | None:
-    """Velocity noise of one fix at the density of the design's, unless the study gives another."""
+def _velocity_noise(design: Design, more: SimulationInputs) -> tuple[float | None, float | None]:
+    """Velocity noise of one fix at the density of the design's, horizontal and vertical, unless the study gives
+    another."""
     own = inputs_of(design).velocity_of_fix
     other: float | None = more["receiver.velocity_noise"]
-    return other if other is not None or own is None else float(own[0])
+    return (other, other) if other is not None or own is None else (float(own[0]), float(own[1]))
 
 
 def _flight(design: Design, kind: str) -> TrajectorySpec:
@@ -254,6 +256,7 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
 
     ``refined_sigma_m`` of each position axis is null outside outages.
     """
+    from nav_model.simulation.departures import velocity_told
     from nav_model.simulation.result import to_json
 
     document = to_json(study.result)
@@ -276,6 +279,7 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
         for found in study.departures
     ]
     document["conditions"] = list(study.conditions)
-    document["added"] = {key: STUDY_KEYS[key].show(value) for key, value in added(study.result.spec).items()}
+    beyond = added(study.result.spec, velocity_told(study.design))
+    document["added"] = {key: STUDY_KEYS[key].show(value) for key, value in beyond.items()}
     document["design"] = study.design.name
     return document

@@ -39,13 +39,13 @@ class Truth(NamedTuple):
 
 
 class Receiver(NamedTuple):
-    """The receiver's noise: white sigmas (3), Gauss-Markov sigmas (3) and time, velocity sigma (0: none),
+    """The receiver's noise: white sigmas (3), Gauss-Markov sigmas (3) and time, velocity sigmas (3, or none),
     lever arm."""
 
     white: FloatArray
     markov: FloatArray
     markov_time: float
-    velocity: float
+    velocity: FloatArray
     lever_arm: FloatArray
 
 
@@ -53,7 +53,7 @@ class Tuning(NamedTuple):
     """What the filter assumes.
 
     White densities; variance of one sample's rate [rad^2/s^2], which acts on the lever arm; bias decay [1/s]
-    and drive (12); sigmas of a fix: position (3), velocity.
+    and drive (12); sigmas of a fix: position (3), velocity (3, or none).
     """
 
     accelerometer_density: float
@@ -62,7 +62,7 @@ class Tuning(NamedTuple):
     decay_rate: FloatArray
     bias_drive: FloatArray
     position_sigma: FloatArray
-    velocity_sigma: float
+    velocity_sigma: FloatArray
 
 
 @part
@@ -112,7 +112,7 @@ def take_fix(
         error[i] = noise
         residual += lever[i] - true_lever
         nis += update(covariance, row, residual - noise, tuning.position_sigma[i] ** 2, estimate, work)
-    if receiver.velocity > 0.0:
+    if len(receiver.velocity) > 0:
         for i in range(3):
             # The rate against the Earth, body axes, turned by the arm.
             j, k = (i + 1) % 3, (i + 2) % 3
@@ -134,9 +134,9 @@ def take_fix(
             z = matrix[i, 0] * arm[1] - matrix[i, 1] * arm[0]
             for gyro in range(BIASES + GYRO, n, TRIADS):
                 row[gyro], row[gyro + 1], row[gyro + 2] = x, y, z
-            variance = tuning.velocity_sigma**2 + tuning.rate_variance * (x * x + y * y + z * z)
+            variance = tuning.velocity_sigma[i] ** 2 + tuning.rate_variance * (x * x + y * y + z * z)
             difference = state[VELOCITY + i] + swing[i] - truth.velocity[fix, i] - true_swing
-            noise = receiver.velocity * generator.standard_normal()
+            noise = receiver.velocity[i] * generator.standard_normal()
             nis += update(covariance, row, difference - noise, variance, estimate, work)
     return nis
 

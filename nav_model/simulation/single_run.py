@@ -261,15 +261,14 @@ def _tuning(spec: SimulationSpec) -> Tuning:
         drive[first : first + 3] = scale**2 * (moved + model.rate_random_walk**2)
     vibration = spec.imu.vibration_factor * scale
     gyro_density = spec.imu.gyro.random_walk * vibration
-    axis_noise = np.array(spec.gnss.axis_noise)
     return Tuning(
         accelerometer_density=spec.imu.accelerometer.random_walk * vibration,
         gyro_density=gyro_density,
         rate_variance=gyro_density**2 * spec.imu.rate,
         decay_rate=decay,
         bias_drive=drive,
-        position_sigma=axis_noise * spec.filter.gnss_noise_scale,
-        velocity_sigma=(spec.gnss.velocity_noise or 0.0) * spec.filter.gnss_noise_scale,
+        position_sigma=np.array(spec.gnss.axis_noise) * spec.filter.gnss_noise_scale,
+        velocity_sigma=np.array(spec.gnss.axis_velocity_noise) * spec.filter.gnss_noise_scale,
     )
 
 
@@ -294,7 +293,7 @@ def _receiver(model: GnssModel, noisy: bool) -> Receiver:
         white=on * np.array(model.axis_noise),
         markov=on * np.array([model.markov_noise, model.markov_noise, vertical]),
         markov_time=model.markov_time,
-        velocity=model.velocity_noise or 0.0,
+        velocity=np.array(model.axis_velocity_noise),
         lever_arm=np.array(model.lever_arm),
     )
 

@@ -118,7 +118,8 @@ class GnssModel:
     """A GNSS receiver: white noise per fix and per axis, plus Gauss-Markov noise between fixes.
 
     lever_arm: antenna from the IMU, body axes forward-right-down [m]; the filter knows it.
-    velocity_noise: sigma per axis [m/s]; None for a receiver that gives position only.
+    velocity_noise: sigma per axis [m/s]; None for a receiver that gives position only. Each vertical noise is that
+    of the other axes where it is not given.
     Fixes come at the IMU sample nearest to each multiple of `interval`.
     """
 
@@ -129,10 +130,12 @@ class GnssModel:
     vertical_markov_noise: float = 0.0
     markov_time: float = 300.0
     velocity_noise: float | None = None
+    vertical_velocity_noise: float | None = None
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        optional = tuple(n for n in ("vertical_position_noise", "velocity_noise") if getattr(self, n) is not None)
+        names = ("vertical_position_noise", "velocity_noise", "vertical_velocity_noise")
+        optional = tuple(name for name in names if getattr(self, name) is not None)
         _check(
             self,
             positive=("position_noise", "interval", "markov_time", *optional),
@@ -146,6 +149,14 @@ class GnssModel:
         """White position noise north, east, down [m]."""
         vertical = self.position_noise if self.vertical_position_noise is None else self.vertical_position_noise
         return self.position_noise, self.position_noise, vertical
+
+    @property
+    def axis_velocity_noise(self) -> tuple[float, ...]:
+        """White velocity noise north, east, down [m/s]; empty for a receiver that gives position only."""
+        if self.velocity_noise is None:
+            return ()
+        vertical = self.velocity_noise if self.vertical_velocity_noise is None else self.vertical_velocity_noise
+        return self.velocity_noise, self.velocity_noise, vertical
 
 
 @dataclass(frozen=True)

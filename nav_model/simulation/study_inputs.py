@@ -247,15 +247,18 @@ def _declared(key: str) -> BaseQuantity[Any]:
     return STUDY_KEYS[key]
 
 
-def added(spec: SimulationSpec) -> dict[str, float]:
-    """What a specification holds of `STUDY_KEYS` other than their defaults, by key, in SI."""
+def added(spec: SimulationSpec, velocity: float | None = None) -> dict[str, float]:
+    """What a specification holds of `STUDY_KEYS` other than their defaults, by key, in SI.
+
+    velocity: noise of the design's own velocity fixes [m/s], which are not an addition.
+    """
     found: dict[str, float | None] = {}
     for section, triad in (("gyro", spec.imu.gyro), ("accelerometer", spec.imu.accelerometer)):
         for name in (key.partition(".")[2] for key in STUDY_KEYS if key.startswith(section + ".")):
             found[f"{section}.{name}"] = getattr(triad, _RENAMED.get(name, name))
         if not triad.bias_instability:
             del found[f"{section}.correlation_time"]  # of nothing
-    found["receiver.velocity_noise"] = spec.gnss.velocity_noise
+    found["receiver.velocity_noise"] = None if spec.gnss.velocity_noise == velocity else spec.gnss.velocity_noise
     for way, length in zip(("forward", "right", "down"), spec.gnss.lever_arm, strict=True):
         found[f"receiver.lever_{way}"] = length
     for name in ("process_noise_scale", "gnss_noise_scale", "propagation_rate"):

@@ -66,6 +66,7 @@ def conditions_told(study: SimulationStudy, _: str) -> Bullets:
 def run_table(study: SimulationStudy, key: str) -> Table:
     """The parameters of the runs."""
     spec = study.result.spec
+    beyond = added(spec, velocity_told(study.design))
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = number(spec.runs * spec.duration / 3600, given=True)
     rows = (
@@ -75,7 +76,7 @@ def run_table(study: SimulationStudy, key: str) -> Table:
         ("Fixes", f"every {spec.gnss.interval:g} s; outages: {outages}"),
         ("Filter", f"closed-loop error-state Kalman filter of {spec.filter.states} states"),
         ("Inertial unit", f"strapdown, WGS 84; vibration factor {spec.imu.vibration_factor:g} on both random walks"),
-        *((STUDY_KEYS[name].label, STUDY_KEYS[name].show(value)) for name, value in added(spec).items()),
+        *((STUDY_KEYS[name].label, STUDY_KEYS[name].show(value)) for name, value in beyond.items()),
     )
     return Table(
         f"{key}-simulation-run",
@@ -161,7 +162,7 @@ def _alike(study: SimulationStudy) -> list[list[Departure]]:
     groups: dict[tuple[object, ...], list[Departure]] = {}
     for found in study.departures:
         causes = tuple(cause for cause, _ in found.steps)
-        groups.setdefault((found.group, found.phase, causes), []).append(found)
+        groups.setdefault((found.group, found.phase, found.stretch, causes), []).append(found)
     return list(groups.values())
 
 
