@@ -183,7 +183,8 @@ class BarChart:
 
 @dataclass(frozen=True)
 class Dot:
-    """One row of a dot chart [degrees]: a closed form (NaN: none), what runs gave, their 5-95 % band."""
+    """One row of a dot chart [degrees]: a closed form (NaN: none), what runs gave, their 5-95 % band; ``whole``: the
+    value with a part that stands beside it, NaN where there is none."""
 
     label: str
     closed: float
@@ -191,6 +192,7 @@ class Dot:
     low: float
     high: float
     source: str
+    whole: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -208,15 +210,20 @@ class DotChart:
     millimetres: float
     knowledge: str = ""
 
+    @property
+    def has_wholes(self) -> bool:
+        """Whether a part stands beside the values."""
+        return any(not math.isnan(dot.whole) for dot in self.dots)
+
     def rows(self) -> Iterator[tuple[str, ...]]:
         """Every number drawn, as rows of a table."""
-        names = ("closed form", "ensemble rms", "ensemble 5 %", "ensemble 95 %")
+        names = ("closed form", "ensemble rms", "ensemble 5 %", "ensemble 95 %", "with the along-track part")
         yield ("strategy", *(f"{n} [°]" for n in names), *(f"{n} [mm]" for n in names), "source")
         for dot in self.dots:
-            values = (dot.closed, dot.ensemble, dot.low, dot.high)
+            values = (dot.closed, dot.ensemble, dot.low, dot.high, dot.whole)
             millimetres = (self.millimetres * value for value in values)
             yield (dot.label, *(repr(float(v)) for v in values), *(repr(float(v)) for v in millimetres), dot.source)
-        yield ("limit", repr(float(self.limit)), *[""] * 8)
+        yield ("limit", repr(float(self.limit)), *[""] * 10)
 
 
 @dataclass(frozen=True)

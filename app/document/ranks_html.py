@@ -23,11 +23,18 @@ def ranks_html(chart: DotChart, notes: Mapping[str, str], best: str) -> str:
         f'</th><td title="{escape(_tip(dot, chart))}"><div>{scale.marks(dot)}</div></td>{_figures(dot, chart)}</tr>'
         for dot in chart.dots
     )
-    heads = "".join(f'<th scope="col">{head}</th>' for head in ("Strategy", escape(chart.x_label), "[°]", "[mm]"))
+    columns = [
+        "Strategy",
+        escape(chart.x_label),
+        "[°]",
+        "[mm]",
+        *(["with along-track [°]"] if chart.has_wholes else []),
+    ]
+    heads = "".join(f'<th scope="col">{head}</th>' for head in columns)
     return (
         f'<table class="ranks"><caption class="hidden">{escape(chart.title)}</caption><thead><tr>{heads}</tr></thead>'
         f'<tbody>{rows}</tbody><tfoot aria-hidden="true"><tr><td></td><td><div>{scale.axis()}</div></td>'
-        "<td></td><td></td></tr></tfoot></table>"
+        f"{'<td></td>' * (len(columns) - 2)}</tr></tfoot></table>"
     )
 
 
@@ -42,8 +49,9 @@ def _shown(dot: Dot) -> float:
 def _figures(dot: Dot, chart: DotChart) -> str:
     shown = _shown(dot)
     if math.isnan(shown):
-        return f'<td class="quiet" colspan="2">{_COMING}</td>'
-    return f'<td class="num">{number(shown)}</td><td class="num">{number(chart.millimetres * shown)}</td>'
+        return f'<td class="quiet" colspan="{2 + chart.has_wholes}">{_COMING}</td>'
+    values = [shown, chart.millimetres * shown, *([dot.whole] if chart.has_wholes else [])]
+    return "".join(f'<td class="num">{number(value)}</td>' for value in values)
 
 
 def _tip(dot: Dot, chart: DotChart) -> str:

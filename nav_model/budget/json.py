@@ -93,14 +93,15 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "post_processed": _placement(budget.post_processed_placement),
         },
         "spectral": _spectral(budget.spectral),
-        "verdict": _verdict(verdict),
-        "other_verdict": _verdict(budget.other_verdict),
+        "verdict": verdict_json(verdict),
+        "other_verdict": verdict_json(budget.other_verdict),
         "cautions": list(cautions(budget)),
         "provenance": {key: asdict(entry) for key, entry in provenance(budget).items()},
     }
 
 
-def _verdict(verdict: Verdict) -> dict[str, Any]:
+def verdict_json(verdict: Verdict) -> dict[str, Any]:
+    """A verdict and its checks."""
     return {
         "processing": verdict.processing,
         "closes": verdict.closes,

@@ -63,11 +63,6 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
         if fitted
         else ". With fewer than three fixes in the aperture there is no quadratic to fit."
     )
-    if fitted and sigma["5w"] > 1.01 * min(sigma["2"], sigma["5"]):
-        because += (
-            " The weighted fit is worse here because GNSS velocity noise along track leaks into the line of sight "
-            "[S-2]."
-        )
     if coast > 0:
         because += f" {NAMES['3']} ({coast:.4g} s without fixes): {_length(sigma['3'])}."
     if "9" in sigma:

@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from nav_model.analytic.discrete import SlowError, cycle
-from nav_model.analytic.turning import TURNING, smoothed_bent_variance, turn_weights
-from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.aperture.window import Window
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.fast import not_flown
-from nav_model.budget.figures import channels
+from nav_model.budget.figures import SMOOTHED, begun, sampled, smoothed_figures
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
-from nav_model.processing.smoother import smoothed_error
-from nav_model.processing.spectrum import Leg
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import ApertureFlight, flight_of
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.strategies import NAMES
-from nav_model.sar.strategy_forms import QUADRATIC_MEAN_SQUARE
-from nav_model.sar.winners import Conditions
+from nav_model.sar.winners import Conditions, Smoothed
 
 Engine = Literal["fast", "simulator"]
 """The per-axis error model, and full flights of the simulator."""
@@ -121,77 +116,66 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
 
 
 def conditions(
-    budget: Budget,
-    aperture_time: float | np.ndarray | None = None,
-    gnss_factor: float | np.ndarray = 1.0,
-    gyro_noise: float | np.ndarray | None = None,
-    *,
-    smoothed: bool = True,
+    budget: Budget, changes: Mapping[str, np.ndarray] | None = None, *, smoothed: bool = True
 ) -> Conditions:
-    """The closed forms' inputs for a design, or for a grid about it: arrays that broadcast together.
+    """The closed forms' inputs for a design, or for a grid about it.
 
-    The state at the last fix is that of the sampled filter just after it [T-8], for each fix noise
-    (``gnss_factor`` times the design's, vertical with it) and each angle random walk [rad/s/sqrt(Hz)],
-    the vibration factor applied to what is given too. A slow GNSS error that is switched on stays as it is.
-    ``smoothed``: whether the whole-leg smoother is wanted, too; on a grid it takes longer than all the others.
+    The state at the last fix is the one from which the budget starts the aperture, so that the INS after the outage
+    and the whole-leg smoother have the budget's own figures.
+
+    Parameters
+    ----------
+    budget : Budget
+    changes : mapping, optional
+        Dotted key -> values in SI instead of the design's, as `inputs_of` takes them; they broadcast together.
+    smoothed : bool
+        Whether the whole-leg smoother is wanted, too; on a grid it takes longer than all the others.
     """
-    design = budget.design
-    imu, gnss, flight = design.imu, design.gnss, design.flight
-    accelerometer = imu.velocity_random_walk * imu.vibration_factor
-    gyro = (imu.angle_random_walk if gyro_noise is None else np.asarray(gyro_noise)) * imu.vibration_factor
-    level, upright = gnss.position_noise * np.asarray(gnss_factor), _vertical_noise(design) * np.asarray(gnss_factor)
-    slow = SlowError(gnss.correlated_noise, gnss.correlation_time) if gnss.correlated else None
-    velocities = inputs_of(design).velocity_of_fix
-    settled = cycle(accelerometer, gyro, flight.gravity, gnss.interval, level, upright, slow, velocities)
-    span = budget.sar.aperture_time if aperture_time is None else aperture_time
-    changed = {
-        "radar.aperture_time": span,
-        "gnss.position_noise": level,
-        "gnss.vertical_position_noise": upright,
-        "imu.angle_random_walk": imu.angle_random_walk if gyro_noise is None else gyro_noise,
-    }
+    x = inputs_of(budget.design, changes)
+    start = begun(x)
     return Conditions(
-        aperture_time=span,
-        gnss_sigma=level,
-        fix_interval=gnss.interval,
-        accelerometer_noise=accelerometer,
-        gyro_noise=gyro,
-        start=settled.posterior.horizontal,
-        start_vertical=settled.posterior.vertical,
-        coast_time=design.coast.before_aperture,
-        gravity=flight.gravity,
-        accelerometer_bias=imu.accelerometer_bias,
-        gyro_bias=imu.gyro_bias,
-        grazing_angle=design.radar.grazing_angle,
-        vertical_gnss_sigma=upright,
-        turn_rate=flight.speed / design.radar.slant_range,
-        autofocus_order=budget.sar.autofocus_order,
-        squint_angle=design.radar.squint_angle,
-        slow=slow,
-        slow_with_tilt=settled.slow_with_tilt,
-        smoothed=_smoothed(inputs_of(design, changed)) if smoothed else None,
-        post_processed=design.processing.mode == POST_PROCESSED,
+        aperture_time=x.aperture,
+        gnss_sigma=x.fix,
+        fix_interval=x.interval,
+        accelerometer_noise=x.sigma_a,
+        gyro_noise=x.sigma_w,
+        start=start.horizontal,
+        start_vertical=start.vertical,
+        coast_time=x.before_aperture,
+        gravity=x.g,
+        accelerometer_bias=x.bias,
+        gyro_bias=x.bias_w,
+        grazing_angle=x.grazing_angle,
+        vertical_gnss_sigma=x.fix_vertical,
+        turn_rate=x.speed / x.slant_range,
+        autofocus_order=x.autofocus_order,
+        squint_angle=x.squint,
+        slow=x.slow,
+        slow_with_tilt=0.0 if x.slow is None else sampled(x).slow_with_tilt,
+        smoothed=_smoothed(x, whole=changes is None) if smoothed else None,
+        post_processed=x.post_processed,
+        fast=(
+            sum(made.quadratic for made in x.fast.values()),
+            sum(getattr(made, f"left_{x.autofocus_order}") for made in x.fast.values()),
+        ),
     )
 
 
-def _smoothed(x: Inputs) -> tuple[np.ndarray, np.ndarray]:
-    """Variances [m²] of the whole-leg smoother along the line of sight: quadratic, and after autofocus. [P-5], [S-2]
+def _smoothed(x: Inputs, *, whole: bool) -> Smoothed:
+    """The whole-leg smoother's variances [m²] as the budget has them. [P-5], [S-2]"""
+    turning = f"turning_detrended_phase_{x.autofocus_order}"
+    if turning not in SMOOTHED:  # the autofocus removes what the turn adds
+        turning = "detrended_phase"
+    names = ("quadratic_phase", "detrended_phase", *((turning,) if whole else ()))
+    found = smoothed_figures(x, names)
+    return Smoothed(*((found[name] / x.to_phase) ** 2 for name in names))
 
-    With fixes throughout, as for every strategy except the INS after an outage.
-    """
-    left = f"left_{x.autofocus_order}"
-    leg = Leg(x.leg_before, x.leg_after, np.zeros(()))
-    level, upright = smoothed_error(channels(x), x.aperture, leg, ("quadratic", left, *TURNING))
-    wide, high = line_of_sight_weights(x.grazing_angle)
-    turn = turn_weights(x.grazing_angle, x.squint, x.speed / x.slant_range, x.aperture)
-    bent = sum(
-        smoothed_bent_variance(weights, part)
-        for weights, part in ((turn.along, level), (turn.across, level), (turn.down, upright))
-    )
-    focus = wide * level[left] + high * upright[left]
-    if x.autofocus_order == 1:
-        focus = focus + QUADRATIC_MEAN_SQUARE * bent
-    return np.asarray(wide * level["quadratic"] + high * upright["quadratic"] + bent), np.asarray(focus)
+
+def judged(design: Design) -> str:
+    """Key of the strategy whose figures the requirements are checked against, the budget's."""
+    if design.processing.mode == POST_PROCESSED:
+        return "9"
+    return "3" if design.coast.before_aperture > 0 else "2"
 
 
 def required_phase(design: Design) -> float | None:
@@ -223,8 +207,8 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     if design.coast.before_aperture > 0:
         said.append(
             f"Only {NAMES['3']} flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all "
-            f"others have fixes throughout. Without fixes {NAMES['3']} is the only option in real time. The Budget "
-            f"page's post-processed figures count the outage; {NAMES['9']} here does not."
+            f"others have fixes throughout. Without fixes {NAMES['3']} is the only option in real time. The formula "
+            f"of {NAMES['9']} counts the outage, its runs do not."
         )
     else:
         said.append(f"No outage before the aperture is set, so {NAMES['3']} equals {NAMES['2']}.")

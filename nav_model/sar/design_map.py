@@ -45,8 +45,7 @@ class DesignMap:
 def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
     """Aperture time against fix noise; the catalogue's radars with this design's fixes.
 
-    The vertical fix noise goes with the horizontal one. Radars whose entry lacks range, resolution, frequency
-    or speed are left out.
+    Radars whose entry lacks range, resolution, frequency or speed are left out.
     """
     own = budget.design.gnss.position_noise
     noise = _axis(own, _GNSS_SPAN, points)
@@ -64,7 +63,10 @@ def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
                 )
             )  # fmt: skip
     span = _aperture_axis(budget, points)
-    result = _winners(budget, span[None, :], gnss_factor=noise[:, None] / own)
+    # The vertical fix noise, if it has one of its own, goes with the horizontal.
+    upright = (budget.design.gnss.vertical_position_noise or own) / own * noise
+    changes = {"gnss.position_noise": noise[:, None], "gnss.vertical_position_noise": upright[:, None]}
+    result = _winners(budget, span, changes)
     return _made(budget, result, span, noise, own, tuple(names), np.array(spans), np.full(len(spans), own))
 
 
@@ -74,16 +76,17 @@ def arw_map(budget: Budget, points: int = POINTS) -> DesignMap:
     walk = _axis(own, _ARW_SPAN, points)
     known = [entry for entry in catalogue("imu").values() if "angle_random_walk" in entry.values]
     span = _aperture_axis(budget, points)
-    result = _winners(budget, span[None, :], gyro_noise=walk[:, None])
+    result = _winners(budget, span, {"imu.angle_random_walk": walk[:, None]})
     values = np.array([entry.values["angle_random_walk"].value for entry in known])
     names = tuple(entry.name for entry in known)
     return _made(budget, result, span, walk, own, names, np.full(len(known), budget.sar.aperture_time), values)
 
 
-def _winners(budget: Budget, span: _FloatArray, **grid: _FloatArray) -> WinnerMap:
+def _winners(budget: Budget, span: _FloatArray, changes: dict[str, _FloatArray]) -> WinnerMap:
     """The map over apertures; the whole-leg smoother is computed where it may win."""
     smoothed = budget.design.processing.mode == POST_PROCESSED
-    return map_of_winners(conditions(budget, span, **grid, smoothed=smoothed))
+    grid = changes | {"radar.aperture_time": span[None, :]}
+    return map_of_winners(conditions(budget, grid, smoothed=smoothed))
 
 
 def _made(

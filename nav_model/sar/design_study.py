@@ -26,7 +26,7 @@ from nav_model.sar.flown_engine import fly_axes
 from nav_model.sar.line_of_sight import range_error
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy, StrategyErrors, Tuning
 from nav_model.sar.study import RunMeasures, choose_tuning, measure_runs, simulate_axes, typical_run
-from nav_model.sar.winners import MAP_STRATEGIES, WORTH, strategy_variances
+from nav_model.sar.winners import MAP_STRATEGIES, WORTH, strategy_variances, whole_variances
 
 _FloatArray = NDArray[np.float64]
 _CHUNK: dict[Engine, int] = {"fast": 50, "simulator": 10}  # about a second of work
@@ -41,12 +41,14 @@ class ClosedForms:
     """Results of the formulas: the advice, and for 2, 3, 5, 5w and 9 the sigmas [m] along the line of sight.
 
     ``quadratic``: of the coefficient at the aperture's ends; ``detrended``: rms over the aperture of what the
-    autofocus leaves; None where fewer than three fixes determine no quadratic.
+    autofocus leaves, both along the line of sight of mid-aperture; ``whole``: the latter along the line as it turns,
+    with the along-track part. None where fewer than three fixes determine no quadratic.
     """
 
     advice: Advice
     quadratic: dict[str, float | None]
     detrended: dict[str, float | None]
+    whole: dict[str, float | None]
     required_phase: float | None
 
 
@@ -64,8 +66,9 @@ class SarStudy:
     """Every strategy on one noise realisation a run; strategies first, metres of line of sight.
 
     ``parts``, ``responses``: name -> band (10,); a response is NaN where there is no image. ``rms``: root mean
-    square over the runs of the residual after autofocus, ``quadratic_rms`` of the quadratic coefficient: what a
-    closed form is compared with; ``rms_error``, ``quadratic_rms_error`` their standard errors.
+    square over the runs of the residual after autofocus, ``quadratic_rms`` of the quadratic coefficient, both along
+    the line of sight of mid-aperture: what a closed form is compared with; ``rms_error``, ``quadratic_rms_error``
+    their standard errors; ``whole_rms``: of the residual along the line as it turns, as in the histories.
     ``time`` (n,), ``typical`` (10, n): the run whose free INS is the median one; ``spread`` (10, n): rms over the
     runs.
     ``engine``: which engine made the runs.
@@ -81,6 +84,7 @@ class SarStudy:
     rms_error: _FloatArray
     quadratic_rms: _FloatArray
     quadratic_rms_error: _FloatArray
+    whole_rms: _FloatArray
     jump_rms: Band
     fix_harmonics: Band
     fixes: int
@@ -97,16 +101,18 @@ class SarStudy:
 
     def best(self, *, causal: bool = False) -> Strategy:
         """The simplest strategy whose residual, rms over the runs, is within 5 % of the least; ``causal``: of those
-        that work in real time.
+        that work in flight, before the aperture has ended.
 
         The ideal and the INS after an outage are excluded; the whole-leg smoother counts if the design is
         post-processed.
         """
-        able = [one.key for one in map(_named, _SIMPLEST_FIRST) if one.causal or (not causal and self._allowed(one))]
-        residual = {key: float(self.rms[STRATEGY_KEYS.index(key)]) for key in able}
-        least = min(residual.values())
-        chosen = next(key for key in able if residual[key] <= (1 + WORTH) * least)
-        return _named(chosen)
+        able = self._able(causal)
+        least = min(map(self.residual, able))
+        return _named(next(key for key in able if self.residual(key) <= (1 + WORTH) * least))
+
+    def _able(self, causal: bool = False) -> list[str]:
+        """Keys of the candidates, the simplest first."""
+        return [one.key for one in map(_named, _SIMPLEST_FIRST) if one.causal or (not causal and self._allowed(one))]
 
     def _allowed(self, strategy: Strategy) -> bool:
         return strategy.timing != POST_PROCESSED or self.budget.design.processing.mode == POST_PROCESSED
@@ -121,9 +127,7 @@ class SarStudy:
         smoothed = self._allowed(_named("9"))
         best, now, advised = self.best(), self.best(causal=True), self.closed.advice.strategy
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
-        least = self.residual(best.key) <= min(
-            self.residual(key) for key in _SIMPLEST_FIRST if key != "9" or smoothed
-        )
+        least = self.residual(best.key) <= min(map(self.residual, self._able()))
         why = "the least" if least else "the simplest within 5 % of the least"
         said = (
             f"Over {self.runs} {what}, {best.name} leaves {_millimetres(self.residual(best.key))} rms "
@@ -132,7 +136,7 @@ class SarStudy:
         if best.timing == POST_PROCESSED:
             said += " It needs post-processing."
         if now.key != best.key:
-            said += f" The best in real time is {now.name} with {_millimetres(self.residual(now.key))}."
+            said += f" The best in flight is {now.name} with {_millimetres(self.residual(now.key))}."
         if not smoothed:
             said += f" Post-processed, {NAMES['9']} leaves {_millimetres(self.residual('9'))}."
         if advised not in (best.key, now.key):
@@ -156,6 +160,7 @@ def closed_forms(budget: Budget) -> ClosedForms:
         advice=advise(inputs, budget.sar.wavelength, limit),
         quadratic=_by_strategy(variances.quadratic),
         detrended=_by_strategy(variances.detrended),
+        whole=_by_strategy(whole_variances(inputs, variances.detrended)),
         required_phase=limit,
     )
 
@@ -186,7 +191,7 @@ def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int
 
 def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
     """Place of the run to draw: chunk, runs of that chunk, index in it."""
-    run = typical_run(_joined([chunk.measures.parts["detrended_rms"] for chunk in parts]))
+    run = typical_run(_joined([chunk.measures.parts["whole_rms"] for chunk in parts]))
     index, within = divmod(run, parts[0].runs)
     return index, parts[index].runs, within
 
@@ -207,8 +212,10 @@ def gather(
     responses = {name: _joined([c.measures.responses[name] for c in parts]) for name in parts[0].measures.responses}
     bands = {name: band(value) for name, value in values.items()}
     to_phase = 4 * np.pi / case.wavelength
-    left = bands["quadratic"] if case.autofocus_order == 1 else bands["residual_rms"]
-    smeared = to_phase * left.high > _NO_IMAGE_RAD
+    left = bands["residual_rms"].high
+    if case.autofocus_order == 1:
+        left = np.hypot(bands["quadratic"].high, bands["along_track_quadratic"].high)
+    smeared = to_phase * left > _NO_IMAGE_RAD
     first = parts[0].measures
     rms, rms_error = _root_mean_square(values["residual_rms"])
     quadratic, quadratic_error = _root_mean_square(values["quadratic"])
@@ -223,6 +230,7 @@ def gather(
         rms_error=rms_error,
         quadratic_rms=quadratic,
         quadratic_rms_error=quadratic_error,
+        whole_rms=_root_mean_square(values["whole_rms"])[0],
         jump_rms=band(np.concatenate([c.measures.jump_rms for c in parts])),
         fix_harmonics=band(np.moveaxis(_joined([c.measures.fix_harmonics for c in parts]), 1, -1)),
         fixes=first.fixes,

@@ -16,18 +16,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.design.processing import POST_PROCESSED
 
 _FloatArray = NDArray[np.float64]
 
 
-AFTER_APERTURE = "after the aperture"
+IN_FLIGHT, AFTER_APERTURE = "in flight", "after the aperture"
 
 
 class Strategy(NamedTuple):
     """Name and properties of a strategy.
 
-    ``timing``: when its output is available: in real time, after the last fix of the aperture, or post-processed.
+    ``timing``: when its output is available: in flight, after the last fix of the aperture, or post-processed. A
+    design that is processed in real time can use the first two.
     """
 
     key: str
@@ -38,19 +39,19 @@ class Strategy(NamedTuple):
 
     @property
     def causal(self) -> bool:
-        """Whether its output is available in real time."""
-        return self.timing == REAL_TIME
+        """Whether its output is available in flight."""
+        return self.timing == IN_FLIGHT
 
 
 STRATEGIES: tuple[Strategy, ...] = (
     Strategy("1", "Ideal", AFTER_APERTURE, False, "reference without error"),
-    Strategy("2", "INS from filter", REAL_TIME, False, "formula [T-15], [S-5]"),
-    Strategy("3", "INS after outage", REAL_TIME, False, "formula [T-15], [S-5] with T_c"),
-    Strategy("4", "Filter output", REAL_TIME, False, "runs only"),
+    Strategy("2", "INS from filter", IN_FLIGHT, False, "formula [T-15], [S-5]"),
+    Strategy("3", "INS after outage", IN_FLIGHT, False, "formula [T-15], [S-5] with T_c"),
+    Strategy("4", "Filter output", IN_FLIGHT, False, "runs only"),
     Strategy("5", "Quadratic fit", AFTER_APERTURE, False, "INS less a quadratic fitted to INS - GNSS [T-16], [S-7]"),
     Strategy("5w", "Quadratic fit, noise-weighted", AFTER_APERTURE, False, "optimal linear weight [S-5], [S-7]"),
-    Strategy("6", "Tracking filter", REAL_TIME, True, "after Kim, Fellerhoff and Kohler 2001"),
-    Strategy("7", "Damping loop", REAL_TIME, True, "after Song et al. 2015, 2017"),
+    Strategy("6", "Tracking filter", IN_FLIGHT, True, "after Kim, Fellerhoff and Kohler 2001"),
+    Strategy("7", "Damping loop", IN_FLIGHT, True, "after Song et al. 2015, 2017"),
     Strategy("8", "RTS smoother", AFTER_APERTURE, False, "Rauch, Tung and Striebel 1965"),
     Strategy("9", "Whole-leg smoother", POST_PROCESSED, False, "formula [P-3], [P-5]: fixes before, in and after"),
 )

@@ -27,11 +27,13 @@ _INTEGRAL_PARTS = (0.0, 0.5)
 class RunMeasures:
     """The measures of each run, strategies first; metres of line of sight.
 
-    ``residual`` (10, runs, n). ``parts`` and ``responses``: name -> (10, runs), the signed coefficients by their
-    magnitude. ``jump_rms`` (runs,): of the filter's jumps at the fixes, along the line of sight of mid-aperture.
-    ``fix_harmonics`` (10, runs, h): the ripple's amplitude at 1, 2, 3 times the fix rate, fewer where half the
-    sampling rate cuts them off. ``fixes``: in the aperture; below three 5 and 5w are the same as 2. ``tuning`` of
-    6 and 7.
+    ``residual`` (10, runs, n): along the line of sight as it turns, after autofocus. ``parts``: name -> (10, runs),
+    along the line of sight of mid-aperture, where requirements are checked; beside them ``whole_rms``, of
+    ``residual``, and ``along_track_quadratic``, what the turn adds to the quadratic. ``responses``: name ->
+    (10, runs). Signed coefficients are given by their magnitude. ``jump_rms`` (runs,): of the filter's jumps at the
+    fixes, along the line of sight of mid-aperture. ``fix_harmonics`` (10, runs, h): the ripple's amplitude at 1, 2, 3
+    times the fix rate, fewer where half the sampling rate cuts them off. ``fixes``: in the aperture; below three 5
+    and 5w are the same as 2. ``tuning`` of 6 and 7.
     """
 
     time: _FloatArray
@@ -77,14 +79,18 @@ def measure_runs(
     along, across, down = axes
     error = range_error(geometry, along.time, along.error, across.error, down.error)
     line = geometry.target / geometry.slant_range
+    steady = -sum(part * axis.error for part, axis in zip(line, axes, strict=True))
     jumps = np.sqrt(sum(part**2 * axis.jump_rms**2 for part, axis in zip(line, axes, strict=True)))
-    parts = decompose(error, autofocus_order)
+    parts = decompose(steady, autofocus_order)
     residual = autofocus(error, autofocus_order)
+    measured = {name: np.abs(getattr(parts, name)) for name in Decomposition.__dataclass_fields__}
+    measured["whole_rms"] = np.sqrt(np.mean(residual**2, axis=-1))
+    measured["along_track_quadratic"] = np.abs(decompose(error - steady).quadratic)
     sampled = int(fix_interval / (2 * (along.time[1] - along.time[0])) + 1e-9)
     return RunMeasures(
         time=along.time,
         residual=residual,
-        parts={name: np.abs(getattr(parts, name)) for name in Decomposition.__dataclass_fields__},
+        parts=measured,
         responses=run_responses(4 * np.pi / wavelength * residual, window, autofocus_order),
         jump_rms=np.asarray(jumps),
         fix_harmonics=fix_rate_harmonics(residual, along.time, fix_interval, min(FIX_HARMONICS, sampled)),
@@ -93,9 +99,9 @@ def measure_runs(
     )
 
 
-def typical_run(detrended_rms: _FloatArray) -> int:
+def typical_run(rms: _FloatArray) -> int:
     """The run (of (10, runs)) whose free INS, strategy 2, is the median one."""
-    free = detrended_rms[1]
+    free = rms[1]
     return int(np.argsort(free)[len(free) // 2])
 
 

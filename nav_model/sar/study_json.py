@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.budget.json import verdict_json
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
-from nav_model.sar.design_case import flight_cautions, study_cautions
+from nav_model.sar.design_case import flight_cautions, judged, study_cautions
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.strategies import STRATEGIES
@@ -47,6 +48,8 @@ def to_json(study: SarStudy, beside: SarStudy | None = None) -> dict[str, Any]:
         "window": sar.window,
         "fixes_in_aperture": study.fixes,
         "slow_gnss_error": "estimated by the filter" if budget.design.gnss.correlated else "off",
+        "verdict": verdict_json(budget.verdict),
+        "judged_strategy": judged(budget.design),
         "advice": advice(study.closed),
         "ensemble_sentence": study.sentence,
         "strategies": [_strategy(study, index) for index in range(len(STRATEGIES))],
@@ -112,9 +115,11 @@ def _strategy(study: SarStudy, index: int) -> dict[str, Any]:
         "closed_form": {
             "residual_rms_m": study.closed.detrended.get(key),
             "quadratic_sigma_m": study.closed.quadratic.get(key),
+            "whole_residual_rms_m": study.closed.whole.get(key),
         },
         "residual_rms_over_runs_m": float(study.rms[index]),
         "residual_rms_over_runs_standard_error_m": float(study.rms_error[index]),
+        "whole_residual_rms_over_runs_m": float(study.whole_rms[index]),
         "quadratic_sigma_m": float(study.quadratic_rms[index]),
         "quadratic_sigma_standard_error_m": float(study.quadratic_rms_error[index]),
         "parts_m": {name: _band(values, index) for name, values in study.parts.items()},

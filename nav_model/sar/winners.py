@@ -1,9 +1,10 @@
 """Which strategy is best along the line of sight, of 2, 3, 5, 5w and 9.
 
-Axes are put together with the weights of [S-1]. Velocity and position errors through the turning line of sight
-([S-2], `turning`) are added, also under squint. A slow GNSS error enters the fits (`fit_noise`) and, through
-``start``, the state at the last fix. The whole-leg smoother's figures come from `nav_model.processing`
-(`Conditions.smoothed`). It counts only for post-processed designs, as it needs fixes from after the aperture.
+Strategies are judged as requirements are (`nav_model.budget`): along the line of sight of mid-aperture, axes put
+together with the weights of [S-1]. `whole_variances` adds what the turning line of sight makes of velocity and
+position errors ([S-2], `turning`), also under squint. A slow GNSS error enters the fits (`fit_noise`) and, through
+``start``, the state at the last fix. The whole-leg smoother's figures are the budget's (`Conditions.smoothed`). It
+counts only for post-processed designs, as it needs fixes from after the aperture.
 """
 
 from __future__ import annotations
@@ -48,10 +49,12 @@ class Conditions:
     """What the closed forms need: SI, numbers or arrays that broadcast together.
 
     ``start``, ``start_vertical``: covariance of a horizontal axis and of the vertical one at the last fix.
+    ``fast``: variances along the line of sight that no strategy changes (vibration, unsensed motion, oscillator), of
+    the quadratic and after autofocus [m²].
     ``vertical_gnss_sigma``: as the horizontal one unless given. ``turn_rate`` [rad/s]: V / R. ``fixes``: in the
     aperture, floor(T / dt) + 1 unless given. Only strategy 3 carries ``coast_time``. ``slow``: of the fixes, numbers;
     ``start`` is then that of the filter that estimates it, and ``slow_with_tilt`` [m rad] the covariance of its
-    tilt error with the slow error itself. ``smoothed``: of the whole-leg smoother, quadratic and detrended [m²].
+    tilt error with the slow error itself. ``smoothed``: of the whole-leg smoother [m²].
     ``post_processed``: whether the image is made after the flight.
     """
 
@@ -74,12 +77,22 @@ class Conditions:
     start_vertical: Vertical = _AT_REST
     slow: SlowError | None = None
     slow_with_tilt: ArrayLike = 0.0
-    smoothed: tuple[ArrayLike, ArrayLike] | None = None
+    smoothed: Smoothed | None = None
     post_processed: bool = False
+    fast: tuple[ArrayLike, ArrayLike] = (0.0, 0.0)
+
+
+class Smoothed(NamedTuple):
+    """Variances [m²] of the whole-leg smoother: as in `StrategyVariances`, and ``whole`` as in `whole_variances`."""
+
+    quadratic: ArrayLike
+    detrended: ArrayLike
+    whole: ArrayLike = np.nan
 
 
 class StrategyVariances(NamedTuple):
-    """Line-of-sight variances [m^2], in the order of `MAP_STRATEGIES`; without ``smoothed``, of `IN_APERTURE`.
+    """Variances [m^2] along the line of sight of mid-aperture, in the order of `MAP_STRATEGIES`; without
+    ``smoothed``, of `IN_APERTURE`.
 
     ``quadratic``: of the coefficient of x^2 over the aperture. ``detrended``: mean over the aperture of what
     the autofocus leaves. Infinite for 5 where fewer than three fixes determine no quadratic.
@@ -90,7 +103,7 @@ class StrategyVariances(NamedTuple):
 
 
 def strategy_variances(c: Conditions) -> StrategyVariances:
-    """The closed forms [T-15], [T-16], [S-5], [S-7] along the line of sight, its turning [S-2] included."""
+    """The closed forms [T-15], [T-16], [S-5], [S-7] along the line of sight of mid-aperture."""
     level, upright = line_of_sight_weights(c.grazing_angle)
     t, dt = np.asarray(c.aperture_time, float), np.asarray(c.fix_interval, float)
     n = fixes_in_aperture(t, dt) if c.fixes is None else np.asarray(c.fixes, float)
@@ -114,34 +127,42 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
         + upright * shrunk_residual_variance(held_down, down, 0.0)
     ) / QUADRATIC_MEAN_SQUARE
 
-    bent, bent_coasted, bent_fit = _bent_by_the_turn(c, t, dt, n, slow)
-    along = (bent, bent_coasted, bent_fit, np.where(n > 2, bent_fit, bent))
     with np.errstate(invalid="ignore"):  # no fit, on an axis of zero weight
         fitted = np.where(n > 2, level * across + upright * down, np.inf)
-    quadratic = (free.quadratic, coasted.quadratic, fitted, shrunk)
     if c.autofocus_order == 1:
-        corrected = [QUADRATIC_MEAN_SQUARE * part + rest for part in quadratic[2:]]
-        detrended = [
-            part + QUADRATIC_MEAN_SQUARE * turned
-            for part, turned in zip((free.detrended, coasted.detrended, *corrected), along, strict=True)
-        ]
+        corrected = [QUADRATIC_MEAN_SQUARE * part + rest for part in (fitted, shrunk)]
     else:
-        determined = np.where(n > 2, rest, np.inf)
-        detrended = [free.detrended, coasted.detrended, determined, rest]
-    ends = [q + turned for q, turned in zip(quadratic, along, strict=True)]
+        corrected = [np.where(n > 2, rest, np.inf), rest]
+    ends = [np.add(part, c.fast[0]) for part in (free.quadratic, coasted.quadratic, fitted, shrunk)]
+    left = [np.add(part, c.fast[1]) for part in (free.detrended, coasted.detrended, *corrected)]
     if c.smoothed is not None:
-        ends.append(np.asarray(c.smoothed[0]))
-        detrended.append(np.asarray(c.smoothed[1]))
-    return StrategyVariances(np.stack(np.broadcast_arrays(*ends)), np.stack(np.broadcast_arrays(*detrended)))
+        ends.append(np.asarray(c.smoothed.quadratic))
+        left.append(np.asarray(c.smoothed.detrended))
+    return StrategyVariances(np.stack(np.broadcast_arrays(*ends)), np.stack(np.broadcast_arrays(*left)))
 
 
-def _bent_by_the_turn(
-    c: Conditions, t: _FloatArray, dt: _FloatArray, n: _FloatArray, slow: SlowFit
-) -> tuple[_FloatArray, _FloatArray, _FloatArray]:
-    """What the turn adds to the variance [m^2] of the quadratic: free, coasted, fitted.
+def whole_variances(c: Conditions, detrended: _FloatArray) -> _FloatArray:
+    """What the autofocus leaves along the line of sight as it turns: with the along-track part [S-2], [m²].
+
+    Of and in the order of `strategy_variances`. An autofocus beyond the line removes what the turn adds but for
+    little.
+    """
+    found = detrended.copy()
+    if c.autofocus_order == 1:
+        bent = QUADRATIC_MEAN_SQUARE * np.stack(np.broadcast_arrays(*_bent_by_the_turn(c)))
+        found[: len(IN_APERTURE)] += bent
+    if c.smoothed is not None:
+        found[len(IN_APERTURE) :] = c.smoothed.whole
+    return found
+
+
+def _bent_by_the_turn(c: Conditions) -> tuple[_FloatArray, ...]:
+    """What the turn adds to the variance [m²] of the quadratic, in the order of `IN_APERTURE`.
 
     For 5 and 5w the velocity is that of the fitted line, and the position error is negligible.
     """
+    t, dt = np.asarray(c.aperture_time, float), np.asarray(c.fix_interval, float)
+    n = fixes_in_aperture(t, dt) if c.fixes is None else np.asarray(c.fixes, float)
     turn = turn_weights(c.grazing_angle, c.squint_angle, c.turn_rate, t)
     level, upright = _of_acceleration(c)
     jerk = np.multiply(c.gravity, c.gyro_bias)
@@ -155,7 +176,8 @@ def _bent_by_the_turn(
             + bent_variance(turn.down, *vertical)
         )
 
-    return free(0.0), free(c.coast_time), _bent_fit(c, t, dt, n, turn, slow)
+    started, fitted = free(0.0), _bent_fit(c, t, dt, n, turn, slow_fit(c.slow, dt, t, n))
+    return started, free(c.coast_time), fitted, np.where(n > 2, fitted, started)
 
 
 def _bent_fit(
@@ -195,9 +217,9 @@ def map_of_winners(conditions: Conditions) -> WinnerMap:
     """The strategy that wins among those with a closed form, by detrended sigma along the line of sight: in real time
     among those that need no fix after the aperture.
 
-    On one axis 5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in
-    the order of `MAP_STRATEGIES`) within the fraction `WORTH` of the best is the one named. Along the line of
-    sight it can lose: its fitted line brings the fixes' velocity noise, which the turn bends [S-2].
+    5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in the order of
+    `MAP_STRATEGIES`) within the fraction `WORTH` of the best is the one named. A fitted line brings
+    the fixes' velocity noise, which the turn bends [S-2]; where a fit is named, it is better with that part, too.
     ``start`` goes with the fix noise and the sensors of each point, so give arrays of that shape.
     ``best_sigma`` is that of the strategy named.
     """

@@ -15,7 +15,7 @@ Visit = Callable[..., Page]
 Check = Callable[..., None]
 GOTCHA = Path(__file__).parents[3] / "shared/data/sar_gotcha_pass1_az001_HH.npz"
 _MATCH = "The runs match the design."
-_ANSWER = re.compile("Use |is best, but misses the limit")
+_ANSWER = re.compile("Detrended phase not met")
 
 
 # Pixels by which what is drawn of the map is higher than its place: the texts below it may have grown.
@@ -70,7 +70,7 @@ def _seen_at_once(page: Page, width: int, height: int) -> bool:
     """Whether what decides lies inside the window, and the large parts are large."""
     parts = {
         "answer": page.get_by_role("status").filter(has_text=_ANSWER),
-        "ranking": page.get_by_role("table", name="Strategies ranked by residual phase"),
+        "ranking": page.get_by_role("table", name="Strategies ranked by detrended phase"),
         "map": page.locator(".bk-Figure:visible").first,
         "image": page.get_by_role("img", name="RTS smoother"),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
 from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
+from app.subjects.sar.tables import FORMULAS, judged_along
 from nav_model.aperture.geometry import metres_to_phase, phase_to_metres
 from nav_model.aperture.impulse_response import aperture_of_phase, response_curve
 from nav_model.base.units import from_si
@@ -40,8 +41,12 @@ def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: s
             Line(key, NAMES[key], study.time, 1000 * study.typical[row], f"strategy {key}", STRATEGIES[row].source)
             for key, row in zip(keys, rows, strict=True)
         ),
-        knowledge=f"{_typical(study)} Errors are projected on the turning line of sight. Rms over the runs: "
-        + "; ".join(f"{NAMES[key]} {number(1000 * study.residual(key))} mm" for key in keys)
+        knowledge=f"{_typical(study)} Errors are projected on the turning line of sight, so they have the "
+        "along-track part. Rms over the runs: "
+        + "; ".join(
+            f"{NAMES[key]} {number(1000 * float(study.whole_rms[row]))} mm"
+            for key, row in zip(keys, rows, strict=True)
+        )
         + ".",
     )
 
@@ -73,14 +78,12 @@ def _typical(study: SarStudy) -> str:
 
 
 def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
-    """Residual phase of each strategy, the least first: formula beside the runs."""
+    """Detrended phase of each strategy, the least first: formula beside the runs."""
     limit = math.nan if closed.required_phase is None else closed.required_phase * _DEG
     return _dot_chart(
-        "sar-residual", "Strategies ranked by residual phase",
-        f"residual phase {LEFT[budget.sar.autofocus_order]}, rms [°]", budget,
-        closed.detrended, study, "rms", "residual_rms", limit,
-        "Formulas [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]; the Budget "
-        f"page uses the average between fixes [T-3]. {NAMES['9']}: [P-3], [P-5]. {_chosen(budget)}",
+        "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms over the aperture [°]", budget,
+        closed.detrended, closed.whole, study, "rms", "residual_rms", limit,
+        f"The rms {LEFT[budget.sar.autofocus_order]}. {judged_along(budget)} {FORMULAS}. {_chosen(budget)}",
     )  # fmt: skip
 
 
@@ -90,9 +93,9 @@ def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None)
     limit = math.nan if required is None else float(required) / budget.design.requirements.confidence * _DEG
     return _dot_chart(
         "sar-quadratic", "Strategies ranked by quadratic phase", "quadratic phase at the aperture's ends [°]", budget,
-        closed.quadratic, study, "quadratic_rms", "quadratic", limit,
-        f"Formulas [S-5], [S-7] with the along-track part [S-2], {NAMES['9']} [P-5]; before autofocus. "
-        f"{_chosen(budget)}",
+        closed.quadratic, {}, study, "quadratic_rms", "quadratic", limit,
+        f"Before autofocus, without the along-track quadratic phase, which has a check of its own. Formulas [S-5], "
+        f"[S-7], {NAMES['9']} [P-5]. {_chosen(budget)}",
     )  # fmt: skip
 
 
@@ -107,20 +110,24 @@ def _chosen(budget: Budget) -> str:
 
 
 def _dot_chart(
-    key: str, title: str, x_label: str, budget: Budget, closed: dict[str, float | None],
-    study: SarStudy | None, over_runs: str, part: str, limit: float, knowledge: str,
+    key: str, title: str, x_label: str, budget: Budget, closed: Mapping[str, float | None],
+    wholes: Mapping[str, float | None], study: SarStudy | None, over_runs: str, part: str, limit: float,
+    knowledge: str,
 ) -> DotChart:  # fmt: skip
     to_degrees = _DEG * float(metres_to_phase(1.0, budget.sar.wavelength))
     dots = []
     for row, strategy in enumerate(STRATEGIES[1:], start=1):
-        form = closed.get(strategy.key)
+        form, known = closed.get(strategy.key), wholes.get(strategy.key)
         ensemble = low = high = math.nan
+        whole = math.nan if known is None else to_degrees * known
         if study is not None:  # in the study's own wavelength, until it is run again
             scale = _DEG * float(metres_to_phase(1.0, study.budget.sar.wavelength))
             band = study.parts[part]
             ensemble, low, high = (scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high))
+            if wholes:
+                whole = scale * float(study.whole_rms[row])
         closed_phase = math.nan if form is None else to_degrees * form
-        dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source))
+        dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, whole))
     dots.sort(key=_rank)
     said = "" if study is None else (
         f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {percent(_worst_error(study))}."
@@ -130,9 +137,10 @@ def _dot_chart(
 
 
 def _rank(dot: Dot) -> float:
-    """What a row is ranked by: the runs, else the formula; rows without either last."""
+    """What a row is ranked by: the runs, else the formula; rows without either last. Of equals, to the digits that
+    are shown, the simplest stays first."""
     value = dot.closed if math.isnan(dot.ensemble) else dot.ensemble
-    return math.inf if math.isnan(value) else value
+    return math.inf if math.isnan(value) else float(f"{value:.3g}")
 
 
 def _worst_error(study: SarStudy) -> float:
@@ -234,7 +242,7 @@ def _winner_chart(
         title=title,
         x_label="aperture time [s]",
         y_label=y_label,
-        value_label="residual phase of the best strategy [°]",
+        value_label="detrended phase of the best strategy [°]",
         x=x,
         y=y,
         winner=drawn.winner,
@@ -245,11 +253,11 @@ def _winner_chart(
                 here),
         contour=Line("limit", "phase limit", line[:, 0], line[:, 1], "limit", "requirement"),
         knowledge=(
-            "Formulas at every point [T-15], [T-16], [S-7], [S-1], [S-2], each with its own settled filter [T-8], "
-            "this design's squint and its slow GNSS error. The map names the simplest strategy within 5 % of the "
-            f"least residual, of the {_COUNT[len(drawn.strategies)]} that have a formula and that the processing "
+            "Formulas at every point [T-15], [T-16], [S-7], [S-1], each with its own settled filter, this design's "
+            "squint and its slow GNSS error. The map names the simplest strategy within 5 % of the least detrended "
+            f"phase, of the {_COUNT[len(drawn.strategies)]} that have a formula and that the processing "
             f"allows. {_chosen(budget)} "
-            + ("Set a limit on the residual phase to see where it is met." if limit is None else
+            + ("Set a limit on the detrended phase to see where it is met." if limit is None else
                f"The limit of {degrees(limit)}° at 1σ is met towards shorter apertures.")
         ),
     )  # fmt: skip

@@ -15,19 +15,25 @@ from app.charts.kinds import DotChart
 from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
 from app.document.numbers import NONE, hundredths, number
 from app.document.ranks_html import ranks_html
+from app.document.verdict import SAID, check_words
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
+from nav_model.budget.result import Check
 from nav_model.design.processing import REAL_TIME
 from nav_model.sar.advice import LEFT
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
-from nav_model.sar.design_case import flight_cautions, study_cautions
+from nav_model.sar.design_case import flight_cautions, judged, study_cautions
 from nav_model.sar.design_study import ClosedForms, SarStudy
-from nav_model.sar.strategies import NAMES, STRATEGIES, Strategy
+from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy
 
 _NOT_RUN = "…"
 _ENGINES = {"fast": "runs of the error model", "simulator": "flights of the simulator"}
 _BANDS = "Median of the runs, 5 to 95 % in brackets."
+FORMULAS = (
+    f"Formulas [T-15], [T-16], [S-6], [S-7] with [S-1], {NAMES['9']} [P-3], [P-5]; with the along-track part [S-2]"
+)
+"""Where the formulas of the strategies come from."""
 _SIDE_LOBES = (
     "Fixed: outside the null-to-null lobe of the error-free response, where a shoulder counts as a side lobe. Nulls: "
     "outside the minima found."
@@ -35,32 +41,37 @@ _SIDE_LOBES = (
 
 
 def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple[Answer, tuple[Block, ...]]:
-    """Which strategy to use and whether it meets the limit; then why, and what would change the answer.
+    """The verdict on the detrended phase, which is the budget's, and the best strategy; then why, and what would
+    change the choice.
 
-    Of the runs where there are some, otherwise of the formulas.
+    The strategy is that of the runs where there are some, otherwise of the formulas.
     """
     advice = closed.advice
     if study is None:
-        key, sigma, smoothed = advice.strategy, advice.sigma[advice.strategy], advice.sigma["9"]
-        note = "The formulas cover some of the strategies; the runs cover all."
+        key, sigma, whole = advice.strategy, advice.sigma[advice.strategy], closed.whole[advice.strategy]
     else:
         best, now = study.best(), study.best(causal=True)
-        key, sigma, smoothed, note = best.key, study.residual(best.key), study.residual("9"), ""
-        if now.key != key:
-            note = f"Best in real time: {now.name}, {_degrees(study.residual(now.key), budget)}°."
-    if key == "9":
-        note = f"It needs post-processing. {note}"
-    elif budget.design.processing.mode == REAL_TIME:
-        note = f"{note} Post-processed, {NAMES['9']}: {_degrees(smoothed, budget)}°."
-    word, tone, limit = f"Use {NAMES[key]}", "open", ""
-    if closed.required_phase is not None:
-        met = float(metres_to_phase(sigma, budget.sar.wavelength)) <= closed.required_phase
-        word, tone = (f"✓ {word}", "good") if met else (f"✗ {NAMES[key]} is best, but misses the limit", "bad")
-        limit = f"; the limit is {number(math.degrees(closed.required_phase), given=True)}°"
-    source = "by formula" if study is None else f"in {study.runs} runs"
-    said = f"It leaves {_degrees(sigma, budget)}° rms of phase {LEFT[budget.sar.autofocus_order]}, {source}{limit}."
+        key, sigma, whole = best.key, study.residual(best.key), float(study.whole_rms[STRATEGY_KEYS.index(best.key)])
+    assert whole is not None  # the formula that is chosen has one
+    source = "formula" if study is None else f"{study.runs} runs"
+    leaves = f"{_degrees(sigma, budget)}° by {source}, {_degrees(whole, budget)}° with the along-track part"
+    said = [f"Best strategy: {NAMES[key]}, {leaves}."]
+    if study is not None and now.key != key:
+        said.append(f"Best in flight: {now.name}, {_degrees(study.residual(now.key), budget)}°.")
+    smoothed = closed.detrended["9"]
+    if budget.verdict.processing == REAL_TIME and smoothed is not None:
+        said.append(f"Post-processed, {NAMES['9']}: {_degrees(smoothed, budget)}° by formula.")
+    word, tone = f"Use {NAMES[key]}", "open"
+    check = detrended_check(budget)
+    if check is not None:
+        words = check_words(budget.design, check)
+        own = NAMES[judged(budget.design)]
+        word, tone = ("✓ Detrended phase met", "good") if check.met else ("✗ Detrended phase not met", "bad")
+        said.insert(
+            0, f"{own}, {SAID[budget.verdict.processing]}: {words.value}, limit {words.limit}, margin {words.margin}."
+        )
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
-    return Answer(word, tone, (said, note.strip()) if note else (said,)), (
+    return Answer(word, tone, tuple(said)), (
         *runs,
         Text(advice.sentence),
         Text(f"Why: {advice.because}"),
@@ -68,9 +79,23 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
     )
 
 
+def detrended_check(budget: Budget) -> Check | None:
+    """The check of the detrended phase, in the budget's verdict; None where the design has no such limit."""
+    return next((check for check in budget.verdict.checks if check.name == "detrended_phase"), None)
+
+
 def ranking(chart: DotChart, best: str) -> str:
     """The strategies in their order as HTML; ``best`` names the one to use."""
     return ranks_html(chart, {strategy.name: _kind(strategy) for strategy in STRATEGIES}, best)
+
+
+def judged_along(budget: Budget) -> str:
+    """Which phase is judged, and which row is the budget's."""
+    return (
+        "Requirements are checked along the line of sight of mid-aperture, as on the Budget page; the along-track "
+        f"part has its own check. The formula of {NAMES[judged(budget.design)]} is the Budget page's value. Formulas "
+        "start where the Budget page does, runs just after a fix."
+    )
 
 
 def _degrees(sigma: float, budget: Budget) -> str:
@@ -89,35 +114,43 @@ def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
 
 
 def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key: str) -> Table:
-    """One row per strategy: closed form and runs, in millimetres and in degrees."""
+    """One row per strategy: closed form and runs, along the line of sight of mid-aperture and with the along-track
+    part."""
     rows = []
     for index, strategy in enumerate(STRATEGIES):
-        form = closed.detrended.get(strategy.key)
+        form, whole = closed.detrended.get(strategy.key), closed.whole.get(strategy.key)
         cells = [NONE, NONE] if form is None else [_number(scale * form) for scale in _scales(budget)]
+        wholes = [NONE if whole is None else _degrees(whole, budget)]
         if study is None:
-            cells += [_NOT_RUN] * 4
+            cells += [_NOT_RUN] * 3
+            wholes += [_NOT_RUN]
         else:
-            cells += [_number(scale * float(study.rms[index])) for scale in _scales(study.budget)]
-            cells += [_banded(study.parts["residual_rms"], index, scale) for scale in _scales(study.budget)]
+            millimetres, degrees = _scales(study.budget)
+            cells += [_number(scale * float(study.rms[index])) for scale in (millimetres, degrees)]
+            cells += [_banded(study.parts["residual_rms"], index, degrees)]
+            wholes += [_number(degrees * float(study.whole_rms[index]))]
+        cells += wholes
         rows.append((Cell(strategy.name), Cell(_kind(strategy)), *map(Cell, cells)))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
     return Table(
         f"{key}-sar-errors",
-        f"Line-of-sight error by strategy, rms over the aperture {LEFT[budget.sar.autofocus_order]}",
+        f"Detrended phase by strategy: rms over the aperture {LEFT[budget.sar.autofocus_order]}",
         (
             Column("Strategy", width=1.75),
             Column("Kind", width=1.3),
             *(
-                Column(unit, numeric=True, width=width, group=group)
-                for group, widths in (
-                    ("Formula", (0.8, 0.75)), ("Runs, rms", (0.8, 0.75)), ("Runs, median", (1.3, 1.3)),
+                Column(title, numeric=True, width=width, group=group)
+                for group, columns in (
+                    ("Formula", (("[mm]", 0.8), ("[°]", 0.75))),
+                    ("Runs, rms", (("[mm]", 0.8), ("[°]", 0.75))),
+                    ("Runs, median", (("[°]", 1.3),)),
+                    ("With the along-track part", (("formula [°]", 0.9), ("runs, rms [°]", 0.9))),
                 )
-                for unit, width in zip(("[mm]", "[°]"), widths, strict=True)
+                for title, width in columns
             ),
         ),
         tuple(rows),
-        f"{runs}Formulas [T-15], [T-16], [S-6], [S-7] with [S-1], [S-2], from the filter just after a fix [T-8]; "
-        f"{NAMES['9']} [P-3], [P-5]. Degrees are two-way phase [T-13].",
+        f"{runs}{judged_along(budget)} {FORMULAS}. Degrees are two-way phase [T-13].",
     )  # fmt: skip
 
 
@@ -132,8 +165,8 @@ def _parts_table(study: SarStudy, key: str) -> Table:
     millimetres, degrees = _scales(study.budget)
     parts = (
         ("Largest residual [mm]", "detrended_max", millimetres), ("Quadratic [°]", "quadratic", degrees),
-        ("Cubic [°]", "cubic", degrees), ("Higher orders [°]", "higher_rms", degrees),
-        ("High frequency [°]", "high_frequency_rms", degrees),
+        ("Along-track quadratic [°]", "along_track_quadratic", degrees), ("Cubic [°]", "cubic", degrees),
+        ("Higher orders [°]", "higher_rms", degrees), ("High frequency [°]", "high_frequency_rms", degrees),
     )  # fmt: skip
     return _by_strategy(
         f"{key}-sar-parts",
@@ -143,8 +176,9 @@ def _parts_table(study: SarStudy, key: str) -> Table:
             tuple(_banded(study.parts[name], index, scale) for _, name, scale in parts)
             for index in range(len(STRATEGIES))
         ],
-        f"{_BANDS} Quadratic and cubic: coefficients at the aperture's ends, before autofocus [S-5], [S-6]. Others: "
-        f"rms [T-14]. {NAMES['4']} jumps at the fixes by {_banded(study.jump_rms, ..., millimetres)} mm rms.",
+        f"{_BANDS} Quadratic and cubic: coefficients at the aperture's ends, before autofocus [S-5], [S-6]. "
+        f"Along-track: what the turning line of sight adds [S-2]. Others: rms [T-14]. "
+        f"{NAMES['4']} jumps at the fixes by {_banded(study.jump_rms, ..., millimetres)} mm rms.",
     )
 
 

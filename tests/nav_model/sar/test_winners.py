@@ -15,7 +15,13 @@ from nav_model.sar.strategy_forms import (
     ins_variances,
     shrunk_residual_variance,
 )
-from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners, strategy_variances
+from nav_model.sar.winners import (
+    Conditions,
+    break_even_aperture,
+    map_of_winners,
+    strategy_variances,
+    whole_variances,
+)
 
 SA, SW = 0.05 / 60, np.radians(0.5) / 60
 G = 9.80665
@@ -76,14 +82,14 @@ def test_the_turning_line_of_sight_bends_an_along_track_velocity():
     speed, far, span, wrong = 100.0, 7000.0, 5.0, 0.2
     time = np.linspace(-span / 2, span / 2, 2001)
     error = np.hypot(far, speed * time + wrong * (time + span / 2)) - np.hypot(far, speed * time)
-    quadratic = np.polynomial.polynomial.polyfit(2 * time / span, error, 2)[2]
     start = settled(0.0, wrong**2)
     quiet = replace(PLAIN, aperture_time=span, start=start, accelerometer_noise=1e-12, gyro_noise=1e-15)
-    still, turning = (strategy_variances(replace(quiet, turn_rate=rate)) for rate in (0.0, speed / far))
-    assert np.sqrt(turning.quadratic[0]) == pytest.approx(quadratic, rel=0.01)
-    assert still.quadratic[0] < 1e-12
+    turning = replace(quiet, turn_rate=speed / far)
+    at_middle = strategy_variances(turning)
+    assert at_middle.quadratic[0] < 1e-12
     line = error - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, error, 1))
-    assert np.sqrt(turning.detrended[0]) == pytest.approx(np.sqrt(np.mean(line**2)), rel=0.01)
+    whole = whole_variances(turning, at_middle.detrended)
+    assert np.sqrt(whole[0]) == pytest.approx(np.sqrt(np.mean(line**2)), rel=0.01)
 
 
 def test_the_shrunk_fit_can_lose_along_the_line_of_sight(differs):
@@ -94,9 +100,9 @@ def test_the_shrunk_fit_can_lose_along_the_line_of_sight(differs):
         PLAIN, aperture_time=10.0, gnss_sigma=1.0, accelerometer_noise=sensors[0], gyro_noise=sensors[1], start=start,
         turn_rate=0.02,
     )  # fmt: skip
-    ins, shrunk = (1e3 * np.sqrt(float(strategy_variances(near).detrended[i])) for i in (0, 3))
-    still_ins, still = (float(strategy_variances(replace(near, turn_rate=0.0)).detrended[i]) for i in (0, 3))
-    assert still <= still_ins
+    at_middle = strategy_variances(near).detrended
+    ins, shrunk = (1e3 * np.sqrt(float(whole_variances(near, at_middle)[i])) for i in (0, 3))
+    assert at_middle[3] <= at_middle[0]
     assert shrunk > 2 * ins
     differs(
         "Noise-weighted quadratic fit against the INS alone", "S-2", "our design notes: the weighted fit never loses",
@@ -105,6 +111,26 @@ def test_the_shrunk_fit_can_lose_along_the_line_of_sight(differs):
         "on one axis the fit is never worse; along the line of sight its line brings the fixes' velocity noise, "
         "which the turning line of sight bends into a quadratic, as exact ranges show",
     )  # fmt: skip
+
+
+def test_what_wins_at_mid_aperture_wins_along_the_turning_line_too():
+    """2000 cases: the fits are chosen only where they hold more than their fixes' velocity noise costs."""
+    random = np.random.default_rng(1)
+
+    def spread(low, high):
+        return np.exp(random.uniform(np.log(low), np.log(high), 2000))
+
+    sensors, noise, interval = (spread(1e-3, 0.2) / 60, spread(1e-5, 2e-2) / 60), spread(0.005, 3), spread(0.1, 2)
+    start = cycle(*sensors, G, interval, noise, noise).posterior
+    case = Conditions(
+        spread(2, 80), noise, interval, *sensors, start.horizontal, start_vertical=start.vertical,
+        turn_rate=spread(0.002, 0.1), grazing_angle=0.5,
+    )  # fmt: skip
+    whole = whole_variances(case, strategy_variances(case).detrended)
+    winner = map_of_winners(case).winner
+    assert len(np.unique(winner)) == 3
+    chosen = np.take_along_axis(whole, winner[None], axis=0)[0]
+    assert np.all(chosen <= 1.05**2 * whole[0])
 
 
 def test_map_of_winners_on_a_grid():

@@ -1,0 +1,117 @@
+"""One requirement, one answer: value, limit, margin and verdict are the same wherever they are told."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.document.blocks import Table
+from app.document.verdict import check_words, verdict_strip, verdicts_in_short
+from app.subjects.budget.command import check_lines
+from app.subjects.budget.key_figures import key_figures
+from app.subjects.budget.tables import requirement_table
+from app.subjects.sar.tables import answer
+from nav_model.budget import analyse
+from nav_model.budget.json import to_json
+from nav_model.design import Design
+from nav_model.design.parts import INPUTS
+from nav_model.explore.margins import ratios
+from nav_model.sar.design_case import conditions, judged
+from nav_model.sar.design_study import closed_forms
+from nav_model.sar.winners import map_of_winners
+
+COUNT = 100
+
+
+def some_design(random: np.random.Generator) -> Design:
+    """A design with every requirement, near the limits of some."""
+
+    def spread(low: float, high: float) -> float:
+        return float(np.exp(random.uniform(np.log(low), np.log(high))))
+
+    def sometimes(changes: dict[str, Any], chance: float = 0.3) -> dict[str, Any]:
+        return changes if random.random() < chance else {}
+
+    keys: dict[str, Any] = {
+        "imu.velocity_random_walk": spread(0.003, 0.2) / 60,
+        "imu.angle_random_walk": math.radians(spread(0.003, 0.5)) / 60,
+        "gnss.position_noise": spread(0.01, 3),
+        "gnss.interval": float(random.choice([0.1, 0.5, 1.0])),
+        "flight.speed": spread(40, 250),
+        "radar.slant_range": spread(2e3, 4e4),
+        "radar.aperture_time": spread(1, 20),
+        "radar.autofocus_order": int(random.integers(1, 4)),
+        "processing.mode": str(random.choice(["real time", "post-processed"])),
+        "requirements.confidence": float(random.choice([1.0, 2.0])),
+        **sometimes(
+            {"imu.accelerometer_bias": spread(1e-5, 1e-3), "imu.gyro_bias": math.radians(spread(0.01, 1)) / 3600}
+        ),
+        **sometimes({"gnss.velocity_noise": spread(0.01, 0.1)}),
+        **sometimes({"gnss.correlated": True, "gnss.correlated_noise": 0.3, "gnss.correlation_time": 300.0}, 0.2),
+        **sometimes({"coast.before_aperture": spread(1, 60)}),
+        **sometimes({"radar.squint_angle": float(random.uniform(-0.5, 0.5))}),
+        **sometimes({"motion.unsensed_lines": ((float(spread(1, 20)), 1e-4, "length"),)}),
+    }
+    limits: dict[str, Any] = {
+        "quadratic_phase": spread(0.1, 10), "cubic_phase": spread(0.05, 3), "detrended_phase": spread(0.05, 3),
+        "azimuth_shift": 1.0, "range_shift": 0.5, "ce90": 2.0, "le90": 2.0, "horizontal_position": 0.5,
+        "vertical_position": 0.5, "horizontal_velocity": 0.02, "vertical_velocity": 0.02, "tilt": 2e-4,
+        "coast_horizontal_position": 20.0, "coast_vertical_position": 20.0,
+    }  # fmt: skip
+    assert set(limits) <= set(INPUTS["requirements"])
+    return Design(keys | {f"requirements.{name}": limit for name, limit in limits.items()})
+
+
+@pytest.mark.long
+def test_pages_report_and_command_give_one_verdict() -> None:
+    random = np.random.default_rng(28)
+    seen = {True: 0, False: 0}
+    for _ in range(COUNT):
+        design = some_design(random)
+        budget = analyse(design)
+        verdict, lines = budget.verdict, check_lines("d", budget)
+        document = to_json(budget)["verdict"]
+        table = requirement_table(budget)
+        assert isinstance(table, Table)
+        assert document["closes"] is verdict.closes is all(check.met for check in verdict.checks)
+        assert f"d: {'closes' if verdict.closes else 'DOES NOT CLOSE'} at" in lines[-1]
+        assert verdict_strip(budget).word == ("✓ Closes" if verdict.closes else "✗ Does not close")
+        short = next(text for text, mode in verdicts_in_short(budget).items() if mode == verdict.processing)
+        assert ("✓" in short) is verdict.closes
+        tiles = {tile.label: tile for tile in key_figures(budget).items}
+        explored = ratios(design)
+        for check, told, row, line in zip(verdict.checks, document["requirements"], table.rows, lines, strict=False):
+            words = check_words(design, check)
+            assert check.met is (check.value <= check.limit)
+            seen[check.met] += 1
+            assert (told["name"], told["met"], told["margin"]) == (check.name, check.met, check.margin)
+            texts = [cell.text for cell in row]
+            assert texts[1:5] == [words.value, words.limit, words.margin, "✓ met" if check.met else "✗ not met"]
+            assert line.startswith(f"d: {'met    ' if check.met else 'NOT MET'} {check.name} ")
+            plain = [text.replace("−", "-") for text in (words.value, words.limit, words.margin)]
+            assert "{} (limit {}, margin {};".format(*plain) in line
+            assert 1 - float(explored[check.name]) == pytest.approx(check.margin, rel=1e-9, abs=1e-9)
+            for label in (check.label, check.label.replace("Horizontal position", "Position, horizontal")):
+                if label in tiles:
+                    assert (tiles[label].met, tiles[label].used) == (check.met, 1 - check.margin)
+        check = next(check for check in verdict.checks if check.name == "detrended_phase")
+        closed = closed_forms(budget)
+        said, _ = answer(budget, closed, None)
+        words = check_words(design, check)
+        assert said.tone == ("good" if check.met else "bad")
+        assert f"{words.value}, limit {words.limit}, margin {words.margin}." in said.sentences[0]
+        phase = 4 * math.pi / budget.sar.wavelength * design.requirements.confidence
+        own = closed.detrended[judged(design)]
+        assert own is not None
+        assert phase * own == pytest.approx(check.value, rel=1e-9)
+        drawn = map_of_winners(conditions(budget))
+        assert phase * drawn.sigma[drawn.strategies.index(judged(design))] == pytest.approx(check.value, rel=1e-9)
+        if judged(design) == closed.advice.strategy:
+            meets = re.search(r"(meets|misses) the limit", closed.advice.would_change)
+            assert meets is not None
+            assert (meets[1] == "meets") is check.met
+    assert min(seen.values()) > COUNT
