@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from app.charts.words import in_words
 from app.document.blocks import Cell, Chapter, ChartBlock, Column, Section, Table
@@ -13,9 +13,9 @@ from app.document.wording import labelled, title_of
 from app.report.comparison_charts import image_of, phase_comparison, position_comparison
 from app.report.inputs import shown_value, sourced_value
 from nav_model.budget import Budget
-from nav_model.budget.figures import FIGURES
 from nav_model.budget.result import Sigmas
-from nav_model.design.parts import INPUTS, declaration_of
+from nav_model.budget.verdict import label_of, limit_on
+from nav_model.design.parts import INPUTS
 
 _COLUMNS = 5  # designs that fit side by side on a page
 _LINES = 7  # curves a reader can tell apart
@@ -100,42 +100,38 @@ def _settled(budget: Budget) -> Sigmas:
     return budget.smoothed.sigmas if budget.smoothed else budget.steady_state.prior
 
 
-_Figure = tuple[str, str, Callable[[Budget], float]]
-_FIGURES: tuple[_Figure, ...] = (
-    ("Horizontal position", "horizontal_position", lambda b: _settled(b).position_horizontal),
-    ("Vertical position", "vertical_position", lambda b: _settled(b).position_vertical),
-    ("Horizontal velocity", "horizontal_velocity", lambda b: _settled(b).velocity_horizontal),
-    ("Vertical velocity", "vertical_velocity", lambda b: _settled(b).velocity_vertical),
-    ("Tilt", "tilt", lambda b: _settled(b).tilt),
-    ("Horizontal position, end of outage [T-17]", "coast_horizontal_position",
-     lambda b: b.coast.end_refined_horizontal),
-    ("Vertical position, end of outage [T-17]", "coast_vertical_position", lambda b: b.coast.end_refined_vertical),
-    ("Quadratic phase", "quadratic_phase", lambda b: image_of(b).quadratic),
-    ("Along-track quadratic phase", "along_track_quadratic_phase", lambda b: image_of(b).along_track_quadratic),
-    ("Detrended phase", "detrended_phase", lambda b: image_of(b).detrended),
-)  # fmt: skip
+_FIGURES: Mapping[str, Callable[[Budget], float]] = {
+    "horizontal_position": lambda b: _settled(b).position_horizontal,
+    "vertical_position": lambda b: _settled(b).position_vertical,
+    "horizontal_velocity": lambda b: _settled(b).velocity_horizontal,
+    "vertical_velocity": lambda b: _settled(b).velocity_vertical,
+    "tilt": lambda b: _settled(b).tilt,
+    "coast_horizontal_position": lambda b: b.coast.end_refined_horizontal,
+    "coast_vertical_position": lambda b: b.coast.end_refined_vertical,
+    "quadratic_phase": lambda b: image_of(b).quadratic,
+    "along_track_quadratic_phase": lambda b: image_of(b).along_track_quadratic,
+    "detrended_phase": lambda b: image_of(b).detrended,
+}
+"""Name of a figure -> its one sigma."""
 
 
 def _figures(
     budgets: Sequence[Budget], labels: Sequence[str], display: Display, wide: int = _COLUMNS
 ) -> tuple[Table, ...]:
-    marks = []
-    for _, _, value in _FIGURES:
-        values = [value(budget) for budget in budgets]
-        marks.append([min(values) < max(values) and x == min(values) for x in values])
+    sigmas = {name: [value(budget) for budget in budgets] for name, value in _FIGURES.items()}
 
-    def cell(figure: int, design: int) -> Cell:
-        _, name, value = _FIGURES[figure]
-        declaration = declaration_of(f"requirements.{FIGURES[name]}")
-        sigma, dimension = value(budgets[design]), declaration.dimension
+    def cell(name: str, design: int) -> Cell:
+        limit, pair, sigma = limit_on(name), "horizontal" in name, sigmas[name][design]
         text = (
-            show_in(sigma, declaration.unit, dimension)
+            show_in(sigma, limit.unit, limit.dimension)
             if display == ONE_SIGMA
-            else display.show(sigma, dimension, pair="horizontal" in name)
+            else display.show(sigma, limit.dimension, pair=pair)
         )
-        return Cell(text, "best", "good") if marks[figure][design] else Cell(text)
+        best = min(sigmas[name]) < max(sigmas[name]) and sigma == min(sigmas[name])
+        return Cell(text, "best", "good") if best else Cell(text)
 
-    def told(label: str, name: str) -> Cell:
+    def told(name: str) -> Cell:
+        label = label_of(name)
         return Cell(label if display == ONE_SIGMA else f"{label}, {display.named(pair='horizontal' in name)}")
 
     def table(columns: range, part: str) -> Table:
@@ -143,12 +139,9 @@ def _figures(
             f"c-figures-{columns.start}",
             f"Errors, {display.spread}{part}; the smallest of all designs is marked best",
             _head("Figure", columns, labels, numeric=True),
-            tuple(
-                (told(label, name), *(cell(figure, design) for design in columns))
-                for figure, (label, name, _) in enumerate(_FIGURES)
-            ),
+            tuple((told(name), *(cell(name, design) for design in columns)) for name in _FIGURES),
             "Each design has its own outage, radar, aperture and processing. In real time: just before a fix [T-8], "
-            "phases [S-5], [S-2], [T-15], [S-6]. Post-processed: smoothed [P-3], [P-5]; an outage is in real time.",
+            "phases [S-5], [S-2], [T-15], [S-6]. Post-processed: smoothed [P-3], [P-5]. Outage: in real time [T-17].",
         )
 
     return _in_parts(len(budgets), labels, table, wide)

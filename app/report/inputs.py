@@ -121,7 +121,7 @@ def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_
     if entry is not None and name in entry.values:
         sheet = entry.values[name]
         return label, Cell(text, "changed", "warn"), Cell(f"stated; the preset has {sheet.text} ({sheet.status})")
-    idle = name.startswith("correl") and name != "correlated" and not design.gnss.correlated
+    idle = isinstance(declaration, BaseQuantity) and not design.uses(key)
     is_default = key not in design.written and design[key] == declaration.default
     origin = "default" if is_default else "stated in the design"
     return label, Cell(text), Cell(f"{origin}; not in use" if idle else origin, tone="quiet" if is_default else "")

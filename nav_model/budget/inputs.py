@@ -26,10 +26,10 @@ RECTIFICATION = "vibration rectification"
 """Name of the source in every budget."""
 
 VARIABLES: tuple[str, ...] = tuple(
-    f"{section}.{name}"
-    for section, names in INPUTS.items()
-    for name, declaration in names.items()
-    if isinstance(declaration, BaseQuantity) and section != "requirements" and f"{section}.{name}" != "imu.rate"
+    declaration.key
+    for names in INPUTS.values()
+    for declaration in names.values()
+    if isinstance(declaration, BaseQuantity) and declaration.variable
 )
 """Dotted keys of every input that a figure can depend on."""
 

@@ -11,6 +11,7 @@ from nav_model.budget.provenance import steady_marks
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
@@ -28,6 +29,18 @@ class _Figure:
 def checked(design: Design) -> tuple[str, ...]:
     """Names of the checks of a design's requirements, in the order of its verdict; without computing the figures."""
     return tuple(name for name, key in FIGURES.items() if design[f"requirements.{key}"] is not None)
+
+
+def limit_on(name: str) -> BaseQuantity[float | None]:
+    """The declaration of the requirement that limits a figure."""
+    declaration = declaration_of(f"requirements.{FIGURES[name]}")
+    assert isinstance(declaration, BaseQuantity)
+    return declaration
+
+
+def label_of(name: str) -> str:
+    """A figure's label: that of its requirement, but for one that limits two figures."""
+    return "Along-track quadratic phase" if name == "along_track_quadratic_phase" else str(limit_on(name).label)
 
 
 def confidence_of(design: Design, name: str) -> float:
@@ -58,17 +71,15 @@ def judge(
         figures |= _placed(place(), figures["quadratic_phase"].basis)
     checks = []
     for name in wanted:
-        figure, limit_key = figures[name], FIGURES[name]
-        limit = getattr(design.requirements, limit_key)
-        declaration = declaration_of(f"requirements.{limit_key}")
+        figure = figures[name]
+        limit = getattr(design.requirements, FIGURES[name])
         value = confidence_of(design, name) * figure.sigma
         margin = 1 - value / limit
-        label = str(declaration.label) if name == limit_key else "Along-track quadratic phase"
         checks.append(
             Check(
                 name=name,
-                label=label,
-                dimension=declaration.dimension,
+                label=label_of(name),
+                dimension=limit_on(name).dimension,
                 value=value,
                 sigma=figure.sigma,
                 limit=limit,

@@ -173,6 +173,12 @@ class Design:
         new._fill({**self._values, **texts}, parts, units, held)
         return new
 
+    def uses(self, key: str) -> bool:
+        """Whether the number under `key` is given and counts beside the other inputs."""
+        declaration = declaration_of(key)
+        assert isinstance(declaration, BaseQuantity)
+        return declaration.used_in(getattr(self, key.partition(".")[0]))
+
     def unit(self, key: str) -> str:
         """Unit symbol in which the value under `key` is shown."""
         written = self.written.get(key, "")

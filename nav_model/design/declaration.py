@@ -79,7 +79,8 @@ class BaseQuantity(Declared, param.Number[_T]):
     """A number with a dimension; see `Quantity`."""
 
     __slots__ = [
-        "alternative", "datasheet", "dimension", "short", "since", "slider", "typical", "unit", "when_empty",
+        "alternative", "datasheet", "dimension", "instead", "needs", "short", "since", "slider", "source", "typical",
+        "unit", "unless", "variable", "when_empty",
     ]  # fmt: skip
 
     dimension: str
@@ -90,6 +91,11 @@ class BaseQuantity(Declared, param.Number[_T]):
     alternative: Alternative | None
     slider: bool
     when_empty: str
+    instead: str
+    source: str
+    needs: tuple[str, ...]
+    unless: str
+    variable: bool
 
     def __init__(
         self,
@@ -106,6 +112,11 @@ class BaseQuantity(Declared, param.Number[_T]):
         alternative: Alternative | None = None,
         slider: bool = False,
         when_empty: str = "none",
+        instead: str = "",
+        source: str = "",
+        needs: tuple[str, ...] = (),
+        unless: str = "",
+        variable: bool = True,
         since: str = "",
         **params: Any,
     ) -> None:
@@ -116,7 +127,10 @@ class BaseQuantity(Declared, param.Number[_T]):
         self.typical = typical
         self.alternative = alternative
         self.slider = slider
-        self.when_empty = when_empty
+        self.when_empty, self.instead = when_empty, instead
+        self.source = source
+        self.needs, self.unless = needs, unless
+        self.variable = variable
         self.since = since
         low, high = (exact_bound(bound, unit, dimension) if dimension else bound for bound in bounds)
         super().__init__(  # type: ignore[misc]  # param's overloads name the two concrete cases only
@@ -138,6 +152,16 @@ class BaseQuantity(Declared, param.Number[_T]):
         """Lowest and highest allowed value, SI."""
         low, high = cast("tuple[float, float]", self.bounds)
         return float(low), float(high)
+
+    def used_in(self, part: param.Parameterized) -> bool:
+        """Whether the section of a design uses this input: it is given, and so is one that it needs."""
+
+        def given(name: str) -> bool:
+            return getattr(part, name) not in (None, False, ())
+
+        needed = any(map(given, self.needs)) or not self.needs
+        replaced = bool(self.unless) and given(self.unless)
+        return needed and not replaced and getattr(part, str(self.name)) is not None
 
     def _validate(self, val: Any) -> None:
         if val is None and self.allow_None:
@@ -277,13 +301,29 @@ class Quantity(BaseQuantity[float]):
         A second key for the same input.
     slider : bool
         Whether the page has a slider for it.
+    source : str
+        Name that a budget gives to the error of which this is the size; empty where it is not one.
+    needs : tuple of str
+        Inputs of the same section, of which one must be given or on; otherwise this one is not used.
+    unless : str
+        Input of the same section in whose place this one is used; not where that is given.
+    variable : bool
+        Whether a figure of the budget depends on it as a number: it can be ranked, mapped and swept.
     since : str
         As `Declared`.
     """
 
 
 class OptionalQuantity(BaseQuantity[float | None]):
-    """An input that may be left out (``None``), which means what `when_empty` says; otherwise as `Quantity`."""
+    """An input that may be left out (``None``); otherwise as `Quantity`.
+
+    Parameters
+    ----------
+    when_empty : str
+        What that means, as the page says it.
+    instead : str
+        Input of the same section whose value then holds.
+    """
 
     def __init__(self, **params: Any) -> None:
         super().__init__(allow_None=True, **params)

@@ -50,6 +50,7 @@ class Motion(Part):
         typical="50 to 500 Hz",
         when_empty="no limit",
         since="0.1.0",
+        needs=("lines", "spectrum"),
     )
     delay = Quantity(
         default=0.0,
@@ -63,6 +64,7 @@ class Motion(Part):
         datasheet='IMU: "group delay" or "latency"; the rest is the integrator\'s.',
         typical="0.1 to 10 ms",
         since="0.1.0",
+        needs=("lines", "spectrum"),
     )
     unsensed_lines = Rows(
         dimensions=("length", "acceleration"),
@@ -95,6 +97,8 @@ class Motion(Part):
         datasheet='Accelerometer table: "vibration rectification error", "VRE" or "VRC".',
         typical="quartz 10 to 50, MEMS 50 to 1000 µg/g²",
         since="0.1.0",
+        source="vibration rectification",
+        needs=("lines", "spectrum"),
     )
 
 
@@ -126,6 +130,7 @@ class Oscillator(Part):
         typical="10 or 100 MHz",
         when_empty="at the carrier",
         since="0.1.0",
+        needs=("phase_noise",),
     )
     bistatic = Choice(
         default=False,

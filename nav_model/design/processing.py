@@ -62,4 +62,5 @@ class Processing(Part):
         datasheet='Elevation model: "LE90" is 1.645 σ.',
         typical="lidar 0.2, TanDEM-X 2, SRTM 5 m",
         since="0.1.0",
+        source="scene height error",
     )

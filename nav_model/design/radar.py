@@ -64,6 +64,7 @@ class Radar(Part):
         datasheet='Radar table: "azimuth" or "cross-range resolution".',
         typical="0.1 m spotlight to 3 m strip map",
         slider=True,
+        unless="aperture_time",
     )
     window = Choice(
         default="uniform",

@@ -34,6 +34,7 @@ def _limit(
         datasheet=_GIVEN,
         typical=typical,
         when_empty="not checked",
+        variable=False,
         since=since,
     )
 
@@ -61,6 +62,7 @@ class Requirements(Part):
         doc="Number of sigmas that must stay within a limit.",
         datasheet="Not on data sheets: the requirement's own percentage.",
         typical="1 (68 %), 2 (95 %), 3 (99.7 %)",
+        variable=False,
     )
     steady_state = Choice(
         default="prior",

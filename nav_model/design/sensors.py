@@ -29,6 +29,7 @@ class Imu(Part):
         datasheet='Accelerometer table: "velocity random walk" or "noise density".',
         typical="navigation 0.003, tactical 0.03, MEMS 0.01 to 0.2 m/s/√h",
         slider=True,
+        source="accelerometer noise",
     )
     angle_random_walk = Quantity(
         default=0.5 * _ARW,
@@ -42,6 +43,7 @@ class Imu(Part):
         datasheet='Gyro table: "angle random walk" or "rate noise density".',
         typical="navigation 0.002, tactical 0.1, MEMS 0.1 to 0.7 °/√h",
         slider=True,
+        source="gyro noise",
     )
     accelerometer_bias = Quantity(
         default=0.0,
@@ -58,6 +60,7 @@ class Imu(Part):
         ),
         typical="tactical in-run 0.05, MEMS in-run 0.003 to 0.1 mg",
         slider=True,
+        source="accelerometer bias",
     )
     gyro_bias = Quantity(
         default=0.0,
@@ -71,6 +74,7 @@ class Imu(Part):
         datasheet="Not printed as such: at most the in-run bias stability of the gyro table.",
         typical="navigation 0.003, tactical 0.5, MEMS 1 to 10 °/h",
         slider=True,
+        source="gyro bias",
     )
     vibration_factor = Quantity(
         default=1.0,
@@ -96,6 +100,7 @@ class Imu(Part):
         doc="Output rate of the unit; used by the simulator, not by the formulas.",
         datasheet='"Output data rate".',
         typical="100 to 2000 Hz",
+        variable=False,
     )
 
 
@@ -117,6 +122,7 @@ class Gnss(Part):
         datasheet='Receiver table: "position accuracy"; CEP = 1.18 σ, 2DRMS = 2.83 σ.',
         typical="carrier phase 0.02, differential 0.5, code 1.5 to 3 m",
         slider=True,
+        source="GNSS noise",
     )
     vertical_position_noise = OptionalQuantity(
         dimension="length",
@@ -129,6 +135,8 @@ class Gnss(Part):
         datasheet="Usually 1.5 to 2 times the horizontal figure.",
         typical="carrier phase 0.03, code 3 to 5 m",
         when_empty="as horizontal",
+        instead="position_noise",
+        source="GNSS noise",
     )
     interval = Quantity(
         default=1.0,
@@ -156,6 +164,7 @@ class Gnss(Part):
         typical="Doppler 0.03 to 0.1, carrier phase 0.01 m/s",
         when_empty="no velocity",
         since="0.1.0",
+        source="GNSS velocity noise",
     )
     vertical_velocity_noise = OptionalQuantity(
         dimension="speed",
@@ -169,6 +178,9 @@ class Gnss(Part):
         typical="0.02 to 0.2 m/s",
         when_empty="as horizontal",
         since="0.1.0",
+        instead="velocity_noise",
+        source="GNSS velocity noise",
+        needs=("velocity_noise",),
     )
     velocity_interval = OptionalQuantity(
         dimension="time",
@@ -183,6 +195,8 @@ class Gnss(Part):
         typical="as the fix interval",
         when_empty="with each fix",
         since="0.1.0",
+        instead="interval",
+        needs=("velocity_noise",),
     )
     correlated = Choice(
         default=False,
@@ -203,6 +217,8 @@ class Gnss(Part):
         doc="Standard deviation of the slow error, per axis, in addition to the noise; used when switched on.",
         datasheet="Absolute accuracy less the noise: orbit, clock, atmosphere, multipath.",
         typical="differential 0.3, stand-alone 1 to 2 m",
+        source="slow GNSS error",
+        needs=("correlated",),
     )
     correlation_time = Quantity(
         default=300.0,
@@ -215,4 +231,5 @@ class Gnss(Part):
         doc="Time constant of the slow error.",
         datasheet="Not on data sheets. Estimate it from a static receiver log.",
         typical="multipath 30 to 100 s in flight, atmosphere 1000 s and more",
+        needs=("correlated",),
     )

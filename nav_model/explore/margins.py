@@ -9,10 +9,11 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
+from nav_model.budget import verdict
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import Inputs, Replacement, inputs_of
 from nav_model.budget.verdict import confidence_of
-from nav_model.design import Design
+from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 
@@ -54,13 +55,9 @@ def worst(by_requirement: Mapping[str, Array]) -> Array:
     return largest
 
 
-def label_of(figure: str) -> str:
-    """A figure's label."""
-    if figure == ALL:
-        return "All requirements"
-    if figure == "along_track_quadratic_phase":
-        return "Along-track quadratic phase"
-    return str(declaration_of(f"requirements.{FIGURES[figure]}").label)
+def label_of(result: str) -> str:
+    """A figure's label, or that of `ALL`."""
+    return "All requirements" if result == ALL else verdict.label_of(result)
 
 
 def quantity(key: str) -> BaseQuantity[float | None]:
@@ -78,6 +75,14 @@ def quantity(key: str) -> BaseQuantity[float | None]:
     if not isinstance(declaration, BaseQuantity):
         raise InputError(key, "is a choice or a table, not a number")
     return declaration
+
+
+def value_of(values: Mapping[str, Value] | Design, key: str) -> Value:
+    """The value of a numeric input, or of the one that holds where it is left out."""
+    declaration = quantity(key)
+    if (value := values[key]) is None and declaration.instead:
+        return values[f"{key.partition('.')[0]}.{declaration.instead}"]
+    return value
 
 
 def usual_range(key: str) -> tuple[float, float]:

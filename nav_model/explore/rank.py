@@ -23,19 +23,7 @@ from nav_model.design import Design
 from nav_model.explore.margins import quantity
 
 _STEP = 1e-20
-SENSORS: Mapping[str, str] = {
-    "imu.velocity_random_walk": "accelerometer noise",
-    "imu.angle_random_walk": "gyro noise",
-    "imu.accelerometer_bias": "accelerometer bias",
-    "imu.gyro_bias": "gyro bias",
-    "gnss.position_noise": "GNSS noise",
-    "gnss.vertical_position_noise": "GNSS noise",
-    "gnss.velocity_noise": "GNSS velocity noise",
-    "gnss.vertical_velocity_noise": "GNSS velocity noise",
-    "gnss.correlated_noise": "slow GNSS error",
-    "motion.rectification": "vibration rectification",
-    "processing.scene_height_error": "scene height error",
-}
+SENSORS: Mapping[str, str] = {key: source for key in VARIABLES if (source := quantity(key).source)}
 """Inputs that are error sources -> the name a budget gives the source."""
 
 
@@ -84,16 +72,7 @@ def silent(design: Design) -> tuple[str, ...]:
 
 def stated(design: Design) -> list[str]:
     """Numeric inputs that the design states and uses: optional ones only when given."""
-    unused = {"gnss.correlated_noise", "gnss.correlation_time"} if not design.gnss.correlated else set()
-    if design.gnss.velocity_noise is None:
-        unused |= {"gnss.vertical_velocity_noise", "gnss.velocity_interval"}
-    if design.radar.aperture_time is not None:
-        unused.add("radar.azimuth_resolution")
-    if not (design.motion.lines or design.motion.spectrum):
-        unused |= {"motion.imu_bandwidth", "motion.delay", "motion.rectification"}
-    if not design.oscillator.phase_noise:
-        unused.add("oscillator.frequency")
-    return [key for key in VARIABLES if key not in unused and design[key] is not None]
+    return [key for key in VARIABLES if design.uses(key)]
 
 
 def log_derivatives(

@@ -9,9 +9,10 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
+from nav_model.budget.inputs import VARIABLES
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry
-from nav_model.explore.margins import limits, ratios, worst
+from nav_model.explore.margins import limits, ratios, value_of, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
 OWN_GNSS = "your receiver"
@@ -61,7 +62,7 @@ def search(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, En
         raise InputError("imu catalogue", "no unit gives both random walks; add one that does")
     pairs = [(imu, receiver) for imu in known for receiver in (None, *receivers.values())]
     changes = [_changes(imu, receiver) for imu, receiver in pairs]
-    keys = sorted({key for change in changes for key in change} & set(_numeric(changes)))
+    keys = sorted({key for change in changes for key in change} & set(VARIABLES))
     columns = {key: np.array([_filled(design, change, key) for change in changes], float) for key in keys}
     found = {name: np.broadcast_to(ratio, len(pairs)) for name, ratio in ratios(design, columns).items()}
     whole = worst(found)
@@ -119,16 +120,9 @@ def _doubts(imu: Entry, receiver: Entry | None) -> Iterator[str]:
             yield f"{name.replace('_', ' ')} {status}"
 
 
-def _numeric(changes: list[dict[str, Value]]) -> set[str]:
-    return {key for change in changes for key in change} - {"imu.rate"}
-
-
 def _filled(design: Design, change: Mapping[str, Value], key: str) -> float:
-    """A candidate's value of an input: its own, else the design's; a vertical noise not given is the horizontal."""
-    value = change.get(key, design[key])
-    if value is None:
-        value = change.get("gnss.position_noise", design.gnss.position_noise)
-    return float(value)  # type: ignore[arg-type]
+    """A candidate's value of an input: its own, else the design's."""
+    return float(value_of({**dict(design.items()), **change}, key))  # type: ignore[arg-type]
 
 
 def _dominant(

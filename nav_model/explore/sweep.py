@@ -27,23 +27,15 @@ from nav_model.base.errors import InputError
 from nav_model.base.processes import worker_pool
 from nav_model.budget.figures import FIGURES, UNSCALED, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.budget.verdict import limit_on
 from nav_model.design import Design, Value
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
 from nav_model.explore.sweep_plan import Plan
 
 SUFFIXES = (".csv", ".parquet")
-_UNITS = {
-    "position": "m",
-    "velocity": "m_s",
-    "tilt": "rad",
-    "phase": "rad",
-    "shift": "m",
-    "ce90": "m",
-    "le90": "m",
-    "echo": "ratio",
-    "islr": "ratio",
-}
+_UNITS = {"length": "m", "speed": "m_s", "angle": "rad", "level": "ratio"}
+"""Dimension of a figure -> its unit in the name of a column."""
 
 Column = list[Value] | np.ndarray[Any, Any]
 ProgressCallback = Callable[[int, int], None]
@@ -276,7 +268,7 @@ def _varied(design: Design, changes: tuple[tuple[tuple[str, Value], ...], ...]) 
 
 def _sigma(figure: str) -> str:
     """Name of a figure's column."""
-    unit = next(unit for word, unit in _UNITS.items() if word in figure)
+    unit = _UNITS[limit_on(figure).dimension]
     return f"{figure}_{unit}" if figure in UNSCALED else f"{figure}_sigma_{unit}"
 
 

@@ -13,7 +13,7 @@ from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, catalogue
-from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, worst
+from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, value_of, worst
 
 SIZE = 200
 """Points along a side."""
@@ -118,14 +118,6 @@ def _value(design: Design, changes: dict[str, Array], result: str) -> Array:
     return confidence_of(design, result) * figures(inputs_of(design, changes), (result,))[result]
 
 
-_INSTEAD = {
-    "gnss.vertical_position_noise": "gnss.position_noise",
-    "gnss.vertical_velocity_noise": "gnss.velocity_noise",
-    "gnss.velocity_interval": "gnss.interval",
-}
-"""Input that may be left out -> the one that then holds."""
-
-
 def _here(design: Design, key: str) -> float:
     """The design's value of an input, also where it follows from another: the aperture time from the resolution.
 
@@ -136,9 +128,7 @@ def _here(design: Design, key: str) -> float:
     """
     if key == "radar.aperture_time":
         return float(inputs_of(design).aperture)
-    value = design[key]
-    if value is None and key in _INSTEAD:
-        value = design[_INSTEAD[key]]
+    value = value_of(design, key)
     if value is None:
         raise InputError(key, "the design has none. Enter one to put it on an axis.")
     return float(value)  # type: ignore[arg-type]

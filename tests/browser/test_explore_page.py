@@ -59,7 +59,7 @@ def test_every_question_fits_the_window_and_says_nothing_in_the_console(
 def test_answer_first_and_a_solved_value_is_one_press_away(visit: Visit) -> None:
     page = _open(visit)
     answer = page.get_by_role("status").first
-    expect(answer).to_contain_text("Largest gyro noise (angle random walk) that closes: 0.0360 °/√h")
+    expect(answer).to_contain_text("Largest angle random walk that closes: 0.0360 °/√h")
     expect(answer).to_contain_text("You have 0.15 °/√h")
     slider = page.get_by_role("slider", name="Angle random walk")
     slider.focus()

@@ -14,6 +14,7 @@ from app.document.numbers import number, percent, signed_percent
 from nav_model.base.units import from_si, join_quantity, to_si
 from nav_model.budget import Budget
 from nav_model.design import Design
+from nav_model.design.declaration import sentence_label
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.explore.margins import ALL, label_of, quantity
 from nav_model.explore.search import Candidate
@@ -24,23 +25,6 @@ from nav_model.explore.sweep import sweep_ratios
 from nav_model.explore.sweep_plan import Plan
 from nav_model.explore.uncertainty import Probability, UncertainVerdict
 
-NAMES = {
-    "imu.angle_random_walk": "gyro noise (angle random walk)",
-    "imu.velocity_random_walk": "accelerometer noise (velocity random walk)",
-    "imu.vibration_factor": "vibration factor",
-    "gnss.position_noise": "GNSS noise",
-    "gnss.vertical_position_noise": "vertical GNSS noise",
-    "gnss.interval": "fix interval",
-    "coast.duration": "outage",
-    "coast.before_aperture": "time from last fix to aperture",
-    "radar.aperture_time": "aperture time",
-}
-_LEVER = {
-    "gyro noise": "imu.angle_random_walk",
-    "accelerometer noise": "imu.velocity_random_walk",
-    "GNSS noise": "gnss.position_noise",
-    "coast before aperture": "coast.before_aperture",
-}
 _SOLVED = (
     "Each value is a root of the formulas with the other inputs held, rounded down to three digits so that it still "
     "meets the limit. “Any”: every value the input may take meets it. “None”: no value does. Verified by running "
@@ -62,8 +46,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...]) -> Answer:
     design, tightest = budget.design, budget.verdict.tightest
     assert tightest is not None
     tone = "good" if budget.verdict.closes else "bad"
-    by_key = {solution.key: solution for solution in solutions}
-    wanted = by_key.get(_LEVER.get(tightest.sensor, ""))
+    wanted = next((solution for solution in solutions if quantity(solution.key).source == tightest.sensor), None)
     order = [wanted, *solutions] if wanted else list(solutions)
     lever = next((solution for solution in order if solution.together.outcome == "limited"), None)
     if lever is None:
@@ -73,10 +56,10 @@ def answer(budget: Budget, solutions: tuple[Solution, ...]) -> Answer:
     limit, now = shown(design, lever.key, value, down=True), shown(design, lever.key, lever.current)
     room = value / lever.current if lever.current else math.inf
     gap = f"{number(1 / room)} times too much" if room < 1 else f"{number(room)} times as much still closes"
-    other = () if lever is wanted or wanted is None else (f"No {NAMES[wanted.key]} alone is enough.",)
+    other = () if lever is wanted or wanted is None else (f"No {_named(wanted.key)} alone is enough.",)
     binding = label_of(lever.together.binding).lower()
     said = (f"You have {now}: {gap}.", *other, f"Limited by {binding}.")
-    return Answer(f"Largest {NAMES[lever.key]} that closes: {limit}", tone, said)
+    return Answer(f"Largest {_named(lever.key)} that closes: {limit}", tone, said)
 
 
 def unsolved(reason: str) -> Answer:
@@ -97,7 +80,7 @@ def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
 
 
 def _phrase(design: Design, found: Solved) -> str:
-    return f"{NAMES[found.key]} ≤ {_value(design, found)}"
+    return f"{_named(found.key)} ≤ {_value(design, found)}"
 
 
 def _value(design: Design, found: Solved) -> str:
@@ -136,7 +119,7 @@ def solved_blocks(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[Bloc
         _SOLVED,
         choose="button",
     )
-    helpless = [NAMES[solution.key] for solution in solutions if solution.together.outcome == "no value"]
+    helpless = [_named(solution.key) for solution in solutions if solution.together.outcome == "no value"]
     if not helpless:
         return (table,)
     enough = "; ".join(_phrase(design, found) for found in remedies(solutions, ALL))
@@ -151,14 +134,14 @@ def each_table(design: Design, solutions: tuple[Solution, ...]) -> Table:
         "Largest allowed value for each requirement alone",
         (Column("Input"), *(Column(label_of(found.requirement), numeric=True) for found in solutions[0].each)),
         tuple(
-            (Cell(_name(solution.key)), *(Cell(_value(design, found)) for found in solution.each))
+            (Cell(str(quantity(solution.key).label)), *(Cell(_value(design, found)) for found in solution.each))
             for solution in solutions
         ),
     )
 
 
-def _name(key: str) -> str:
-    return NAMES[key][0].upper() + NAMES[key][1:]
+def _named(key: str) -> str:
+    return sentence_label(quantity(key))
 
 
 def _solved_row(design: Design, solution: Solution) -> tuple[Cell, ...]:
@@ -167,7 +150,7 @@ def _solved_row(design: Design, solution: Solution) -> tuple[Cell, ...]:
     note = "" if together.depends or together.outcome != "no value" else " (does not depend on it)"
     met = together.outcome == "any value" or (together.value is not None and together.value >= solution.current)
     return (
-        Cell(_name(solution.key), value=solution.key if together.value is not None else ""),
+        Cell(str(quantity(solution.key).label), value=solution.key if together.value is not None else ""),
         Cell(shown(design, solution.key, solution.current)),
         Cell(f"{'✓' if met else '✗'} {_value(design, together)}", tone="good" if met else "bad"),
         Cell(limited + note),

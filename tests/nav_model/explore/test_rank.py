@@ -10,8 +10,12 @@ from nav_model.analytic.steady_state import horizontal
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.figures import FIGURES, figures
-from nav_model.budget.inputs import inputs_of
-from nav_model.explore.rank import Sensitivity, log_derivatives, rank, sentence, silent, stated
+from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.design import Design
+from nav_model.design.parts import declaration_of
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.explore.margins import quantity
+from nav_model.explore.rank import SENSORS, Sensitivity, log_derivatives, rank, sentence, silent, stated
 
 
 def _sigma(design, key, value, figure):
@@ -34,6 +38,43 @@ def test_agrees_with_finite_differences_of_the_whole_analysis(data, designs):
     assume(abs(design[key]) > 1e-6 or key.startswith("imu"))  # an angle near zero leaves nothing to difference
     slope = float(log_derivatives(design, [key], [figure])[figure][0])
     assert slope == pytest.approx(_finite_difference(design, key, figure), rel=1e-6, abs=1e-6)
+
+
+EVERYTHING = Design(
+    {
+        "imu.accelerometer_bias": 1e-3, "imu.gyro_bias": 1e-6,
+        "gnss.vertical_position_noise": 2.0, "gnss.velocity_noise": 0.1, "gnss.vertical_velocity_noise": 0.2,
+        "gnss.velocity_interval": 0.5, "gnss.correlated": True, "coast.before_aperture": 2.0,
+        "radar.squint_angle": 0.2, "processing.mode": POST_PROCESSED, "processing.scene_height_error": 5.0,
+        "motion.lines": ((20.0, 1.0, "acceleration"),), "motion.imu_bandwidth": 200.0, "motion.delay": 2e-3,
+        "motion.rectification": 5e-7, "oscillator.frequency": 1e8,
+        "oscillator.phase_noise": ((0.01, 1e-6, "phase noise"), (1e3, 1e-14, "phase noise")),
+    }
+)  # fmt: skip
+CONDITIONAL = [key for key in VARIABLES if quantity(key).needs or quantity(key).unless]
+
+
+def _moves(design, key):
+    """Whether any figure of either processing follows an input."""
+    modes = (design.replace({"processing.mode": mode}) for mode in (REAL_TIME, POST_PROCESSED))
+    slopes = [log_derivatives(one, [key], list(FIGURES)) for one in modes]
+    return any(np.any(np.nan_to_num(slope) != 0) for found in slopes for slope in found.values())
+
+
+@pytest.mark.parametrize("key", CONDITIONAL)
+def test_an_input_counts_where_its_declaration_says(key):
+    section, declaration = key.partition(".")[0], quantity(key)
+    absent = {f"{section}.{name}": declaration_of(f"{section}.{name}").default for name in declaration.needs}
+    without = EVERYTHING.replace(absent | ({f"{section}.{declaration.unless}": 5.0} if declaration.unless else {}))
+    assert EVERYTHING.uses(key)
+    assert _moves(EVERYTHING, key)
+    assert not without.uses(key)
+    assert not _moves(without, key)
+
+
+def test_sources_are_called_what_a_budget_calls_them():
+    budget = analyse(EVERYTHING.replace({f"requirements.{name}": 1.0 for name in FIGURES.values() if name != "tilt"}))
+    assert set(SENSORS.values()) <= {source for check in budget.verdict.checks for source in check.by_sensor}
 
 
 @pytest.mark.parametrize("figure", ["quadratic_phase", "horizontal_position", "coast_horizontal_position"])
