@@ -30,76 +30,6 @@ providers._get_local_constants = providers.Constants
 RECORD = Path(__file__).parents[1] / "app" / "subjects" / "theory" / "validation.json"
 _rows = {}
 _differences = {}
-LONG = (
-    "acceptance/test_validation_record.py",
-    "app/charts/test_print.py",
-    "app/charts/test_print_grid.py",
-    "app/console/test_ending.py",
-    "app/console/test_files.py",
-    "app/dashboard/test_frame.py",
-    "app/library/test_place.py",
-    "app/library/test_postgresql.py",
-    "app/library/test_store.py::test_kills",
-    "app/library/test_store.py::test_processes",
-    "app/report/test_files.py",
-    "app/report/test_studies.py",
-    "app/report/test_studies_by_command.py",
-    "app/report/test_writing.py",
-    "app/serving/test_collector.py",
-    "app/serving/test_components.py",
-    "app/serving/test_deploy.py",
-    "app/serving/test_door.py",
-    "app/serving/test_end.py",
-    "app/serving/test_limits.py",
-    "app/serving/test_messages.py",
-    "app/serving/test_oauth.py",
-    "app/serving/test_pages_go.py",
-    "app/serving/test_rules.py",
-    "app/serving/test_supervisor.py",
-    "app/subjects/explore/test_page.py",
-    "app/subjects/review/test_report.py",
-    "app/subjects/sar/test_page.py",
-    "app/subjects/sensors/test_command.py",
-    "app/subjects/sensors/test_page.py",
-    "app/subjects/simulation/test_command.py",
-    "app/subjects/simulation/test_run.py",
-    "app/subjects/suborbital/test_command.py",
-    "app/subjects/suborbital/test_page.py",
-    "app/test_cli.py",
-    "app/test_file_budgets.py",
-    "app/upstream/test_ask_first.py::test_as_shipped",
-    "app/upstream/test_defaults.py",
-    "app/upstream/test_first_changes.py::test_as_shipped",
-    "app/upstream/test_frames_at_once.py::test_as_shipped",
-    "app/upstream/test_given_values.py",
-    "nav_model/allan/test_adoption.py",
-    "nav_model/allan/test_remedy.py",
-    "nav_model/allan/test_static_log.py",
-    "nav_model/analytic/test_discrete.py",
-    "nav_model/analytic/test_few.py::test_cells",
-    "nav_model/budget/test_pickle.py",
-    "nav_model/explore/test_sweep.py",
-    "nav_model/explore/test_sweep_flight.py",
-    "nav_model/processing/test_fast_motion.py",
-    "nav_model/processing/test_leg.py",
-    "nav_model/sar/test_design_study.py",
-    "nav_model/sar/test_flown_engine.py",
-    "nav_model/sar/test_strategies.py",
-    "nav_model/sar/test_study.py",
-    "nav_model/simulation/test_cluster.py",
-    "nav_model/simulation/test_departures.py",
-    "nav_model/simulation/test_kalman.py::test_error_dynamics_match_finite_differences",
-    "nav_model/simulation/test_monte_carlo.py",
-    "nav_model/simulation/test_other_program.py",
-    "nav_model/simulation/test_strapdown.py",
-    "nav_model/suborbital/test_sensitivity.py",
-    "nav_model/suborbital/test_study.py",
-    "nav_model/suborbital/test_survey.py",
-    "nav_model/base/test_compiled.py",
-    "nav_model/base/test_processes.py",
-    "test_docs.py::test_the_readme_prints",
-)
-"""Files and tests that `make check` leaves out: seconds of servers, processes, reports and flights."""
 
 
 def pytest_collection_finish(session):
@@ -114,11 +44,7 @@ def pytest_addoption(parser):
     )
 
 
-@pytest.hookimpl(tryfirst=True)  # before the marks are selected by
 def pytest_collection_modifyitems(config, items):
-    for item in items:
-        if item.nodeid.removeprefix("tests/").startswith(LONG):
-            item.add_marker("long")
     if config.getoption("--write-validation"):
         recording = [item for item in items if {"compared", "differs"} & set(getattr(item, "fixturenames", ()))]
         config.hook.pytest_deselected(items=[item for item in items if item not in recording])

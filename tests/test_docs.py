@@ -82,6 +82,7 @@ def test_the_tree_is_the_one_there_is(document: Path) -> None:
     assert rooms <= seen
 
 
+@pytest.mark.long
 def test_the_readme_prints_what_the_command_prints(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -14,6 +14,8 @@ from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.equations import ALL_EQUATIONS
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[2]
 SIGMA_A, SIGMA_W, G = 0.05 / 60, math.radians(0.5) / 60, 9.80665
 F = np.array([[0, 1, 0], [0, 0, G], [0, 0, 0.0]])

@@ -16,6 +16,8 @@ import app.__main__
 import app.cli
 from app.cli import main
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(app.cli.__file__).parent.parent
 EXAMPLES = ROOT / "examples"
 MEMS, TACTICAL, L_BAND = (str(EXAMPLES / f"{name}.toml") for name in ("mems_x_band", "tactical_x_band", "l_band_jet"))

@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.long
+
 # In a process of its own, so that what it took is what reading took: MB, and what was said.
 _READ = """
 import io, json, resource, sys, zipfile

@@ -19,6 +19,8 @@ from app.subjects.budget.charts import BUDGET_CHARTS
 from nav_model.budget import Budget, analyse
 from nav_model.design.file import read_design
 
+pytestmark = pytest.mark.long
+
 EXAMPLES = Path(__file__).parents[3] / "examples"
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -13,6 +13,8 @@ from app.charts.kinds import Dot, DotChart, Line, MapChart, PictureChart, Points
 from app.charts.print.svg import FONT, WIDTH, to_svg
 from app.charts.styles import STYLES
 
+pytestmark = pytest.mark.long
+
 SVG = "{http://www.w3.org/2000/svg}"
 
 

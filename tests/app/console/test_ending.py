@@ -17,6 +17,8 @@ from waiting import PATIENCE
 from app.console import ending
 from nav_model.base.processes import worker_pool
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(ending.__file__).parents[2]
 TACTICAL, MEMS = (str(ROOT / "examples" / f"{name}_x_band.toml") for name in ("tactical", "mems"))
 _DONE = re.compile(r"\b[1-9]\d* of \d+ .*\n")

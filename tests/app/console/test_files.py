@@ -13,6 +13,8 @@ from waiting import PATIENCE
 from app.console.ending import one_line
 from app.console.files import put_file
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[3]
 TACTICAL, MEMS = (str(ROOT / "examples" / f"{name}_x_band.toml") for name in ("tactical", "mems"))
 

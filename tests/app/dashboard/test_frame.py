@@ -15,7 +15,10 @@ from app.session import Session
 from app.upstream.page_marks import mark_own_part
 
 # The Material download button passes both names of one argument to its own base class.
-pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
+    pytest.mark.long,
+]
 
 
 @pytest.fixture(autouse=True)

@@ -18,6 +18,8 @@ from app.library.store import Library
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 
+pytestmark = pytest.mark.long
+
 _NOBODY = 65534
 
 

@@ -25,6 +25,8 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.file import parse_design
 
+pytestmark = pytest.mark.long
+
 _TABLES = (
     "review_decisions", "review_comments", "review_items", "reviews",
     "tags", "revisions", "designs", "schema_version",

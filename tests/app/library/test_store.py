@@ -157,6 +157,7 @@ def test_threads_lose_no_revision(library: Library, mems: Budget) -> None:
     assert sum(told) > 0, "the writers never met: the test shows nothing"
 
 
+@pytest.mark.long
 def test_processes_lose_no_revision(tmp_path: Path, mems: Budget) -> None:
     path = tmp_path / "library.db"
     library = Library(path)
@@ -173,6 +174,7 @@ def test_processes_lose_no_revision(tmp_path: Path, mems: Budget) -> None:
     library.close()
 
 
+@pytest.mark.long
 def test_kills_during_saves_lose_nothing_that_was_answered(
     tmp_path: Path, kill_during_saves: Callable[..., set[str]]
 ) -> None:

@@ -23,7 +23,7 @@ from nav_model.design.file import parse_design
 from nav_model.equations import EQUATIONS
 from nav_model.equations.symbols import SYMBOLS
 
-pytestmark = pytest.mark.usefixtures("charts_drawn_once")
+pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 HOSTILE = '<script>alert(1)</script> #strong[x] $x$ @ref \\ *b* _i_ [T-99] {{7*7}} // `c` ~ "q" <T-3>'
 

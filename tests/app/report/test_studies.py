@@ -36,7 +36,7 @@ from nav_model.suborbital.survey import run_survey
 from nav_model.suborbital.survey_json import survey_json
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-pytestmark = pytest.mark.usefixtures("charts_drawn_once")
+pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 MOST_BYTES = 3_000_000  # of the sections on their way to a worker
 

@@ -17,7 +17,7 @@ from nav_model.sar.strategies import STRATEGIES
 from nav_model.simulation.study_inputs import NOTHING_ADDED
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-pytestmark = pytest.mark.usefixtures("charts_drawn_once")
+pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 
 
 def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):

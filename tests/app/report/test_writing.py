@@ -11,6 +11,8 @@ import pytest
 from app import cli
 from app.report.content import report_of
 
+pytestmark = pytest.mark.long
+
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 EXAMPLES = Path(__file__).parents[3] / "examples"
 

@@ -5,7 +5,11 @@ import subprocess
 import sys
 import weakref
 
+import pytest
+
 from app.serving.collector import Collector
+
+pytestmark = pytest.mark.long
 
 
 class Clock:

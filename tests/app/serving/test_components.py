@@ -5,6 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
+pytestmark = pytest.mark.long
+
 _FOUND_LATE = """
 import pkgutil
 from importlib import import_module

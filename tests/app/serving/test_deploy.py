@@ -27,6 +27,8 @@ from waiting import PATIENCE
 
 from app.cli import main
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[3]
 _NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
 _TOKEN = re.compile(r'"token":"([^"]+)"')

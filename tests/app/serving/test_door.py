@@ -21,6 +21,8 @@ from app.serving.hosts import Hosts
 from app.serving.logins import Logins
 from app.serving.passwords import password_line
 
+pytestmark = pytest.mark.long
+
 PASSWORD = "correct horse battery"
 
 

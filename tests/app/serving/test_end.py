@@ -20,6 +20,8 @@ from waiting import PATIENCE, soon, until
 from app.work import alone as long_run
 from app.work import pool as workers
 
+pytestmark = pytest.mark.long
+
 
 def children_of(pid: int) -> set[int]:
     found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True, check=False)

@@ -9,8 +9,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import pytest
 from tornado.websocket import WebSocketClosedError
 from waiting import PATIENCE, until
+
+pytestmark = pytest.mark.long
 
 PASSWORD = "correct horse battery"
 

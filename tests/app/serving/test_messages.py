@@ -16,6 +16,8 @@ from waiting import PATIENCE
 
 from app.library.store import Library
 
+pytestmark = pytest.mark.long
+
 PASSWORD = "correct horse battery"
 _SLIDER: dict[str, Any] = {"label": "Angle random walk", "show_value": False}
 _VALUES = 50

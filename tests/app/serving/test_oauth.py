@@ -18,6 +18,8 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, RequestHandler
 from waiting import PATIENCE
 
+pytestmark = pytest.mark.long
+
 _SECRET = "secret-of-the-client"
 
 

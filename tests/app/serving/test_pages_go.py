@@ -5,7 +5,10 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
+import pytest
 from soak import counted_server, visit
+
+pytestmark = pytest.mark.long
 
 
 def test_closed_pages_are_gone(tmp_path: Path) -> None:

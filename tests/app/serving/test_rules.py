@@ -14,6 +14,8 @@ from app.serving.passwords import Passwords, password_line, read_passwords
 from app.serving.rules import OAuth, Rules, cookie_secret, is_loopback, oauth_from
 from nav_model.base.errors import InputError
 
+pytestmark = pytest.mark.long
+
 PASSWORD = "correct horse battery"
 
 

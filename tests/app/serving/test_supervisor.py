@@ -26,6 +26,8 @@ from app.serving.address import SharedSocket
 from app.serving.board import Board, Row
 from app.serving.rules import Rules
 
+pytestmark = pytest.mark.long
+
 
 def _page_processes(parent: int) -> set[int]:
     found = set()

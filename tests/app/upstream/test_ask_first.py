@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 
+
+@pytest.mark.long
 def test_as_shipped_a_foreign_host_is_served(shipped: dict[str, Any]) -> None:
     assert shipped["foreign"] == 200

@@ -14,6 +14,8 @@ from bokeh.models import ColumnDataSource, Slider, Title
 from app.upstream import defaults
 from app.upstream.defaults import remember_defaults
 
+pytestmark = pytest.mark.long
+
 _AS_SHIPPED = PropertyDescriptor._get_default
 
 

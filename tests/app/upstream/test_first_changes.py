@@ -20,6 +20,7 @@ from waiting import PATIENCE
 from app.upstream import first_changes
 
 
+@pytest.mark.long
 def test_as_shipped_a_change_before_it_is_ready_is_lost(shipped: dict[str, Any]) -> None:
     assert shipped["told before it is ready"] == "SERVER-INFO-REPLY", "and no PATCH-DOC before it"
 

@@ -11,6 +11,7 @@ from panel.io.server import WSHandler
 from app.upstream.frames_at_once import FramesAtOnce
 
 
+@pytest.mark.long
 def test_as_shipped_frames_wait(shipped: dict[str, Any]) -> None:
     assert shipped["nodelay"] == 0
 

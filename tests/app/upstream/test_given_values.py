@@ -18,6 +18,8 @@ from bokeh.themes import Theme
 
 from app.upstream.given_values import look_at_what_was_given
 
+pytestmark = pytest.mark.long
+
 _PLACES = (
     (HasProps, "__init__"), (HasProps, "themed_values"), (HasProps, "query_properties_with_values"),
     (bokeh.model.util, "visit_immediate_value_references"),

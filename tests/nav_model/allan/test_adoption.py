@@ -14,6 +14,8 @@ from nav_model.allan.result import READING_INTERVAL, LogAnalysis, to_json, triad
 from nav_model.allan.static_log import analyse_log
 from nav_model.design import Design
 
+pytestmark = pytest.mark.long
+
 ARW, VRW = "imu.angle_random_walk", "imu.velocity_random_walk"
 WALKS = {"gyro": 1e-4, "accelerometer": 1e-3}
 

@@ -10,6 +10,8 @@ from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.remedy import what_would_resolve
 from nav_model.allan.static_log import analyse_log
 
+pytestmark = pytest.mark.long
+
 SAMPLES = 2048
 LOGS = 8
 

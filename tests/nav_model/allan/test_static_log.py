@@ -17,6 +17,8 @@ from nav_model.allan.noise_terms import TERMS
 from nav_model.allan.result import fitted_lines, to_json, triad_random_walk
 from nav_model.allan.static_log import AnalysisCancelled, analyse_log
 
+pytestmark = pytest.mark.long
+
 Simulator = Callable[..., np.ndarray]
 
 # Simulated axes, and how many intervals must hold the truth: where 95 % do in the long run, fewer do once in a

@@ -6,6 +6,8 @@ import pytest
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.analytic.steady_state import horizontal, vertical
 
+pytestmark = pytest.mark.long
+
 ORACLE = "SciPy's discrete Riccati solver on [T-1], refined by Newton steps in 40 digits"
 MEASURE = "largest ratio − 1"
 

@@ -64,6 +64,7 @@ def test_nothing_wanted_is_nothing_worked_out():
     assert worked_out(lambda i, j: i + j, np.zeros((50, 60), bool))[1] == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("x", "y", "changes"),
     [

@@ -12,6 +12,8 @@ import pytest
 
 import nav_model
 
+pytestmark = pytest.mark.long
+
 ROOM = Path(nav_model.__file__).parent
 FLY = """
 from numba.core.event import install_recorder

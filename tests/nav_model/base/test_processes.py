@@ -15,6 +15,8 @@ from waiting import PATIENCE
 
 from nav_model.base.processes import worker_pool
 
+pytestmark = pytest.mark.long
+
 _POOL = """
 import os, sys, time
 from {module} import {name}

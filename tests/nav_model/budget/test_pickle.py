@@ -16,6 +16,8 @@ from nav_model.budget.json import to_json
 from nav_model.design import Design
 from nav_model.design.file import format_design
 
+pytestmark = pytest.mark.long
+
 ORIGINS = {"imu.angle_random_walk": "static log bench.csv"}
 
 

@@ -12,6 +12,8 @@ from nav_model.design.presets import preset_fill
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
 
+pytestmark = pytest.mark.long
+
 VARY = """
 design = "design.toml"
 rows_per_part = 7

@@ -12,6 +12,8 @@ from nav_model.explore.sweep_plan import parse_plan, read_plan
 from nav_model.simulation.design_study import specification, study_of, to_document
 from nav_model.simulation.monte_carlo import simulate
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = Path(__file__).parents[3] / "examples" / "sweeps" / "gyro_and_fixes.toml"
 FLOWN = """
 design = "design.toml"

@@ -17,6 +17,8 @@ from nav_model.processing.compensation import power_left
 from nav_model.processing.fast_motion import Curve, Source, through_aperture
 from nav_model.processing.paired_echo import NOTHING, echo, highest_echo, scatter_exponent, scattered_ratio
 
+pytestmark = pytest.mark.long
+
 NONE = np.zeros(0)
 TABLE = Curve(np.array([0.05, 1.0, 20.0, 2000.0]), np.array([1e-3, 2e-3, 0.5, 0.01]))
 

@@ -22,6 +22,8 @@ from nav_model.processing.smoother import by_state_space, smoothed_error
 from nav_model.processing.spectrum import Channel, Leg, rates, smoothed
 from nav_model.sar.line_of_sight import ApertureGeometry
 
+pytestmark = pytest.mark.long
+
 NAMES = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "mean", "position", "velocity", "tilt",
 )  # fmt: skip

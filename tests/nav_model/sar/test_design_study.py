@@ -20,6 +20,8 @@ from nav_model.sar.study import simulate_axes
 from nav_model.sar.study_json import to_json
 from nav_model.sar.winners import map_of_winners
 
+pytestmark = pytest.mark.long
+
 VRW, ARW = 1 / 60, np.radians(1) / 60
 X_BAND = {
     "imu.velocity_random_walk": 0.07 * VRW,

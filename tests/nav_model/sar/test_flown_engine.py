@@ -17,6 +17,8 @@ from nav_model.sar.flown_engine import flight_of, histories
 from nav_model.sar.strategies import STRATEGY_KEYS, Tuning
 from nav_model.sar.study_json import to_json
 
+pytestmark = pytest.mark.long
+
 DEG = np.pi / 180
 X_BAND = {
     "imu.velocity_random_walk": 0.07 / 60,

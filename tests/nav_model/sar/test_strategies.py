@@ -27,6 +27,8 @@ from nav_model.sar.strategy_forms import (
     shrunk_residual_variance,
 )
 
+pytestmark = pytest.mark.long
+
 RUNS = 2500
 COAST = 100.0
 

@@ -11,6 +11,8 @@ from nav_model.sar.strategies import STRATEGY_KEYS, Tuning
 from nav_model.sar.strategy_forms import ins_variances
 from nav_model.sar.study import choose_tuning, measure_runs, simulate_axes, typical_run
 
+pytestmark = pytest.mark.long
+
 WAVELENGTH = 0.031
 GRAZING = 0.7
 ARW, VRW = np.radians(0.15) / 60, 0.07 / 60

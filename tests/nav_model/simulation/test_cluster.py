@@ -14,6 +14,8 @@ from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.result import to_arrays
 from nav_model.simulation.specification import SimulationSpec
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.slow
 def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):

@@ -17,6 +17,8 @@ from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.study_inputs import read_study_inputs
 
+pytestmark = pytest.mark.long
+
 PAPER = Design({"flight.speed": 50.0})
 G, SIGMA_A, SIGMA_W = 9.80665, 0.05 / 60, math.radians(0.5) / 60
 SETTLED = 150.0

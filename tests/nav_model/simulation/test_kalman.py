@@ -75,6 +75,7 @@ def test_biases_decay_and_are_driven():
     assert np.diag(covariance)[9:] == pytest.approx(1.0)  # a random walk: q t
 
 
+@pytest.mark.long
 def test_error_dynamics_match_finite_differences_of_the_mechanisation():
     """Two INSs, one with a small error put in, over 20 s of a turn: the error must follow the linear
     model."""

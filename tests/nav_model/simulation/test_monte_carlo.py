@@ -21,6 +21,8 @@ from nav_model.simulation.result import to_arrays, to_csv, to_json
 from nav_model.simulation.single_run import POSTERIOR, fly
 from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
 
+pytestmark = pytest.mark.long
+
 G = 9.80665
 SIGMA_A, SIGMA_W = 0.05 / 60, math.radians(0.5) / 60
 

@@ -21,6 +21,8 @@ from pyins.util import skew_matrix
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import GnssModel, ImuModel, SimulationSpec, TrajectorySpec
 
+pytestmark = pytest.mark.long
+
 LAST_FIX, END = 60, 120  # s: a fix of 1 m each second, then none
 HORIZONTAL, VERTICAL, HEADING = [0, 1, 3, 4, 6, 7], [2, 5], [8]
 

@@ -14,6 +14,8 @@ from nav_model.simulation.strapdown import initial_state, navigate
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import perfect_increments, specific_force_and_rate, true_states
 
+pytestmark = pytest.mark.long
+
 A, F, RATE = 6378137.0, 1 / 298.257223563, 7.292115e-5
 E2 = F * (2 - F)
 

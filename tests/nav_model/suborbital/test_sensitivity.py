@@ -13,6 +13,8 @@ from nav_model.suborbital.noise_ensemble import fly_noise, noise_ensemble
 from nav_model.suborbital.sensitivity import along_track_sigma, sensitivity, white_noise_spread
 from nav_model.suborbital.study import Gap, Slid, Study, matrix_gap, position_gap, run_study, slide
 
+pytestmark = pytest.mark.long
+
 
 def scaled(errors: ErrorSet, accelerometers: float, gyros: float, initial: float) -> ErrorSet:
     def times(value, factor):

@@ -14,6 +14,8 @@ from nav_model.suborbital.star_camera import StarCamera, track_stars
 from nav_model.suborbital.study import SuborbitalInputs, gravity_rows, run_study, table
 from nav_model.suborbital.summary import PAPER_FINAL_M, explain, to_json
 
+pytestmark = pytest.mark.long
+
 CONTRACT = {
     "accelerometer bias",
     "accelerometer instability",

@@ -14,6 +14,8 @@ from nav_model.suborbital.study import position_gap
 from nav_model.suborbital.survey import moved, needs_other_matrices, needs_run, renewed, run_survey
 from nav_model.suborbital.survey_json import command, survey_json
 
+pytestmark = pytest.mark.long
+
 HISTORIES = ("position_m", "velocity_m_s", "attitude_inertial_rad", "attitude_navigation_rad", "cross_range_m")
 
 

@@ -23,7 +23,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.design.file import read_design
 
-pytestmark = pytest.mark.usefixtures("charts_drawn_once")
+pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 EXAMPLES = Path(__file__).parents[4] / "examples"
 HOSTILE = "<script>alert(1)</script> #panic() $x$ {{7*7}}"
 

@@ -34,7 +34,10 @@ from nav_model.design.link import split_link
 from nav_model.sar.strategies import NAMES
 
 # A button of panel-material-ui passes its own look on in the old words too.
-pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
+    pytest.mark.long,
+]
 
 
 async def here(function: Any, *arguments: Any) -> Any:

@@ -11,6 +11,8 @@ import pytest
 
 from app.cli import main
 
+pytestmark = pytest.mark.long
+
 # Known noise at 100 Hz: 0.3 °/√h and 0.05 m/s/√h.
 ARW, VRW = np.radians(0.3) / 60.0, 0.05 / 60.0
 HEADER = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"

@@ -18,6 +18,8 @@ import app.cli
 from app.cli import main
 from nav_model.simulation.study_inputs import STUDY_KEYS
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(app.cli.__file__).parent.parent
 MEMS = str(ROOT / "examples" / "mems_x_band.toml")
 SHORT = ["--runs", "6", "--seed", "4", "--duration", "40", "--outage", "30,40", "--every", "2", "--workers", "1"]

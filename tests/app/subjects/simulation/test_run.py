@@ -39,6 +39,8 @@ from nav_model.design.link import split_link
 from nav_model.simulation.design_study import SimulationStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
 
+pytestmark = pytest.mark.long
+
 DESIGN = Design({"name": "<b>paper</b>", "flight.speed": 50.0})
 
 

@@ -14,6 +14,8 @@ from flight_files import format_flight
 from app.cli import main
 from nav_model.suborbital.flight import reference_flight
 
+pytestmark = pytest.mark.long
+
 EXAMPLES = Path(__file__).parents[4] / "examples"
 # star_tracker.md, GP-1 on the reference flight: north, east, up [m], accept 5 m.
 PRINTED = {

@@ -36,7 +36,10 @@ from nav_model.suborbital.study_file import format_study, from_link, to_link
 from nav_model.suborbital.survey import Survey, run_survey
 
 # Panel Material UI warns of its own widgets.
-pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
+    pytest.mark.long,
+]
 
 
 @pytest.fixture(scope="module")
