@@ -147,12 +147,11 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
     slow = None
     if gnss.correlated:
         slow = SlowError(value("gnss.correlated_noise"), value("gnss.correlation_time"))
+    resolution = value("radar.azimuth_resolution")
     aperture = (
         value("radar.aperture_time")
         if given("radar.aperture_time")
-        else geometry.aperture_time(
-            wavelength, slant_range, speed, value("radar.azimuth_resolution"), radar.window, squint
-        )
+        else geometry.aperture_time(wavelength, slant_range, speed, resolution, radar.window, squint)
     )
     return Inputs(
         sigma_a=value("imu.velocity_random_walk") * factor,
