@@ -5,7 +5,9 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Mapping
 
+from app.document.numbers import number, show_in
 from nav_model.design import Design
+from nav_model.design.parts import declaration_of
 from nav_model.design.presets import deviations, preset_of
 
 DETRENDED = {1: "linear detrend", 2: "quadratic detrend", 3: "cubic detrend"}
@@ -21,6 +23,12 @@ def best_of(shares: Mapping[str, float]) -> tuple[str, float]:
 def title_of(design: Design) -> str:
     """What a design is called."""
     return printable(design.name).strip() or "Untitled design"
+
+
+def input_in_words(design: Design, key: str, value: float, *, given: bool = True) -> str:
+    """A value [SI] of an input in the unit that the design has it in; not ``given``: a computed one."""
+    dimension = getattr(declaration_of(key), "dimension", "")
+    return show_in(value, design.unit(key), dimension, given=given) if dimension else number(value, given=given)
 
 
 def preset_name(design: Design, section: str) -> str:

@@ -85,6 +85,15 @@ def value_of(values: Mapping[str, Value] | Design, key: str) -> Value:
     return value
 
 
+def least(key: str, now: float) -> float:
+    """The least of an input [SI] that can be bought or flown, where the design has `now`.
+
+    Zero where that is allowed; else the lower end of what people explore, or what the design has if that is less.
+    """
+    low = quantity(key).limits[0]
+    return low if low == 0 else min(usual_range(key)[0], now)
+
+
 def usual_range(key: str) -> tuple[float, float]:
     """The range of an input that people explore, SI."""
     low, high = cast("tuple[float, float]", quantity(key).softbounds)

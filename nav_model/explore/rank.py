@@ -20,7 +20,7 @@ from nav_model.base.errors import InputError, not_a_choice
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
-from nav_model.explore.margins import quantity
+from nav_model.explore.margins import least, quantity
 
 _STEP = 1e-20
 SENSORS: Mapping[str, str] = {key: source for key in VARIABLES if (source := quantity(key).source)}
@@ -32,7 +32,7 @@ class Sensitivity:
     """How one figure depends on one input.
 
     ``slope`` is d ln(figure)/d ln(input). ``halved`` and ``doubled`` are the figure's exact relative change when
-    the input is halved or doubled (-0.31: 31 % less), NaN where that is outside the input's bounds.
+    the input is halved or doubled (-0.31: 31 % less), NaN where that can be neither bought nor flown.
     """
 
     key: str
@@ -107,20 +107,17 @@ def log_derivatives(
 
 
 def _scaled(design: Design, keys: Sequence[str], figure: str, factor: float) -> Array:
-    """Relative change of the figure with each input scaled alone; NaN where the input would leave its bounds."""
+    """Relative change of the figure with each input scaled alone; NaN where it is out of reach."""
     identity = np.eye(len(keys))
     changes = {key: np.asarray(design[key], float) * (1 + (factor - 1) * identity[i]) for i, key in enumerate(keys)}
-    allowed = [_allowed(key, factor * float(design[key])) for key in keys]  # type: ignore[arg-type]
+    allowed = [_in_reach(key, float(design[key]), factor) for key in keys]  # type: ignore[arg-type]
     now = figures(inputs_of(design), (figure,))[figure]
     then = figures(inputs_of(design, changes), (figure,))[figure]
     return np.where(allowed, np.broadcast_to(then, len(keys)) / now - 1, np.nan)
 
 
-def _allowed(key: str, value: float) -> bool:
-    declaration = quantity(key)
-    low, high = declaration.limits
-    above = value >= low if declaration.inclusive_bounds[0] else value > low
-    return above and value <= high
+def _in_reach(key: str, now: float, factor: float) -> bool:
+    return least(key, now) <= factor * now <= quantity(key).limits[1]
 
 
 def sentence(item: Sensitivity, figure_label: str) -> str:
@@ -130,9 +127,7 @@ def sentence(item: Sensitivity, figure_label: str) -> str:
     name = item.label[0].lower() + item.label[1:]
     said = figure_label[0].lower() + figure_label[1:]
     if np.isnan(change):
-        return (
-            f"{verb} the {name} is outside its bounds; one percent of it moves the {said} by {abs(item.slope):.2g} %."
-        )
+        return f"{verb} the {name} is out of reach; one percent of it moves the {said} by {abs(item.slope):.2g} %."
     if abs(change) < 5e-4:
         return f"{verb} the {name} changes the {said} by less than 0.05 %."
     effect = "cuts" if change < 0 else "raises"

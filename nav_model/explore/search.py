@@ -42,6 +42,11 @@ class Candidate:
     written: Mapping[str, str]
     doubts: tuple[str, ...]
 
+    @property
+    def pair(self) -> str:
+        """What the unit and the receiver are called together."""
+        return f"{self.imu} with {self.gnss}"
+
 
 def search(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, Entry]) -> tuple[Candidate, ...]:
     """Every unit with every receiver class and with the design's own receiver, the widest margin first.

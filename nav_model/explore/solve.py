@@ -1,29 +1,31 @@
 """The largest value of one input that still meets each requirement, with the other inputs fixed.
 
-Every figure grows with every input solved for, so each answer is one root. All roots are bracketed and found
-together, in the logarithm of the input, through the broadcasting closed forms; each answer is then verified by
-`analyse`, which must find a margin of zero.
+A figure grows with every input solved for, so each answer is an edge between values that meet the limit and values
+that do not. All edges are bracketed and found together, in the logarithm of the input, through the broadcasting
+closed forms, and each is taken on the side that meets the limit: some figures step, a smoother's where one more fix
+enters the leg, an echo where its line leaves the main lobe. Each answer is then put back through `analyse`.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from decimal import ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.aperture.geometry import WINDOW_WIDTH, cell_length
 from nav_model.base.arrays import Array
+from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError
+from nav_model.base.units import to_si
 from nav_model.budget import analyse
-from nav_model.budget.fast import LEVELS
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
-from nav_model.design.processing import REAL_TIME
-from nav_model.explore.margins import ALL, limits, quantity, ratios
+from nav_model.explore.margins import ALL, least, limits, quantity, ratios
 
 SOLVED = (
     "imu.angle_random_walk",
@@ -43,9 +45,11 @@ _SAMPLES = 25
 _STEPS = 60
 _CLOSE = 1e-13  # of log(value/limit)
 
+_ROUNDING = 1e-15  # first step from an edge that the budget puts elsewhere by a rounding, and the last
+_FAR = 1e-3
+_DIGITS = (3, 2, 1)  # with which a person types a value
+
 Outcome = Literal["limited", "any value", "no value"]
-Verify = Literal["every", "together", "none"]
-"""Which answers are put back through `analyse`: every one, those that hold for all requirements together, none."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +57,9 @@ class Answer:
     """How far one input may go for one requirement, or for all.
 
     ``outcome`` is "limited" when ``value`` [SI] is the largest that meets it; "any value" when every allowed
-    value does; "no value" when none does, even as the input goes to zero. ``margin`` is what `analyse` finds
-    with ``value`` put back. ``binding`` names the requirement that limits (for "no value": one that stays
-    unmet); ``depends`` says whether the input enters that requirement at all.
+    value does; "no value" when none does that can be bought or flown. ``margin`` is what `analyse` finds
+    with ``value`` put back, None where it was not. ``binding`` names the requirement that limits (for "no value": one
+    that stays unmet); ``depends`` says whether the input enters that requirement at all.
     """
 
     key: str
@@ -77,22 +81,39 @@ class Solution:
     together: Answer
 
 
-def solve(design: Design, verify: Verify = "every") -> tuple[Solution, ...]:
+class Offer(NamedTuple):
+    """An input as a person types it: the SI that the text reads as, and the unit of the text."""
+
+    key: str
+    value: float
+    unit: str
+
+    @property
+    def changes(self) -> Mapping[str, float]:
+        """As `Design.replace` takes it."""
+        return {self.key: self.value}
+
+    @property
+    def written(self) -> Mapping[str, str]:
+        """The units for `Design.replace`."""
+        return {self.key: self.unit} if self.unit else {}
+
+
+def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
     """The largest value of every input of `SOLVED` that meets each requirement and all of them.
 
     Parameters
     ----------
     design : Design
-    verify : {"every", "together", "none"}
-        Which answers are put back through `analyse`, 1 ms each; the others' ``margin`` is None.
+    verify : bool
+        Whether every answer is put back through `analyse`, some milliseconds each.
 
     Raises
     ------
     InputError
         If the design gives no requirement.
     ArithmeticError
-        If an answer put back does not give a margin of zero in real time, to 1e-9 or with velocity fixes to 1e-7: a
-        defect.
+        If an answer put back does not meet its limit, and no value just below does: a defect.
     """
     names = list(limits(design))
     if not names:
@@ -113,12 +134,9 @@ def solve(design: Design, verify: Verify = "every") -> tuple[Solution, ...]:
             )
             for j, name in enumerate(names)
         )
-        if verify == "every":
+        if verify:
             each = tuple(_verified(design, answer) for answer in each)
-        together = _together(key, each)
-        if verify == "together":
-            together = _verified(design, together)
-        solutions.append(Solution(key, _current(design, key), each, together))
+        solutions.append(Solution(key, _current(design, key), each, _together(key, each)))
     return tuple(solutions)
 
 
@@ -141,38 +159,31 @@ def _together(key: str, each: tuple[Answer, ...]) -> Answer:
 
 
 def _verified(design: Design, answer: Answer) -> Answer:
+    """The answer with the margin that the budget gives it, moved down where rounding puts the edge elsewhere."""
     if answer.value is None:
         return answer
-    margin = _margin(design, answer, answer.value)
-    # Some figures are discontinuous: a smoother's where one more fix enters the leg, an echo where its line leaves
-    # the main lobe. The answer is then the step, on the side that meets the limit if one does, with its own margin.
-    steps = design.processing.mode != REAL_TIME or bool(inputs_of(design).fast)
-    # Where fixes tell nearly nothing of the position beside those of velocity, the filter's doubling loses digits.
-    exact = 1e-9 if design.gnss.velocity_noise is None else 1e-7
-    if not abs(margin) <= exact and not steps:
-        raise ArithmeticError(f"{answer.key} = {answer.value!r} gives {answer.binding} a margin of {margin:.3g}")
-    if margin < -1e-9 and answer.binding in LEVELS:
-        sides = [(answer.value * factor) for factor in (1 - 1e-9, 1 + 1e-9)]
-        met = [(side, found) for side in sides if (found := _margin(design, answer, side)) >= 0]
-        if met:
-            return replace(answer, value=met[0][0], margin=met[0][1])
-    return replace(answer, margin=margin)
+    value, step = answer.value, _ROUNDING
+    while (margin := _margin(design, answer, value)) < 0:
+        if step > _FAR:
+            raise ArithmeticError(f"{answer.key} = {value!r} gives {answer.binding} a margin of {margin:.3g}")
+        value, step = answer.value * (1 - step), 8 * step
+    return replace(answer, value=value, margin=margin)
 
 
 def _margin(design: Design, answer: Answer, value: float) -> float:
-    checks = analyse(design.replace({answer.key: value}), times=[0.0]).verdict.checks
+    checks = analyse(design.replace({answer.key: value})).verdict.checks
     return next(check.margin for check in checks if check.name == answer.binding)
 
 
-def _bounds(key: str) -> tuple[float, float]:
+def _bounds(design: Design, key: str) -> tuple[float, float]:
     """Range of an input on a log scale: zero is replaced by a value far below any sensor."""
-    low, high = quantity(key).limits
-    return (max(low, _SMALLEST * high), high)
+    high = quantity(key).limits[1]
+    return max(least(key, _current(design, key)), _SMALLEST * high), high
 
 
 def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, list[list[Outcome]], Array]:
     """Root, outcome and dependence for every input (rows) and requirement (columns)."""
-    low, high = (np.log(np.array(ends)) for ends in zip(*map(_bounds, keys), strict=True))
+    low, high = (np.log(np.array(ends)) for ends in zip(*(_bounds(design, key) for key in keys), strict=True))
     grid = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _SAMPLES)
     rows = np.repeat(np.arange(len(keys)), _SAMPLES)
     excess = _excess(design, keys, names, rows, grid.ravel()).reshape(len(names), len(keys), _SAMPLES)
@@ -204,13 +215,14 @@ def _excess(design: Design, keys: list[str], names: list[str], rows: NDArray[np.
 
 
 def _bracketed(function: Callable[[Array], Array], a: Array, b: Array, at_a: Array, at_b: Array) -> Array:
-    """Roots of increasing functions, one in each bracket: Chandrupatla's method on all of them together.
+    """Where functions go from at most zero at `a` to above zero at `b`, each on the lower side.
+
+    Chandrupatla's method on all of them together; a step is halved down to rounding.
 
     Source: Chandrupatla, Advances in Engineering Software 28(3), 1997.
     """
     c, at_c = a, at_a
     fraction = np.full_like(a, 0.5)
-    best = np.where(np.abs(at_a) < np.abs(at_b), a, b)
     for _ in range(_STEPS):
         x = a + fraction * (b - a)
         at_x = function(x)
@@ -218,10 +230,9 @@ def _bracketed(function: Callable[[Array], Array], a: Array, b: Array, at_a: Arr
         c, at_c = np.where(same, a, b), np.where(same, at_a, at_b)
         b, at_b = np.where(same, b, a), np.where(same, at_b, at_a)
         a, at_a = x, at_x
-        best = np.where(np.abs(at_a) < np.abs(at_b), a, b)
         width = np.abs(b - a)
-        tolerance = 4 * np.spacing(np.abs(best)) + 1e-300
-        if np.all((np.minimum(np.abs(at_a), np.abs(at_b)) <= _CLOSE) | (width <= tolerance)):
+        tolerance = 4 * np.spacing(np.abs(a)) + 1e-300
+        if np.all((np.where(at_a <= 0, at_a, at_b) >= -_CLOSE) | (width <= tolerance)):
             break
         with np.errstate(divide="ignore", invalid="ignore"):
             xi, phi = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)
@@ -231,7 +242,7 @@ def _bracketed(function: Callable[[Array], Array], a: Array, b: Array, at_a: Arr
             )
             least = np.minimum(tolerance / np.maximum(width, tolerance), 0.5)
         fraction = np.where(inverse & np.isfinite(step), np.clip(step, least, 1 - least), 0.5)
-    return best
+    return np.where(at_a <= 0, a, b)
 
 
 def resolution_for(design: Design, aperture: float) -> float:
@@ -250,9 +261,22 @@ def remedies(solutions: tuple[Solution, ...], requirement: str) -> tuple[Answer,
     return tuple(answer for answer in answers if answer is not None and answer.outcome == "limited")
 
 
-def round_down(value: float) -> float:
-    """The largest number of three significant digits that is not above `value`, so that it still meets the limit."""
-    if value <= 0:
-        return 0.0
-    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return math.floor(value / unit * (1 + 1e-12)) * unit
+def offer(design: Design, solution: Solution) -> Offer | None:
+    """The largest value of an input, as a person types it, with which the budget closes; None if none was solved."""
+    if solution.together.value is None:
+        return None
+    offers = (typed(design, solution.key, solution.together.value, digits) for digits in _DIGITS)
+    return next((found for found in offers if _closes(design, found)), None)
+
+
+def _closes(design: Design, found: Offer) -> bool:
+    return analyse(design.replace(found.changes)).verdict.closes
+
+
+def typed(design: Design, key: str, value: float, digits: int = 3) -> Offer:
+    """A value [SI] rounded down to so many digits in the unit that the design has the input in."""
+    dimension = quantity(key).dimension
+    unit = design.unit(key) if dimension else ""
+    exact = DIMENSIONS[dimension].number(Fraction(value), unit) if dimension else Fraction(value)
+    down = Context(prec=digits, rounding=ROUND_FLOOR).divide(Decimal(exact.numerator), Decimal(exact.denominator))
+    return Offer(key, to_si(Fraction(down), unit, dimension) if dimension else float(down), unit)

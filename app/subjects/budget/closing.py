@@ -1,70 +1,28 @@
-"""Ways to close a design: values of one input, and units of the catalogue, each with a button."""
+"""Ways to close a design: values of one input, and units of the catalogue."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple
-
-from app.document.blocks import Block, Cell, Column, Table, Text
-from app.document.numbers import number, show_in, signed_percent
+from app.document.blocks import Block, Text
+from app.document.closing import Way, value_ways, ways_table
+from app.document.numbers import signed_percent
 from app.document.wording import preset_name
-from nav_model.base.units import from_si, to_si
 from nav_model.budget import Budget
-from nav_model.design import Design, Value
+from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
-from nav_model.design.parts import declaration_of
-from nav_model.explore.margins import label_of, limits, quantity
+from nav_model.explore.margins import limits
 from nav_model.explore.search import OWN_GNSS, search
-from nav_model.explore.solve import round_down, solve
+from nav_model.explore.solve import solve
 
 _MOST_UNITS = 8
 
 
-class Way(NamedTuple):
-    """One way to close a design: its changes [SI], their units, and its texts."""
-
-    changes: Mapping[str, Value]
-    written: Mapping[str, str]
-    what: str
-    value: str
-    now: str
-    why: str
-
-
 def ways(design: Design) -> tuple[Way, ...]:
     """Largest values of one input that meet every requirement with the others held, then units that do with the
-    design's own receiver, or with another where none does, the widest margin first. For a worker: some ten
+    design's own receiver, or with another where none does, the widest margin first. For a worker: some hundred
     milliseconds."""
     if not limits(design):
         return ()
-    return (*_values(design), *_units(design))
-
-
-def _values(design: Design) -> tuple[Way, ...]:
-    found = []
-    for solution in solve(design, verify="together"):
-        value, key = solution.together.value, solution.key
-        if value is None:
-            continue
-        dimension = quantity(key).dimension
-        unit = design.unit(key) if dimension else ""
-        shown = round_down(from_si(value, unit, dimension) if dimension else value)
-        taken = to_si(shown, unit, dimension) if dimension else shown
-        said = [
-            show_in(x, unit, dimension, given=given) if dimension else number(x, given=given)
-            for x, given in ((taken, False), (solution.current, True))
-        ]
-        found.append(
-            Way(
-                {key: taken},
-                {key: unit} if unit else {},
-                str(declaration_of(key).label),
-                f"at most {said[0]}",
-                said[1],
-                f"limited by {label_of(solution.together.binding).lower()}",
-            )
-        )
-    return tuple(found)
+    return (*value_ways(design, solve(design, verify=False)), *_units(design))
 
 
 def _units(design: Design) -> tuple[Way, ...]:
@@ -75,7 +33,7 @@ def _units(design: Design) -> tuple[Way, ...]:
             row.changes,
             row.written,
             "IMU" if row.gnss == OWN_GNSS else "IMU and receiver",
-            row.imu if row.gnss == OWN_GNSS else f"{row.imu} with {row.gnss}",
+            row.imu if row.gnss == OWN_GNSS else row.pair,
             preset_name(design, "imu"),
             f"margin {signed_percent(row.margin)}" + (f"; unverified: {row.doubts[0]}" if row.doubts else ""),
         )
@@ -93,18 +51,4 @@ def ways_block(budget: Budget, found: tuple[Way, ...]) -> Block:
             "the Explore page shows which."
         )  # fmt: skip
         return Text(said)
-    what = (
-        "The design closes, and would with each of these alone."
-        if budget.verdict.closes
-        else "Each of these alone closes the design."
-    )
-    return Table(
-        "ways",
-        f"{what} Press one to take it; Undo takes it back.",
-        (Column("Change"), Column("From"), Column("Why")),
-        tuple(
-            (Cell(f"{way.what}: {way.value}", value=str(i)), Cell(way.now), Cell(way.why))
-            for i, way in enumerate(found)
-        ),
-        choose="button",
-    )
+    return ways_table(found, closes=budget.verdict.closes)

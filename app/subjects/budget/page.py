@@ -16,6 +16,7 @@ from app.charts.screen.timelines import Timelines
 from app.declared import held
 from app.document.bars import bars_html
 from app.document.blocks import KeyFigures
+from app.document.closing import Way
 from app.document.display import Display, display_of
 from app.document.pane import html_of
 from app.document.prose import prose
@@ -24,7 +25,7 @@ from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts, timelines
-from app.subjects.budget.closing import Way, ways, ways_block
+from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import echo_table, processing_table, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
@@ -215,11 +216,7 @@ class BudgetPage(pn.viewable.Viewer):
     async def _solve(self) -> None:
         """In a worker: sliders move on meanwhile, and what was asked for an earlier design is dropped."""
         budget = self.session.budget
-        try:
-            found = await elsewhere(ways, budget.design)
-        except ArithmeticError as error:  # a value that does not hold is not shown
-            self._table.html = f"<p>Not solved: {error}</p>"
-            return
+        found = await elsewhere(ways, budget.design)
         if budget is self.session.budget:
             self._ways, self._ways_of = found, budget
             self._table.html = html_of(ways_block(budget, found))
@@ -228,8 +225,8 @@ class BudgetPage(pn.viewable.Viewer):
         if not event.new:
             return
         self._table.chosen = ""
-        if self._ways_of is self.session.budget and event.new.isdecimal() and int(event.new) < len(self._ways):
-            way = self._ways[int(event.new)]
+        way = next((way for way in self._ways if way.text == event.new), None)
+        if way is not None and self._ways_of is self.session.budget:
             self.session.change(way.changes, way.written)
             self._toggle_ways(event)
 

@@ -15,7 +15,7 @@ from app.declared import declared
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.explore.question import NO_LIMIT, Question
-from app.subjects.explore.tables import pair_name, search_answer, search_table
+from app.subjects.explore.tables import search_answer, search_table
 from app.ui.chart_pane import source_note
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
@@ -126,7 +126,7 @@ class SearchPanel(Question):
             self._table.html = table
 
     def _take(self, event: param.parameterized.Event) -> None:
-        row = next((row for row in self._found if pair_name(row) == event.new), None)
+        row = next((row for row in self._found if row.pair == event.new), None)
         self._table.chosen = ""  # so that the same row can be pressed again
         if row is None:
             return
@@ -134,7 +134,7 @@ class SearchPanel(Question):
         if row.imu in self._own["imu"]:  # a unit of the user's own is no preset of the product
             changes["imu.preset"] = None
         problem = self.session.change(changes, row.written)
-        what = row.imu if self.own else f"{row.imu} with {row.gnss}"
+        what = row.imu if self.own else row.pair
         self._say(f"{what} was not taken. {problem}" if problem else f"The design now has {what}. You can undo.")
 
     def _opened(self, event: param.parameterized.Event) -> None:

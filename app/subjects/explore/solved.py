@@ -12,12 +12,13 @@ import param
 from app.charts.kinds import to_csv
 from app.charts.screen.maps import RankFigure
 from app.declared import declared
-from app.document.blocks import Block
+from app.document.blocks import Answer
+from app.document.closing import Way, value_ways
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.explore.charts import rank_chart
 from app.subjects.explore.question import NO_LIMIT, Question
-from app.subjects.explore.tables import answer, each_table, largest, solved_blocks, unsolved
+from app.subjects.explore.tables import answer, each_table, solved_blocks
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
@@ -28,7 +29,7 @@ from app.ui.theme import ON_A_PHONE
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES
 from nav_model.explore.margins import label_of
-from nav_model.explore.solve import Solution, solve
+from nav_model.explore.solve import solve
 
 
 class SolvedPanel(Question):
@@ -41,7 +42,7 @@ class SolvedPanel(Question):
     def __init__(self, session: Session) -> None:
         tightest = session.budget.verdict.tightest
         super().__init__(session=session, figure=tightest.name if tightest else "quadratic_phase")
-        self._solutions: tuple[Solution, ...] = ()
+        self._ways: tuple[Way, ...] = ()
         self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12))
         self._table.param.watch(self._take, "chosen")
         self._each = html_pane("")
@@ -67,31 +68,26 @@ class SolvedPanel(Question):
     def show(self, budget: Budget) -> None:
         """Solve and rank again."""
         self._rank()
-        self._solutions = ()
-        blocks: tuple[Block, ...] = ()
-        if not budget.verdict.checks:
-            self.answer = NO_LIMIT
-        else:
-            try:
-                self._solutions = solve(budget.design, verify="together")
-            except ArithmeticError as error:  # a value that does not hold is not shown
-                self.answer = unsolved(str(error))
-            else:
-                self.answer, blocks = answer(budget, self._solutions), solved_blocks(budget, self._solutions)
-        said = html_of(*blocks)
+        self._ways, said, each = (), "", ""
+        self.answer = NO_LIMIT
+        if budget.verdict.checks:
+            solutions = solve(budget.design, verify=False)
+            self._ways = value_ways(budget.design, solutions)
+            self.answer = answer(budget, solutions, self._ways)
+            said = html_of(*solved_blocks(budget, solutions, self._ways))
+            each = html_of(each_table(budget.design, solutions))
         if self._table.html != said:
             self._table.html = said
-        self._each.object = html_of(each_table(budget.design, self._solutions)) if self._solutions else ""
+        self._each.say(each)
 
     def _take(self, event: Any) -> None:
         """Apply the largest value of the chosen input to the design."""
-        solution = next((solution for solution in self._solutions if solution.key == event.new), None)
         self._table.chosen = ""  # so that the same one can be pressed again
-        if solution is not None and solution.together.value is not None:
-            value, unit = largest(self.session.design, solution.key, solution.together.value)
-            problem = self.session.change({solution.key: value}, {solution.key: unit} if unit else None)
+        way = next((way for way in self._ways if way.text == event.new), None)
+        if way is not None:
+            problem = self.session.change(way.changes, way.written)
             if problem:
-                self.answer = unsolved(str(problem))
+                self.answer = Answer("Not applied", "warn", (str(problem),))
 
     @param.depends("figure", watch=True)
     def _rank(self) -> None:
@@ -99,8 +95,7 @@ class SolvedPanel(Question):
         self._ranking.feed(chart)
         lead = f'<p class="quiet fine">{chart.bars[0].sentence}</p>' if chart.bars else ""
         head = head_html(chart.title, chart.knowledge, described(chart)) + lead
-        if self._head.object != head:
-            self._head.object = head
+        self._head.say(head)
 
     def _csv(self) -> io.BytesIO:
         return io.BytesIO(to_csv(rank_chart(self.session.design, self.figure)).encode())

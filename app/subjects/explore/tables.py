@@ -3,69 +3,52 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.charts.kinds import TradeMapChart
 from app.document.blocks import Answer, Block, Cell, Column, Table, Text
+from app.document.closing import Way, ways_table
 from app.document.numbers import number, percent, signed_percent
-from nav_model.base.units import from_si, join_quantity, to_si
+from app.document.wording import input_in_words
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.declaration import sentence_label
 from nav_model.design.parts import PRESET_KEYS, declaration_of
-from nav_model.explore.margins import ALL, label_of, quantity
+from nav_model.explore.margins import label_of, quantity
 from nav_model.explore.search import Candidate
 from nav_model.explore.solve import Answer as Solved
-from nav_model.explore.solve import Solution, remedies, resolution_for, round_down
+from nav_model.explore.solve import Solution, remedies, resolution_for, typed
 from nav_model.explore.sweep import Column as Swept
 from nav_model.explore.sweep import sweep_ratios
 from nav_model.explore.sweep_plan import Plan
 from nav_model.explore.uncertainty import Probability, UncertainVerdict
 
-_SOLVED = (
-    "Each value is a root of the formulas with the other inputs held, rounded down to three digits so that it still "
-    "meets the limit. “Any”: every value the input may take meets it. “None”: no value does. Verified by running "
-    "the budget again."
+_EACH = (
+    "Solved with the other inputs fixed, rounded down to three digits. “Any”: every value the input may take meets "
+    "the limit. “None”: no value that can be bought or flown does."
 )
 
 
-def shown(design: Design, key: str, value: float, down: bool = False) -> str:
-    """A value in the unit its input is shown in, to three digits; `down` so that it still meets the limit."""
-    dimension = quantity(key).dimension
-    unit = design.unit(key) if dimension else ""
-    scaled = from_si(value, unit, dimension) if dimension else value
-    text = number(round_down(scaled) if down else scaled, given=not down)
-    return join_quantity(text, unit) if unit else f"{text} ×"
-
-
-def answer(budget: Budget, solutions: tuple[Solution, ...]) -> Answer:
+def answer(budget: Budget, solutions: tuple[Solution, ...], found: Sequence[Way]) -> Answer:
     """The input that matters most, how far it may go, and what it is now, for a budget with a requirement."""
-    design, tightest = budget.design, budget.verdict.tightest
+    tightest = budget.verdict.tightest
     assert tightest is not None
     tone = "good" if budget.verdict.closes else "bad"
-    wanted = next((solution for solution in solutions if quantity(solution.key).source == tightest.sensor), None)
-    order = [wanted, *solutions] if wanted else list(solutions)
-    lever = next((solution for solution in order if solution.together.outcome == "limited"), None)
+    wanted = next((each.key for each in solutions if quantity(each.key).source == tightest.sensor), "")
+    lever = next((way for way in found if wanted in way.changes), found[0] if found else None)
     if lever is None:
         head = "Every input may go to its bound" if budget.verdict.closes else "No single change closes it"
         return Answer(head, tone, _stuck(budget, solutions))
-    value = lever.together.value or 0.0
-    limit, now = shown(design, lever.key, value, down=True), shown(design, lever.key, lever.current)
-    room = value / lever.current if lever.current else math.inf
+    ((key, value),) = lever.changes.items()
+    now = next(solution.current for solution in solutions if solution.key == key)
+    room = float(value) / now if now else math.inf  # type: ignore[arg-type]
     gap = f"{number(1 / room)} times too much" if room < 1 else f"{number(room)} times as much still closes"
-    other = () if lever is wanted or wanted is None else (f"No {_named(wanted.key)} alone is enough.",)
-    binding = label_of(lever.together.binding).lower()
-    said = (f"You have {now}: {gap}.", *other, f"Limited by {binding}.")
-    return Answer(f"Largest {_named(lever.key)} that closes: {limit}", tone, said)
-
-
-def unsolved(reason: str) -> Answer:
-    """The message in place of the answer when solving failed its own check, which is a defect."""
-    why = f"The budget run again at the solved value did not meet its limit, so no value is shown: {reason}."
-    return Answer("Not solved", "bad", (why,))
+    other = (f"Changing the {_name(wanted)} alone is not enough.",) if wanted and wanted not in lever.changes else ()
+    said = (f"You have {lever.now}: {gap}.", *other, f"{lever.why[0].upper()}{lever.why[1:]}.")
+    return Answer(f"Closes if {_name(key)} is {lever.value}", tone, said)
 
 
 def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
@@ -79,52 +62,30 @@ def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
     return (*said, "Change two inputs together: see “Trade two inputs”.")
 
 
+def _name(key: str) -> str:
+    return sentence_label(declaration_of(key))
+
+
 def _phrase(design: Design, found: Solved) -> str:
-    return f"{_named(found.key)} ≤ {_value(design, found)}"
+    return f"{_name(found.key)} ≤ {_value(design, found)}"
 
 
 def _value(design: Design, found: Solved) -> str:
     if found.value is None:
         return "any" if found.outcome == "any value" else "none"
-    text = shown(design, found.key, found.value, down=True)
+    text = input_in_words(design, found.key, typed(design, found.key, found.value).value, given=False)
     if found.key == "radar.aperture_time":
         text += f" ({number(resolution_for(design, found.value))} m resolution)"
     return text
 
 
-def largest(design: Design, key: str, value: float) -> tuple[float, str]:
-    """A solved value as a person would type it, rounded down so that it still meets the limit: SI, and its unit."""
-    dimension = quantity(key).dimension
-    if not dimension:
-        return round_down(value), ""
-    unit = design.unit(key)
-    return to_si(round_down(from_si(value, unit, dimension)), unit, dimension), unit
-
-
-def solved_blocks(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[Block, ...]:
-    """Every input solved for all requirements, each to be taken, with what would help where nothing does."""
-    if not solutions:
-        return ()
-    design = budget.design
-    table = Table(
-        "solved",
-        "Largest allowed value of each input, the others held. Press an input to take it.",
-        (
-            Column("Input"),
-            Column("You have", numeric=True),
-            Column("Largest allowed", numeric=True),
-            Column("Limited by"),
-        ),
-        tuple(_solved_row(design, solution) for solution in solutions),
-        _SOLVED,
-        choose="button",
-    )
-    helpless = [_named(solution.key) for solution in solutions if solution.together.outcome == "no value"]
-    if not helpless:
-        return (table,)
-    enough = "; ".join(_phrase(design, found) for found in remedies(solutions, ALL))
-    tail = f"These would be enough: {enough}." if enough else "No other single input is enough either."
-    return table, Text(f"Improving any one of these alone is not enough: {', '.join(helpless)}. {tail}")
+def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], found: Sequence[Way]) -> Iterator[Block]:
+    """Every input with a value that closes the design, and the others by name."""
+    if found:
+        yield ways_table(found, closes=budget.verdict.closes)
+    helpless = [_name(solution.key) for solution in solutions if solution.together.outcome == "no value"]
+    if helpless:
+        yield Text(f"Improving any one of these alone is not enough: {', '.join(helpless)}.")
 
 
 def each_table(design: Design, solutions: tuple[Solution, ...]) -> Table:
@@ -134,26 +95,13 @@ def each_table(design: Design, solutions: tuple[Solution, ...]) -> Table:
         "Largest allowed value for each requirement alone",
         (Column("Input"), *(Column(label_of(found.requirement), numeric=True) for found in solutions[0].each)),
         tuple(
-            (Cell(str(quantity(solution.key).label)), *(Cell(_value(design, found)) for found in solution.each))
+            (
+                Cell(str(declaration_of(solution.key).label)),
+                *(Cell(_value(design, found)) for found in solution.each),
+            )
             for solution in solutions
         ),
-    )
-
-
-def _named(key: str) -> str:
-    return sentence_label(quantity(key))
-
-
-def _solved_row(design: Design, solution: Solution) -> tuple[Cell, ...]:
-    together = solution.together
-    limited = label_of(together.binding) if together.outcome != "any value" else ""
-    note = "" if together.depends or together.outcome != "no value" else " (does not depend on it)"
-    met = together.outcome == "any value" or (together.value is not None and together.value >= solution.current)
-    return (
-        Cell(str(quantity(solution.key).label), value=solution.key if together.value is not None else ""),
-        Cell(shown(design, solution.key, solution.current)),
-        Cell(f"{'✓' if met else '✗'} {_value(design, together)}", tone="good" if met else "bad"),
-        Cell(limited + note),
+        _EACH,
     )
 
 
@@ -167,28 +115,20 @@ def map_answer(chart: TradeMapChart, here: float) -> Answer:
     return Answer(result, "open", ("No limit is set: the map compares with this design.", hint))
 
 
-def pair_name(row: Candidate) -> str:
-    """What a pair of unit and receiver is called."""
-    return f"{row.imu} with {row.gnss}"
-
-
 def search_answer(rows: Sequence[Candidate], own: bool) -> Answer:
     """How many units or pairs meet the requirements, and which does by the widest margin."""
     good = [row for row in rows if row.closes]
-    what, name = ("IMUs pass with your receiver", _imu) if own else ("pairs of IMU and receiver pass", pair_name)
+    what = "IMUs pass with your receiver" if own else "pairs of IMU and receiver pass"
     if not rows:
         return Answer("No IMU can be judged", "warn", ("No data sheet in the list gives both random walks.",))
     best = rows[0]
+    name = best.imu if own else best.pair
     if not good:
-        why = f"Nearest: {name(best)}, margin {signed_percent(best.margin)} ({label_of(best.tightest).lower()})."
+        why = f"Nearest: {name}, margin {signed_percent(best.margin)} ({label_of(best.tightest).lower()})."
         other = ("Try all receivers, or change the radar or the limits.",) if own else ()
         return Answer(f"None of {len(rows)} {what}", "bad", (why, *other))
-    why = f"Widest margin: {name(best)}, {signed_percent(best.margin)}."
+    why = f"Widest margin: {name}, {signed_percent(best.margin)}."
     return Answer(f"{len(good)} of {len(rows)} {what}", "good", (why,))
-
-
-def _imu(row: Candidate) -> str:
-    return row.imu
 
 
 def search_table(rows: Sequence[Candidate], own: bool) -> Table:
@@ -215,7 +155,7 @@ def search_table(rows: Sequence[Candidate], own: bool) -> Table:
 def _candidate(row: Candidate, own: bool) -> tuple[Cell, ...]:
     receiver = () if own else (Cell(row.gnss),)
     return (
-        Cell(row.imu, sort=row.imu, value=pair_name(row)),
+        Cell(row.imu, sort=row.imu, value=row.pair),
         *receiver,
         Cell("✓ closes", tone="good") if row.closes else Cell("✗ does not close", tone="bad"),
         Cell(signed_percent(row.margin), sort=row.margin),
@@ -312,9 +252,8 @@ def _swept_cells(plan: Plan, row: int) -> list[tuple[str, float | str]]:
     cells: list[tuple[str, float | str]] = []
     for axis, place in zip(plan.axes, plan.indices(row, row + 1), strict=True):
         value = axis.shown[int(place[0])]
-        cells.append(
-            (shown(plan.design, axis.key, value), value) if isinstance(value, float) else (str(value), str(value))
-        )
+        text = input_in_words(plan.design, axis.key, value) if isinstance(value, float) else str(value)
+        cells.append((text, value if isinstance(value, float) else text))
     return cells
 
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from app.document.blocks import Answer, Bullets, Cell, Column, Table, Text
-from app.document.numbers import NONE, number, show_in
-from app.document.wording import printable
+from app.document.numbers import NONE, number
+from app.document.wording import input_in_words, printable
 from app.subjects.sensors.charts import TERM_NAMES
 from nav_model.allan.adoption import VIBRATION_KEY, WALK_KEYS
 from nav_model.allan.motion import BLOCK_S, MOTION_CAVEAT, MotionAnalysis
 from nav_model.allan.noise_terms import TERMS
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance, triad_random_walk
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import entry_of
 
@@ -42,13 +41,9 @@ def origin_table(design: Design) -> Table:
 
 
 def _origin_row(design: Design, key: str) -> tuple[Cell, ...]:
-    declaration = declaration_of(key)
-    assert isinstance(declaration, BaseQuantity)
     value = design[key]
     assert isinstance(value, float | int)
-    dimension = declaration.dimension
-    shown = show_in(value, design.unit(key), dimension, given=True) if dimension else number(value, given=True)
-    return Cell(str(declaration.label)), Cell(shown), _origin(design, key)
+    return Cell(str(declaration_of(key).label)), Cell(input_in_words(design, key, value)), _origin(design, key)
 
 
 def _origin(design: Design, key: str) -> Cell:

@@ -177,7 +177,7 @@ def test_both_sidebands_of_the_oscillator_count(open_design):
 
 def test_an_aperture_that_hides_the_echo_in_the_main_lobe_is_found(open_design):
     """12 Hz over 1/12 s is one cell: up to there the line blurs and makes no echo."""
-    design = open_design.replace(UNSENSED | {"requirements.paired_echo": 0.005, "radar.aperture_time": 5.0})
+    design = open_design.replace(UNSENSED | {"requirements.paired_echo": 0.005, "radar.aperture_time": 0.05})
     solution = next(each for each in solve(design) if each.key == "radar.aperture_time")
     answer = next(each for each in solution.each if each.binding == "paired_echo")
     assert answer.value == pytest.approx(1 / 12, rel=1e-6)

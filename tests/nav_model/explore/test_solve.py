@@ -13,7 +13,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.explore.margins import ALL, quantity, ratios
-from nav_model.explore.solve import SOLVED, remedies, resolution_for, round_down, solve
+from nav_model.explore.solve import SOLVED, offer, remedies, resolution_for, solve, typed
 
 
 def _margins(design, key, value):
@@ -21,7 +21,7 @@ def _margins(design, key, value):
 
 
 @pytest.fixture(scope="module")
-def designs(designs):
+def smooth_designs(designs):
     """Without vibration and oscillator: an echo steps where its line leaves the main lobe (test_fast.py)."""
     keys = ("motion.lines", "motion.spectrum", "motion.unsensed_lines", "oscillator.phase_noise")
     return designs.map(lambda design: design.replace(dict.fromkeys(keys, ()) | {"motion.delay": 0.0}))
@@ -30,15 +30,43 @@ def designs(designs):
 @pytest.mark.long
 @settings(max_examples=8)
 @given(data=st.data())
-def test_every_solved_value_put_back_gives_margin_zero(data, designs):
-    design = data.draw(designs)
+def test_every_solved_value_of_a_figure_without_steps_is_at_its_limit(data, smooth_designs):
+    design = data.draw(smooth_designs)
     exact = 1e-9 if design.gnss.velocity_noise is None else 1e-7
-    for solution in solve(design, verify="none"):
+    for solution in solve(design):
         for answer in solution.each:
             if answer.value is not None:
-                assert abs(_margins(design, answer.key, answer.value)[answer.requirement]) <= exact
+                assert 0 <= answer.margin <= exact
                 around = ratios(design, {answer.key: answer.value * np.array([0.98, 1.02])})[answer.requirement]
                 assert around[0] <= 1 <= around[1]
+
+
+@settings(max_examples=6)
+@given(data=st.data(), leg=st.floats(2.0, 60.0), mode=st.sampled_from(["real time", "post-processed"]))
+def test_every_solved_value_put_back_meets_its_limit_where_figures_step_too(data, designs, leg, mode):
+    """With fixes that enter a short leg one by one, and echoes."""
+    design = data.draw(designs).replace({"processing.mode": mode, "processing.leg_after": leg})
+    for solution in solve(design):
+        for answer in (*solution.each, solution.together):
+            assert (answer.margin is None) == (answer.value is None)
+            if answer.value is not None:
+                assert answer.margin == _margins(design, answer.key, answer.value)[answer.binding] >= 0
+        offered = offer(design, solution)
+        assert offered is None or analyse(design.replace(offered.changes)).verdict.closes
+
+
+@pytest.mark.parametrize("leg", [12.0, 15.0])
+def test_where_the_number_of_fixes_steps_the_answer_is_on_the_side_that_meets_the_limit(open_design, leg):
+    """Margins of -3.1 % (azimuth shift, 12 s), -2.4, -1.2 and -0.3 % had been found beyond the step."""
+    design = open_design.replace(
+        {"processing.mode": "post-processed", "processing.leg_after": leg,
+         "requirements.ce90": 1.2, "requirements.azimuth_shift": 1.5}
+    )  # fmt: skip
+    interval = next(solution for solution in solve(design) if solution.key == "gnss.interval")
+    limited = [answer for answer in interval.each if answer.value is not None]
+    assert "azimuth_shift" in {answer.requirement for answer in limited}
+    for answer in limited:
+        assert _margins(design, answer.key, answer.value)[answer.requirement] >= 0
 
 
 @pytest.mark.parametrize("interval", [0.02, 0.05, 0.2])
@@ -58,7 +86,7 @@ def test_positions_that_tell_nearly_nothing_beside_velocities(interval, limit):
 @given(data=st.data())
 def test_all_together_is_the_least_and_closes(data, designs):
     design = data.draw(designs)
-    for solution in solve(design, verify="none"):
+    for solution in solve(design, verify=False):
         together = solution.together
         values = [answer.value for answer in solution.each if answer.value is not None]
         if together.outcome == "limited":
@@ -73,8 +101,9 @@ def test_all_together_is_the_least_and_closes(data, designs):
 @given(data=st.data())
 def test_no_value_and_any_value_mean_it(data, designs):
     design = data.draw(designs)
-    for solution in solve(design, verify="none"):
-        low, high = (cache(partial(_margins, design, solution.key, bound)) for bound in _bounds(solution.key))
+    for solution in solve(design, verify=False):
+        ends = _bounds(solution.key, solution.current)
+        low, high = (cache(partial(_margins, design, solution.key, bound)) for bound in ends)
         for answer in solution.each:
             if answer.outcome == "no value":
                 assert low()[answer.requirement] < 0
@@ -82,17 +111,24 @@ def test_no_value_and_any_value_mean_it(data, designs):
                 assert high()[answer.requirement] >= 0
 
 
-def _bounds(key):
+def _bounds(key, now):
+    """What can be bought or flown."""
     low, high = quantity(key).limits
-    return max(low, 1e-9 * high), high
+    return max(min(quantity(key).softbounds[0], now), 1e-9 * high) if low else 1e-9 * high, high
 
 
-def test_what_holds_for_all_is_verified_alone(open_design):
-    every, together = solve(open_design), solve(open_design, verify="together")
-    for one, other in zip(every, together, strict=True):
-        assert other.together == one.together
-        assert all(answer.margin is None for answer in other.each)
-        assert (other.together.margin is None) == (other.together.value is None)
+def test_nothing_is_offered_below_what_can_be_bought(open_design):
+    """A vibration factor below 1 is less than bench noise; it would have been 0.352."""
+    solutions = {solution.key: solution for solution in solve(open_design)}
+    assert solutions["imu.vibration_factor"].together.outcome == "no value"
+    assert offer(open_design, solutions["imu.vibration_factor"]) is None
+    shaken = {
+        s.key: s for s in solve(open_design.replace({"imu.angle_random_walk": 1e-6, "imu.vibration_factor": 30}))
+    }
+    assert shaken["imu.vibration_factor"].together.value > 1
+    quiet = open_design.replace({"imu.vibration_factor": 0.2})
+    factor = next(s for s in solve(quiet) if s.key == "imu.vibration_factor")  # its owner has measured less
+    assert 0.2 < factor.together.value < 1
 
 
 def test_round_trip_through_the_limit(closed_design):
@@ -147,7 +183,7 @@ def test_no_value_helps_is_said_with_what_would(open_design):
     assert by_key["coast.duration"].together.outcome == "no value"
     assert not by_key["coast.duration"].together.depends
     helps = {answer.key for answer in remedies(answers, ALL)}
-    assert helps == {"imu.angle_random_walk", "imu.vibration_factor", "radar.aperture_time"}
+    assert helps == {"imu.angle_random_walk", "radar.aperture_time"}
     degrees = math.degrees(by_key["imu.angle_random_walk"].together.value) * 60
     assert degrees == pytest.approx(0.0360, abs=5e-5)
 
@@ -160,8 +196,20 @@ def test_slow_error_and_missing_requirements(closed_design):
         solve(slow.replace(dict.fromkeys(keys)))
 
 
-@given(st.floats(1e-12, 1e12))
-def test_rounding_down_never_breaks_the_limit(value):
-    rounded = round_down(value)
-    assert rounded <= value * (1 + 1e-11)
-    assert rounded > 0.99 * value
+@given(st.floats(1e-11, 0.09), st.sampled_from([1, 2, 3]), st.sampled_from(["°/√h", "°/h/√Hz", "rad/√s"]))
+def test_a_typed_value_is_what_its_text_reads_as_and_not_above_the_value(value, digits, unit):
+    design = Design({}, written={"imu.angle_random_walk": unit})
+    found = typed(design, "imu.angle_random_walk", value, digits)
+    text = quantity(found.key).write(found.value, found.unit)[1]
+    number = text.split()[0]
+    assert len(number.partition("e")[0].replace(".", "").strip("0")) <= digits
+    assert quantity(found.key).read(text).value == found.value
+    assert 0.5 * value < found.value <= value
+
+
+def test_an_offer_is_typed_in_the_unit_of_the_design(open_design):
+    """Not 0.036000000000000006."""
+    solution = next(s for s in solve(open_design) if s.key == "imu.angle_random_walk")
+    found = offer(open_design, solution)
+    assert found.value == quantity(found.key).read("0.036 °/√h").value
+    assert found.written == {"imu.angle_random_walk": "°/√h"}
