@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 import shlex
 from pathlib import Path
@@ -55,6 +56,37 @@ def test_files_that_a_document_names_are_there(document: Path) -> None:
     assert {name for name in named if not (ROOT / name).exists()} == set()
     single = set(re.findall(r"`([A-Z]\w+\.md|pyproject\.toml|Dockerfile|Makefile)`", text))
     assert {name for name in single if not (ROOT / name).exists()} == set()
+
+
+@documents
+def test_names_that_a_document_puts_in_a_file_are_in_it(document: Path) -> None:
+    said = re.findall(r"`(\w+)`(?: and `(\w+)`)? (?:of|in)\s`([\w/]+/\w+\.py)`", document.read_text("utf-8"))
+    missing = {
+        (name, path) for *names, path in said for name in names if name not in (ROOT / path).read_text("utf-8")
+    }
+    assert missing == set()
+
+
+def test_names_that_the_code_cites_are_there() -> None:
+    cited = {
+        name for path in _code() for name in re.findall(r"`((?:nav_model|app)(?:\.\w+)+)`", path.read_text("utf-8"))
+    }
+    assert len(cited) > 10
+    assert {name for name in cited if not _resolves(name)} == set()
+
+
+def _resolves(name: str) -> bool:
+    """Whether a dotted name is a module, or a name that one defines."""
+    parts = name.split(".")
+    for count in range(len(parts), 0, -1):
+        try:
+            found: object = importlib.import_module(".".join(parts[:count]))
+        except ModuleNotFoundError:
+            continue
+        for part in parts[count:]:
+            found = getattr(found, part, None)
+        return found is not None
+    return False
 
 
 @documents

@@ -1,9 +1,9 @@
 """A design: all inputs as immutable, typed, bounded, documented values in SI.
 
 A `Design` is a value: it can be sent to other processes and is never changed in place. `Design.replace`
-makes the next one, which is what undo, links and comparisons are built on. Its parts are the Param classes of
-`nav_model.design.parts`, and the file reader (`nav_model.design.file`), the link (`nav_model.design.link`) and the
-widgets are derived from their declarations: adding an input is adding one declaration there.
+makes the next one, which is what undo, links and comparisons are built on. Its parts are Param classes in the files
+beside this one, gathered in `nav_model.design.parts`. The file reader (`nav_model.design.file`), the link
+(`nav_model.design.link`) and the page are derived from their declarations, the only place that describes an input.
 """
 
 from __future__ import annotations

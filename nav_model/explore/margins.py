@@ -30,7 +30,7 @@ def limits(design: Design) -> dict[str, float]:
 def ratios(design: Design, changes: Mapping[str, Replacement] | None = None) -> dict[str, Array]:
     """Value over limit of every requirement given; met at or below one. Margin is one minus it.
 
-    `changes` replaces inputs by numbers or arrays, as in `nav_model.budget.figures.inputs_of`.
+    `changes` replaces inputs by numbers or arrays, as in `nav_model.budget.inputs.inputs_of`.
     """
     return ratios_of(design, inputs_of(design, changes))
 

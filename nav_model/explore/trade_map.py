@@ -88,7 +88,7 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     ----------
     design : Design
     x_key, y_key : str
-        Two different inputs of `nav_model.budget.figures.VARIABLES`.
+        Two different inputs of `nav_model.budget.inputs.VARIABLES`.
     result : str
         One of `RESULTS`.
     size : int, optional
