@@ -43,6 +43,8 @@ STYLES: dict[str, Style] = {
     "tilt": Style(PURPLE, "solid", 2.5),
     "yaw": Style(GREEN, "dashed", 2.0),
     "limit": Style(RED, "dashdot", 1.8),
+    "closes": Style(GREEN, "solid", 2.0),
+    "does not close": Style(RED, "dashed", 2.0),
     "exact": Style(BLUE, "solid", 2.5),
     "asymptote": Style(ORANGE, "dashed", 2.0),
     "reference": Style(GREY, "dotted", 1.8),

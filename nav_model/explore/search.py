@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -11,13 +12,16 @@ from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import VARIABLES
 from nav_model.design import Design, Value
-from nav_model.design.catalogue import Entry
+from nav_model.design.catalogue import Entry, SourcedValue
 from nav_model.explore.margins import limits, ratios, value_of, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
 OWN_GNSS = "your receiver"
 """Name of the row of receivers that is the design's own."""
+Biases = Literal["design", "zero", "in-run"]
+"""Residual biases that every unit is judged with: the design's, zero, or the in-run biases of its own sheet."""
 _NEEDED = ("velocity_random_walk", "angle_random_walk")
+_BIASES = ("accelerometer_bias", "gyro_bias")
 
 
 @dataclass(frozen=True)
@@ -48,11 +52,13 @@ class Candidate:
         return f"{self.imu} with {self.gnss}"
 
 
-def search(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, Entry]) -> tuple[Candidate, ...]:
+def search(
+    design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, Entry], biases: Biases = "design"
+) -> tuple[Candidate, ...]:
     """Every unit with every receiver class and with the design's own receiver, the widest margin first.
 
-    Units whose sheet lacks a random walk cannot be judged: `left_out` names them. The design's residual biases
-    and vibration factor hold for every unit, because no data sheet prints them.
+    Units whose sheet lacks a value cannot be judged: `left_out` names them. The design's vibration factor holds for
+    every unit, because no data sheet prints it.
 
     Raises
     ------
@@ -62,11 +68,12 @@ def search(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, En
     names = list(limits(design))
     if not names:
         raise InputError("requirements", "none is given; give at least one limit to compare sensors with")
-    known = [entry for entry in imus.values() if not _lacks(entry)]
+    known = [entry for entry in imus.values() if not _lacks(entry, biases)]
     if not known:
         raise InputError("imu catalogue", "no unit gives both random walks; add one that does")
     pairs = [(imu, receiver) for imu in known for receiver in (None, *receivers.values())]
-    changes = [_changes(imu, receiver) for imu, receiver in pairs]
+    filled = [dict(_filling(imu, receiver, biases)) for imu, receiver in pairs]
+    changes = [_changes(own, biases) for own in filled]
     keys = sorted({key for change in changes for key in change} & set(VARIABLES))
     columns = {key: np.array([_filled(design, change, key) for change in changes], float) for key in keys}
     found = {name: np.broadcast_to(ratio, len(pairs)) for name, ratio in ratios(design, columns).items()}
@@ -84,45 +91,52 @@ def search(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, En
             share=float(shares[i]),
             margins={name: float(1 - found[name][i]) for name in names},
             changes={"imu.preset": imu.name, **changes[i]},
-            written=_written(imu, receiver),
-            doubts=tuple(_doubts(imu, receiver)),
+            written={key: item.unit for key, item in filled[i].items()},
+            doubts=tuple(_doubts(filled[i])),
         )
         for i, (imu, receiver) in enumerate(pairs)
     ]
     return tuple(sorted(rows, key=lambda row: -row.margin))
 
 
-def left_out(imus: Mapping[str, Entry]) -> dict[str, str]:
+def left_out(imus: Mapping[str, Entry], biases: Biases = "design") -> dict[str, str]:
     """Units that cannot be judged -> what their sheet lacks."""
-    return {entry.name: lacks for entry in imus.values() if (lacks := _lacks(entry))}
+    return {entry.name: lacks for entry in imus.values() if (lacks := _lacks(entry, biases))}
 
 
-def _lacks(entry: Entry) -> str:
-    return " and ".join(name.replace("_", " ") for name in _NEEDED if name not in entry.values)
+def _lacks(entry: Entry, biases: Biases) -> str:
+    missing = [name for name in _NEEDED if name not in entry.values]
+    if biases == "in-run":
+        missing += [f"in-run {name}" for name in _BIASES if name not in _in_run(entry)]
+    return " and ".join(name.replace("_", " ") for name in missing)
 
 
-def _items(imu: Entry, receiver: Entry | None) -> Iterator[tuple[str, str, float, str, bool, str]]:
-    for entry in (imu, receiver):
-        for name, item in entry.values.items() if entry else ():
-            assert entry is not None
-            yield f"{entry.kind}.{name}", name, item.value, item.unit, item.confirmed, item.status
+def _in_run(imu: Entry) -> dict[str, SourcedValue]:
+    return {name: item for name, item in imu.extra.items() if item.kind == "in-run"}
 
 
-def _changes(imu: Entry, receiver: Entry | None) -> dict[str, Value]:
-    changes: dict[str, Value] = {key: value for key, _, value, *_ in _items(imu, receiver)}
-    if receiver is not None and "vertical_position_noise" not in receiver.values:
+def _filling(imu: Entry, receiver: Entry | None, biases: Biases) -> Iterator[tuple[str, SourcedValue]]:
+    """Dotted keys of the inputs that a pair fills, and with what."""
+    yield from ((f"imu.{name}", item) for name, item in imu.values.items())
+    if biases == "in-run":
+        yield from ((f"imu.{name}", item) for name, item in _in_run(imu).items())
+    if receiver is not None:
+        yield from ((f"gnss.{name}", item) for name, item in receiver.values.items())
+
+
+def _changes(filled: Mapping[str, SourcedValue], biases: Biases) -> dict[str, Value]:
+    changes: dict[str, Value] = {key: item.value for key, item in filled.items()}
+    if biases == "zero":
+        changes |= {f"imu.{name}": 0.0 for name in _BIASES}
+    if "gnss.position_noise" in changes and "gnss.vertical_position_noise" not in changes:
         changes["gnss.vertical_position_noise"] = None
     return changes
 
 
-def _written(imu: Entry, receiver: Entry | None) -> dict[str, str]:
-    return {key: unit for key, _, _, unit, *_ in _items(imu, receiver)}
-
-
-def _doubts(imu: Entry, receiver: Entry | None) -> Iterator[str]:
-    for _, name, _, _, confirmed, status in _items(imu, receiver):
-        if not confirmed:
-            yield f"{name.replace('_', ' ')} {status}"
+def _doubts(filled: Mapping[str, SourcedValue]) -> Iterator[str]:
+    for key, item in filled.items():
+        if not item.confirmed:
+            yield f"{key.rpartition('.')[2].replace('_', ' ')} {item.status}"
 
 
 def _filled(design: Design, change: Mapping[str, Value], key: str) -> float:

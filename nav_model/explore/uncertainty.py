@@ -27,6 +27,8 @@ SCRAMBLINGS = 10
 POINTS = 1024  # of each; a power of two keeps the points balanced
 _STUDENT_95 = 2.2621571628540993  # two-sided 95 % of Student's t with 9 degrees of freedom
 _QUANTILES = (0.05, 0.5, 0.95)
+_DRAWN = (0.005, 0.995)  # quantiles between which the histogram is
+_BINS = 40
 
 Kind = Literal["uniform", "log-uniform", "lognormal"]
 
@@ -70,7 +72,8 @@ class UncertainVerdict:
     """How likely a design closes.
 
     ``margin`` holds the 5, 50 and 95 % quantiles of the tightest margin; ``each`` the probability of every
-    requirement by itself; ``limiting`` how often each is the tightest.
+    requirement by itself; ``limiting`` how often each is the tightest. ``histogram``: edges of bins of the tightest
+    margin, multiples of their width, and the share of the designs in each; half a per cent at either end is left out.
     """
 
     designs: int
@@ -78,6 +81,7 @@ class UncertainVerdict:
     margin: tuple[float, float, float]
     each: Mapping[str, Probability]
     limiting: Mapping[str, float]
+    histogram: tuple[tuple[float, ...], tuple[float, ...]]
 
 
 def read_uncertain(key: str, text: str) -> Uncertain:
@@ -143,14 +147,23 @@ def uncertain_verdict(
     found = {name: np.broadcast_to(ratio, total) for name, ratio in ratios(design, columns).items()}
     largest = worst(found)
     tightest = np.argmax(np.stack([found[name] for name in names]), axis=0)
-    low, middle, high = (float(q) for q in np.quantile(1 - largest[np.isfinite(largest)], _QUANTILES))
+    margins = 1 - largest[np.isfinite(largest)]
+    low, middle, high = (float(q) for q in np.quantile(margins, _QUANTILES))
     return UncertainVerdict(
         designs=total,
         closes=_probability(np.less_equal(largest, 1)),
         margin=(low, middle, high),
         each={name: _probability(np.less_equal(ratio, 1)) for name, ratio in found.items()},
         limiting={name: float(np.mean(tightest == i)) for i, name in enumerate(names)},
+        histogram=_histogram(margins),
     )
+
+
+def _histogram(margins: Array) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    low, high = np.quantile(margins, _DRAWN)
+    width = max((high - low) / _BINS, 1e-6)
+    edges = width * np.arange(np.floor(low / width), np.floor(high / width) + 2)
+    return tuple(edges.tolist()), tuple((np.histogram(margins, edges)[0] / len(margins)).tolist())
 
 
 def _samples(inputs: Mapping[str, Uncertain], seed: int, points: int) -> dict[str, Array]:

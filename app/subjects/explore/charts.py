@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from app.charts.kinds import LEVELS, AnyChart, Array, Chart, Limit, Line, RankBar, RankChart, TradeMapChart
+from app.charts.kinds import LEVELS, AnyChart, Array, Band, Chart, Limit, Line, RankBar, RankChart, TradeMapChart
 from app.charts.region import contour
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.budget.figures import figures
@@ -19,6 +19,7 @@ from nav_model.explore.rank import Sensitivity, rank, sentence, silent
 from nav_model.explore.sweep import Column, sweep_ratios, sweep_sigma
 from nav_model.explore.sweep_plan import Plan
 from nav_model.explore.trade_map import TradeMap, is_log, place, trade_map
+from nav_model.explore.uncertainty import UncertainVerdict
 
 _SHOWN = 12  # bars of a ranking
 _WORST = "Worst requirement"
@@ -106,6 +107,22 @@ def sweep_chart(
         knowledge=knowledge,
         x_log=spaced[0],
         y_log=True,
+    )
+
+
+def margin_chart(found: UncertainVerdict | None) -> Chart:
+    """Histogram of the tightest margin over uncertain designs; nothing before there is a result."""
+    edges, shares = ([math.nan] * 2, [math.nan]) if found is None else found.histogram
+    x, y = 100 * np.repeat(edges, 2)[1:-1], 100 * np.repeat(shares, 2)
+    kinds = (("does not close", x <= 0), ("closes", x >= 0))
+    return Chart(
+        key="margins",
+        title="Tightest margin over the designs",
+        x_label="tightest margin [%]",
+        y_label="designs in a bin [%]",
+        lines=(Line("limit", "limit", np.zeros(2), np.array([0.0, np.max(y)]), "limit"),),
+        bands=tuple(Band(name, name, x[part], 0 * x[part], y[part], name) for name, part in kinds),
+        knowledge="Half a per cent of the designs at either end is left out.",
     )
 
 

@@ -60,6 +60,12 @@ def _add_explore(commands: Any) -> None:
         metavar="FILE",
         help="catalogue file of your own receivers; may be repeated",
     )
+    add(
+        "--biases",
+        choices=("design", "zero", "in-run"),
+        default="design",
+        help="residual biases of every IMU: the design's (default), zero, or the in-run biases of its data sheet",
+    )
     add = parsers["uncertainty"].add_argument
     add("--vary", action="append", default=[], metavar="KEY=RANGE",
         help='range of an input, e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h" (uniform; with log after it, '

@@ -104,9 +104,10 @@ def searched(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
             **{f"margin_{name}": margin for name, margin in row.margins.items()},
             "not_confirmed": "; ".join(row.doubts),
         }
-        for row in search(design, imus, receivers)
+        for row in search(design, imus, receivers, options.biases)
     ]
-    return {"candidates": rows, "left_out": left_out(imus)}, rows
+    whole = {"residual_biases": options.biases, "candidates": rows, "left_out": left_out(imus, options.biases)}
+    return whole, rows
 
 
 def _entries(kind: Kind, files: Iterable[str]) -> Mapping[str, Entry]:

@@ -24,6 +24,7 @@ from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
+from app.ui.study_settings import StudySettings
 from app.ui.theme import ON_A_PHONE
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES, figures
@@ -46,11 +47,14 @@ class MapPanel(Question):
     result: str = declared(param.Selector(objects={label_of(name): name for name in RESULTS}, label="Result"))
 
     def __init__(self, session: Session) -> None:
-        super().__init__(session=session, result=ALL if limits(session.design) else next(iter(FIGURES)))
+        super().__init__(session=session)
         self._head = html_pane("", margin=(6, 10, 0, 10))
         self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])
         self._drawn: MapFigure | None = None
         self._chart: TradeMapChart | None = None
+        self._settings = StudySettings(session, "map", self, ("x", "y", "result"), lambda: None)
+        if self.result == ALL and not limits(session.design):
+            self.result = next(iter(FIGURES))
 
     def __panel__(self) -> pn.Column:
         choosers = (

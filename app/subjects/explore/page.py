@@ -8,8 +8,9 @@ from functools import partial
 from typing import Any
 
 import panel as pn
+import param
 
-from app.declared import held
+from app.declared import declared, held
 from app.document.blocks import Answer
 from app.document.verdict import SAID
 from app.session import Session
@@ -18,10 +19,12 @@ from app.subjects.explore.question import NO_LIMIT, Question
 from app.subjects.explore.search import SearchPanel
 from app.subjects.explore.solved import SolvedPanel
 from app.subjects.explore.sweep import SweepPanel
+from app.subjects.explore.tables import biases_said
 from app.subjects.explore.uncertainty import UncertaintyPanel
 from app.ui.answer_strip import AnswerStrip
 from app.ui.first_screen import screen_of_views
 from app.ui.named_views import NamedViews
+from app.ui.study_settings import StudySettings
 from app.ui.turns import in_turns
 from nav_model.budget import Budget
 
@@ -38,12 +41,15 @@ class ExplorePage(pn.viewable.Viewer):
     """Everything below the tab. A question is made when first asked and follows the design while it is in view."""
 
     session = held(Session)
+    asked: str = declared(param.Selector(objects=list(QUESTIONS), doc="Name of the question in view."))
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
         self._strip = AnswerStrip(NO_LIMIT)
         self._asked: dict[str, Question] = {}
+        self._settings = StudySettings(session, "explore", self, ("asked",), lambda: self.go_to(self.asked))
         self.views = NamedViews("Question", {name: partial(self._ask, name) for name in QUESTIONS})
+        self.views.chosen = self.asked
         self.views.param.watch(self._turned, "chosen")
         self.show(session.budget)
         self._view = screen_of_views(self._strip, self.views)
@@ -68,16 +74,22 @@ class ExplorePage(pn.viewable.Viewer):
 
     def _turned(self, event: Any) -> None:
         """Clear the answer to the last question while this one is computed, as a map takes seconds."""
+        self.asked, location = event.new, pn.state.location
+        if location and "-" in str(location.hash):  # the name of the last question, which would come back
+            location.hash = "#explore"
         self._strip.show(Answer(event.new, "open", ("Computing …",)))
         in_turns([lambda: self.show(self.session.budget)])
 
     def _tell(self) -> None:
         answer, verdict = self.question.answer, self.session.budget.verdict
-        said = (f"{SAID[verdict.processing].capitalize()}.",) if verdict.checks and self.question.of_design else ()
+        said: tuple[str, ...] = ()
+        if verdict.checks and self.question.of_design:
+            said = biases_said(self.session.design, self.question.biases), f"{SAID[verdict.processing].capitalize()}."
         self._strip.show(replace(answer, sentences=(*answer.sentences, *said)))
 
     def go_to(self, place: str) -> None:
         """Ask the question whose name begins like the end of an address, such as "which" of "#explore-which"."""
-        name = next((name for name in QUESTIONS if name.lower().replace(" ", "-").startswith(place.lower())), None)
+        place = place.lower().replace(" ", "-")
+        name = next((name for name in QUESTIONS if name.lower().replace(" ", "-").startswith(place)), None)
         if name:
             self.views.chosen = name

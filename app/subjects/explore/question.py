@@ -12,6 +12,7 @@ from app.declared import declared, held
 from app.document.blocks import Answer
 from app.session import Session
 from nav_model.budget import Budget
+from nav_model.explore.search import Biases
 
 NO_LIMIT = Answer(
     "No requirement is set", "open", ("Give a limit under Requirements to see which values and sensors meet it.",)
@@ -24,6 +25,8 @@ class Question(pn.viewable.Viewer, param.ParameterizedABC):
     session = held(Session)
     of_design: ClassVar[bool] = True
     """Whether what the answer says is always of the current design, its processing too."""
+    biases: Biases = "design"
+    """Residual biases that the answer assumes."""
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=NO_LIMIT, instantiate=False))
 
     @abstractmethod

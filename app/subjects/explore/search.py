@@ -21,19 +21,19 @@ from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import WHOLE, SortableTable
+from app.ui.study_settings import StudySettings
 from app.ui.theme import SWITCH
 from app.upstream.file_input import LimitedFileInput
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
-from nav_model.explore.search import Candidate, left_out, search
+from nav_model.explore.search import Biases, Candidate, left_out, search
 
 MAX_BYTES = 200_000
 _KNOWLEDGE = (
     "Every row is computed with the formulas of the budget. The main error source has the largest share of the "
-    "tightest "
-    "requirement's variance [T-18]. Every IMU has your design's residual biases and vibration factor, since data "
-    "sheets do not give them. Receiver noise is white."
+    "tightest requirement's variance [T-18]. Every IMU has your design's vibration factor, and the residual biases "
+    "chosen above: your design's, zero, or the in-run biases of its data sheet. Receiver noise is white."
 )
 
 EXAMPLE = """\
@@ -50,6 +50,7 @@ vertical_position_noise = { value = "5 cm", status = "assumed", source = "maker'
 interval = { value = "0.2 s", status = "confirmed", source = "manual" }
 """
 _KINDS: tuple[Kind, ...] = ("imu", "gnss")
+_BIASES = {"Biases of your design": "design", "Biases 0": "zero", "In-run biases of data sheets": "in-run"}
 
 
 class SearchPanel(Question):
@@ -59,6 +60,7 @@ class SearchPanel(Question):
     own: bool = declared(
         param.Selector(objects={"Your receiver": True, "All receivers": False}, default=True, label="Receiver")
     )
+    biases: Biases = declared(param.Selector(objects=_BIASES, default="design", label="Residual biases"))
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
@@ -73,6 +75,7 @@ class SearchPanel(Question):
             accept=".toml", variant="text", max_file_size=MAX_BYTES, margin=(6, 8),
         )  # fmt: skip
         self._file.param.watch(self._opened, "value")
+        self._settings = StudySettings(session, "search", self, ("own", "biases"), lambda: None)
 
     def __panel__(self) -> pn.Column:
         words = pmui.TextInput(
@@ -81,7 +84,10 @@ class SearchPanel(Question):
         )  # fmt: skip
         words.link(self, value_input="words")
         tools = pn.FlexBox(
-            pmui.RadioButtonGroup.from_param(self.param.own, margin=(8, 10), stylesheets=[SWITCH]),
+            *(
+                pmui.RadioButtonGroup.from_param(chosen, margin=(8, 10), stylesheets=[SWITCH])
+                for chosen in (self.param.own, self.param.biases)
+            ),
             words,
             self._file,
             download("Example file", "sensors.toml", lambda: io.BytesIO(EXAMPLE.encode())),
@@ -101,16 +107,19 @@ class SearchPanel(Question):
         """Judge every unit or pair again."""
         self._found = ()
         if budget.verdict.checks:
-            imus = self._entries("imu")
-            self._found = search(budget.design, imus, {} if self.own else self._entries("gnss"))
-            silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(imus).items())
+            imus, receivers = self._entries("imu"), {} if self.own else self._entries("gnss")
+            self._found = search(budget.design, imus, receivers, self.biases)
+            silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(imus, self.biases).items())
             self._left_out.object = f'<p class="quiet fine">Not ranked, data sheet incomplete: {escape(silent)}.</p>'
-            self.answer = search_answer(self._found, self.own)
+            unbiased = 0
+            if self.biases == "design" and not any(row.closes for row in self._found):
+                unbiased = sum(row.closes for row in search(budget.design, imus, receivers, "zero"))
+            self.answer = search_answer(self._found, self.own, unbiased)
         else:
             self.answer = NO_LIMIT
         self._fill()
 
-    @param.depends("own", watch=True)
+    @param.depends("own", "biases", watch=True)
     def _again(self) -> None:
         self.show(self.session.budget)
 

@@ -35,6 +35,8 @@ from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
+from nav_model.budget.inputs import VARIABLES
+from nav_model.explore.margins import quantity
 from nav_model.explore.sweep import Column, expected_seconds, to_csv, to_parquet, whole_sweep
 from nav_model.explore.sweep_plan import Plan, parse_plan
 
@@ -42,6 +44,7 @@ MOST_DESIGNS = 200_000
 """Of one sweep on the page: some 40 MB. The command takes more."""
 MOST_SECONDS = 600.0
 _MOST_INPUTS = 4
+_COMING = "<p class='quiet'>The designs, those that just pass first, appear here with the first sweep.</p>"
 _ELSEWHERE = "Use fewer points, or download the sweep file and run “navbudget sweep FILE -o OUT.csv”."
 
 
@@ -69,7 +72,7 @@ class SweepPanel(Question):
         self._rows = pn.Column(*self.rows)
         self._count = html_pane("", margin=(4, 10))
         self.bar = RunBar(self.run, self.start, "Run sweep")
-        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12), stylesheets=[WHOLE])
+        self._table = SortableTable(html=_COMING, sizing_mode="stretch_width", margin=(0, 12), stylesheets=[WHOLE])
         self._table.param.watch(self._take, "chosen")
         self._head = html_pane("<p class='quiet'>The map of the sweep appears here.</p>", margin=(6, 10, 0, 10))
         self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])
@@ -124,7 +127,7 @@ class SweepPanel(Question):
         try:
             plan = parse_plan(sweep_file(self.session.design, self.rows).encode())
         except InputError as error:
-            self._say(str(error), alert=True)
+            self._say(_named(error), alert=True)
         else:
             if plan.rows > MOST_DESIGNS:
                 most = f"{plan.rows:,} designs; at most {MOST_DESIGNS:,} on this page."
@@ -204,6 +207,11 @@ class SweepPanel(Question):
             problem = self.session.change(changes)
             if problem:
                 self._say(str(problem), alert=True)
+
+
+def _named(error: InputError) -> str:
+    """The message with the input's name in place of its key."""
+    return f"{quantity(error.key).label}: {error.reason}" if error.key in VARIABLES else str(error)
 
 
 def _is_range(values: tuple[Any, ...]) -> bool:

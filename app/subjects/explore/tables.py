@@ -18,7 +18,7 @@ from nav_model.design import Design
 from nav_model.design.declaration import sentence_label
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.explore.margins import label_of, quantity
-from nav_model.explore.search import Candidate
+from nav_model.explore.search import Biases, Candidate
 from nav_model.explore.solve import Answer as Solved
 from nav_model.explore.solve import Solution, remedies, resolution_for, typed
 from nav_model.explore.sweep import Column as Swept
@@ -26,6 +26,7 @@ from nav_model.explore.sweep import sweep_ratios
 from nav_model.explore.sweep_plan import Plan
 from nav_model.explore.uncertainty import Probability, UncertainVerdict
 
+_SURE = 0.95  # probability from which a verdict counts as sure
 _EACH = (
     "Solved with the other inputs fixed, rounded down to three digits. “Any”: every value the input may take meets "
     "the limit. “None”: no value that can be bought or flown does."
@@ -115,8 +116,20 @@ def map_answer(chart: TradeMapChart, here: float) -> Answer:
     return Answer(result, "open", ("No limit is set: the map compares with this design.", hint))
 
 
-def search_answer(rows: Sequence[Candidate], own: bool) -> Answer:
-    """How many units or pairs meet the requirements, and which does by the widest margin."""
+def biases_said(design: Design, biases: Biases = "design") -> str:
+    """The residual biases that an answer assumes."""
+    if biases == "in-run":
+        return "Residual biases: each data sheet's in-run biases."
+    sizes = {"imu.accelerometer_bias": design.imu.accelerometer_bias, "imu.gyro_bias": design.imu.gyro_bias}
+    given = [input_in_words(design, key, size) for key, size in sizes.items() if size]
+    if biases == "zero" or not given:
+        return "Residual biases 0 assumed."
+    return f"Residual biases as in your design: {' and '.join(given)}."
+
+
+def search_answer(rows: Sequence[Candidate], own: bool, unbiased: int) -> Answer:
+    """How many units or pairs meet the requirements, and which does by the widest margin; `unbiased`: how many would
+    with residual biases of zero."""
     good = [row for row in rows if row.closes]
     what = "IMUs pass with your receiver" if own else "pairs of IMU and receiver pass"
     if not rows:
@@ -126,6 +139,8 @@ def search_answer(rows: Sequence[Candidate], own: bool) -> Answer:
     if not good:
         why = f"Nearest: {name}, margin {signed_percent(best.margin)} ({label_of(best.tightest).lower()})."
         other = ("Try all receivers, or change the radar or the limits.",) if own else ()
+        if unbiased:
+            other = (f"With residual biases of zero, {unbiased} would: choose them below.",)
         return Answer(f"None of {len(rows)} {what}", "bad", (why, *other))
     why = f"Widest margin: {name}, {signed_percent(best.margin)}."
     return Answer(f"{len(good)} of {len(rows)} {what}", "good", (why,))
@@ -168,8 +183,9 @@ def _candidate(row: Candidate, own: bool) -> tuple[Cell, ...]:
 def uncertain_answer(found: UncertainVerdict) -> Answer:
     """The verdict as a probability."""
     low, middle, high = map(signed_percent, found.margin)
+    tone = "good" if found.closes.low >= _SURE else "bad" if found.closes.high < _SURE / 2 else "warn"
     head = f"Closes with a probability of {_probability(found.closes)}"
-    return Answer(head, "open", (f"Tightest margin {middle} (median), {low} to {high} in 90 % of designs.",))
+    return Answer(head, tone, (f"Tightest margin {middle} (median), {low} to {high} in 90 % of designs.",))
 
 
 def uncertain_table(found: UncertainVerdict) -> Table:
@@ -186,38 +202,43 @@ def uncertain_table(found: UncertainVerdict) -> Table:
 
 
 def _probability(p: Probability) -> str:
+    if p.value in (0.0, 1.0):
+        return f"less than {number(100 * p.high, 1)} %" if p.value == 0 else f"more than {number(100 * p.low, 4)} %"
     return f"{number(100 * p.value)} % ± {number(50 * (p.high - p.low), 2)}"
 
 
 _SWEPT = 200  # rows of a sweep's table on the page
 
 
-def sweep_best(columns: Mapping[str, Swept]) -> NDArray[np.intp]:
-    """Rows of a sweep, the widest margin first; in their order where there is no requirement."""
+def sweep_order(columns: Mapping[str, Swept]) -> NDArray[np.intp]:
+    """Rows of a sweep: those that pass, the least margin first, as sensors no better than needed cost least; then
+    those that fail, the nearest first. In their order where there is no requirement."""
     if columns["closes"][0] is None:
         return np.arange(len(columns["row"]))
-    return np.argsort(sweep_ratios(columns), kind="stable")
+    ratios = sweep_ratios(columns)
+    return np.argsort(np.where(ratios <= 1, -ratios, ratios), kind="stable")
 
 
 def sweep_answer(plan: Plan, columns: Mapping[str, Swept], stale: bool) -> Answer:
-    """How many designs of a sweep meet all requirements, and the best of them."""
+    """How many designs of a sweep meet all requirements, and the one that just does."""
     old = ("The results belong to an earlier sweep or design. Run again.",) if stale else ()
     if columns["closes"][0] is None:
         return Answer(f"{plan.rows:,} designs", "open", (*old, "No requirement is set, so no design is judged."))
     good = int(np.sum(np.asarray(columns["closes"], bool)))
-    best = int(sweep_best(columns)[0])
-    margin = signed_percent(float(1 - sweep_ratios(columns)[best]))
+    first = int(sweep_order(columns)[0])
+    margin = signed_percent(float(1 - sweep_ratios(columns)[first]))
     word = f"{good:,} of {plan.rows:,} designs meet all requirements"
-    said = f"Widest margin {margin}: {', '.join(_swept_values(plan, best))}."
+    which = "Least demanding that passes" if good else "Nearest"
+    said = f"{which}: {', '.join(_swept_values(plan, first))}; margin {margin}."
     return Answer(word, "warn" if stale else "good" if good else "bad", (*old, said))
 
 
 def sweep_table(plan: Plan, columns: Mapping[str, Swept]) -> Table:
-    """The best designs of a sweep; each can be taken into the design."""
-    rows = sweep_best(columns)[:_SWEPT]
+    """The first designs of a sweep in `sweep_order`; each can be taken into the design."""
+    rows = sweep_order(columns)[:_SWEPT]
     judged = columns["closes"][0] is not None
-    shown = f"{len(rows)} of {plan.rows:,} designs" if len(rows) < plan.rows else f"{plan.rows:,} designs"
-    order = ", widest margin first" if judged else ""
+    shown = f"{len(rows)} rows of {plan.rows:,}" if len(rows) < plan.rows else f"{plan.rows:,} designs"
+    order = ", those that pass with the least margin first" if judged else ""
     ratios = sweep_ratios(columns) if judged else np.full(plan.rows, np.nan)
     return Table(
         "sweep",

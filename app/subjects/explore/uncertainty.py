@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from urllib.parse import parse_qsl, urlencode
 
 import panel as pn
 import panel_material_ui as pmui
@@ -12,11 +14,13 @@ from app.declared import held
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.session import Session
+from app.subjects.explore.charts import margin_chart
 from app.subjects.explore.question import NO_LIMIT, Question
 from app.subjects.explore.tables import uncertain_answer, uncertain_table
-from app.ui.chart_pane import source_note
+from app.ui.chart_pane import ChartPane, source_note
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
+from app.ui.study_settings import StudySettings
 from app.ui.theme import NARROW
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -26,7 +30,7 @@ from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.several import with_unit
 from nav_model.explore.margins import quantity
-from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
+from nav_model.explore.uncertainty import UncertainVerdict, read_uncertain, uncertain_verdict
 
 _INPUTS = (
     "imu.angle_random_walk",
@@ -43,10 +47,8 @@ _INPUTS = (
 _ASSUMED = 1.3  # factor of one standard deviation that the button puts on the noises
 _AS_SET, _TYPICAL, _UNIFORM, _LOG = "As set", "Typical ×/÷", "Uniform", "Log-uniform"
 _LABELS = {_TYPICAL: ("typical", "factor (1σ)"), _UNIFORM: ("lowest", "highest"), _LOG: ("lowest", "highest")}
+_EXAMPLE = f"An example: every noise typical ×/÷ {_ASSUMED}. Choose a distribution for any input."
 _COMPUTING = Answer("How sure", "open", ("Computing …",))
-_NO_RANGE = Answer(
-    "No input has a range", "open", ("Choose a distribution for at least one input to see how sure the verdict is.",)
-)
 _KNOWLEDGE = (
     "10 × 1024 quasi-random samples (scrambled Sobol points) through the formulas of the budget, inputs independent; "
     "95 % confidence interval from the ten, never narrower than three designs in all."
@@ -68,15 +70,24 @@ class RangeRow(pn.viewable.Viewer):
         super().__init__()
         self.key, self._design = key, design
         self._values: tuple[str, ...] = ()
-        self.kind = pmui.Select(
-            label=str(quantity(key).label), options=[_AS_SET, *_LABELS], width=230, margin=(9, 4, 0, 8), size="small"
-        )
+        self.kind = pmui.Select(options=[_AS_SET, *_LABELS], width=230, margin=(9, 4, 0, 8), size="small")
+        self.name_value()
         self.kind.param.watch(lambda _: self._choose(), "value")
         self.boxes: list[pmui.TextInput] = []
         self._view = pn.FlexBox(self.kind)
 
     def __panel__(self) -> pn.FlexBox:
         return self._view
+
+    def name_value(self) -> None:
+        """Say the design's value beside the name."""
+        self.kind.label = f"{quantity(self.key).label}: {_as_text(self._design(), self.key)}"
+
+    def take(self, text: str) -> None:
+        """The range of a link, as `text` has it."""
+        body, log, _ = text.partition(" log")
+        kind, mark = (_TYPICAL, "*/") if "*/" in text else (_LOG if log else _UNIFORM, "..")
+        self.set(kind, *(part.strip() for part in body.split(mark, 1)))
 
     def set(self, kind: str, *values: str) -> None:
         """Choose a distribution and its values."""
@@ -137,13 +148,17 @@ class UncertaintyPanel(Question):
     """A row for each input, and what each requirement is met with."""
 
     run = held(Run)
+    ranges = param.String(doc="The ranges as a query of keys and texts.")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run())
         self.rows = [RangeRow(key, lambda: session.design) for key in _INPUTS]
+        self._settings = StudySettings(session, "uncertainty", self, ("ranges",), self._recall)
+        self._recall()
         for row in self.rows:
             row.param.watch(lambda *_: self._ask(), ["text", "problem"])
         self._table = html_pane("", margin=(4, 14))
+        self._chart = ChartPane[UncertainVerdict | None](margin_chart, lambda: self.run.result)
 
     def __panel__(self) -> pn.Column:
         assume = pmui.Button(
@@ -154,42 +169,65 @@ class UncertaintyPanel(Question):
         scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}, "stylesheets": [NARROW]}
         return first_screen(
             left=[pn.Column(pn.FlexBox(assume, clear), *self.rows, **scrolls)],
-            right=[pn.Column(self._table, html_pane(_HELP + source_note(_KNOWLEDGE), margin=(4, 14)), **scrolls)],
+            right=[
+                self._chart.view,
+                pn.Column(self._table, html_pane(_HELP + source_note(_KNOWLEDGE), margin=(4, 14)), **scrolls),
+            ],
             height="100%",
         )  # fmt: skip
 
     def show(self, budget: Budget) -> None:
         """Ask again for the current design."""
+        for row in self.rows:
+            row.name_value()
         self._ask()
+
+    def _recall(self) -> None:
+        """Take the ranges of a link."""
+        texts = dict(parse_qsl(self.ranges))
+        for row in self.rows:
+            if row.key in texts:
+                row.take(texts[row.key])
+            else:
+                row.set(_AS_SET)
+
+    def _assumed(self) -> dict[str, str]:
+        """Every noise as typical, with the usual factor."""
+        keys = (row.key for row in self.rows if row.key.endswith(("random_walk", "position_noise")))
+        return {key: f"{_as_text(self.session.design, key)} */ {_ASSUMED}" for key in keys}
 
     def assume(self) -> None:
         """Take every noise as typical, with the usual factor."""
         for row in self.rows:
-            if row.key.endswith(("random_walk", "position_noise")):
-                row.set(_TYPICAL, _as_text(self.session.design, row.key), str(_ASSUMED))
+            if text := self._assumed().get(row.key):
+                row.take(text)
 
     def _clear(self) -> None:
         for row in self.rows:
             row.set(_AS_SET)
 
     def _ask(self) -> None:
-        """Have the newest question answered in a worker; one under way is dropped."""
+        """Have the newest question answered in a worker; one under way is dropped. Without a range an example is."""
         texts = {row.key: row.text for row in self.rows if row.text}
-        if not self.session.budget.verdict.checks or not texts:
+        self.ranges = urlencode(texts)
+        if not self.session.budget.verdict.checks:
             self.run.cancel()
-            self._table.object = ""
-            self.answer = _NO_RANGE if self.session.budget.verdict.checks else NO_LIMIT
+            self._table.object, self.answer = "", NO_LIMIT
         elif not any(row.problem for row in self.rows):
             self._table.object, self.answer = "", _COMPUTING
-            design, inputs = self.session.design, {key: read_uncertain(key, text) for key, text in texts.items()}
+            inputs = {key: read_uncertain(key, text) for key, text in (texts or self._assumed()).items()}
+            design = self.session.design
             pn.state.execute(lambda: self.run.start(lambda _: elsewhere(uncertain_verdict, design, inputs)))
 
     @param.depends("run.running", watch=True)
     def _tell(self) -> None:
-        if self.run.running or not any(row.text for row in self.rows):
+        if self.run.running or not self.session.budget.verdict.checks:
             return
         if self.run.message:
             self.answer = Answer("No probability", "warn", (self.run.message,))
         elif self.run.result is not None:
-            self.answer = uncertain_answer(self.run.result)
-            self._table.object = html_of(uncertain_table(self.run.result))
+            said = uncertain_answer(self.run.result)
+            self.answer = said if self.ranges else replace(said, sentences=(_EXAMPLE, *said.sentences))
+            with pn.io.hold():
+                self._table.object = html_of(uncertain_table(self.run.result))
+                self._chart.show(self.run.result)

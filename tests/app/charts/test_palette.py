@@ -25,6 +25,7 @@ TOGETHER = {
     "strategies, INS": ("strategy 1", "strategy 2", "strategy 3", "strategy 5", "strategy 5w"),
     "strategies, filters": ("strategy 1", "strategy 4", "strategy 6", "strategy 7", "strategy 8",
                             "strategy 9"),
+    "margins": ("limit", "closes", "does not close"),
     "suborbital sources": ("accelerometers", "gyros", "initial position and velocity", "initial attitude",
                            "everything"),
     "accelerometer errors": ("accelerometer bias", "accelerometer instability", "everything"),

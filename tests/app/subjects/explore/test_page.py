@@ -23,6 +23,7 @@ from app.subjects.explore.uncertainty import RangeRow
 from nav_model.budget import analyse
 from nav_model.design.catalogue import catalogue
 from nav_model.design.file import format_design
+from nav_model.design.link import split_link
 from nav_model.design.presets import preset_fill
 from nav_model.explore.search import OWN_GNSS
 from nav_model.explore.sweep import sweep_ratios, to_csv, to_parquet
@@ -188,17 +189,73 @@ def test_a_range_is_what_the_command_takes() -> None:
 
 
 def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> None:
-    sure = _ask(explore, "How sure")
-
-    async def asked() -> None:
+    async def asked() -> Any:
+        sure = _ask(explore, "How sure")
+        await soon(lambda: "An example" in " ".join(sure.answer.sentences), "the example of an empty page")
         next(row for row in sure.rows if row.key == "imu.angle_random_walk").set("Uniform", "0.02", "0.06")
-        await soon(lambda: sure.run.result is not None and not sure.run.running, "the probability")
+        await soon(lambda: "Closes" in sure.answer.word, "the probability")
+        return sure
 
-    asyncio.run(asked())
+    sure = asyncio.run(asked())
     found = uncertain_verdict(first_design(), {"imu.angle_random_walk": read_uncertain(
         "imu.angle_random_walk", "0.02 °/√h .. 0.06 °/√h")})  # fmt: skip
     assert sure.run.result.closes == found.closes
     assert "Closes with a probability of 40.1 %" in sure.answer.word
+    bars = sure._chart.figure.plot  # the bins right of zero hold the probability
+    assert bars.yaxis[0].axis_label == "designs in a bin [%]"
+    edges, shares = found.histogram
+    assert sum(share for edge, share in zip(edges, shares, strict=False) if edge >= -1e-9) == pytest.approx(
+        found.closes.value, abs=0.006
+    )
+
+
+def test_question_ranges_and_choices_come_back_with_the_link(explore: ExplorePage) -> None:
+    async def asked() -> str:
+        _search(explore).biases = "zero"
+        _ask(explore, "Trade two inputs").y = "gnss.interval"
+        sure = _ask(explore, "How sure")
+        for key, text in (("imu.vibration_factor", "1.0 .. 8.0 log"), ("gnss.position_noise", "1 m */ 1.5")):
+            next(row for row in sure.rows if row.key == key).take(text)
+        sure.run.cancel()
+        return explore.session.link
+
+    link = asyncio.run(asked())
+    again = Session(first_design())
+    again.take_studies(split_link(link)[1])
+
+    async def reloaded() -> None:
+        page = ExplorePage(again)
+        assert page.views.chosen == "How sure"
+        assert {row.key: row.text for row in page.question.rows if row.text} == {
+            "imu.vibration_factor": "1.0 .. 8.0 log", "gnss.position_noise": "1 m */ 1.5"
+        }  # fmt: skip
+        page.question.run.cancel()
+        assert _search(page).biases == "zero"
+        assert _ask(page, "Trade two inputs").y == "gnss.interval"
+
+    asyncio.run(reloaded())
+
+
+def test_the_strip_says_the_residual_biases_and_how_many_would_pass_without(explore: ExplorePage) -> None:
+    search = _search(explore)
+    assert "Residual biases 0 assumed." in explore._strip._text.object
+    passing = {row.imu for row in search._found if row.closes}
+    explore.session.change({"imu.accelerometer_bias": 1e-3})
+    said = explore._strip._text.object
+    assert "None of 15" in said
+    assert "Residual biases as in your design: 0.102 mg." in said
+    assert f"With residual biases of zero, {len(passing)} would" in said
+    search.biases = "zero"
+    assert {row.imu for row in search._found if row.closes} == passing
+    search.biases = "in-run"
+    assert "each data sheet" in explore._strip._text.object
+    sheet = catalogue("imu")["HG4930"].extra
+    row = next(row for row in search._found if row.imu == "HG4930")
+    search._table.chosen = row.pair
+    design = explore.session.design
+    assert design.imu.gyro_bias == sheet["gyro_bias"].value
+    assert design.imu.accelerometer_bias == sheet["accelerometer_bias"].value
+    assert explore.session.budget.verdict.tightest.margin == pytest.approx(row.margin, rel=1e-9)
 
 
 def _rows(sweep: SweepPanel, *specs: tuple[str, str, str, str]) -> None:
@@ -228,6 +285,10 @@ def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) -> Non
         assert columns["closes"][row] == verdict.closes
         assert 1 - sweep_ratios(columns)[row] == pytest.approx(verdict.tightest.margin, rel=1e-9)
     assert f"{sum(columns['closes'])} of 15 designs meet all requirements" in sweep.answer.word
+    margins = 1 - sweep_ratios(columns)[[int(row) for row in re.findall(r'value="(\d+)"', sweep._table.html)]]
+    passing = margins[margins >= 0]
+    assert len(passing) == sum(columns["closes"])
+    assert margins.tolist() == [*sorted(passing), *sorted(margins[margins < 0], reverse=True)]
     best = int(np.argmax(1 - sweep_ratios(columns)))
 
     async def taken_up() -> None:
