@@ -193,10 +193,10 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     plan = _PLANS[spec.kind](spec, t, duration)
     if spec.kind == "turns" and duration < 50.0 + 2.0 * np.pi / spec.turn_rate:
         needed = 50.0 + 2.0 * np.pi / spec.turn_rate
-        raise refused("duration", duration, f"the turns take {needed:.0f} s, allow more than that")
+        raise refused("duration", duration, f"the turns take {needed:.1f} s, allow at least {math.ceil(needed)} s")
     if spec.kind == "climb" and duration < 20.0 + spec.climb_height / spec.climb_rate:
         needed = 20.0 + spec.climb_height / spec.climb_rate
-        raise refused("duration", duration, f"the climb takes {needed:.0f} s, allow more than that")
+        raise refused("duration", duration, f"the climb takes {needed:.1f} s, allow at least {math.ceil(needed)} s")
     wander, angle = (0.0, 0.0) if spec.kind == "straight" else (spec.wander, spec.attitude_wander)
     sideways = turbulence(t, wander, 25.0, 120.0, 1)
     height = plan.height + turbulence(t, wander, 25.0, 120.0, 2)

@@ -13,7 +13,9 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.rows import Rows
 from nav_model.design.several import Axes
 from nav_model.sar.flown_engine import flight_of
+from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.study_inputs import STUDY_KEYS
+from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.suborbital.input_table import INPUTS
 
 EVERY = {f"design {key}": parts.declaration_of(key) for key in parts.all_keys()}
@@ -90,3 +92,11 @@ def test_the_highest_rate_that_a_strategy_is_flown_at_is_accepted_as_printed():
         flight_of(fast, 1.0, 0.0)
     most = parts.declaration_of("imu.rate").read(re.search(r"at most (.+?),", refused.value.reason)[1])
     flight_of(fast.replace({"imu.rate": most.value}), 1.0, 0.0)
+
+
+@pytest.mark.parametrize("kind", ["turns", "climb"])
+def test_the_least_duration_of_a_trajectory_is_accepted_as_printed(kind):
+    spec = TrajectorySpec(kind=kind, turn_rate=0.0731, climb_rate=7.3)
+    with pytest.raises(InputError) as refused:
+        plan_trajectory(spec, 10.0)
+    plan_trajectory(spec, float(re.search(r"at least (\d+) s", refused.value.reason)[1]))
