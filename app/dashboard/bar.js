@@ -6,15 +6,6 @@ const ICONS = {
 }
 const icon = (name) => `<svg viewBox="0 0 24 24" width="20" height="20" aria-hidden="true"><path d="${ICONS[name]}"/></svg>`
 
-function find(selector, root = document) {
-  for (const found of root.querySelectorAll(selector)) if (found.getClientRects().length) return found
-  for (const element of root.querySelectorAll("*")) {
-    const found = element.shadowRoot && find(selector, element.shadowRoot)
-    if (found) return found
-  }
-  return null
-}
-
 export function render({ model }) {
   const place = document.createElement("div")
   place.className = "bar"

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import param
 
-from app.ui.theme import PRINT_NOTHING
+from app.ui.theme import FIND, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 
 _KINDS = {"toml": "application/toml", "html": "text/html", "pdf": "application/pdf"}
@@ -36,7 +36,7 @@ class Bar(PlainScript):
 
     _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
 
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+    _esm = FIND + Path(__file__).with_suffix(".js").read_text("utf-8")
 
     def __init__(self, told: Callable[[dict[str, Any]], None], **params: Any) -> None:
         super().__init__(**params)

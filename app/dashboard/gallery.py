@@ -9,7 +9,9 @@ from importlib.resources import files
 import panel as pn
 import panel_material_ui as pmui
 
-from app.document.numbers import show, signed_percent
+from app.document.blocks import Text
+from app.document.pane import html_of
+from app.document.verdict import verdict_of
 from app.document.wording import preset_name
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
@@ -47,20 +49,9 @@ def _card(budget: Budget, adopt: Callable[[Design], None]) -> pn.Column:
 
 
 def _about(budget: Budget) -> str:
-    design, tightest = budget.design, budget.verdict.tightest
-    assert tightest is not None  # an example without a requirement would teach nothing
-    mark = "✓ Closes" if budget.verdict.closes else "✗ Does not close"
-    figures = (
-        ("IMU and radar", f"{preset_name(design, 'imu')}, {preset_name(design, 'radar')}"),
-        ("Quadratic phase", show(budget.sar.quadratic, "angle")),
-        (
-            f"Position after {show(budget.coast.duration, 'time', given=True)}",
-            show(budget.coast.end_refined_horizontal, "length"),
-        ),
-        ("Tightest", f"{tightest.label}, margin {signed_percent(tightest.margin)}"),
-    )
-    rows = "".join(f"<tr><th scope='row'>{name}</th><td>{escape(value)}</td></tr>" for name, value in figures)
-    return (
-        f"<h3>{escape(design.name)}</h3><p><span class='mark'>{mark}</span> at {budget.verdict.confidence:g}σ</p>"
-        f"<p>{escape(design.description)}</p><table class='checks'><tbody>{rows}</tbody></table>"
+    design, verdict = budget.design, verdict_of(budget)
+    return f"<h3>{escape(design.name)}</h3>" + html_of(
+        Text(" ".join((f"{verdict.word}.", *verdict.sentences))),
+        Text(f"IMU: {preset_name(design, 'imu')}. Radar: {preset_name(design, 'radar')}."),
+        Text(design.description),
     )

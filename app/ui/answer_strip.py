@@ -42,8 +42,7 @@ class AnswerStrip(pn.viewable.Viewer):
     def show(self, answer: Answer, note: str = "") -> None:
         """Show another answer; ``note`` is a warning before its reasons."""
         self._text.say(_said(answer, note))
-        if self._view.css_classes != [answer.tone]:
-            self._view.css_classes = [answer.tone]
+        self._view.css_classes = [answer.tone]
 
 
 def _said(answer: Answer, note: str) -> str:

@@ -85,8 +85,7 @@ class ChartPane(Generic[_T]):
     def _tell(self, chart: AnyChart) -> None:
         self._title.say(self._heading(chart))
         for take, label in zip(self._takes, _labels(chart), strict=False):
-            if take.label != label:
-                take.label = label
+            take.label = label
 
     def _heading(self, chart: AnyChart) -> str:
         if self._fills:

@@ -80,3 +80,6 @@ SWITCH = _sheet("switch")
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.
 SHEET = _sheet("sheet")
+
+FIND = Path(__file__).with_name("find.js").read_text("utf-8")
+"""Before a script that looks for parts of the page."""

@@ -2,17 +2,6 @@ const KEY = "navbudget-tour"
 const known = () => { try { return localStorage.getItem(KEY) } catch { return null } }
 const remember = () => { try { localStorage.setItem(KEY, "done") } catch { /* asked again next time */ } }
 
-function find(selector, root = document) {
-  for (const found of root.querySelectorAll(selector)) {
-    if (found.getClientRects().length) return found
-  }
-  for (const element of root.querySelectorAll("*")) {
-    const found = element.shadowRoot && find(selector, element.shadowRoot)
-    if (found) return found
-  }
-  return null
-}
-
 export function render({ model }) {
   const place = document.createElement("div")
   place.innerHTML = `

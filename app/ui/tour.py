@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import param
 
-from app.ui.theme import PRINT_NOTHING
+from app.ui.theme import FIND, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 
 STEPS: tuple[dict[str, str], ...] = (
@@ -56,4 +56,4 @@ class Tour(PlainScript):
 
     _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
 
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+    _esm = FIND + Path(__file__).with_suffix(".js").read_text("utf-8")

@@ -141,8 +141,7 @@ class BudgetPage(pn.viewable.Viewer):
             self._hold()
         self._feed(budget)
         self._tell_soon()
-        if self._close.label != _ask(budget):
-            self._close.label = _ask(budget)
+        self._close.label = _ask(budget)
         if self._panel.visible:
             self._find_ways()
         self._details.follow()

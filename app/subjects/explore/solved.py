@@ -76,8 +76,7 @@ class SolvedPanel(Question):
             self.answer = answer(budget, solutions, self._ways)
             said = html_of(*solved_blocks(budget, solutions, self._ways))
             each = html_of(each_table(budget.design, solutions))
-        if self._table.html != said:
-            self._table.html = said
+        self._table.html = said
         self._each.say(each)
 
     def _take(self, event: Any) -> None:

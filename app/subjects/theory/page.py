@@ -10,7 +10,7 @@ from pathlib import Path
 import panel as pn
 
 from app.declared import held
-from app.document.blocks import Answer, Cell, Column, Table, Text
+from app.document.blocks import Answer, Bullets, Cell, Column, Table, Text
 from app.document.html import mathml
 from app.document.pane import html_of
 from app.document.prose import prose
@@ -36,6 +36,7 @@ _FIELDS = {
     "explore": "Explore",
     "allan": "Sensor logs",
 }
+_MATH = "\N{INVISIBLE TIMES}"  # before a text that is Typst's mathematics
 _POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _STYLE = f"<style>{Path(__file__).with_suffix('.css').read_text('utf-8')}</style>"
 
@@ -77,19 +78,17 @@ def theory() -> str:
             for e in equations
         )
         parts.append(_folded(f"part-{letter}", title, f"{len(equations)} equations", body))
-    rows = "".join(
-        f"<tr><td>{set_[s.math, False]}</td><td>{prose(s.meaning)}</td><td>{escape(s.unit)}</td></tr>"
-        for s in ALL_SYMBOLS
-    )
-    table = (
-        '<div class="scroll" tabindex="0" role="region" aria-label="Symbols">'
-        '<table class="checks"><thead><tr><th scope="col">Symbol</th><th scope="col">Meaning</th>'
-        f'<th scope="col">Unit</th></tr></thead><tbody>{rows}</tbody></table></div>'
-    )
+    table = html_of(_symbols(), said=lambda text: set_[text[1:], False] if text.startswith(_MATH) else prose(text))
     parts.append(_folded("symbols", "Symbols", f"{len(ALL_SYMBOLS)} symbols with their units", table))
-    works = "".join(f"<li>{prose(text)}</li>" for text in REFERENCES)
-    parts.append(_folded("literature", "Literature", f"{len(REFERENCES)} references", f"<ul>{works}</ul>"))
+    works = html_of(Bullets(REFERENCES))
+    parts.append(_folded("literature", "Literature", f"{len(REFERENCES)} references", works))
     return validation() + differences() + "".join(parts)
+
+
+def _symbols() -> Table:
+    columns = tuple(map(Column, ("Symbol", "Meaning", "Unit")))
+    rows = tuple((Cell(f"{_MATH}{s.math}"), Cell(s.meaning), Cell(s.unit)) for s in ALL_SYMBOLS)
+    return Table("all-symbols", "Symbols", columns, rows)
 
 
 def _folded(place: str, title: str, note: str, body: str) -> str:
