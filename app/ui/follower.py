@@ -58,9 +58,9 @@ class Follower(Generic[_T]):
         self.also(lambda result: pane.say(tell(result)))
         return pane
 
-    def later(self, make: Callable[[], Any], **look: Any) -> pn.Column:
-        """The place of what is made with the first result."""
-        waiting = html_pane(self._coming)
+    def later(self, make: Callable[[], Any], waiting: Any = None, **look: Any) -> pn.Column:
+        """The place of what is made with the first result; until then it has what is ``waiting``."""
+        waiting = waiting or html_pane(self._coming)
         place = pn.Column(waiting, **look)
 
         def show(_: _T) -> None:

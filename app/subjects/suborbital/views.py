@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from html import escape
@@ -28,10 +28,11 @@ from app.subjects.suborbital.tables import (
     source_table,
     star_table,
 )
-from app.ui.chart_pane import ChartPane
+from app.ui.chart_pane import takes
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
+from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import SortableTable
@@ -122,13 +123,12 @@ class StudyViews(pn.viewable.Viewer):
 
     def __init__(self, noise: pn.viewable.Viewer, camera: pn.viewable.Viewer, inputs: pn.viewable.Viewer) -> None:
         super().__init__()
-        self._panes: dict[str, list[ChartPane[Shown]]] = {}
-        self._tables: dict[str, list[tuple[SortableTable, Callable[[Shown], NumberTable]]]] = {}
+        self._parts: dict[str, Follower[Shown]] = {}  # of the views opened so far
+        self._coming = html_pane(_COMING)
         self._noise = noise
         first, *others = VIEWS
         makes: dict[str, Callable[[], Any]] = {first.name: partial(self._place, first), CAMERA_NOISE: lambda: camera}
         makes |= {view.name: partial(self._place, view) for view in others} | {INPUTS: lambda: inputs}
-        self._places: dict[str, pn.Column] = {}
         self.views = NamedViews("What to see", makes)
         self.views.param.watch(lambda _: self._draw(), "chosen")
 
@@ -149,60 +149,39 @@ class StudyViews(pn.viewable.Viewer):
 
     def _place(self, view: View) -> pn.Column:
         """The place of a view; it is filled with the first answer."""
-        coming = pn.Column(
-            html_pane(_COMING), sizing_mode="stretch_both", min_height=320, styles=FRAME, margin=(8, 10)
+        parts = self._parts[view.name] = Follower(lambda: self.shown)
+        waiting = pn.Column(self._coming, sizing_mode="stretch_both", min_height=320, styles=FRAME, margin=(8, 10))
+        return parts.later(
+            partial(self._build, view, parts), waiting, sizing_mode="stretch_both", stylesheets=[NARROW]
         )
-        self._places[view.name] = pn.Column(coming, sizing_mode="stretch_both", stylesheets=[NARROW])
-        return self._places[view.name]
 
     def say_coming(self, progress: str) -> None:
         """How far the first study is, in the views that wait for it."""
-        for name, place in self._places.items():
-            if name not in self._panes:
-                place[0][0].object = f"{_COMING}<p class='quiet'>{escape(progress)}</p>"
+        self._coming.object = f"{_COMING}<p class='quiet'>{escape(progress)}</p>"
 
     @param.depends("shown", watch=True)
     def _draw(self) -> None:
         """Update the chosen view; the others are updated when they are opened."""
-        name, shown = self.views.chosen, self.shown
-        if shown is None or name not in self._places:
-            return
-        if name not in self._panes:
-            self._build(next(view for view in VIEWS if view.name == name), shown)
-            return
-        for pane in self._panes[name]:
-            pane.show(shown)
-        for place, build in self._tables[name]:
-            place.html = _table_html(build(shown))
+        if parts := self._parts.get(self.views.chosen):
+            parts.follow()
 
-    def _build(self, view: View, shown: Shown) -> None:
-        panes = [ChartPane(what, self.current, _SQUARE if what(shown).square else None) for what in view.charts]
-        tables = [
-            (SortableTable(html=_table_html(build(shown)), sizing_mode="stretch_width", margin=(4, 12)), build)
-            for build in view.tables
-        ]
-        self._panes[view.name], self._tables[view.name] = panes, tables
-        scrolls: dict[str, Any] = {
-            "sizing_mode": "stretch_both",
-            "styles": {"overflow": "auto"},
-            "stylesheets": [NARROW],
-        }
-        parts: list[Any] = [
-            pn.Column(pane.view, **scrolls) if what(shown).square else pane.view
-            for what, pane in zip(view.charts, panes, strict=True)
-        ]
-        if tables:
-            parts.append(pn.Column(*(table for table, _ in tables), **scrolls))
-        half = len(parts) // 2 or 1
-        takes = [take for pane in panes for take in pane.takes()]
-        takes += [self._table_take(build, shown) for build in view.tables]
-        self._places[view.name].objects = [
-            first_screen(
-                *([pn.FlexBox(*map(self._chooser, view.chooses))] if view.chooses else ()),
-                left=parts[:half], right=parts[half:], height="100%",
-            ),
-            Folded([("Downloads of this view", lambda: pn.FlexBox(*takes))]),
-        ]  # fmt: skip
+    def _build(self, view: View, parts: Follower[Shown]) -> pn.Column:
+        fills: dict[str, Any] = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
+        scrolls = {**fills, "styles": {"overflow": "auto"}}
+        made: list[Any] = []
+        for draw in view.charts:
+            square = draw(parts.known()).square
+            chart = parts.chart(draw, _SQUARE if square else None)
+            made.append(pn.Column(chart, **scrolls) if square else chart)
+        if view.tables:
+            made.append(pn.Column(*(_table(parts, build) for build in view.tables), **scrolls))
+        half = len(made) // 2 or 1
+        choosers = [pn.FlexBox(*map(self._chooser, view.chooses))] if view.chooses else []
+        return pn.Column(
+            first_screen(*choosers, left=made[:half], right=made[half:], height="100%"),
+            Folded([("Downloads of this view", lambda: pn.FlexBox(*_takes(view, parts.known)))]),
+            **fills,
+        )
 
     def _chooser(self, name: str) -> Any:
         if name == "noise":
@@ -218,19 +197,22 @@ class StudyViews(pn.viewable.Viewer):
         axis.link(self, value="channel", bidirectional=True)
         return axis
 
-    def _table_take(self, build: Callable[[Shown], NumberTable], shown: Shown) -> pn.viewable.Viewable:
-        table = build(shown)
-        return download(
-            f"{table.caption.partition(' at ')[0]}: CSV",
-            f"{table.key}.csv",
-            lambda: io.BytesIO(build(self.current()).csv().encode("utf-8")),
-        )
 
-    def current(self) -> Shown:
-        """The content of the page."""
-        assert self.shown is not None
-        return self.shown
+def _table(parts: Follower[Shown], build: Callable[[Shown], NumberTable]) -> SortableTable:
+    table = SortableTable(sizing_mode="stretch_width", margin=(4, 12))
+    parts.also(lambda shown: setattr(table, "html", html_of(build(shown).block(sortable=True))))
+    return table
 
 
-def _table_html(table: NumberTable) -> str:
-    return html_of(table.block(sortable=True))
+def _takes(view: View, current: Callable[[], Shown]) -> Iterator[pn.viewable.Viewable]:
+    """Buttons that take the numbers of a view away."""
+    for draw in view.charts:
+        yield from takes(draw, current)
+    for build in view.tables:
+        now = build(current())
+        name = f"{now.caption.partition(' at ')[0]}: CSV"
+        yield download(name, f"{now.key}.csv", partial(_csv, build, current))
+
+
+def _csv(build: Callable[[Shown], NumberTable], current: Callable[[], Shown]) -> io.BytesIO:
+    return io.BytesIO(build(current()).csv().encode("utf-8"))

@@ -82,7 +82,7 @@ def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
     assert "Moved from the last exact run" in here._strip._text.object
     # and back: the exact answer again
     here.inputs.put("gyros.bias", DEFAULTS["gyros.bias"])
-    assert here.study.current().exact
+    assert here.study.shown.exact
 
 
 def test_a_refusal_stands_at_the_field_and_changes_nothing(here: SuborbitalPage) -> None:
@@ -107,7 +107,7 @@ def test_a_slider_keeps_the_ratio_of_the_axes(here: SuborbitalPage) -> None:
 
 
 def test_tables_hold_the_study_and_name_the_papers_values_as_comparison(here: SuborbitalPage) -> None:
-    shown = here.study.current()
+    shown = here.study.shown
     tables = paper_tables(shown)
     assert len(tables) == 4
     bias = next(row for row in tables[0].rows if row[0] == "accelerometer bias")
@@ -157,13 +157,13 @@ def test_every_view_is_built_and_fed(here: SuborbitalPage) -> None:
     for view in VIEWS:
         here.study.views.chosen = view.name
         here.study.param.trigger("shown")  # fed a second time
-    contents = [place.objects[0] for place in here.study._places.values()]
+    contents = [here.study.views._places[view.name][0][0] for view in VIEWS]
     assert len({id(content) for content in contents}) == len(VIEWS)
     # what is opened after the curves have moved shows the moved ones
     here.study.views.chosen = VIEWS[0].name
     here.inputs.put("gyros.bias", (0.0, 0.0, 0.0))
     here.study.views.chosen = VIEWS[1].name
-    assert not here.study.current().exact
+    assert not here.study.shown.exact
 
 
 def test_the_inertial_unit_is_the_designs(survey: Survey) -> None:
@@ -198,7 +198,7 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
     )
     asyncio.run(run_exactly(here))
     assert any(running and "error sources" in words for running, words in told)
-    shown = here.study.current()
+    shown = here.study.shown
     assert shown.exact
     assert shown.gap is not None
     share = shown.gap.pure_share[shown.gap.names.index("all")]
@@ -229,13 +229,13 @@ def test_who_asks_the_same_study_has_it_at_once(here: SuborbitalPage, monkeypatc
     other, running = asyncio.run(opened(to_link(DEFAULTS)))
     assert not running
     assert other.survey is here.survey
-    assert other.study.current().exact
+    assert other.study.shown.exact
     assert other._strip._text.object == here._strip._text.object
     assert asyncio.run(opened("study.gyros.bias=6,8,4deg/h"))[1]
 
 
 def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
-    before = here.study.current()
+    before = here.study.shown
     asyncio.run(flown(here, ("mine.csv", b"a,b\n1,2\n")))
     assert "mine.csv: line 1: columns time_s" in here.inputs.notice.object
     assert here.inputs.trajectory is None
@@ -289,34 +289,34 @@ def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_s
 
     async def slid() -> None:
         slider.value = float(np.log10(0.34))
-        assert here.study.current().exact  # other frames need other matrices first
+        assert here.study.shown.exact  # other frames need other matrices first
         await soon(lambda: not here.renewal.running, "the matrices")
 
     asyncio.run(slid())
     assert here.inputs.settings["tracker.frame_interval"] == pytest.approx(0.3)
     assert here.renewal.message == ""
-    assert not here.study.current().exact
-    assert here.study.current().study.used.sum() < here.survey.study.used.sum()
+    assert not here.study.shown.exact
+    assert here.study.shown.study.used.sum() < here.survey.study.used.sum()
 
 
 def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move(here: SuborbitalPage) -> None:
     here.study.views.chosen = "White noise"
-    assert np.all(np.isnan(sensors.noise_chart(here.study.current(), 2).lines[2].y))
+    assert np.all(np.isnan(sensors.noise_chart(here.study.shown, 2).lines[2].y))
     here.noise.runs = 50
 
     async def fly() -> None:
         await here.noise.start()
 
     asyncio.run(fly())
-    shown = here.study.current()
+    shown = here.study.shown
     assert shown.ensemble is not None
     flown = sensors.noise_chart(shown, 2)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
     assert "50 runs, seed 1" in noise_table(shown).note
     assert json.loads(here._json().getvalue())["white_noise_monte_carlo"]["runs"] == 50
     here.inputs.put("gyros.white_noise", 1e-5)
-    assert here.study.current().ensemble is None
-    assert "No ensemble has been run" in noise_table(here.study.current()).note
+    assert here.study.shown.ensemble is None
+    assert "No ensemble has been run" in noise_table(here.study.shown).note
     assert "Run again" in here.noise.bar.message
 
 
