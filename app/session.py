@@ -14,6 +14,7 @@ from typing import Any
 import param
 
 from app.declared import declared, held
+from app.examples import EXAMPLES, example
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity
@@ -139,8 +140,13 @@ class Session(param.Parameterized):
 
     @property
     def short_link(self) -> str:
-        """The same to give to others (`to_share`)."""
-        return to_share(self.link)
+        """The same to give to others: without the description of an example, or one that makes it long."""
+        link = self.link
+        if len(link) <= _MOST_TO_SHARE and all(
+            self.design.description != example(name).description for name in EXAMPLES
+        ):
+            return link
+        return "&".join(part for part in link.split("&") if not part.startswith("description="))
 
     def take_studies(self, link: str) -> None:
         """Take the settings of studies from a link (the second part of `split_link`)."""
@@ -222,13 +228,6 @@ class Session(param.Parameterized):
             self.can_undo, self.can_redo = bool(self._past), bool(self._future)
             if lineage is not self.lineage:  # what is set counts as changed, be it the same
                 self.lineage = lineage
-
-
-def to_share(link: str) -> str:
-    """A session's link to give to others: a long one without the design's description."""
-    if len(link) <= _MOST_TO_SHARE:
-        return link
-    return "&".join(part for part in link.split("&") if not part.startswith("description="))
 
 
 def link_parts(query: str) -> tuple[str, str, str]:

@@ -95,7 +95,8 @@ class Span:
 
 @dataclass(frozen=True)
 class Chart:
-    """A chart of curves. ``knowledge`` is its "how do we know" line; ``square``: as high as it is wide."""
+    """A chart of curves. ``knowledge`` is its "how do we know" line; ``square``: as high as it is wide; ``aside``: a
+    few words beside its title on a page."""
 
     key: str
     title: str
@@ -112,6 +113,7 @@ class Chart:
     x_range: tuple[float, float] | None = None
     square: bool = False
     knowledge: str = ""
+    aside: str = ""
 
     def rows(self) -> Iterator[tuple[str, ...]]:
         """Every number drawn, as rows of a table: series, x, y, (upper y of a band or a point's name)."""
@@ -134,7 +136,11 @@ class Chart:
 
 @dataclass(frozen=True)
 class Bar:
-    """One row of a bar chart: two lengths in its unit, the same in millimetres, and where they come from."""
+    """One row of a bar chart: two lengths in its unit, the same in millimetres, and where they come from.
+
+    ``limited``: whether the chart's limits hold for it. ``parts``: what it is made of, the largest first, with the
+    share of each.
+    """
 
     label: str
     first: float
@@ -142,6 +148,8 @@ class Bar:
     first_mm: float
     second_mm: float
     source: str
+    limited: bool = False
+    parts: tuple[tuple[str, float], ...] = ()
 
     @property
     def shows(self) -> bool:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from html import escape
 
+import numpy as np
+
 from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, spread_of
 from app.charts.region import region_names
 from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
@@ -43,7 +45,7 @@ def _map_entries(chart: MapChart) -> list[tuple[str, str]]:
 
 
 def _entries(chart: Chart) -> list[tuple[str, str]]:
-    entries = [(_line(STYLES[line.style]), line.label) for line in chart.lines]
+    entries = [(_line(STYLES[line.style]), line.label) for line in chart.lines if not np.isnan(line.y).all()]
     entries += [(_box(STYLES[band.style], 0.3), band.label) for band in chart.bands]
     entries += [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
     if any(not math.isnan(limit.level) for limit in chart.limits):

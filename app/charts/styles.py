@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ DASHES: dict[str, str] = {
 # at its lower end, the rest above.
 BLUE, ORANGE, GREEN, PURPLE = "#1f72b0", "#e4741a", "#009e73", "#b86a97"
 SKY, RED, GREY = "#3c9bd4", "#d64545", "#7b8794"
+INK = "#3a4652"
+"""Ground of a text inside a frame that belongs to no curve."""
 
 STYLES: dict[str, Style] = {
     "horizontal": Style(BLUE, "solid", 3.0),
@@ -41,6 +44,7 @@ STYLES: dict[str, Style] = {
     "perfect start": Style(GREEN, "dotted", 1.6),
     "initial tilt": Style(PURPLE, "dotdash", 1.6),
     "tilt": Style(PURPLE, "solid", 2.5),
+    "tilt, real time": Style(PURPLE, "dotdash", 2.0),
     "yaw": Style(GREEN, "dashed", 2.0),
     "limit": Style(RED, "dashdot", 1.8),
     "closes": Style(GREEN, "solid", 2.0),
@@ -50,6 +54,8 @@ STYLES: dict[str, Style] = {
     "reference": Style(GREY, "dotted", 1.8),
     "quadratic": Style(BLUE, "solid", 2.5),
     "with cubic": Style(ORANGE, "dashed", 2.0),
+    "compared": Style(BLUE, "solid", 1.2),
+    "this design": Style(ORANGE, "solid", 3.0),
     "accelerometers": Style(BLUE, "solid", 2.2),
     "accelerometer bias": Style(BLUE, "solid", 2.2),
     "accelerometer instability": Style(SKY, "dashed", 2.0),
@@ -127,3 +133,25 @@ BAR_STYLES: tuple[tuple[str, bool, str], tuple[str, bool, str]] = (
     ("with cubic", True, "dotted"),
 )
 """The two kinds of bar: style, whether hatched, dash of its limit."""
+
+
+@cache
+def behind_text(colour: str) -> str:
+    """A curve's colour, darker where white text on it would have a contrast below 4.5, for the text's ground.
+
+    >>> behind_text("#e4741a"), behind_text("#1f72b0")
+    ('#b25c12', '#1f72b0')
+    """
+    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    while _luminance(red, green, blue) > _DARK:
+        red, green, blue = (round(part * 0.97) for part in (red, green, blue))
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+_DARK = 1.05 / 4.55 - 0.05
+
+
+def _luminance(*parts: int) -> float:
+    """Relative luminance of WCAG 2.1 of red, green, blue from 0 to 255."""
+    linear = (p / 12.92 if (p := part / 255) <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for part in parts)
+    return sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True))

@@ -68,6 +68,7 @@ def _bars(chart: BarChart) -> str:
     rows, unit = sorted(chart.bars, key=lambda bar: -bar.second)[:_MOST], chart.unit
     said = "; ".join(
         f"{bar.label} {_n(bar.first)}{unit} {chart.first_label}, {_n(bar.second)}{unit} {chart.second_label}"
+        + "".join(f", {100 * share:.0f} % of it {name}" for name, share in bar.parts)
         for bar in rows
     )
     limits = ", ".join(

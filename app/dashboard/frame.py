@@ -18,7 +18,7 @@ from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.declared import held
 from app.document.display import ONE_SIGMA, display_of
-from app.session import Lineage, Session, link_parts, to_share
+from app.session import Lineage, Session, link_parts
 from app.subjects import SUBJECTS, Subject
 from app.ui.faults import tell_here
 from app.ui.html_pane import html_pane
@@ -125,7 +125,7 @@ class Frame(pn.viewable.Viewer):
             if self._lifeline.base != key:
                 self._lifeline.base = key
             self._lifeline.link = link
-            self._toolbar.bar.link = to_share(link)
+            self._toolbar.bar.link = self.session.short_link
 
     def _come_back(self, link: str, base: str) -> None:
         """Restore what the browser's tab kept before this page was reloaded."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from html import escape
-from importlib.resources import files
 
 import panel as pn
 import panel_material_ui as pmui
@@ -13,20 +12,12 @@ from app.document.blocks import Text
 from app.document.pane import html_of
 from app.document.verdict import verdict_of
 from app.document.wording import preset_name
+from app.examples import EXAMPLES, example
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
-from nav_model.design.file import parse_design
-
-EXAMPLES = ("mems_x_band", "tactical_x_band", "l_band_jet")
-
-
-def example(name: str) -> Design:
-    """A design that comes with the product."""
-    text = files("app").joinpath("examples", f"{name}.toml").read_text(encoding="utf-8")
-    return parse_design(text, name)
 
 
 def gallery(adopt: Callable[[Design], None]) -> pn.viewable.Viewable:

@@ -7,27 +7,28 @@ from collections.abc import Callable
 from html import escape
 
 from app.charts.kinds import Bar, BarChart
-from app.document.numbers import number
+from app.document.numbers import number, percent
 
+_NAMED = 0.45  # of the axis: a shorter part has no room for its name
 _STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8, 10, 15)
 
 
 def bars_html(chart: BarChart, total: str, was: BarChart | None = None) -> str:
     """A bar chart as a table with a bar in each cell.
 
-    Rows without values are omitted. Only the row ``total`` shows the limit; values before a change (``was``) are
-    outlines.
+    Rows without values are omitted. The row ``total`` is emphasised; values before a change (``was``) are outlines.
     """
     old = {bar.label: bar for bar in was.bars} if was else {}
     first, second = (_Scale(chart, was, kind) for kind in ("first", "second"))
     rows = "".join(
         f'<tr{_class(bar, total)}><th scope="row">{escape(bar.label)}</th>'
-        f"{first.cell(bar, old.get(bar.label), bar.label == total)}"
-        f"{second.cell(bar, old.get(bar.label), bar.label == total)}</tr>"
+        f"{first.cell(bar, old.get(bar.label))}{second.cell(bar, old.get(bar.label))}</tr>"
         for bar in chart.bars
         if bar.shows or (bar.label in old and old[bar.label].shows)
     )
-    heads = "".join(f'<th scope="col">{escape(label)}</th>' for label in (chart.first_label, chart.second_label))
+    unit = chart.unit.strip()
+    labels = (chart.first_label, chart.second_label)
+    heads = "".join(f'<th scope="col">{escape(label)} [{unit}]</th>' for label in labels)
     return (
         f'<table class="bars"><caption class="hidden">{escape(chart.title)}: {escape(chart.x_label)}</caption>'
         f"<thead><tr><td></td>{heads}</tr></thead><tbody>{rows}</tbody>"
@@ -36,7 +37,8 @@ def bars_html(chart: BarChart, total: str, was: BarChart | None = None) -> str:
 
 
 def _class(bar: Bar, total: str) -> str:
-    return ' class="total"' if bar.label == total else ""
+    kinds = [kind for kind, holds in (("total", bar.label == total), ("limited", bar.limited)) if holds]
+    return f' class="{" ".join(kinds)}"' if kinds else ""
 
 
 class _Scale:
@@ -59,15 +61,15 @@ class _Scale:
     def _share(self, length: float) -> str:
         return f"{100 * min(length / self._most, 1):.2f}%"
 
-    def cell(self, bar: Bar, was: Bar | None, total: bool) -> str:
+    def cell(self, bar: Bar, was: Bar | None) -> str:
         length = self._length(bar)
         if not math.isfinite(length):
             return "<td></td>"
         tip = f"{self._told(bar)} = {number(self._metres(bar))} mm along the line of sight; {bar.source}"
-        over = ' class="over"' if total and length > self._limit else ""
+        over = ' class="over"' if bar.limited and length > self._limit else ""
         outline = f'<b style="width:{self._share(self._length(was))}"></b>' if was else ""
         limit = ""
-        if total and math.isfinite(self._limit):
+        if bar.limited and math.isfinite(self._limit):
             share = self._share(self._limit)
             # After the line, unless that is too close to the end.
             beside = f"left:{share}" if self._limit < 0.75 * self._most else f"right:calc(100% - {share})"
@@ -77,14 +79,24 @@ class _Scale:
             )
         reach = max(length, self._length(was)) if was else length
         return (
-            f'<td {self._room} title="{escape(tip)}"><div{over}><i style="width:{self._share(length)}"></i>'
+            f'<td {self._room} title="{escape(tip)}"><div{over}>'
+            f'<i style="width:{self._share(length)}">{self._parts(bar, length)}</i>'
             f'{outline}{limit}<span class="num" style="left:{self._share(reach)}">{self._told(bar)}</span>'
             "</div></td>"
         )
 
+    def _parts(self, bar: Bar, length: float) -> str:
+        """What the bar is made of, in the shares of the variance; the first is named where there is room."""
+        said = ""
+        for n, (name, share) in enumerate(bar.parts):
+            told = f"{escape(name)} {percent(share)}"
+            room = n == 0 and share * length > _NAMED * self._most
+            said += f'<s style="width:{100 * share:.1f}%" title="{told}">{told if room else ""}</s>'
+        return said
+
     def axis(self) -> str:
         half, most = (number(length, given=True) for length in (self._most / 2, self._most))
-        return f"<td {self._room}><div><span>0</span><span>{half}</span><span>{most}{self._unit}</span></div></td>"
+        return f"<td {self._room}><div><span>0</span><span>{half}</span><span>{most}</span></div></td>"
 
 
 def _width(text: str) -> float:

@@ -50,13 +50,14 @@ class Display:
         """The spread shown, such as "2σ" or "CEP"."""
         return self.spread if pair or self.spread != "CEP" else "1σ"
 
-    def show(self, sigma: float, dimension: str, *, pair: bool = False) -> str:
-        """A standard deviation [SI] as it is shown."""
-        return self.plain(self.factor(pair=pair) * sigma, dimension)
+    def show(self, sigma: float, dimension: str, *, pair: bool = False, like: float | None = None) -> str:
+        """A standard deviation [SI] as it is shown; ``like``: in the unit of this one."""
+        factor = self.factor(pair=pair)
+        return self.plain(factor * sigma, dimension, like=None if like is None else factor * like)
 
-    def plain(self, value: float, dimension: str) -> str:
+    def plain(self, value: float, dimension: str, *, like: float | None = None) -> str:
         """What is no standard deviation, such as a width [SI], as it is shown."""
-        return self.in_si(value, dimension) if self.units == SI else show(value, dimension)
+        return self.in_si(value, dimension) if self.units == SI else show(value, dimension, like=like)
 
     @staticmethod
     def in_si(value: float, dimension: str, *, given: bool = False) -> str:

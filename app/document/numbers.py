@@ -39,18 +39,23 @@ def number(value: float, digits: int = DIGITS, *, given: bool = False) -> str:
     return _signed(plain_number(float(value), digits, zeros=not given))
 
 
-def show(value: float, dimension: str, *, given: bool = False) -> str:
+def show(value: float, dimension: str, *, given: bool = False, like: float | None = None) -> str:
     """A value [SI] with the unit of its dimension that puts it at or above one, or the smallest unit.
+
+    ``like``: in the unit of this one, which it is compared with.
 
     >>> show(0.0474565, "length"), show(100.0, "time"), show(50.0, "time", given=True)
     ('4.75 cm', '100 s', '50 s')
+    >>> show(0.0474565, "length", like=2.0)
+    '0.0475 m'
     """
     ladder = _LADDERS[dimension]
+    size = abs(value if like is None else like)
     if dimension == "angle":
-        unit = "arcsec" if 0 < abs(value) < _SMALL_ANGLE else "°"
+        unit = "arcsec" if 0 < size < _SMALL_ANGLE else "°"
     else:
-        unit = next((unit for least, unit in _LEAST[dimension] if abs(value) >= least), ladder[0])
-        if value == 0:
+        unit = next((unit for least, unit in _LEAST[dimension] if size >= least), ladder[0])
+        if size == 0:
             unit = ladder[-2] if dimension == "length" else ladder[-1]
     return f"{number(from_si(value, unit, dimension), given=given)}{'' if unit == '°' else ' '}{unit}"
 

@@ -6,10 +6,11 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from app.document.blocks import Answer, Cell
+from app.document.display import ONE_SIGMA, SI, Display
 from app.document.numbers import percent, show_in, signed_percent, whole_percent
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.budget.figures import FIGURES
+from nav_model.budget.figures import FIGURES, UNSCALED
 from nav_model.budget.result import Check, Verdict
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
@@ -47,14 +48,30 @@ def judged(verdict: Verdict) -> str:
 
 def check_words(design: Design, check: Check) -> CheckWords:
     """A check of a design's budget in words."""
-    value, limit = requirement_quantity(design, check.name, check.value), limit_in_words(design, check)
+    value = requirement_quantity(design, check.name, check.value)
+    limit = requirement_quantity(design, check.name, check.limit, given=True)
     figure = f"{_FIGURES.get(check.basis, check.basis)} {check.equation}"
     return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share), figure)
 
 
-def limit_in_words(design: Design, check: Check) -> str:
-    """The limit of a check in the unit it is written in."""
-    return requirement_quantity(design, check.name, check.limit, given=True)
+def shown_check(design: Design, check: Check, display: Display = ONE_SIGMA) -> tuple[str, str]:
+    """Value and limit of a check as they are shown: both at the spread of the display, the limit scaled to it."""
+    pair = "horizontal" in check.name
+    factor = 1.0 if check.name in UNSCALED else display.factor(pair=pair) / design.requirements.confidence
+
+    def said(value: float, *, given: bool = False) -> str:
+        if display.units == SI and check.dimension != "level":
+            return display.in_si(value, check.dimension, given=given)
+        return requirement_quantity(design, check.name, value, given=given)
+
+    return said(factor * check.value), said(factor * check.limit, given=True)
+
+
+def shown_at(design: Design, check: Check, display: Display) -> str:
+    """The spread of a value and a limit that are not at the multiple asked for, as in " at 95 %"; else nothing."""
+    told = display.named(pair="horizontal" in check.name)
+    plain = check.name in UNSCALED or told == f"{design.requirements.confidence:g}σ"
+    return "" if plain else f" at {told}"
 
 
 def met_cell(check: Check) -> Cell:
@@ -94,45 +111,56 @@ def verdict_of(budget: Budget) -> Answer:
     else:
         met = f"all {count} requirements are met" if count > 1 else "its one requirement is met"
     words = check_words(design, tightest)
-    through = "" if tightest.dominant == tightest.sensor else f", mostly through {tightest.dominant}"
     return Answer(
         *_word_and_tone(verdict),
         (
             f"{judged(verdict).capitalize()}, {met}.",
             f"Tightest: {tightest.label.lower()}, {words.value} against {words.limit}, margin {words.margin}.",
-            f"Main error source: {tightest.sensor}, {words.share} of the variance{through}.",
+            f"Main error source: {tightest.sensor}, {words.share} of the variance{_through(tightest)}.",
         ),
     )
+
+
+def _through(check: Check) -> str:
+    """Where the main sensor's error enters, if that is a source with a name of its own, such as the initial tilt."""
+    return "" if check.dominant == check.sensor else f", mostly through {check.dominant}"
 
 
 def _word_and_tone(verdict: Verdict) -> tuple[str, str]:
     return ("✓ Closes", "good") if verdict.closes else ("✗ Does not close", "bad")
 
 
-def verdict_strip(budget: Budget) -> Answer:
-    """The verdict in one line: the tightest requirement and what dominates it."""
+def verdict_strip(budget: Budget, display: Display = ONE_SIGMA) -> Answer:
+    """The verdict in one line: the tightest requirement, shown like the figures below it, and what dominates it."""
     tightest = budget.verdict.tightest
     if tightest is None:
         largest = max(budget.sar.lines, key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
-    words = check_words(budget.design, tightest)
+    value, limit = shown_check(budget.design, tightest, display)
     label = tightest.label[:1].upper() + tightest.label[1:]
+    at, share = shown_at(budget.design, tightest, display), percent(tightest.sensor_share)
     return Answer(
         *_word_and_tone(budget.verdict),
-        (f"{label} {words.value}, limit {words.limit}; {words.share} from {tightest.sensor}.",),
+        (f"{label} {value}, limit {limit}{at}; {share} from {tightest.sensor}{_through(tightest)}.",),
     )
 
 
-def verdicts_in_short(budget: Budget) -> dict[str, str]:
-    """Real time and post-processed, each with its mark and its least margin, as a switch names them -> the mode."""
+def verdicts_in_short(budget: Budget, *, both: bool = True) -> dict[str, str]:
+    """Real time and post-processed, each with its mark and its least margin, as a switch names them -> the mode.
+
+    Without ``both`` the margin of the processing that is not the design's, which takes longer, is left open.
+    """
     tightest, chosen = budget.verdict.tightest, budget.verdict.processing
     margins = {chosen: None if tightest is None else tightest.margin}
-    with suppress(InputError):  # no figures come of it; the current design has some
-        margins[POST_PROCESSED if chosen == REAL_TIME else REAL_TIME] = budget.other_margin
+    if both:
+        with suppress(InputError):  # no figures come of it; the current design has some
+            margins[POST_PROCESSED if chosen == REAL_TIME else REAL_TIME] = budget.other_margin
 
     def said(mode: str) -> str:
         name, margin = mode[:1].upper() + mode[1:], margins.get(mode)
+        if not both and mode != chosen:
+            return f"{name} …"
         return name if margin is None else f"{name} {'✓' if margin >= 0 else '✗'} {whole_percent(margin, 1 - margin)}"
 
     return {said(mode): mode for mode in (REAL_TIME, POST_PROCESSED)}

@@ -51,7 +51,7 @@ def phase_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> BarCha
         title="Phase over the aperture",
         x_label="line-of-sight phase over the aperture, 1σ [°]",
         first_label="quadratic",
-        second_label="residual rms after autofocus",
+        second_label="detrended phase",
         bars=tuple(bar(budget, label) for budget, label in zip(budgets, labels, strict=True)),
         first_limit=math.nan,
         second_limit=math.nan,

@@ -11,6 +11,7 @@ from app.document.citations import marks_in
 from app.document.display import ONE_SIGMA, Display
 from app.document.verdict import verdict_of
 from app.document.wording import chapter_key, design_labels, labelled, printable, shortened, title_of
+from app.examples import description_of
 from app.report.cautions import assumption_list, caution_list
 from app.report.comparison import comparison_chapter
 from app.report.inputs import input_table
@@ -80,7 +81,7 @@ def _chapter(
         kind=_REPORT,
         title=name,
         running=f"{shortened(name)} · {design.content_hash[:12]}",
-        description=printable(design.description),
+        description=printable(description_of(design)),
         verdict=verdict_of(budget),
         facts=(
             ("Design", design.content_hash[:12]),

@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 import panel as pn
 import panel_material_ui as pmui
 
-from app.charts.kinds import AnyChart, RankChart, TradeMapChart, to_csv
+from app.charts.kinds import AnyChart, Chart, RankChart, TradeMapChart, to_csv
 from app.charts.legend import legend_html
 from app.charts.print.svg import to_svg
 from app.charts.screen.figures import to_bokeh
@@ -89,7 +89,8 @@ class ChartPane(Generic[_T]):
 
     def _heading(self, chart: AnyChart) -> str:
         if self._fills:
-            return head_html(chart.title, chart.knowledge, legend_html(chart), described(chart))
+            beside = f'<span class="quiet fine">{escape(chart.aside)}</span>' if isinstance(chart, Chart) else ""
+            return head_html(chart.title, chart.knowledge, beside, legend_html(chart), described(chart))
         return f"<h3>{escape(chart.title)}</h3>"
 
 

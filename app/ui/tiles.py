@@ -12,10 +12,10 @@ def tiles_html(figures: KeyFigures, before: KeyFigures | None = None) -> str:
     """Tiles as HTML for an `html_pane`; values ``before`` a change are shown as an outline of the bar and a change in
     percent.
 
-    Figures are compared by their place: both must come from one function.
+    Figures are compared by their name.
     """
-    old = before.items if before else (None,) * len(figures.items)
-    tiles = "".join(_tile(figure, was) for figure, was in zip(figures.items, old, strict=True))
+    old = {figure.label: figure for figure in before.items} if before else {}
+    tiles = "".join(_tile(figure, old.get(figure.label)) for figure in figures.items)
     return f'<dl class="tiles" aria-label="{escape(figures.caption)}">{tiles}</dl>'
 
 
@@ -32,8 +32,9 @@ def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
         bar += f'<b style="width:{_share(was.used)}%"></b>'
     said = escape(limit or figure.limit or "no limit")
     below = f"<span>{said}</span>{_change(figure, was)}"
+    label = escape(figure.label)
     return (
-        f'<div class="card tile {tone}" title="{escape(figure.detail)}"><dt>{escape(figure.label)}</dt>'
+        f'<div class="card tile {tone}" title="{label}: {escape(figure.detail)}"><dt>{label}</dt>'
         f'<dd><span class="big num">{escape(figure.value)}</span> {mark}</dd>'
         f'<dd class="bar" aria-hidden="true">{bar}</dd><dd class="fine">{below}</dd></div>'
     )

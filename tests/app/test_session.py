@@ -6,6 +6,7 @@ import time
 
 import pytest
 
+from app.examples import EXAMPLES, example
 from app.session import Session, link_parts
 from nav_model.design import Design
 from nav_model.design.link import from_query
@@ -133,6 +134,7 @@ def test_a_lineage_holds_for_a_designs_changes_and_comes_back_with_undo(session:
 
 
 def test_a_link_to_share_keeps_a_description_unless_that_makes_it_long() -> None:
+    assert "description" not in Session(example(EXAMPLES[0])).short_link  # everybody has it
     session = Session(Design({"name": "Pod", "description": "Flown over the coast."}))
     assert from_query(link_parts(session.short_link)[0]).description == "Flown over the coast."
     session.change({"description": "x" * 3000})

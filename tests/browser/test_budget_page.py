@@ -151,6 +151,38 @@ def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
     expect(delta).to_be_visible()
 
 
+_READ_OUT = """() => {
+  const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
+  const of = (name, column) => {
+    const data = sources.find(m => m.name === name).data
+    return [...(data instanceof Map ? data.get(column) : data[column])]
+  }
+  const [text = ""] = of("attitude read-out", "text")
+  return [text, of("timelines", "x"), of("timelines", "attitude roll, pitch")]
+}"""
+
+
+def test_the_read_out_says_the_curves_in_the_units_of_their_axes(visit: Visit) -> None:
+    """In SI: radians, which the same pointer had said to be degrees."""
+    page = visit("/?show=.si")
+    for unit in ("rad", "°"):
+        if unit == "°":
+            page.get_by_role("button", name="View", exact=True).click()
+            page.get_by_label("Units").select_option("")
+            page.keyboard.press("Escape")
+        frame = page.locator(".bk-Figure:visible").nth(1)
+        frame.hover(position={"x": 300, "y": 60})
+        until(lambda: page.evaluate(_READ_OUT)[0] != "", "a read-out")
+        text, times, tilt = page.evaluate(_READ_OUT)
+        found = re.fullmatch(rf"([−\d.]+) s   roll, pitch ([\d.e−]+) {unit}   yaw growth [\d.e−]+ {unit}", text)
+        assert found, text
+        time, value = (float(part.replace("−", "-")) for part in found.groups())
+        at = min(range(len(times)), key=lambda i: abs(times[i] - time))
+        assert value == pytest.approx(tilt[at], rel=6e-3)
+        page.mouse.move(5, 5)
+        until(lambda: page.evaluate(_READ_OUT)[0] == "", "no read-out away from the charts")
+
+
 def test_what_is_folded_opens_and_follows(desk: Page) -> None:
     desk.get_by_role("button", name="Requirements and cautions").click()
     row = desk.get_by_role("row", name=re.compile("^Quadratic phase")).first

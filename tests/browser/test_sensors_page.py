@@ -28,7 +28,7 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     np.savetxt(log, noise * walks + [0, 0, 0, 0, 0, 9.8], delimiter=",", header=names, comments="", fmt="%.8g")
 
     page = visit()
-    before = page.get_by_label("Key figures, one sigma").inner_text()
+    before = page.get_by_label("Key figures").inner_text()
     page.get_by_role("tab", name="Sensors").click()
     expect(page.get_by_role("status").first).to_contain_text("Angle random walk 0.15 °/√h: catalogue, STIM300")
     page.get_by_role("button", name="IMUs", exact=True).click()
@@ -59,6 +59,6 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     expect(page.get_by_label("Angle random walk").first).to_have_value(re.compile(r"0\.(8[89]|9[01]).* °/√h"))
     accessible(page)
     page.get_by_role("tab", name="Budget").click()
-    expect(page.get_by_label("Key figures, one sigma")).not_to_have_text(before)
+    expect(page.get_by_label("Key figures")).not_to_have_text(before)
     page.get_by_role("tab", name="Sensors").click()
     fits(page, 390)

@@ -35,10 +35,12 @@ from bokeh.transform import dodge
 from app.charts.kinds import AnyChart, BarChart, Chart, Line
 from app.charts.screen.grid import columns_of, draw
 from app.charts.screen.log_axis import mark_in_powers
-from app.charts.styles import BAR_STYLES, DASHES, STYLES
+from app.charts.styles import BAR_STYLES, DASHES, INK, STYLES
 
 # The page's theme sets chart text in em; this is what an em is.
 TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
+CHIP: dict[str, Any] = {"text_color": "white", "text_font_size": "11px", "padding": [3, 0], "border_radius": 3}
+"""Of a text inside a frame: white on a dark ground (`behind_text`), which is read on a light page and a dark one."""
 _BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 _LEAST = 180  # pixels of height of a figure that fills its place
@@ -244,7 +246,7 @@ def _hover(plot: figure, renderers: list[Any], tooltip: str) -> None:
 
 def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnotation, Label]:
     box = BoxAnnotation(left=start, right=stop, fill_color="#7b8794", fill_alpha=0.18, line_alpha=0)
-    label = Label(x=start, y=6, x_offset=3, y_units="screen", text=text, text_font_size="11px", text_color="#7b8794")
+    label = Label(x=start, y=6, x_offset=3, y_units="screen", text=text, background_fill_color=INK, **CHIP)
     if math.isnan(start):
         box.update(left=0.0, right=0.0, visible=False)
         label.update(x=0.0, visible=False)

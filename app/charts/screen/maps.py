@@ -137,7 +137,15 @@ class MapFigure:
             background_fill_alpha=0.7,
         )  # fmt: skip
         self._here = ColumnDataSource(_here(chart), name=f"{chart.key} design")
-        self.plot.scatter("x", "y", marker="cross", size=26, line_width=3.5, source=self._here, line_color="#d55e00")
+        self.plot.scatter(
+            "x",
+            "y",
+            marker="cross",
+            size=26,
+            line_width=3.5,
+            source=self._here,
+            line_color=STYLES["this design"].colour,
+        )
         self.plot.add_layout(
             ColorBar(
                 color_mapper=mapper, width=10, title="× " + chart.reference.replace("this design's value", "now"),

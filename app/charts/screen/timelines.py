@@ -1,18 +1,20 @@
-"""Charts stacked on one time axis: one crosshair, one hover with all curves, one message when they change."""
+"""Charts stacked on one time axis: one crosshair, one read-out of all curves, one message when they change."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from bokeh.events import MouseLeave, MouseMove
 from bokeh.models import (
     BoxAnnotation,
     ColumnDataSource,
     CrosshairTool,
-    HoverTool,
+    CustomJS,
     Range1d,
     Segment,
     Text,
@@ -22,9 +24,9 @@ from bokeh.models import Span as Rule
 from bokeh.plotting import figure
 
 from app.charts.kinds import Chart, Limit, Line
-from app.charts.screen.figures import TEXT_SIZE, add_glyph, same, unit_of
+from app.charts.screen.figures import CHIP, TEXT_SIZE, add_glyph, same, unit_of
 from app.charts.screen.log_axis import mark_in_powers
-from app.charts.styles import DASHES, GREY, STYLES
+from app.charts.styles import DASHES, GREY, INK, STYLES, behind_text
 
 _LEFT = 72  # pixels left of every frame, so that the frames are aligned
 _NARROW_SPAN = 0.15  # of the time axis: the name of a narrower span is in its middle
@@ -32,6 +34,7 @@ _HEIGHT = 190  # pixels of a frame on the usual screen
 _NEAR = 0.13  # of the height: nearer labels would touch, and the lower one goes below its curve
 _FAINT: dict[str, Any] = {"line_alpha": 0.4, "line_width": 1.4}
 _STEPS = (1.0, 2.0, 5.0, 10.0)
+_READ_OUT = Path(__file__).with_name("read_out.js").read_text("utf-8")
 _Range = tuple[float, float]
 
 
@@ -60,25 +63,28 @@ class Timelines:
 
     def __init__(self, charts: Sequence[Chart], beside: Timelines | None = None) -> None:
         first = charts[0]
-        heights = _heights(charts)
+        self._others: Sequence[Chart] = ()
+        heights = self._heights(charts)
         self._sent: dict[str, dict[str, Any]] = _columns(charts, heights)
         self._sources = {name: ColumnDataSource(dict(data), name=name) for name, data in self._sent.items()}
         nothing = {name: np.array([np.nan]) for name in self._sent["timelines"]}
         self._was = ColumnDataSource(nothing, name="timelines compared")
         self._x_range = beside.plots[0].x_range if beside else Range1d(*_ends(charts))
         crosshair = CrosshairTool(overlay=Rule(dimension="height", line_dash="dotted", line_color=GREY))
-        tooltip = _tooltip(charts)
         self._boxes: list[list[BoxAnnotation]] = []
         self.plots: tuple[figure, ...] = tuple(
-            self._plot(chart, height, crosshair, tooltip, chart is charts[-1])
+            self._plot(chart, height, crosshair, chart is charts[-1])
             for chart, height in zip(charts, heights, strict=True)
         )
+        self._read_out(charts)
+        self._charts = charts
         self._feed_frame(charts, heights)
         assert all(line.x is first.lines[0].x for chart in charts for line in chart.lines)
 
     def feed(self, charts: Sequence[Chart]) -> None:
         """Show other charts of the same structure."""
-        heights = _heights(charts)
+        self._charts = charts
+        heights = self._heights(charts)
         columns = _columns(charts, heights)
         for name, new in columns.items():
             sent = self._sent[name]
@@ -91,9 +97,35 @@ class Timelines:
         self._feed_frame(charts, heights)
 
     def compare(self, charts: Sequence[Chart] | None) -> None:
-        """Show other charts faintly for comparison, or none."""
+        """Show other charts faintly for comparison, or none; the axes show them whole."""
         curves = _curves(charts) if charts else {name: np.array([np.nan]) for name in self._sent["timelines"]}
         self._was.data = curves
+        self._others = charts or ()
+        self.feed(self._charts)
+
+    def _heights(self, charts: Sequence[Chart]) -> list[_Range]:
+        """Bounds of each chart's y axis."""
+        others: Sequence[Chart | None] = self._others or [None] * len(charts)
+        return [chart.y_range or _nice_range(chart, other) for chart, other in zip(charts, others, strict=True)]
+
+    def _read_out(self, charts: Sequence[Chart]) -> None:
+        """The values at the time under the pointer, made in the browser; their units are those of the axes."""
+        sources = [ColumnDataSource({"x": [], "y": [], "text": []}, name=f"{chart.key} read-out") for chart in charts]
+        for plot, source in zip(self.plots, sources, strict=True):
+            look = {"text_align": "left", "text_baseline": "top", "x_offset": 5, "y_offset": 3}
+            add_glyph(plot, source, Text(x="x", y="y", text="text", background_fill_color=INK, **CHIP, **look))
+        told = [
+            {
+                "lines": [(line.label, _column(chart, line.key)) for line in chart.lines],
+                "unit": unit_of(chart.x_label),
+            }
+            for chart in charts
+        ]
+        curves, axes = self._sources["timelines"], [plot.yaxis[0] for plot in self.plots]
+        arguments = {"curves": curves, "plots": list(self.plots), "axes": axes, "sources": sources, "charts": told}
+        for plot in self.plots:
+            plot.js_on_event(MouseMove, CustomJS(args=arguments, code=_READ_OUT))
+            plot.js_on_event(MouseLeave, CustomJS(args=arguments, code=_READ_OUT))
 
     def _feed_frame(self, charts: Sequence[Chart], heights: Sequence[_Range]) -> None:
         start, end = _ends(charts)
@@ -111,7 +143,7 @@ class Timelines:
                 if shown and (box.left, box.right) != (span.start, span.stop):
                     box.update(left=span.start, right=span.stop)
 
-    def _plot(self, chart: Chart, height: _Range, crosshair: CrosshairTool, tooltip: str, last: bool) -> figure:
+    def _plot(self, chart: Chart, height: _Range, crosshair: CrosshairTool, last: bool) -> figure:
         plot = figure(
             name=chart.key,
             sizing_mode="stretch_both",
@@ -142,33 +174,22 @@ class Timelines:
         for box in boxes:
             plot.add_layout(box)
         self._boxes.append(boxes)
-        lines = []
         for line in chart.lines:
             style = STYLES[line.style]
             look: dict[str, Any] = {"line_color": style.colour, "line_dash": DASHES[style.dash]}
             name = _column(chart, line.key)
             add_glyph(plot, self._was, LineGlyph(x="x", y=name, **look | _FAINT))
-            lines.append(
-                add_glyph(
-                    plot,
-                    self._sources["timelines"],
-                    LineGlyph(x="x", y=name, line_width=style.width, **look),
-                    line.label,
-                )
-            )
+            glyph = LineGlyph(x="x", y=name, line_width=style.width, **look)
+            add_glyph(plot, self._sources["timelines"], glyph, line.label)
         red = STYLES["limit"]
         thin: dict[str, Any] = {"line_color": red.colour, "line_dash": DASHES[red.dash], "line_width": red.width}
         add_glyph(plot, self._sources[f"{chart.key} limits"], Segment(x0="x0", y0="y", x1="x1", y1="y", **thin))
         label = Text(
-            x="x", y="y", text="text", text_color="colour", y_offset="offset", x_offset="shift", angle="angle",
-            text_align="align", text_font_size="12px", text_baseline="bottom",
+            x="x", y="y", text="text", background_fill_color="colour", y_offset="offset", x_offset="shift",
+            angle="angle", text_align="align", text_baseline="bottom", **CHIP,
         )  # fmt: skip
         add_glyph(plot, self._sources[f"{chart.key} labels"], label)
-        hover = HoverTool(
-            renderers=lines[:1], mode="vline", tooltips=tooltip, visible=False, attachment="horizontal",
-            formatters={f"@{{{name}}}": "printf" for name in self._sent["timelines"]} | {"@x": "printf"},
-        )  # fmt: skip
-        plot.add_tools(crosshair, hover)
+        plot.add_tools(crosshair)
         return plot
 
 
@@ -203,13 +224,13 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
         seen = np.flatnonzero(np.isfinite(line.y))
         if len(seen) and line.end != "":
             ends.append((float(line.x[seen[-1]]), float(line.y[seen[-1]]), line))
-    ends.sort(key=lambda end: -end[1])
+    ends.sort(key=lambda end: (end[0], -end[1]))
     offsets = [-4.0] * len(ends)
     for i, (upper, lower) in enumerate(pairwise(ends), 1):
-        if _place(chart, upper[1]) - _place(chart, lower[1]) < _NEAR * (high - low):
+        if upper[0] == lower[0] and _place(chart, upper[1]) - _place(chart, lower[1]) < _NEAR * (high - low):
             offsets[i] = 17.0 + _HEIGHT * min(_fall(chart, lower[2]) / (high - low), _NEAR)
     rows: list[tuple[Any, ...]] = [
-        (x, y, line.end or line.label, STYLES[line.style].colour, offset, -2.0, 0.0, "right")
+        (x, y, line.end or line.label, behind_text(STYLES[line.style].colour), offset, -2.0, 0.0, "right")
         for (x, y, line), offset in zip(ends, offsets, strict=True)
     ]
     if last:
@@ -217,15 +238,17 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
             if math.isfinite(span.start):
                 wide = span.stop - span.start > _NARROW_SPAN * np.ptp(chart.lines[0].x)
                 x, shift = (span.start, 14.0) if wide else ((span.start + span.stop) / 2, 6.0)
-                rows.append((x, height[1], span.label, GREY, 6.0, shift, math.pi / 2, "right"))
+                rows.append((x, height[1], span.label, behind_text(GREY), 6.0, shift, math.pi / 2, "right"))
     names = ("x", "y", "text", "colour", "offset", "shift", "angle", "align")
     return {name: [row[i] for row in rows] for i, name in enumerate(names)}
 
 
 def _fall(chart: Chart, line: Line) -> float:
     """How much lower a curve is where the name below its end begins, as the name must be below the whole curve."""
-    begins = line.x[-1] - 0.18 * (line.x[-1] - line.x[0])
-    at_start, at_end = (_place(chart, float(np.interp(x, line.x, line.y))) for x in (begins, line.x[-1]))
+    seen = np.isfinite(line.y)
+    x, y = line.x[seen], line.y[seen]
+    begins = x[-1] - 0.18 * (line.x[-1] - line.x[0])
+    at_start, at_end = (_place(chart, float(np.interp(end, x, y))) for end in (begins, x[-1]))
     return max(at_end - at_start, 0.0)
 
 
@@ -233,15 +256,12 @@ def _place(chart: Chart, value: float) -> float:
     return math.log10(value) if chart.y_log else value
 
 
-def _heights(charts: Sequence[Chart]) -> list[_Range]:
-    """Bounds of each chart's y axis."""
-    return [chart.y_range or _nice_range(chart) for chart in charts]
-
-
-def _nice_range(chart: Chart) -> _Range:
-    """Bounds of the y axis at steps of 1-2-5, so that the axis does not move with every slider step."""
+def _nice_range(chart: Chart, other: Chart | None) -> _Range:
+    """Bounds of the y axis at steps of 1-2-5, so that the axis does not move with every slider step; ``other`` is
+    shown faintly beside it."""
     levels = [limit.level for limit in chart.limits if _drawn(limit)]
-    values = np.concatenate([*(line.y[np.isfinite(line.y)] for line in chart.lines), np.array(levels, float)])
+    lines = chart.lines if other is None else chart.lines + other.lines
+    values = np.concatenate([*(line.y[np.isfinite(line.y)] for line in lines), np.array(levels, float)])
     if chart.y_log:
         values = values[values > 0]
     if not len(values):
@@ -267,15 +287,3 @@ def _drawn(limit: Limit) -> bool:
 def _ends(charts: Sequence[Chart]) -> tuple[float, float]:
     x = charts[0].lines[0].x
     return float(x[0]), float(x[-1])
-
-
-def _tooltip(charts: Sequence[Chart]) -> str:
-    """Every curve of every chart at the time under the pointer."""
-    rows = "".join(
-        f'<tr><td style="color:{STYLES[line.style].colour}">■</td><td>{chart.y_label.partition(",")[0]}, {line.label}'
-        f'</td><td style="text-align:right">@{{{_column(chart, line.key)}}}{{%.3g}} {unit_of(chart.y_label)}'
-        "</td></tr>"
-        for chart in charts
-        for line in chart.lines
-    )
-    return f"<b>@x{{%.1f}} {unit_of(charts[0].x_label)}</b><table>{rows}</table>"

@@ -44,9 +44,14 @@ def phase_chart(budget: Budget) -> BarChart:
     sar, smoothed = budget.sar, budget.smoothed
     left = DETRENDED[sar.autofocus_order]
 
+    tilt = tuple(
+        sorted(((name, share) for name, share in sar.tilt_shares.items() if share), key=lambda part: -part[1])
+    )
+
     def bar(label: str, quadratic: float, detrended: float, source: str) -> Bar:
         first, second = map(float, 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength))
-        return Bar(label, quadratic * DEGREES, detrended * DEGREES, first, second, source)
+        limited, parts = label in (TOTAL, ALONG_TRACK), tilt if label == "initial tilt" else ()
+        return Bar(label, quadratic * DEGREES, detrended * DEGREES, first, second, source, limited, parts)
 
     if smoothed is None:
         bars = [bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS[x.source]) for x in sar.lines]
@@ -54,7 +59,8 @@ def phase_chart(budget: Budget) -> BarChart:
         slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
         knowledge = (
             "Formulas [S-5], [T-15], [S-6] with the line of sight of [S-1]; along-track [S-2]. "
-            f"Quadratic before autofocus; residual rms after {left}.{slow}"
+            f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {left}. The initial "
+            f"tilt is divided by the sensors that cause it [T-18].{slow}"
         )
     else:
         shares = smoothed.shares["quadratic_phase"], smoothed.shares["detrended_phase"]
@@ -70,15 +76,15 @@ def phase_chart(budget: Budget) -> BarChart:
         marks = along = "[P-5]"
         knowledge = (
             f"Smoothed over the whole leg, by {smoothed.method} [P-3]; shares [P-4]; over the aperture [P-5]. "
-            f"Quadratic before autofocus; residual rms after {left}."
+            f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {left}."
         )
     image = smoothed or sar
     return BarChart(
         key="phase",
         title="SAR phase error by source",
         x_label="line-of-sight phase over the aperture, 1σ [°]",
-        first_label="quadratic",
-        second_label=f"residual rms after {left}",
+        first_label="quadratic phase",
+        second_label="detrended phase",
         bars=(
             *bars,
             bar(TOTAL, image.quadratic, image.detrended, marks),
@@ -114,8 +120,8 @@ def regime_chart(budget: Budget) -> Chart:
         points=(
             Points("catalogue", "catalogue with this GNSS", kappas, ratios, names, "reference", "circle",
                    source),
-            Points("design", "this design", np.array([here]), np.array([height]), ("this design",), "limit",
-                   "diamond", source),
+            Points("design", "this design", np.array([here]), np.array([height]), ("this design",),
+                   "this design", "cross", source),
         ),
         x_log=True,
         y_log=True,
@@ -150,21 +156,21 @@ def response_chart(budget: Budget) -> Chart:
     """Azimuth impulse response: without error, with the 1σ quadratic, with quadratic and cubic."""
     sar, random = budget.sar, budget.spectral.random
     response = (budget.smoothed or sar).impulse_response
-    said = (
-        "No image: more than 1000 rad of quadratic phase."
-        if response is None
-        else (
-            f"1σ quadratic, {budget.verdict.processing}: "
-            f"width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')} "
+    width = ""
+    said = "No image: more than 1000 rad of quadratic phase."
+    if response is not None:
+        width = f"width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')}"
+        said = (
+            f"1σ quadratic, {budget.verdict.processing}: {width} "
             f"({number(float(response.half_power_extent_cells))} cells), "
             f"PSLR {decibels(float(response.pslr_fixed_db))}, "
             f"ISLR {decibels(float(response.islr_fixed_db))} (outside the error-free main lobe, whole line), "
             f"peak loss {decibels(-float(response.peak_loss_db))}."
         )
-    )
     echoes = " With the paired echoes [P-9]." if budget.spectral.echoes else ""
     floor = " The floor is the mean power scattered by random motion and the oscillator [P-11]." if random > 0 else ""
-    return replace(response_curves(budget), knowledge=f"{said} Before autofocus.{echoes}{floor}")
+    knowledge = f"{said} Before autofocus.{echoes}{floor}"
+    return replace(response_curves(budget), knowledge=knowledge, aside=width)
 
 
 def response_curves(budget: Budget) -> Chart:
@@ -198,6 +204,15 @@ def response_curves(budget: Budget) -> Chart:
         ),
         y_range=(-45.0, 2.0),
     )
+
+
+def with_compared(chart: Chart, other: Budget | None) -> Chart:
+    """Response curves with the quadratic one of another design, NaN without one."""
+    x = y = np.full(1, np.nan)
+    if other is not None:
+        line = next(line for line in response_curves(other).lines if line.key == "quadratic")
+        x, y = line.x.copy(), line.y
+    return replace(chart, lines=(*chart.lines, Line("compared", "compared", x, y, "compared", "aperture integral")))
 
 
 def _spread(budget: Budget) -> tuple[Array, Array]:

@@ -3,20 +3,36 @@
 from __future__ import annotations
 
 from app.document.blocks import KeyFigure, KeyFigures
-from app.document.display import ONE_SIGMA, SI, Display
+from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import show
-from app.document.verdict import limit_in_words
+from app.document.verdict import check_words, shown_at, shown_check
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
 from nav_model.budget.provenance import steady_marks
+from nav_model.budget.result import Check
 
 _MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix", "closed": "rms over the fix cycle"}
 
+_WITH_TILE = {
+    "horizontal_position", "vertical_position", "horizontal_velocity", "tilt", "coast_horizontal_position",
+    "quadratic_phase", "detrended_phase",
+}  # fmt: skip
+"""Checks that always have a tile."""
 
-def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
-    """The main figures of the design's processing, each with its kind and limit."""
+
+def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | None = None) -> KeyFigures:
+    """The main figures of the design's processing, each with its kind and limit; the tightest of the other checks.
+
+    Parameters
+    ----------
+    budget : Budget
+    display : Display
+    was : KeyFigures, optional
+        What they are compared with: they keep its units.
+    """
     coast, sar, smoothed = budget.coast, budget.sar, budget.smoothed
     checks = {check.name: check for check in budget.verdict.checks}
+    units = {figure.label: figure.amount for figure in was.items} if was else {}
     image = smoothed or sar
     extent = image.half_power_extent
     autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
@@ -31,16 +47,20 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
     def figure(label: str, amount: float, dimension: str, detail: str, name: str = "") -> KeyFigure:
         pair = "horizontal" in name
         check = checks.get(name)
-        value = display.show(amount, dimension, pair=pair) if name else display.plain(amount, dimension)
+        like = units.get(label)
+        value = (
+            display.show(amount, dimension, pair=pair, like=like)
+            if name
+            else display.plain(amount, dimension, like=like)
+        )
         told = display.named(pair=pair)
         if check is None:
             return KeyFigure(
                 label, value, detail, f"{told}, no limit" if name and told != "1σ" else "", amount=amount
             )
-        in_si = display.units == SI
-        limit = display.in_si(check.limit, dimension, given=True) if in_si else limit_in_words(budget.design, check)
-        if told != f"{budget.verdict.confidence:g}σ":  # the figure beside it is another multiple
-            limit = f"{limit} at {budget.verdict.confidence:g}σ{'' if told == '1σ' else f'; value as {told}'}"
+        limit = shown_check(budget.design, check, display)[1]
+        if display.spread == "1σ":  # a chosen spread is told above the charts
+            limit += shown_at(budget.design, check, display)
         return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
 
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
@@ -66,9 +86,12 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
         how = f"formula {mark}" if smoothed is None else "smoothed [P-5]"
         return figure(label, amount, "angle", f"{sight}, {how}{note}", name)
 
-    width = KeyFigure("Azimuth width", "not focused", f"ideal {display.plain(sar.cell_length, 'length')}")
-    if extent is not None:
-        width = figure(
+    last = KeyFigure("Azimuth width", "not focused", f"ideal {display.plain(sar.cell_length, 'length')}")
+    others = [check for check in budget.verdict.checks if check.name not in _WITH_TILE]
+    if others:
+        last = _tightest_of(others, budget, display)
+    elif extent is not None:
+        last = figure(
             "Azimuth width",
             extent * sar.cell_length,
             "length",
@@ -76,7 +99,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
             f"{display.plain(sar.aperture_length, 'length')} [S-3]",
         )
     return KeyFigures(
-        "Key figures, one sigma",
+        f"Key figures, {display.spread}{'' if display.spread == '1σ' else ', limits scaled'}",
         (
             *(settled(*names) for names in fields),
             figure(
@@ -89,6 +112,20 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA) -> KeyFigures:
             ),
             phase("Quadratic phase", "quadratic", "quadratic_phase", "[S-5]", autofocus),
             phase("Detrended phase", "detrended", "detrended_phase", "[T-15]"),
-            width,
+            last,
         ),
     )
+
+
+def _tightest_of(checks: list[Check], budget: Budget, display: Display) -> KeyFigure:
+    """The check that has the least margin, and how the others stand."""
+    first, *rest = sorted(checks, key=lambda check: check.margin)
+    value, limit = shown_check(budget.design, first, display)
+    more = sum(not check.met for check in rest)
+    detail = f"{check_words(budget.design, first).figure}, the tightest of the checks without a tile"
+    for check in rest:
+        other, its_limit = shown_check(budget.design, check, display)
+        detail += f"; {check.label} {other}, limit {its_limit}, {'met' if check.met else 'not met'}"
+    limit += shown_at(budget.design, first, display) if display.spread == "1σ" else ""
+    limit += f"; {more} more not met" if more else ""
+    return KeyFigure(first.label, value, detail, limit, first.met, first.sigma, 1 - first.margin)

@@ -45,7 +45,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
 
-_KEY = '<span class="quiet fine">red: limit · grey: aperture · faint: compared{}</span>'
+_KEY = '<span class="quiet fine">red: limit · faint: compared</span>'
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
 _OVER = {
@@ -76,7 +76,7 @@ class BudgetPage(pn.viewable.Viewer):
             sizing_mode=None, stylesheets=[SWITCH],
         )  # fmt: skip
         self._mode.param.watch(self._choose, "value")
-        self._strip = AnswerStrip(verdict_strip(budget), self._mode, self._close)
+        self._strip = AnswerStrip(verdict_strip(budget, self._display), self._mode, self._close)
         self._ways: tuple[Way, ...] = ()
         self._ways_of: Budget | None = None
         self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
@@ -89,7 +89,13 @@ class BudgetPage(pn.viewable.Viewer):
         self._phase = html_pane("", margin=(0, 10, 4, 10))
         self._phase.sizing_mode = "stretch_both"
         self._phase_head = html_pane("", margin=_HEAD)
-        self._response = ChartPane(charts.response_chart, lambda: self.session.budget, moving=charts.response_curves)
+        self._compared: Any = None
+        self._was: tuple[KeyFigures | None, BarChart | None] = None, None
+        self._response = ChartPane(
+            lambda budget: charts.with_compared(charts.response_chart(budget), self._compared_budget),
+            lambda: self.session.budget,
+            moving=lambda budget: charts.with_compared(charts.response_curves(budget), self._compared_budget),
+        )
         figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
         for figure in figures:  # the last has the axis
             figure.styles = {"flex": "1.25 1 0" if figure is figures[-1] else "1 1 0"}
@@ -106,8 +112,6 @@ class BudgetPage(pn.viewable.Viewer):
                 ],
             ),
         )
-        self._compared: Any = None
-        self._was: tuple[KeyFigures | None, BarChart | None] = None, None
         self._tell_soon = once_quiet(self._tell)
         self._shown = session.shown
         self._feed(budget)
@@ -121,6 +125,10 @@ class BudgetPage(pn.viewable.Viewer):
         return self._view
 
     @property
+    def _compared_budget(self) -> Budget | None:
+        return self._compared.budget if self._compared else None
+
+    @property
     def _display(self) -> Display:
         return display_of(self.session.shown)
 
@@ -131,7 +139,8 @@ class BudgetPage(pn.viewable.Viewer):
         """Follow the current budget."""
         if self.session.compared is not self._compared:
             self._hold()
-        self._strip.show(verdict_strip(budget), _invalid(self.session.invalid))
+        self._strip.show(verdict_strip(budget, self._display), _invalid(self.session.invalid))
+        self._offer_modes(both=False)
         self._lines = self._timelines(budget)
         with validate(False):  # computed here, so it needs no check at each step
             self._stack.feed(self._lines)
@@ -153,7 +162,7 @@ class BudgetPage(pn.viewable.Viewer):
 
     @param.depends("session.invalid", watch=True)
     def _warn(self) -> None:
-        self._strip.show(verdict_strip(self.session.budget), _invalid(self.session.invalid))
+        self._strip.show(verdict_strip(self.session.budget, self._display), _invalid(self.session.invalid))
 
     @param.depends("session.compared", watch=True)
     def _compare(self) -> None:
@@ -161,12 +170,13 @@ class BudgetPage(pn.viewable.Viewer):
         if self.session.budget is self._shown_budget and self.session.compared is not self._compared:
             with pn.io.hold():
                 self._hold()
+                self._response.show(self.session.budget)
                 self._feed(self.session.budget)
 
     def _hold(self) -> None:
         """Prepare the comparison in the current display of figures."""
         self._compared = self.session.compared
-        was, display = self._compared.budget if self._compared else None, self._display
+        was, display = self._compared_budget, self._display
         self._was = (key_figures(was, display), display.bars(charts.phase_chart(was))) if was else (None, None)
         self._stack.compare(self._timelines(was) if was else None)
 
@@ -174,7 +184,7 @@ class BudgetPage(pn.viewable.Viewer):
         """Update tiles and bars; unchanged text is not sent."""
         self._shown_budget = budget
         figures, bars = self._was
-        self._tiles.say(tiles_html(key_figures(budget, self._display), figures))
+        self._tiles.say(tiles_html(key_figures(budget, self._display, figures), figures))
         self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
 
     def _tell(self) -> None:
@@ -187,12 +197,11 @@ class BudgetPage(pn.viewable.Viewer):
         said = "".join(described(line) for line in self._lines)
         knowledge = timelines.position_knowledge(budget)
         self._phase_head.say(head_html(f"{phase.title}{told}", phase.knowledge))
-        key = _KEY.format(" · from 0 s: real time" if budget.smoothed else "")
-        self._stack_head.say(head_html(f"Position, velocity, attitude{told}", knowledge, said, key))
+        self._stack_head.say(head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
 
-    def _offer_modes(self) -> None:
+    def _offer_modes(self, *, both: bool = True) -> None:
         budget = self.session.budget
-        modes, chosen = verdicts_in_short(budget), budget.verdict.processing
+        modes, chosen = verdicts_in_short(budget, both=both), budget.verdict.processing
         if self._mode.value != chosen:
             self._mode.param.update(options=modes, value=chosen)
         elif self._mode.options != modes:

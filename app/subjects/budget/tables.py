@@ -19,7 +19,7 @@ from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
-ALONG_TRACK = "along-track (separate limit)"
+ALONG_TRACK = "along-track"
 """What the along-track phase is called beside the sources across it."""
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
 
@@ -213,7 +213,7 @@ def phase_table(budget: Budget, key: str) -> Table:
             Column("Quadratic [°]", numeric=True, width=1),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
-            Column(f"Rms after {DETRENDED[sar.autofocus_order]} [°]", numeric=True, width=1.15),
+            Column(f"Detrended, rms after {DETRENDED[sar.autofocus_order]} [°]", numeric=True, width=1.15),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
         ),

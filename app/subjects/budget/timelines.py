@@ -91,6 +91,11 @@ def position_knowledge(budget: Budget) -> str:
     ratio = coast.end_refined_horizontal / coast.position_horizontal[-1]
     ratio_v = coast.end_refined_vertical / coast.position_vertical[-1]
     slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
+    if budget.smoothed:
+        slow += (
+            f" Smoothed level to the end of the aperture, by {budget.smoothed.method} [P-3]; dashed curves are an "
+            "outage in real time."
+        )
     return (
         f"Curves by formula {_cited(budget)}, [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
         f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {number(ratio)} and "
@@ -201,15 +206,24 @@ def attitude_chart(budget: Budget) -> Chart:
 def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
     """Position, velocity and attitude on one time axis, as the page shows them together.
 
-    Before the last fix each curve has the level that its requirement limits, the tile's; after it, in real
-    time whatever the processing, position is the refined curve [T-17], velocity and attitude the formulas [T-9],
-    [T-10], [T-5].
+    Before the last fix each curve has the level that its requirement limits, the tile's; after it position is the
+    refined curve [T-17], velocity and attitude the formulas [T-9], [T-10], [T-5]. Post-processed, the smoothed level
+    holds to the end of the aperture, as fixes follow it, and the outage in real time has curves of its own.
     """
-    coast, x = budget.coast, _grid(budget)
-    chosen = getattr(budget.steady_state, budget.design.requirements.steady_state)
-    settled = budget.smoothed.sigmas if budget.smoothed else chosen
+    coast, x, smoothed = budget.coast, _grid(budget), budget.smoothed
+    settled = smoothed.sigmas if smoothed else getattr(budget.steady_state, budget.design.requirements.steady_state)
     lead, end = float(x[0]), coast.duration
-    span = (_aperture_span(budget),)
+    (aperture,) = span = (_aperture_span(budget),)
+    # An outage before the aperture is bridged by the smoother at a level that is not known here.
+    known = x <= (aperture.stop if aperture.start == 0 else 0.0)
+
+    def pair(
+        label: str, style: str, free_style: str, level: float, curve: Array
+    ) -> tuple[tuple[str, str, Array], ...]:
+        """A curve of the design's processing; the outage in real time beside a smoothed one."""
+        if smoothed is None:
+            return (label, style, _held(level, curve)), (f"{label}, real time", free_style, np.full(len(x), np.nan))
+        return (label, style, np.where(known, level, np.nan)), (f"{label}, real time", free_style, _after(curve))
 
     def chart(
         key: str, quantity: str, unit: str, curves: tuple[tuple[str, str, Array], ...], *limits: Limit
@@ -224,8 +238,9 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
         chart(
             "position", "position", "m",
             (
-                ("horizontal", "horizontal", _held(settled.position_horizontal, coast.refined_horizontal)),
-                ("vertical", "vertical", _held(settled.position_vertical, coast.refined_vertical)),
+                *pair("horizontal", "horizontal", "horizontal refined", settled.position_horizontal,
+                      coast.refined_horizontal),
+                *pair("vertical", "vertical", "vertical refined", settled.position_vertical, coast.refined_vertical),
             ),
             *_limits(
                 budget,
@@ -240,15 +255,16 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
         chart(
             "velocity", "velocity", "m/s",
             (
-                ("horizontal", "horizontal", _held(settled.velocity_horizontal, coast.velocity_horizontal)),
-                ("vertical", "vertical", _held(settled.velocity_vertical, coast.velocity_vertical)),
+                *pair("horizontal", "horizontal", "horizontal refined", settled.velocity_horizontal,
+                      coast.velocity_horizontal),
+                *pair("vertical", "vertical", "vertical refined", settled.velocity_vertical, coast.velocity_vertical),
             ),
             *_limits(budget, (("horizontal_velocity", lead, 0.0), ("vertical_velocity", lead, 0.0))),
         ),
         chart(
             "attitude", "attitude", "°",
             (
-                ("roll, pitch", "tilt", _held(settled.tilt * DEGREES, coast.tilt * DEGREES)),
+                *pair("roll, pitch", "tilt", "tilt, real time", settled.tilt * DEGREES, coast.tilt * DEGREES),
                 ("yaw growth", "yaw", _after(coast.yaw_growth * DEGREES)),
             ),
             *_limits(budget, (("tilt", lead, 0.0),), DEGREES),

@@ -235,7 +235,7 @@ def _winner_chart(
         line = np.exp(contour(np.log(x), np.log(y), np.log(drawn.phase), math.log(limit)))
     here = Points(
         "design", "this design", np.array([drawn.here[0]]), np.array([drawn.here[1] * scale]), ("this design",),
-        "limit", "cross", "aperture and noise of the design",
+        "this design", "cross", "aperture and noise of the design",
     )  # fmt: skip
     return MapChart(
         key=key,

@@ -7,7 +7,7 @@ import pytest
 
 from app.charts.kinds import Chart
 from app.charts.styles import DASHES, STYLES
-from app.dashboard.gallery import EXAMPLES, example
+from app.examples import EXAMPLES, example
 from app.report.comparison_charts import phase_comparison, position_comparison
 from app.subjects.budget import charts as budget_charts
 from app.ui.theme import DARK, LIGHT
@@ -37,9 +37,12 @@ TOGETHER = {
     "Allan, three axes": ("x", "y", "z", "fit x", "fit y", "fit z"),
     "Allan, one axis": ("measured", "quantization", "random_walk", "bias_instability", "rate_random_walk", "ramp",
                         "fit"),
+    "point target": ("reference", "quadratic", "with cubic", "compared"),
+    "timelines, post-processed": ("horizontal", "horizontal refined", "vertical", "vertical refined", "limit"),
+    "timelines, attitude": ("tilt", "tilt, real time", "yaw", "limit"),
     "designs": tuple(f"design {i}" for i in range(1, 8)),
 }  # fmt: skip
-POINTS = {"path", "mark", "star", "measured star"}  # drawn as points, or alone
+POINTS = {"path", "mark", "star", "measured star", "this design"}  # drawn as points, or alone
 
 
 EYES = {

@@ -9,7 +9,7 @@ import pytest
 
 from app.charts.region import region_names
 from app.charts.screen.maps import MapFigure
-from app.dashboard.gallery import EXAMPLES, example
+from app.examples import EXAMPLES, example
 from app.subjects.explore.charts import map_chart
 from app.subjects.sar.charts import arw_winner_chart, gnss_winner_chart
 from nav_model.budget import analyse

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from app.dashboard.gallery import EXAMPLES, example, gallery
+from app.dashboard.gallery import gallery
+from app.examples import EXAMPLES, description_of, example
 from nav_model.budget import analyse
 
 ROOT = Path(__file__).parents[3]
@@ -32,3 +33,12 @@ def test_a_press_puts_an_example_in_force():
     assert [button.label for button in buttons] == [f"Open {example(name).name}" for name in EXAMPLES]
     buttons[2].clicks += 1
     assert adopted == [example(EXAMPLES[2])]
+
+
+def test_an_examples_words_are_not_said_of_another_design() -> None:
+    known = example(EXAMPLES[0])
+    assert description_of(known) == known.description
+    assert description_of(known.replace({"name": "Ours"})) == known.description
+    changed = known.replace({"imu.angle_random_walk": 1e-6})
+    assert description_of(changed) == ""
+    assert description_of(changed.replace({"description": "It closes."})) == "It closes."

@@ -7,7 +7,6 @@ import pytest
 from scipy import stats
 
 from app.document.display import SPREADS, Display, display_of
-from app.document.verdict import verdict_strip
 from app.serving.server import first_design
 from app.session import Session, link_parts
 from app.subjects.budget.charts import phase_chart
@@ -59,14 +58,15 @@ def test_the_verdict_never_follows_and_curves_cross_their_limits_where_they_did(
 def test_tiles_timelines_and_bars_follow_a_choice() -> None:
     session = Session(first_design())
     page = BudgetPage(session)
-    strip = verdict_strip(session.budget)
+    said = page._strip._text.object
     assert "40.4 cm" in page._tiles.object
     session.shown = "2s.si"
     page.show(session.budget)
     assert "0.808 m" in page._tiles.object  # twice 0.4039 m
-    assert "limit 2 m at 1σ; value as 2σ" in page._tiles.object
+    assert "limit 4 m<" in page._tiles.object  # 2 m at 1σ
+    assert "48.9°, limit 20°" in said
+    assert "1.71 rad, limit 0.698 rad at 2σ" in page._strip._text.object
     assert page._stack.plots[2].yaxis[0].axis_label == "attitude, 2σ [rad]"
     assert f"{2 * session.budget.sar.quadratic:.3g} rad</span>" in page._phase.object
     assert "°</span>" not in page._phase.object
-    assert verdict_strip(session.budget) == strip
     assert session.link.endswith("show=2s.si")

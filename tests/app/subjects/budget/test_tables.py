@@ -8,13 +8,14 @@ from pathlib import Path
 
 import pytest
 
+from app.document.bars import bars_html
 from app.document.blocks import Table, Text
 from app.document.display import Display
 from app.document.verdict import check_words, verdict_of, verdict_strip
 from app.report.cautions import caution_list
 from app.report.content import report_of
 from app.session import Session
-from app.subjects.budget.charts import response_chart
+from app.subjects.budget.charts import TOTAL, phase_chart, response_chart
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
@@ -61,7 +62,7 @@ def test_key_figures_are_the_budgets_to_three_digits(mems: Budget) -> None:
         mems.coast.end_refined_horizontal,
         sar.quadratic,
         sar.detrended,
-        float(response.half_power_extent_cells) * sar.cell_length,
+        sar.along_track_quadratic,
     ]
     assert [si(figure.value) for figure in key_figures(mems).items] == pytest.approx(expected, rel=5e-3)
 
@@ -73,14 +74,50 @@ def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -
         "Position after 100 s": ("50 m", True),
         "Quadratic phase": ("90°", False),
         "Detrended phase": ("20°", False),
+        "Along-track quadratic phase": ("90°", True),
     }
+
+
+def test_every_check_can_be_seen_to_fail() -> None:
+    """The last tile is the tightest of the checks that have none; the along-track bar has its limit."""
+    shaken = changed(imu__angle_random_walk=2.0 * math.pi / 180 / 60)
+    (tile,) = (figure for figure in key_figures(shaken).items if figure.label == "Along-track quadratic phase")
+    assert tile.met is False
+    html = bars_html(phase_chart(shaken), TOTAL)
+    assert re.search(
+        r'<tr class="limited"><th scope="row">along-track</th><td [^>]*><div class="over">.*?limit 90°', html
+    )
+    tight = changed(requirements__ce90=0.1, requirements__le90=0.1, requirements__azimuth_shift=0.01)
+    last = key_figures(tight).items[-1]
+    worst = min(tight.verdict.checks, key=lambda check: check.margin)
+    assert (last.label, last.met) == (worst.label, False)
+    assert last.limit.endswith("; 2 more not met")
+    assert "LE90" in last.detail
+    plain = changed(requirements__quadratic_phase=None)
+    assert key_figures(plain).items[-1].label == "Azimuth width"
+
+
+def test_the_tilts_bar_is_divided_by_what_causes_it(mems: Budget) -> None:
+    tilt = next(bar for bar in phase_chart(mems).bars if bar.label == "initial tilt")
+    assert dict(tilt.parts) == dict(mems.sar.tilt_shares)
+    assert tilt.parts[0][0] == "gyro noise"
+    assert "gyro noise" in re.search(r"initial tilt</th>.*?</tr>", bars_html(phase_chart(mems), TOTAL))[0]
+    assert verdict_strip(mems).sentences[0].endswith("% from gyro noise, mostly through initial tilt.")
+
+
+def test_a_comparison_keeps_its_units(mems: Budget) -> None:
+    better = changed(imu__angle_random_walk=0.001 * math.pi / 180 / 60)
+    alone, beside = key_figures(better), key_figures(better, was=key_figures(mems))
+    assert alone.items[3].value.endswith("arcsec")
+    assert beside.items[3].value.endswith("°")
+    assert si(beside.items[3].value) == pytest.approx(si(alone.items[3].value), rel=5e-3)
 
 
 def test_a_limit_at_another_multiple_than_the_figure_beside_it_says_so() -> None:
     figures = key_figures(changed(requirements__confidence=2.0))
-    assert figures.items[0].limit == "2 m at 2σ"
+    assert figures.items[0].limit == "1 m at 1σ"
     assert key_figures(changed(requirements__confidence=2.0), Display("2σ")).items[0].limit == "2 m"
-    assert key_figures(changed(), Display("2σ")).items[0].limit == "2 m at 1σ; value as 2σ"
+    assert key_figures(changed(), Display("2σ")).items[0].limit == "4 m"
     in_si = key_figures(changed(), Display(units="SI"))
     assert in_si.items[5].limit == "1.57 rad"
     assert not [item for item in in_si.items if re.search(r"\d (cm|mm|km|µm|arcsec|min|ms)\b", item.value)]

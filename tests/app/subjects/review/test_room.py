@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.dashboard.gallery import example
+from app.examples import example
 from app.library.place import use_library
 from app.session import Session
 from app.subjects.review.desk import Desk
