@@ -1,13 +1,14 @@
 // Rows to decide on. What is sent says which decision was in view, so that nobody's is replaced unseen; a row that is
-// being edited keeps its text and the focus when others change the table.
+// being edited keeps its text and the focus when others change the table, its text also when they decide it first.
 export function render({ model }) {
   const place = document.createElement("div")
   place.className = "scroll"
-  const editing = new Map()  // row key -> {accepted, reason} being written; {} when a decided row is opened again
+  // Row key -> {accepted, reason} being written, or sent; without accepted a decided row is opened again, or, with
+  // `late`, was decided by somebody else while the reason was written.
+  const editing = new Map()
   const make = (tag, text = "", more = {}) => Object.assign(document.createElement(tag), { textContent: text }, more)
   const key = (row) => `${row.place} ${row.name}`
   const send = (row, accepted, reason) => {
-    editing.delete(key(row))
     model.send_msg({ do: "decide", place: row.place, name: row.name, seen: row.seen, accepted, reason })
   }
   const button = (text, row, action, main = false) => {
@@ -27,18 +28,24 @@ export function render({ model }) {
       field.setAttribute("aria-label", `Reason: ${row.label}`)
       field.dataset.row = key(row)
       field.oninput = () => { state.reason = field.value }
-      const done = () => { if (field.value.trim()) send(row, state.accepted, field.value); else field.focus() }
+      const missing = make("span", "", { role: "alert" })
+      const done = () => {
+        if (field.value.trim()) return send(row, state.accepted, field.value)
+        missing.textContent = "Enter a reason."
+        field.focus()
+      }
       field.onkeydown = (event) => {
         if (event.key === "Enter") done()
         if (event.key === "Escape") { editing.delete(key(row)); draw() }
       }
-      cell.append(field, button(say, row, done, true), button("Cancel", row, () => { editing.delete(key(row)); draw() }))
-    } else if (row.seen && !state) {
-      cell.append(button("Change", row, () => edit(row, {})))
+      cell.append(field, button(say, row, done, true), button("Cancel", row, () => { editing.delete(key(row)); draw() }), missing)
+    } else if (row.seen && (!state || state.late)) {
+      cell.append(button("Change", row, () => edit(row, { reason: state?.reason })))
+      if (state) cell.append(make("p", `Your reason was not sent: ${state.reason}`, { className: "late", role: "status" }))
     } else {
       cell.append(
-        button("Accept", row, () => row.met ? send(row, true, "") : edit(row, { accepted: true }), true),
-        button("Reject", row, () => edit(row, { accepted: false })))
+        button("Accept", row, () => row.met ? send(row, true, "") : edit(row, { ...state, accepted: true })),
+        button("Reject", row, () => edit(row, { ...state, accepted: false })))
     }
     return cell
   }
@@ -55,7 +62,11 @@ export function render({ model }) {
     const body = table.createTBody()
     for (const row of model.rows) {
       const state = editing.get(key(row))
-      if (state && state.seen !== row.seen) editing.delete(key(row))  // somebody decided meanwhile: theirs is shown
+      if (state && state.seen !== row.seen) {  // decided: as written here, or by somebody else meanwhile
+        const reason = (state.reason ?? "").trim()
+        if (!reason || reason === row.reason) editing.delete(key(row))
+        else editing.set(key(row), { reason, seen: row.seen, late: true })
+      }
       const line = body.insertRow()
       line.append(make("th", row.label, { scope: "row" }))
       for (const text of [row.value, row.limit]) line.append(make("td", text, { className: "num" }))

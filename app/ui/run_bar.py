@@ -55,7 +55,8 @@ class RunBar(pn.viewable.Viewer):
         if run.running:
             self.state.object = progress_html(run.progress or Progress("Starting"))
         elif run.message:
-            self.state.object = f'<p role="alert"><b>{escape(run.message)}</b></p>'
+            look = "" if run.message.startswith("Cancelled") else ' class="strip bad"'
+            self.state.object = f'<p role="alert"{look}><b>{escape(run.message)}</b></p>'
         else:
             self._tell()
 

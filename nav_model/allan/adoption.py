@@ -17,7 +17,7 @@ from nav_model.design.parts import declaration_of
 WALK_KEYS: Final = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
 VIBRATION_KEY: Final = "imu.vibration_factor"
 
-_DIGITS = 4
+_DIGITS = 3  # what a page shows, so that the design has what was offered
 _LONGEST_NAME = 80
 
 
@@ -31,7 +31,7 @@ class Adoption:
 
 
 def adopt_random_walks(result: LogAnalysis) -> Adoption:
-    """The triad random walks of a static log, rounded to four digits, as changes to a design.
+    """The triad random walks of a static log, rounded to the digits shown, as changes to a design.
 
     A triad that did not resolve its random walk changes nothing; with neither resolved there are no changes.
     """

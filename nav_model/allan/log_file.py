@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from nav_model.allan.csv_table import read_csv_table
 from nav_model.allan.imu_log import AXIS_LETTERS, ImuLog
-from nav_model.allan.log_names import Meaning, Scale, meaning_of, scale_of
+from nav_model.allan.log_names import Meaning, meaning_of, scale_of
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.base.errors import InputError
 from nav_model.base.npz_arrays import read_npz_arrays
@@ -25,9 +25,10 @@ RATE_TOLERANCE = 0.01
 _RATES = (1e-3, 1e7)  # Hz
 _LARGEST = 1e9  # rad/s or m/s²: no sensor measures more, and its square would overflow
 _GAP = 1.5
-_UNIT_EXAMPLES = {
-    "gyro": "deg/s, rad/s, increments in rad, or counts as 0.05 deg/s",
-    "accelerometer": "m/s2, g, increments in m/s, or counts as 0.00333 g",
+_EXAMPLES = {
+    "rate": "100 Hz",
+    "gyro_unit": "deg/s, rad/s, increments in rad, or 0.05 deg/s per count",
+    "accelerometer_unit": "m/s2, g, increments in m/s, or 0.00333 g per count",
 }
 _SENSORS = ("gyro", "accelerometer")
 _SIX_COLUMN_NAMES = ("counts", "imu", "data", "samples", "log")
@@ -85,7 +86,8 @@ def read_log(
     """Read a path, bytes or binary stream into an ImuLog.
 
     The format is told by its first bytes (ZIP: NPZ; otherwise delimited text). Raises InputError under the
-    name of the file, or of the unit to give, with row or array, what was found and what is allowed.
+    name of the file, with row or array, what was found and what is allowed; under "rate", "gyro_unit" and
+    "accelerometer_unit", or those of them together with commas, where the file does not say them.
     """
     options, limits = options or LogOptions(), limits or Limits()
     content, name = _content(source, file_name, limits)
@@ -95,16 +97,11 @@ def read_log(
     else:
         found = _from_csv(content, name, options, limits)
     notes: list[str] = []
+    _complete(found, options, name)
     rate_hz = _rate(found, options, name, notes)
     signals = {role: _signal(role, found, options, rate_hz, name, notes) for role in _SENSORS}
     temperature = next((c.values for c in found.columns if c.meaning.role == "temperature"), None)
     lengths = {role: len(signal) for role, signal in signals.items() if signal is not None}
-    if not lengths:
-        raise InputError(
-            name,
-            "No gyro or accelerometer columns are recognised: "
-            "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`",
-        )
     if len(set(lengths.values())) > 1:
         raise InputError(name, f"{lengths['gyro']} gyro but {lengths['accelerometer']} accelerometer samples")
     samples = next(iter(lengths.values()))
@@ -250,7 +247,7 @@ def _signal(
     if not single and [column.meaning.axis for column in columns] != [0, 1, 2]:
         # Two of three are more often a name that was not understood than a sensor of two axes.
         raise InputError(name, f"{role} columns {labels}; x, y and z are needed, each once, or one of them alone")
-    scale = _scale(role, columns[0], found, options, name)
+    scale = scale_of(role, _unit(role, columns[0], found, options) or "")
     signal = np.empty((len(columns[0].values), len(columns)))
     for axis, column in enumerate(columns):
         if len(column.values) != len(signal):
@@ -277,16 +274,29 @@ def _single_axis(role: str, found: _Found) -> int:
     return next((column.meaning.axis or 0 for column in found.columns if column.meaning.role == role), 0)
 
 
-def _scale(role: str, column: _Column, found: _Found, options: LogOptions, name: str) -> Scale:
+def _unit(role: str, column: _Column, found: _Found, options: LogOptions) -> str | None:
     given = options.gyro_unit if role == "gyro" else options.accelerometer_unit
     stated = found.count_units.get(role) if column.meaning.unit in ("counts", "raw", None) else column.meaning.unit
-    unit = given or stated
-    if unit is None:
+    return given or stated
+
+
+def _complete(found: _Found, options: LogOptions, name: str) -> None:
+    """Refuse a log without sensors, rate or units, under all that is missing."""
+    first = {column.meaning.role: column for column in reversed(found.columns)}
+    if not first.keys() & {*_SENSORS}:
         raise InputError(
             name,
-            f"The file does not give the unit of {column.label!r}. State the {role} unit: {_UNIT_EXAMPLES[role]}.",
+            "No gyro or accelerometer columns are recognised: "
+            "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`",
         )
-    return scale_of(role, unit)
+    timed = "time" in first and len(first["time"].values) > 1
+    stated = options.rate_hz is not None or found.rate_hz is not None
+    missing = [] if timed or stated else ["rate"]
+    missing += [f"{role}_unit" for role in _SENSORS if role in first and not _unit(role, first[role], found, options)]
+    if missing:
+        said = " or the ".join(key.replace("_", " ") for key in missing)
+        examples = "; ".join(_EXAMPLES[key] for key in missing)
+        raise InputError(", ".join(missing), f"The file does not give the {said}. Enter for example {examples}.")
 
 
 def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> float:
@@ -300,9 +310,7 @@ def _rate(found: _Found, options: LogOptions, name: str, notes: list[str]) -> fl
             f"The file has several time columns ({', '.join(t.label for t in times)}). "
             "Say which by `columns` or `arrays`.",
         )
-    if not times or len(times[0].values) < 2:
-        if stated is None:
-            raise InputError(name, "The file has no time column. Give the rate in Hz.")
+    if stated is not None and (not times or len(times[0].values) < 2):
         notes.append(f"rate {stated:g} Hz as stated")
         return stated
     measured = _rate_of_time(times[0], found, name, stated)

@@ -76,8 +76,8 @@ class AxisNoise:
 
     `quantity` is "gyro" (rad/s) or "accelerometer" (m/s²). `coefficients` maps each of noise_terms.TERMS to a
     Coefficient or None; `not_resolved` holds the reason of each None and `would_resolve` the log that would
-    show it. `white_floor` is the fitted N and
-    `effective_at_1s` the slope -1/2 line read over the decade about 1 s (None where the log is too short or
+    show it; `at_most` the 95 % limit of those that the log is consistent with none of. `white_floor` is the fitted N
+    and `effective_at_1s` the slope -1/2 line read over the decade about 1 s (None where the log is too short or
     too slow), both in rad/√s or m/s/√s. `band_hz` is the top of the fitted band, `lines_hz` the vibration
     lines left out of it, `model_error` the relative departure of the measured spectrum from the five terms.
     """
@@ -89,6 +89,7 @@ class AxisNoise:
     deviation: AllanDeviation
     coefficients: dict[str, Coefficient | None]
     not_resolved: dict[str, str]
+    at_most: dict[str, float]
     would_resolve: dict[str, str]
     white_floor: float
     effective_at_1s: float | None

@@ -37,10 +37,11 @@ _READ_AT_1S = "slope -1/2 line through the Allan deviation over the decade about
 
 @dataclass(frozen=True)
 class _Missing:
-    """Why a coefficient is not given."""
+    """Why a coefficient is not given; ``limit``: what it is at most with 95 %, where the log says that."""
 
     reason: str
     cause: Cause
+    limit: float | None = None
 
 
 class AnalysisCancelled(Exception):
@@ -118,6 +119,7 @@ def _analyse_axis(
         deviation=deviation,
         coefficients=coefficients,
         not_resolved={term: why.reason for term, why in missing.items()},
+        at_most={term: why.limit for term, why in missing.items() if why.limit is not None},
         would_resolve={
             term: what_would_resolve(why.cause, term, resolved, len(signal) * interval_s, interval_s)
             for term, why in missing.items()
@@ -143,6 +145,7 @@ def _without_noise(
         deviation=overlapping_allan_deviation(signal, interval_s),
         coefficients=dict.fromkeys(TERMS),
         not_resolved=dict.fromkeys(TERMS, reason),
+        at_most={},
         would_resolve={
             term: what_would_resolve(cause, term, (), len(signal) * interval_s, interval_s) for term in TERMS
         },
@@ -196,8 +199,9 @@ def _coefficient(
             )
     if estimate.low <= 0.0 <= estimate.high:
         unit, si = UNITS[quantity][term]
-        limit = max(abs(estimate.low), abs(estimate.high)) / si
-        return _Missing(f"not resolved: the log is consistent with none; at most {limit:.3g} {unit} (95 %)", "hidden")
+        limit = max(abs(estimate.low), abs(estimate.high))
+        said = f"not resolved: the log is consistent with none; at most {limit / si:.3g} {unit} (95 %)"
+        return _Missing(said, "hidden", limit)
     return Coefficient(estimate.value, estimate.low, estimate.high, _LIKELIHOOD)
 
 

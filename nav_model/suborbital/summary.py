@@ -37,24 +37,34 @@ def _metres(value: float) -> str:
     return "< 1 mm"
 
 
+def final_total(study: Study) -> tuple[FloatArray, FloatArray]:
+    """Final position error of the INS alone and with the tracker, (3,) m each, root of the squares of the sum of the
+    signed errors and of white noise."""
+    k = study.names.index("all")
+    pure = np.hypot(study.pure.position_m[k, -1], study.pure_noise.position_sigma_m[-1])
+    aided = np.hypot(study.aided.position_m[k, -1], study.aided_noise.position_sigma_m[-1])
+    return pure, aided
+
+
 def explain(study: Study) -> str:
     """What the tracker did and did not repair, in words made from the numbers of the study."""
     flight, end = study.flight, study.flight.time_s[-1]
     pure = {n: study.pure.position_m[k, -1] for k, n in enumerate(study.names)}
     aided = {n: study.aided.position_m[k, -1] for k, n in enumerate(study.names)}
-    before, after = _size(pure["all"]), _size(aided["all"])
+    whole, left_over = final_total(study)
+    before, after = _size(whole), _size(left_over)
     if not np.any(study.used):
         return (
             f"The star tracker gives no frame on this flight, so it corrects nothing. After {end:.0f} s the "
-            f"position error is {_metres(before)} ({_metres(abs(float(pure['all'][2])))} in height)."
+            f"position error is {_metres(before)} ({_metres(float(whole[2]))} in height)."
         )
     parts: list[str] = []
     ratio = after / before if before > 0.0 else 1.0
     change = "brings it to" if ratio < 0.98 else "leaves it at" if ratio < 1.02 else "raises it to"
     parts.append(
         f"After {end:.0f} s the position error of the INS alone is {_metres(before)} "
-        f"({_metres(abs(float(pure['all'][2])))} in height); the star tracker {change} {_metres(after)} "
-        f"({_metres(abs(float(aided['all'][2])))} in height)."
+        f"({_metres(float(whole[2]))} in height), white noise included; the star tracker {change} {_metres(after)} "
+        f"({_metres(float(left_over[2]))} in height)."
     )
     forcing = [_size(pure[n]) for n in ("gyro total", "initial attitude")]
     left = [_size(aided[n]) for n in ("gyro total", "initial attitude")]

@@ -132,6 +132,8 @@ def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(
         act(page.keyboard.press, "Enter")
     expect(open_rows).to_have_count(0)
     act(press, page, "Sign off")
+    said(page, "4 waivers of 4 you wrote yourself. A signed review never changes.")
+    act(press, page, "Accept with 4 waivers, as Ann")
     expect(page.locator(".strip").filter(has_text="CDR")).to_contain_text("Signed off by Ann")
     assert actions <= 20, actions
     accessible(page, every=True)
@@ -203,6 +205,11 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     expect(heading).to_contain_text("1 waiver")
     expect(heading).to_contain_text("can be signed")
     press(page, "Sign off")
+    press(page, "Not yet")
+    expect(page.get_by_role("button", name=re.compile("^Reject: 1 requirement"))).to_be_hidden()
+    expect(heading).to_contain_text("can be signed")
+    press(page, "Sign off")
+    press(page, "Reject: 1 requirement, as Ann")
     expect(heading).to_contain_text("Signed off by Ann")
     expect(page.get_by_role("button", name=re.compile("^(Accept|Change)"))).to_have_count(0)
     with page.expect_download() as download:
@@ -242,7 +249,17 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(row).to_contain_text("no margin left")
     expect(row.get_by_role("button")).to_have_text(["Change"])  # theirs is seen before another takes its place
     expect(field(page, "Reason: D1: Detrended phase")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.get_by_text("Enter a reason.")).to_be_visible()
     page.keyboard.type("autofocus removes it")
+    decide(second, "Detrended phase", "Reject", "not tried yet")  # first
+    detrended = page.get_by_role("row").filter(has_text="D1: Detrended phase")
+    expect(detrended).to_contain_text("rejected by Bob")
+    expect(detrended).to_contain_text("Your reason was not sent: autofocus removes it")
+    expect(detrended.get_by_role("button")).to_have_text(["Change"])
+    decide(page, "Detrended phase", "Change")
+    decide(page, "Detrended phase")
+    expect(field(page, "Reason: D1: Detrended phase")).to_have_value("autofocus removes it")
     page.keyboard.press("Enter")
     expect(heading).to_contain_text("1 waiver")
     field(second, "Comment").fill("and one more thing")
@@ -257,6 +274,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(heading).to_contain_text("can be signed")
     expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
     press(page, "Sign off")
+    press(page, "Accept with 2 waivers, as Ann")
     expect(heading).to_contain_text("Signed off by Ann")
 
 

@@ -21,7 +21,7 @@ def overview(reviews: Sequence[Review]) -> Table:
 def state_of(review: Review) -> Answer:
     """Status of a review: its mark and words, and its contents."""
     left = len(review.open_points())
-    tone, said = "open", f"– Open, {left} to decide" if left else "– Open, all decided: can be signed"
+    tone, said = "open", f"Open, {left} to decide" if left else "Open, all decided: can be signed"
     if not review.intact:
         tone, said = "bad", f"✗ {review.doubt[0].upper()}{review.doubt[1:]}: do not rely on it"
     elif review.signed:

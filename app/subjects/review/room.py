@@ -92,7 +92,12 @@ class ReviewRoom(pn.viewable.Viewer):
             button("All reviews", self._leave, visible=False),
             *desk.report_buttons("review", "Review report", self._report, visible=False),
         ]
-        self._sign_button = button("Sign off", self._sign, variant="contained", visible=False)
+        self._sign_button = button("Sign off", self._ask_to_sign, variant="contained", visible=False)
+        self._seen = 0  # the version that the person was asked to sign
+        self._to_sign, self._yes = html_pane("", margin=(0, 10)), button("", self._sign, variant="contained")
+        self._confirm = pn.FlexBox(
+            self._to_sign, self._yes, button("Not yet", self._unasked), align_items="center", visible=False
+        )
         self._turns = pn.FlexBox(
             button("Previous", functools.partial(self._turn, -1)),
             button("Next", functools.partial(self._turn, 1)),
@@ -119,6 +124,7 @@ class ReviewRoom(pn.viewable.Viewer):
                 align_items="center",
                 margin=(6, 4),
             ),
+            self._confirm,
             self._slide,
             self._turns,
             self._table,
@@ -147,8 +153,8 @@ class ReviewRoom(pn.viewable.Viewer):
             return
         options = {_NONE: ""}
         for review in reviews:
-            state = "signed off" if review.signed else "open"
-            options[f"{shortened(review.title, 60)} ({state}, {review.opened[:10]}, {review.id[:4]})"] = review.id
+            said = f"{shortened(review.title, 60)} ({'signed off' if review.signed else 'open'}, {review.opened[:10]}"
+            options[f"{said}, {review.id[:4]})" if f"{said})" in options else f"{said})"] = review.id
         if self._choice.options != options:
             self._choice.options = options
             self._choice.param.trigger("value")  # the browser knows the value by its words, which may be others now
@@ -204,6 +210,7 @@ class ReviewRoom(pn.viewable.Viewer):
         review, presenting = self.review, self.desk.session.presenting
         open_ = review is not None and review.signed is None
         with pn.io.hold():
+            self._confirm.visible = False
             for part in self._of_review:
                 part.visible = review is not None and not presenting
             for part in (self._title, self._begin_button):
@@ -319,9 +326,33 @@ class ReviewRoom(pn.viewable.Viewer):
         ):
             self._comment.value = ""
 
+    async def _ask_to_sign(self) -> None:
+        """Say how the review would end, and which waivers are the signer's, before it is final."""
+        review, who = self.review, self.desk.who
+        if review is None:
+            return
+        self._seen = review.version
+        if not who or review.open_points() or not review.intact:
+            await self._sign()  # which says what is missing
+            return
+        self.desk.say("")
+        waived, rejected = review.waivers(), review.rejected()
+        own = sum(waiver.author == who for waiver in waived)
+        warned = f"{counted(own, 'waiver')} of {len(waived)} you wrote yourself. " if own else ""
+        said = Answer("", "warn" if own or rejected else "open", (f"{warned}A signed review never changes.",))
+        self._to_sign.object = html_of(said)
+        self._yes.label = (
+            f"Reject: {counted(len(rejected), 'requirement')}"
+            if rejected
+            else "Accept" + (f" with {counted(len(waived), 'waiver')}" if waived else "")
+        ) + f", as {who}"
+        self._confirm.visible = True
+
+    async def _unasked(self) -> None:
+        self._confirm.visible = False
+
     async def _sign(self) -> None:
-        seen = self.review.version if self.review else 0
-        if await self._change(lambda library, review, author: sign(library, review, author, seen)):
+        if await self._change(lambda library, review, author: sign(library, review, author, self._seen)):
             self.desk.say("Signed off and sealed; this review never changes again.")
 
     async def _turn(self, step: int) -> None:

@@ -58,9 +58,9 @@ _HELP = (
 )
 _BOXES = {
     "rate": ("Rate [Hz]", "only if not in the file", 150),
-    "gyro_unit": ("Gyro unit", "deg/s; rad; 0.05 deg/s a count", 220),
-    "accelerometer_unit": ("Accelerometer unit", "m/s2; g; 0.00333 g a count", 220),
-    "columns": ("Columns of a CSV, in order", "time, gyro_x, … ; - ignores one", 240),
+    "gyro_unit": ("Gyro unit", "deg/s; rad; 0.05 deg/s per count", 220),
+    "accelerometer_unit": ("Accelerometer unit", "m/s2; g; 0.00333 g per count", 220),
+    "columns": ("Columns of a CSV, in order", "time, gyro_x, …; use - to skip one", 240),
     "arrays": ("Arrays of an NPZ", "gyro=w, accelerometer=f", 220),
 }
 
@@ -85,6 +85,8 @@ class LogPanel(pn.viewable.Viewer):
             key: pmui.TextInput(label=label, helper_text=example, width=width, margin=(8, 6))
             for key, (label, example, width) in _BOXES.items()
         }
+        for key, box in self.boxes.items():
+            box.param.watch(lambda _, key=key: self._mark(key), "value")
         self.motion = pmui.Select(
             label="The log was taken", width=250, margin=(8, 6),
             options={"at rest: noise parameters": "rest", "in motion: vibration factor": "motion"}, value="rest",
@@ -146,18 +148,34 @@ class LogPanel(pn.viewable.Viewer):
         try:
             request = self._request(bench_of(self.session.design))
         except InputError as error:
-            self._say(f"Not analysed. {error}")
+            self._refuse(error)
+            self._say(f"Not analysed. {error.reason}")
             return
 
         async def study(run: Run) -> Study:
-            return await run_alone(
-                study_log, request, progress=lambda share, what: run.tell(f"{name}: {what}", share)
-            )
+            try:
+                return await run_alone(
+                    study_log, request, progress=lambda share, what: run.tell(f"{name}: {what}", share)
+                )
+            except InputError as error:
+                self._refuse(error)
+                raise
 
+        for key in self.boxes:
+            self._mark(key)
         self._say("")
         await self.run.start(study)
         if not self.run.message:
             self._show(self.run.result)
+
+    def _refuse(self, error: InputError) -> None:
+        """Mark the boxes to blame; the mark goes when the box is filled in, or with the next try."""
+        keys = error.key.split(", ")
+        for key in {*keys} & {*self.boxes}:
+            self._mark(key, error.reason if len(keys) == 1 else "not in the file, and needed")
+
+    def _mark(self, key: str, wrong: str = "") -> None:
+        self.boxes[key].param.update(error_state=bool(wrong), helper_text=wrong or _BOXES[key][1])
 
     def _request(self, bench: BenchNoise) -> LogRequest:
         texts = {key: box.value.strip() for key, box in self.boxes.items()}
@@ -166,7 +184,7 @@ class LogPanel(pn.viewable.Viewer):
             try:
                 rate = float(texts["rate"])
             except ValueError as error:
-                raise InputError("Rate [Hz]", f"{texts['rate']!r} is not a number") from error
+                raise InputError("rate", f"{texts['rate']!r} is not a number") from error
         return LogRequest(
             source=self._path(),
             file_name=self.name_of_log,
@@ -223,7 +241,7 @@ class StaticResult(pn.viewable.Viewer):
         self.axis = pmui.Select(label="Axis", width=220, margin=(8, 14), options=[])
         self.axis.param.watch(lambda event: parts.follow() if event.new else None, "value")
         charts = parts.later(self._charts)
-        self._view = pn.Column(_paper(self.head, self.use, self.tables), charts, visible=False)
+        self._view = pn.Column(_paper(self.head, self.use), charts, _paper(self.tables), visible=False)
 
     def __panel__(self) -> pn.Column:
         return self._view
@@ -240,7 +258,7 @@ class StaticResult(pn.viewable.Viewer):
 
     def _charts(self) -> pn.Column:
         chart = self._parts.chart
-        triads = [chart(partial(triad_chart, quantity=quantity), 400) for quantity in ("gyro", "accelerometer")]
+        triads = [chart(partial(triad_chart, quantity=quantity), 320) for quantity in ("gyro", "accelerometer")]
         single = chart(lambda analysis: axis_chart(analysis, self.axis.value), 380)
         return grid(*(cell(6, triad) for triad in triads), cell(12, self.axis, single))
 

@@ -48,7 +48,7 @@ class SensorsPage(pn.viewable.Viewer):
         self._views = NamedViews(
             "What to see",
             {
-                "My log": lambda: _scrolled(_sheet(self._origins), self.log),
+                "My log": lambda: _scrolled(self.log, _sheet(self._origins)),
                 "IMUs": lambda: _scrolled(self.tables["imu"]),
                 "Radars": lambda: _scrolled(self.tables["radar"]),
             },

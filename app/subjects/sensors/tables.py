@@ -117,6 +117,7 @@ def _triad_table(title: str, quantity: str, axes: list[AxisNoise]) -> Table:
         f"{title}: noise coefficients",
         (Column("Axis"), *(Column(head, width=1) for head in heads)),
         tuple((Cell(axis.name[-1]), *_axis_cells(axis)) for axis in axes),
+        "<: not resolved; the log is consistent with none, and the coefficient is below this with 95 % probability.",
     )
 
 
@@ -129,9 +130,11 @@ def _axis_cells(axis: AxisNoise) -> tuple[Cell, ...]:
 
 def _coefficient_cell(axis: AxisNoise, term: str) -> Cell:
     found = axis.coefficients[term]
+    _, scale = UNITS[axis.quantity][term]
+    if term in axis.at_most:
+        return Cell(f"< {number(axis.at_most[term] / scale)}", tone="quiet")
     if found is None:
         return Cell(axis.not_resolved[term], tone="quiet")
-    _, scale = UNITS[axis.quantity][term]
     text = f"{number(found.value / scale)}\n({_range(found, scale)})"
     if not found.reading:
         return Cell(text)

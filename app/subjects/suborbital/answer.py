@@ -7,7 +7,7 @@ from app.document.blocks import Answer, KeyFigure, KeyFigures, Text
 from app.document.numbers import percent, show
 from app.subjects.suborbital.charts.shown import Shown
 from nav_model.suborbital.settings import Settings
-from nav_model.suborbital.summary import explain
+from nav_model.suborbital.summary import explain, final_total
 
 WAITING = Answer(
     "Running the first study",
@@ -17,7 +17,6 @@ WAITING = Answer(
 _HELPS = 0.98  # of the error without a tracker
 _UNDER = "INS alone → with tracker"
 _CARDS = {
-    "all": "Everything",
     "gyro total": "Gyros",
     "accelerometer total": "Accelerometers",
     "initial position and velocity": "Initial position and velocity",
@@ -28,7 +27,7 @@ _CARDS = {
 def answer(shown: Shown, settings: Settings) -> tuple[Answer, KeyFigures]:
     """What the tracker repairs at the current settings, in a line and in figures."""
     study = shown.study
-    before, after = (_size(errors.position_m[study.case("all"), -1]) for errors in (study.pure, study.aided))
+    before, after = map(_size, final_total(study))
     what = f"from {_metres(before)} to {_metres(after)}"
     if not study.used.any():
         word, tone = "The star tracker gives no frame on this flight", "warn"
@@ -36,11 +35,11 @@ def answer(shown: Shown, settings: Settings) -> tuple[Answer, KeyFigures]:
         word, tone = f"The star tracker cuts the final position error {what}", "good"
     else:
         word, tone = f"The star tracker hardly changes the final position error: {what}", "warn"
-    left = {
-        label: _size(study.aided.position_m[study.case(case), -1]) for case, label in _CARDS.items() if case != "all"
-    }
+    left = {label: _size(study.aided.position_m[study.case(case), -1]) for case, label in _CARDS.items()}
+    left["White noise"] = _size(study.aided_noise.position_sigma_m[-1])
     largest = max(left, key=lambda label: left[label])
-    said = f"Largest remaining source: {largest.lower()}, {_metres(left[largest])}."
+    cancel = ", more than the total: signed errors partly cancel" if left[largest] > after else ""
+    said = f"Largest remaining source: {largest.lower()}, {_metres(left[largest])}{cancel}."
     return Answer(word, tone, (said, _exactness(shown))), _figures(shown, settings)
 
 
@@ -69,13 +68,15 @@ def _exactness(shown: Shown) -> str:
 
 def _figures(shown: Shown, settings: Settings) -> KeyFigures:
     study = shown.study
-    figures = []
+    pure, aided = final_total(study)
+    signed = f"signed errors, which partly cancel, and white noise; INS: {_channels(pure)}"
+    figures = [_figure("Everything", pure, aided, f"{signed}; with tracker: {_channels(aided)}")]
     for case, label in _CARDS.items():
         k = study.case(case)
         pure, aided = study.pure.position_m[k, -1], study.aided.position_m[k, -1]
         figures.append(_figure(label, pure, aided, f"INS: {_channels(pure)}; with tracker: {_channels(aided)}"))
     images = "star images" if settings["camera.frames"] == "star images" else "a perfect camera"
-    frames = f"in addition to the errors above; {int(study.used.sum())} frames from {images}"
+    frames = f"part of everything; {int(study.used.sum())} frames from {images}"
     spreads = (study.pure_noise.position_sigma_m[-1], study.aided_noise.position_sigma_m[-1])
     figures.append(_figure("White noise, 1σ", *spreads, frames))
     return KeyFigures("Final position error, INS alone → with star tracker", tuple(figures))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import DIGITS, NONE, number, percent
-from app.subjects.suborbital.charts.shown import CHANNELS, Shown, called
+from app.subjects.suborbital.charts.shown import CHANNELS, SUM, Shown, called
 from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.star_camera import StarFrame
 from nav_model.suborbital.study import Row, table
@@ -116,7 +116,7 @@ def paper_tables(shown: Shown) -> tuple[NumberTable, ...]:
         ("INS with star tracker", *every.aided_m, None, None, None),
         ("improvement in size", *every.improvement_m, *_paper("improvement by the star tracker")),
     )
-    heads = ("everything", *(f"{channel} [m]" for channel in CHANNELS), *_PAPER_HEADS)
+    heads = (SUM, *(f"{channel} [m]" for channel in CHANNELS), *_PAPER_HEADS)
     return (*tables, NumberTable("tracker", "INS against star tracker", heads, lines, how))
 
 

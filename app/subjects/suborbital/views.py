@@ -17,7 +17,7 @@ from app.charts.kinds import Chart
 from app.declared import declared
 from app.document.pane import html_of
 from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
-from app.subjects.suborbital.charts.shown import CHANNELS
+from app.subjects.suborbital.charts.shown import CHANNELS, SUM
 from app.subjects.suborbital.tables import (
     NumberTable,
     gap_table,
@@ -91,7 +91,7 @@ VIEWS: tuple[View, ...] = (
 CAMERA_NOISE, INPUTS = "Camera noise", "Inputs"
 
 _COMING = "<p>The charts and tables of this view appear here with the first study.</p>"
-CASES = {"everything": "all"} | {name: name for name in (*CLASSES, *SOURCES, GRAVITY_ROW) if name != "all"}
+CASES = {SUM: "all"} | {name: name for name in (*CLASSES, *SOURCES, GRAVITY_ROW) if name != "all"}
 
 
 class StudyViews(pn.viewable.Viewer):

@@ -189,13 +189,13 @@ def _overview_cells(review: Review) -> list[str]:
 
 def test_the_overview_counts_what_is_open_decided_rejected_and_signed(library: Library, review: Review) -> None:
     left = len(review.open_points())
-    assert _overview_cells(review)[:5] == [f"– Open, {left} to decide", "2", str(left), "0", "0"]
+    assert _overview_cells(review)[:5] == [f"Open, {left} to decide", "2", str(left), "0", "0"]
     assert _overview_cells(review)[6].endswith("Ann")
     review = add_comment(library, review.id, 1, "", "Bob", "late")
     review = _decided(library, review)  # what is not met is rejected
     failed = sum(not check.met for revision in review.revisions for check in revision.budget().verdict.checks)
     assert failed > 0
-    assert _overview_cells(review)[:5] == ["– Open, all decided: can be signed", "2", "0", str(failed), "1"]
+    assert _overview_cells(review)[:5] == ["Open, all decided: can be signed", "2", "0", str(failed), "1"]
     assert _overview_cells(review)[6].endswith("Bob")
     review = sign(library, review.id, "Ann", review.version)
     assert _overview_cells(review)[0] == "✓ Signed off by Ann"

@@ -6,7 +6,17 @@ import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line
 from app.document.numbers import percent, show, show_in
-from app.subjects.suborbital.charts.shown import CHANNELS, SHOWN_SOURCES, TIME, Shown, boost, called, every_of, km
+from app.subjects.suborbital.charts.shown import (
+    CHANNELS,
+    SHOWN_SOURCES,
+    SUM,
+    TIME,
+    Shown,
+    boost,
+    called,
+    every_of,
+    km,
+)
 from nav_model.suborbital.channels import height_e_folding_time, height_growth
 from nav_model.suborbital.sensitivity import along_track_sigma
 from nav_model.suborbital.study import Study
@@ -25,13 +35,13 @@ def source_chart(shown: Shown, channel: int) -> Chart:
         x_label=TIME,
         y_label=f"{_LABELS[channel]} [km]",
         lines=tuple(
-            Line(name, label, x, km(shown.position_m(shown.aided_sources, name, channel)), label,
-                 "integrated INS [B-3]")
-            for name, label in SHOWN_SOURCES.items()
+            Line(name, SUM if name == "all" else style, x, km(shown.position_m(shown.aided_sources, name, channel)),
+                 style, "integrated INS [B-3]")
+            for name, style in SHOWN_SOURCES.items()
         ),
         spans=boost(study),
-        knowledge=f"{shown.how}. Each source runs alone, a sensor with all its errors; the parts add up to "
-        "everything to second order.",
+        knowledge=f"{shown.how}. Each source runs alone, a sensor with all its errors. The parts have "
+        "signs and partly cancel; they add up to the sum to second order. White noise is not among them.",
     )  # fmt: skip
 
 

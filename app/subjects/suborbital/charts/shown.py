@@ -25,7 +25,9 @@ SHOWN_SOURCES = {
     "initial attitude": "initial attitude",
     "all": "everything",
 }
-"""Cases of the chart by source, each with its label, which is its style too: the parts of everything."""
+"""Cases of the chart by source, each with its style, which is its label too but for the sum."""
+SUM = "sum of signed errors"
+"""Label of the case "all": every error source with its sign, without white noise."""
 TIME = "time since lift-off [s]"
 
 
@@ -109,4 +111,4 @@ def km(values: Array) -> Array:
 
 
 def called(case: str) -> str:
-    return "everything" if case == "all" else case
+    return SUM if case == "all" else case

@@ -67,7 +67,7 @@ def test_archive_of_counts_with_named_arrays(tmp_path: Path, capsys: pytest.Capt
     gyro = json.loads(capsys.readouterr().out)["axes"][0]
     assert gyro["random_walk"]["value"] == pytest.approx(0.3, rel=0.04)
     assert main([*command, "--accelerometer-unit", "m/s2"]) == 2
-    assert "State the gyro unit" in capsys.readouterr().err
+    assert "gyro_unit: The file does not give the gyro unit" in capsys.readouterr().err
 
 
 def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -94,7 +94,7 @@ def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureF
     ("arguments", "complaint"),
     [
         (["nowhere.csv"], "nowhere.csv: cannot be read: No such file or directory"),
-        (["{log}"], "bench.csv: The file has no time column. Give the rate in Hz"),
+        (["{log}"], "rate: The file does not give the rate. Enter for example 100 Hz"),
         (["{log}", "--rate", "-1"], "rate of -1 Hz"),
         (["{log}", "--rate", "100", "--gyro-unit", "furlong"], "'furlong'"),
         (["{log}", "--rate", "100", "--columns", "gyro_x,gyro_y"], "2 column names are given, but the file has 6"),

@@ -6,6 +6,7 @@ import asyncio
 import csv
 import io
 import json
+import math
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -17,9 +18,11 @@ from flight_files import format_flight
 from panel.io.state import set_curdoc
 from waiting import PATIENCE, soon
 
+from app.document.numbers import show
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.suborbital import studies
+from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.charts import Shown, attitude, errors, sensors
 from app.subjects.suborbital.charts.camera_noise import camera_noise_answer
 from app.subjects.suborbital.controls import InputControl
@@ -344,9 +347,29 @@ def test_horizontal_errors_are_also_shown_along_and_across_the_track(survey: Sur
     assert named.title == "Cross-range error by source, INS alone"
 
 
+def test_everything_has_white_noise_and_says_that_signed_errors_cancel(survey: Survey) -> None:
+    study = survey.study
+    word, figures = answer(Shown(survey, study), DEFAULTS)
+    first, noise = figures.items[0], figures.items[-1]
+    assert (first.label, noise.label) == ("Everything", "White noise, 1σ")
+    k = study.names.index("all")
+    for found, spread, shown in zip(
+        (study.pure, study.aided), (study.pure_noise, study.aided_noise), first.value.split(" → "), strict=True
+    ):
+        whole = math.sqrt(sum(found.position_m[k, -1] ** 2) + sum(spread.position_sigma_m[-1] ** 2))
+        assert shown.replace("\u00a0", " ") == show(whole, "length")
+    assert "partly cancel" in first.detail
+    assert first.value.partition(" → ")[2] in word.word
+    accelerometers = np.linalg.norm(study.aided.position_m[study.names.index("accelerometer total"), -1])
+    everything = math.hypot(
+        np.linalg.norm(study.aided.position_m[k, -1]), np.linalg.norm(study.aided_noise.position_sigma_m[-1])
+    )
+    assert (accelerometers > everything) == ("signed errors partly cancel" in word.sentences[0])
+
+
 def test_linear_gap_names_the_row_that_is_beyond_the_promise(survey: Survey) -> None:
     table = gap_table(Shown(survey, survey.study))
-    assert "everything is off by 0.6 %" in table.note
+    assert "sum of signed errors is off by 0.6 %" in table.note
     assert len(table.rows) == len(survey.study.names) - 1
 
 
