@@ -96,7 +96,7 @@ class Span:
 @dataclass(frozen=True)
 class Chart:
     """A chart of curves. ``knowledge`` is its "how do we know" line; ``square``: as high as it is wide; ``aside``: a
-    few words beside its title on a page."""
+    few words beside its title on a page; ``named_at_ends``: on paper its lines are named there, not in the legend."""
 
     key: str
     title: str
@@ -114,6 +114,7 @@ class Chart:
     square: bool = False
     knowledge: str = ""
     aside: str = ""
+    named_at_ends: bool = False
 
     def rows(self) -> Iterator[tuple[str, ...]]:
         """Every number drawn, as rows of a table: series, x, y, (upper y of a band or a point's name)."""

@@ -25,7 +25,8 @@ def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
         (_svg(f'<path d="M15 0 L20 5.5 L15 11 L10 5.5 Z" fill="none" stroke-width="2" '
               f'stroke="{STYLES["vertical"].colour}"/>'), "formula, 1σ"),
         (_box(STYLES["horizontal"], 0.9), "runs, rms"),
-        (_box(STYLES["horizontal"], 0.35), "runs, 5 to 95 %"),
+        (_svg('<path d="M3 5.5 H27" stroke="currentColor" stroke-width="3" stroke-opacity="0.65"/>'),
+         "runs, 5 to 95 %"),
     ]  # fmt: skip
     if not math.isnan(chart.limit):
         entries.append((_line(STYLES["limit"]), "limit (scaled to 1σ)"))

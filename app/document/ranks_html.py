@@ -25,15 +25,17 @@ def ranks_html(chart: DotChart, notes: Mapping[str, str], best: str) -> str:
     )
     columns = [
         "Strategy",
-        escape(chart.x_label),
+        "",
         "[°]",
         "[mm]",
         *(["with along-track [°]"] if chart.has_wholes else []),
     ]
+    caption = f"{escape(chart.title)}: {escape(chart.x_label)}"
     heads = "".join(f'<th scope="col">{head}</th>' for head in columns)
     return (
-        f'<table class="ranks"><caption class="hidden">{escape(chart.title)}</caption><thead><tr>{heads}</tr></thead>'
-        f'<tbody>{rows}</tbody><tfoot aria-hidden="true"><tr><td></td><td><div>{scale.axis()}</div></td>'
+        f'<table class="ranks"><caption class="hidden">{caption}</caption><thead><tr>{heads}</tr></thead>'
+        f'<tbody>{rows}</tbody><tfoot aria-hidden="true"><tr><td></td><td><div>{scale.axis()}</div>'
+        f"<small>{escape(chart.x_label)}</small></td>"
         f"{'<td></td>' * (len(columns) - 2)}</tr></tfoot></table>"
     )
 

@@ -6,8 +6,10 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from app.charts.kinds import Points
-from app.charts.styles import Style
+import numpy as np
+
+from app.charts.kinds import Line, Points
+from app.charts.styles import STYLES, Style, behind_text
 
 DASHES: dict[str, Any] = {
     "solid": "-",
@@ -22,6 +24,7 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # Where a name may stand beside its point: offset in points, alignment.
 _BESIDE = ((5, 0, "left", "center"), (-5, 0, "right", "center"), (0, 5, "center", "bottom"), (0, -5, "center", "top"))
 _NAME_SIZE = 6.5
+_NAME_ROOM = 9.0  # points between the names of two lines
 _BEHIND = {"facecolor": "white", "alpha": 0.65, "edgecolor": "none", "pad": 0.6}
 
 
@@ -55,27 +58,60 @@ def plain(axes: Any) -> None:
     axes.set_axisbelow(True)
 
 
+def plain_number(value: float, _position: int = 0) -> str:
+    """A tick of a log axis near one."""
+    return f"{float(f'{value:.2g}'):.10f}".rstrip("0").rstrip(".")
+
+
 def power_of_ten(value: float, _position: int = 0) -> str:
-    """A tick of a log axis: 10ⁿ at whole powers, a plain number or m·10ⁿ between them."""
+    """A tick of a log axis that goes far from one: 10ⁿ at whole powers, m·10ⁿ between them."""
     exponent = math.log10(value)
     if abs(exponent - round(exponent)) < 1e-6:
         return "10" + str(round(exponent)).translate(_SUPERSCRIPTS)
-    if 1e-3 <= value < 1e4:
-        return f"{float(f'{value:.2g}'):g}"
     below = math.floor(exponent)
     return f"{value / 10.0**below:.2g}·10" + str(below).translate(_SUPERSCRIPTS)
 
 
 def log_axis(axis: Any) -> None:
-    """Powers of ten at the ticks of a log axis, with 2 and 5 between them where it is short."""
+    """Ticks at the powers of ten of a log axis, with 2 and 5 between them where it is short, all in one notation."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
     decades = math.log10(high / low)
     subs = (1.0,) if decades > 2.5 else (1.0, 2.0, 5.0)
     axis.set_major_locator(LogLocator(subs=subs, numticks=12))
-    axis.set_major_formatter(FuncFormatter(power_of_ten))
+    near_one = low >= 1e-4 and high < 1e5
+    axis.set_major_formatter(FuncFormatter(plain_number if near_one else power_of_ten))
     axis.set_minor_formatter(NullFormatter())
+
+
+def label_ends(figure: Any, axes: Any, lines: Sequence[Line]) -> None:
+    """Write the name of each line beside its end, right of the frame, spread so that no name covers another."""
+    figure.draw_without_rendering()  # settles the scales
+    height = axes.get_window_extent().height / figure.dpi * 72  # points
+    ends = []
+    for line in lines:
+        seen = np.flatnonzero(np.isfinite(line.y) & (line.y > 0))
+        if len(seen):
+            x, y = float(line.x[seen[-1]]), float(line.y[seen[-1]])
+            ends.append((float(axes.transAxes.inverted().transform(axes.transData.transform((x, y)))[1]), x, y, line))
+    ends.sort(key=lambda end: end[0])
+    room, below = _NAME_ROOM / height, -math.inf
+    places = []
+    for place, *_ in ends:
+        below = max(place, below + room)
+        places.append(below)
+    top = 1 - room / 2
+    for n in reversed(range(len(places))):  # from the top, back into the frame
+        places[n] = min(places[n], top)
+        top = places[n] - room
+    for place, (_, x, y, line) in zip(places, ends, strict=True):
+        colour = behind_text(STYLES[line.style].colour)
+        axes.annotate(
+            line.label, (x, y), (1.02, place), textcoords="axes fraction", va="center", fontsize=8, color=colour,
+            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.4, "shrinkA": 0, "shrinkB": 0},
+            annotation_clip=False,
+        )  # fmt: skip
 
 
 def label_points(figure: Any, axes: Any, groups: Sequence[Points]) -> None:

@@ -19,6 +19,7 @@ from app.charts.print.look import (
     LINE_SCALE,
     MARKERS,
     area_entry,
+    label_ends,
     label_points,
     line_entry,
     log_axis,
@@ -76,6 +77,8 @@ def to_svg(chart: Drawing, width: float = WIDTH, plot_height: float | None = Non
         figure.set_size_inches(width / 25.4, height / 25.4)
         if handles:
             figure.legend(handles=handles, loc="outside lower left", ncols=columns, frameon=False, handlelength=3.4)
+        if isinstance(chart, Chart) and chart.named_at_ends:
+            label_ends(figure, figure.axes[0], chart.lines)
         if isinstance(chart, Chart | MapChart):
             label_points(figure, figure.axes[0], _named_once(chart.points))
         text = io.StringIO()
@@ -150,7 +153,7 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
         handles.append(area_entry(band.label, pale))
     for line in chart.lines:
         axes.plot(line.x, line.y, **pen(STYLES[line.style]))
-        if line.label not in [handle.get_label() for handle in handles]:
+        if not chart.named_at_ends and line.label not in [handle.get_label() for handle in handles]:
             handles.append(line_entry(line.label, pen(STYLES[line.style])))
     for points in chart.points:
         mark = {"color": STYLES[points.style].colour, "marker": MARKERS[points.marker]}

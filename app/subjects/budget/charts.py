@@ -60,7 +60,7 @@ def phase_chart(budget: Budget) -> BarChart:
         knowledge = (
             "Formulas [S-5], [T-15], [S-6] with the line of sight of [S-1]; along-track [S-2]. "
             f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {left}. The initial "
-            f"tilt is divided by the sensors that cause it [T-18].{slow}"
+            f"tilt comes from {', '.join(f'{name} {percent(share)}' for name, share in tilt)} [T-18].{slow}"
         )
     else:
         shares = smoothed.shares["quadratic_phase"], smoothed.shares["detrended_phase"]

@@ -145,6 +145,7 @@ def position_chart(budget: Budget) -> Chart:
         limits=limits,
         spans=(_aperture_span(budget),),
         y_log=True,
+        named_at_ends=True,
         y_range=(floor, 2 * top),
         knowledge=position_knowledge(budget),
     )
@@ -173,6 +174,7 @@ def velocity_chart(budget: Budget) -> Chart:
         limits=_settled_limits(budget, "horizontal_velocity", "vertical_velocity"),
         spans=(_aperture_span(budget),),
         y_log=True,
+        named_at_ends=True,
         knowledge=f"Closed forms {_cited(budget)}, [T-9], [T-10]; band [T-8], {_validity(budget)}.",
     )  # fmt: skip
 
@@ -196,6 +198,7 @@ def attitude_chart(budget: Budget) -> Chart:
         limits=_settled_limits(budget, "tilt", scale=DEGREES),
         spans=(_aperture_span(budget),),
         y_log=True,
+        named_at_ends=True,
         knowledge=(
             f"Tilt {level}, [T-9] in closed form, band [T-8], {_validity(budget)}. "
             "Yaw is unobservable on a straight path: only its growth [T-5] is shown."

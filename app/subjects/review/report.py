@@ -12,13 +12,13 @@ from app.library.reviews import Comment, Decision, Review
 from app.library.texts import counted, moment
 from nav_model.budget import Budget
 from nav_model.budget.result import Check
+from nav_model.budget.verdict import label_of
 from nav_model.design.parts import INPUTS
 
 
 def audit_sections(review: Review) -> tuple[Section, ...]:
-    """The sections behind the designs: every requirement with its decision, comments, all decisions, the record."""
+    """The sections behind the designs: comments, all decisions, the record."""
     return (
-        Section("audit", "Requirements and decisions", (status_table(review),)),
         Section("audit-log", "Comments and decisions in order", (comment_table(review), decision_table(review))),
         Section("audit-record", "Record of the review", (audit_table(review),)),
     )
@@ -34,7 +34,9 @@ def outcome(review: Review) -> Answer:
         return Answer(f"✗ Rejected: {counted(rejected, 'requirement')}", "bad", (signed,))
     if left:
         return Answer(f"Open: {counted(left, 'decision')} to make", "open", (signed,))
-    return Answer("✓ Accepted" + (f" with {counted(waived, 'waiver')}" if waived else ""), "good", (signed,))
+    if waived:
+        return Answer(f"⚠ Accepted with {counted(waived, 'waiver')}", "warn", (signed,))
+    return Answer("✓ Accepted", "good", (signed,))
 
 
 def front_page(review: Review) -> Chapter:
@@ -43,11 +45,14 @@ def front_page(review: Review) -> Chapter:
         f"D{item.place}: {own.name}, revision {own.number}"
         for item, own in zip(review.items, review.revisions, strict=True)
     )
+    authors = [own.author for own in review.decisions] + [own.author for own in review.comments]
+    reviewers = dict.fromkeys(authors)
     facts = (
         ("Review", review.title),
         ("Designs", names),
         ("Figures", "1σ in the units of data sheets, whatever the display choice; requirements at their confidence"),
         ("Opened", f"{review.author}, {moment(review.opened)}"),
+        ("Reviewers", "; ".join(reviewers) or "none yet"),
         ("Signed off", f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"),
         ("Seal (SHA-256)", review.seal or "none before the signature"),
     )
@@ -59,7 +64,10 @@ def front_page(review: Review) -> Chapter:
         description="",
         verdict=outcome(review),
         facts=tuple((label, printable(text)) for label, text in facts),
-        sections=(Section("review-conditions", "Conditions", (conditions(review),)),),
+        sections=(
+            Section("review-conditions", "Conditions", (conditions(review),)),
+            Section("review-requirements", "Requirements and decisions", (status_table(review),)),
+        ),
     )
 
 
@@ -207,4 +215,4 @@ def subject_label(subject: str) -> str:
     section, _, name = subject.partition(".")
     if name in INPUTS.get(section, {}):
         return f"input {str(INPUTS[section][name].label).lower()}"
-    return subject.replace("_", " ") or "the design as a whole"
+    return label_of(subject) if subject else "the design as a whole"

@@ -54,8 +54,12 @@ def test_page_one_of_the_reviews_report_says_outcome_signature_and_conditions(si
     assert "Rejected: 2 requirements" in first
     assert "Signed off by Chief" in first
     assert "163° against 90°" not in first  # the figure as it was decided on is the one that counts
-    assert first.count("1 m against 2 m") == 2
-    assert first.count("as computed") == 2
+    conditions, _, decisions = first.partition("Requirements and decisions")
+    assert conditions.count("1 m against 2 m") == 2
+    assert conditions.count("as computed") == 2
+    assert "Reviewers Bob" in conditions
+    for check in budgets[0].verdict.checks:
+        assert check.label in decisions
     page = report_bytes(budgets, ".html", added=audit_sections(signed), front=front_page(signed)).decode()
     assert page.index("Waivers and rejections") < page.index("Inputs that differ")
     assert "<script>alert(1)" not in page
