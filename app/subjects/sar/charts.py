@@ -81,7 +81,7 @@ def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) 
     """Detrended phase of each strategy, the least first: formula beside the runs."""
     limit = math.nan if closed.required_phase is None else closed.required_phase * _DEG
     return _dot_chart(
-        "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms over the aperture [°]", budget,
+        "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms [°]", budget,
         closed.detrended, closed.whole, study, "rms", "residual_rms", limit,
         f"The rms {LEFT[budget.sar.autofocus_order]}. {judged_along(budget)} {FORMULAS}. {_chosen(budget)}",
     )  # fmt: skip
