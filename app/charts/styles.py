@@ -128,12 +128,6 @@ STYLES: dict[str, Style] = {
 }
 """The same quantity has the same colour and dash everywhere."""
 
-BAR_STYLES: tuple[tuple[str, bool, str], tuple[str, bool, str]] = (
-    ("quadratic", False, "dashdot"),
-    ("with cubic", True, "dotted"),
-)
-"""The two kinds of bar: style, whether hatched, dash of its limit."""
-
 
 @cache
 def behind_text(colour: str) -> str:

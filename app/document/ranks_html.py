@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from html import escape
 
 from app.charts.kinds import Dot, DotChart
@@ -12,14 +11,11 @@ from app.document.numbers import number
 _COMING = "after the runs"
 
 
-def ranks_html(chart: DotChart, notes: Mapping[str, str], best: str) -> str:
-    """A dot chart as a table with a bar in each row, on a logarithmic axis.
-
-    ``notes``: label -> small text beside it; ``best``: the label that is marked.
-    """
+def ranks_html(chart: DotChart, best: str = "") -> str:
+    """A dot chart as a table with a bar in each row, on a logarithmic axis; ``best``: the label that is marked."""
     scale = _Scale(chart)
     rows = "".join(
-        f'<tr{_best(dot.label == best)}><th scope="row">{escape(dot.label)}<small>{escape(notes[dot.label])}</small>'
+        f'<tr{_best(dot.label == best)}><th scope="row">{escape(dot.label)}<small>{escape(dot.note)}</small>'
         f'</th><td title="{escape(_tip(dot, chart))}"><div>{scale.marks(dot)}</div></td>{_figures(dot, chart)}</tr>'
         for dot in chart.dots
     )

@@ -185,7 +185,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._shown_budget = budget
         figures, bars = self._was
         self._tiles.say(tiles_html(key_figures(budget, self._display, figures), figures))
-        self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
+        self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), bars))
 
     def _tell(self) -> None:
         """Updates that wait for a slider to stop: the other processing's verdict, and the lines above the charts with

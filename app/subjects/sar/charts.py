@@ -11,7 +11,7 @@ import numpy as np
 from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
 from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
-from app.subjects.sar.tables import FORMULAS, judged_along
+from app.subjects.sar.tables import FORMULAS, judged_along, kind_of
 from nav_model.aperture.geometry import metres_to_phase, phase_to_metres
 from nav_model.aperture.impulse_response import aperture_of_phase, response_curve
 from nav_model.base.units import from_si
@@ -127,7 +127,7 @@ def _dot_chart(
             if wholes:
                 whole = scale * float(study.whole_rms[row])
         closed_phase = math.nan if form is None else to_degrees * form
-        dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, whole))
+        dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, whole, kind_of(strategy)))
     dots.sort(key=_rank)
     said = "" if study is None else (
         f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {percent(_worst_error(study))}."

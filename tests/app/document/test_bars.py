@@ -14,7 +14,7 @@ from app.document.bars import bars_html
 def phases(total: float, limit: float) -> str:
     """A chart in radians whose total is the longer of two bars; only the first kind has values."""
     bars = (Bar("gyro noise", 0.3, nan, 1.0, nan, "[S-5]"), Bar("total", total, nan, 2.0, nan, "[S-5]", limited=True))
-    return bars_html(BarChart("phase", "Phase", "phase [rad]", "quadratic", "residual", bars, limit, nan), "total")
+    return bars_html(BarChart("phase", "Phase", "phase [rad]", "quadratic", "residual", bars, limit, nan))
 
 
 def test_a_number_begins_where_its_bar_ends_and_has_room_after_the_longest():
