@@ -16,7 +16,7 @@ from app.document.verdict import check_words, verdict_of, verdict_strip
 from app.report.cautions import caution_list
 from app.report.content import report_of
 from app.session import Session
-from app.subjects.budget.charts import TOTAL, phase_chart, response_chart
+from app.subjects.budget.charts import phase_chart, response_chart
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
@@ -84,7 +84,7 @@ def test_every_check_can_be_seen_to_fail() -> None:
     shaken = changed(imu__angle_random_walk=2.0 * math.pi / 180 / 60)
     (tile,) = (figure for figure in key_figures(shaken).items if figure.label == "Along-track quadratic phase")
     assert tile.met is False
-    html = bars_html(phase_chart(shaken), TOTAL)
+    html = bars_html(phase_chart(shaken))
     assert re.search(
         r'<tr class="limited"><th scope="row">along-track</th><td [^>]*><div class="over">.*?limit 90°', html
     )
@@ -102,7 +102,7 @@ def test_the_tilts_bar_is_divided_by_what_causes_it(mems: Budget) -> None:
     tilt = next(bar for bar in phase_chart(mems).bars if bar.label == "initial tilt")
     assert dict(tilt.parts) == dict(mems.sar.tilt_shares)
     assert tilt.parts[0][0] == "gyro noise"
-    assert "gyro noise" in re.search(r"initial tilt</th>.*?</tr>", bars_html(phase_chart(mems), TOTAL))[0]
+    assert "gyro noise" in re.search(r"initial tilt</th>.*?</tr>", bars_html(phase_chart(mems)))[0]
     assert verdict_strip(mems).sentences[0].endswith("% from gyro noise, mostly through initial tilt.")
 
 
