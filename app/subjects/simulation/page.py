@@ -70,7 +70,7 @@ _START = Answer(
     "open",
     (
         "Press Start to compare simulated errors with the filter and the formulas.",
-        "Enter outages as start,stop in seconds; separate several with semicolons.",
+        f"At most {_MOST_RUNS} runs. Enter outages as start,stop in seconds; separate several with semicolons.",
     ),
 )
 _COMING = "Appears with the first result."
