@@ -19,8 +19,8 @@ from app.document.blocks import KeyFigures
 from app.document.closing import Way
 from app.document.display import Display, display_of
 from app.document.pane import html_of
-from app.document.prose import prose
 from app.document.sicd import sicd_xml
+from app.document.tiles import tiles_html
 from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
@@ -37,7 +37,6 @@ from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE, SWITCH
-from app.ui.tiles import tiles_html
 from app.ui.turns import once_loaded, once_quiet
 from app.upstream.prompt_input import PromptSwitch
 from app.work.pool import elsewhere
@@ -300,9 +299,4 @@ def _sources(budget: Budget, display: Display) -> str:
         f"<h3>{chart.title}</h3>{source_note(chart.knowledge)}"
         for chart in (describe(budget) for describe in charts.BUDGET_CHARTS)
     )
-    figures = "".join(
-        f"<tr><th scope='row'>{item.label}</th><td class='num'>{item.value}</td><td>{prose(item.detail)}</td></tr>"
-        for item in key_figures(budget, display).items
-    )
-    table = f"<table class='checks'><caption>Key figures, {display.spread}</caption><tbody>{figures}</tbody></table>"
-    return f"{table}{html_of(steady_table(budget, 'd', display))}{notes}"
+    return html_of(key_figures(budget, display), steady_table(budget, "d", display)) + notes

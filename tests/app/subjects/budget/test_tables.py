@@ -12,6 +12,7 @@ import pytest
 from app.document.bars import bars_html
 from app.document.blocks import Table, Text
 from app.document.display import Display
+from app.document.tiles import tiles_html
 from app.document.verdict import check_words, verdict_of, verdict_strip
 from app.report.cautions import caution_list
 from app.report.content import report_of
@@ -23,7 +24,6 @@ from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage, requirements
 from app.subjects.budget.tables import image_table, requirement_table, steady_table
 from app.subjects.budget.timelines import attitude_chart, position_chart, together, velocity_chart
-from app.ui.tiles import tiles_html
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
 from nav_model.design.file import read_design
