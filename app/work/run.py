@@ -112,7 +112,7 @@ class Run(param.Parameterized):
     def drop(self) -> None:
         """Cancel what nobody waits for any more; nothing of it is shown."""
         self.cancel()
-        self._task, self.running = None, False
+        self._task = None
 
     @property
     def mine(self) -> bool:
@@ -142,3 +142,5 @@ class Run(param.Parameterized):
             if self.mine:  # a run that was replaced leaves the word to its successor
                 self._task = None
                 self.param.update(running=False, progress=None, **end)
+            elif self._task is None:  # dropped
+                self.running = False
