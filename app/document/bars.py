@@ -1,4 +1,4 @@
-"""Pairs of bars as HTML: a table that screen readers can read, without a canvas."""
+"""Bars as HTML: tables that screen readers can read, without a canvas."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from html import escape
 from pathlib import Path
 
-from app.charts.kinds import TOTAL, Bar, BarChart
+from app.charts.kinds import TOTAL, Bar, BarChart, RankChart
 from app.document.numbers import number, percent
 
 _NAMED = 0.45  # of the axis: a shorter part has no room for its name
@@ -38,6 +38,22 @@ def bars_html(chart: BarChart, was: BarChart | None = None) -> str:
         f'<table class="bars"><caption class="hidden">{escape(chart.title)}: {escape(chart.x_label)}</caption>'
         f"<thead><tr><td></td>{heads}</tr></thead><tbody>{rows}</tbody>"
         f'<tfoot aria-hidden="true"><tr><td></td>{first.axis()}{second.axis()}</tr></tfoot></table>'
+    )
+
+
+def effects_html(chart: RankChart) -> str:
+    """A ranking as a table with a bar in each row; those of doubled inputs are hatched."""
+    most = max((bar.percent for bar in chart.bars), default=1.0)
+    rows = "".join(
+        f'<tr{" class=doubled" if bar.doubled else ""}><th scope="row">{escape(bar.label)}</th>'
+        f'<td style="padding-right:60px" title="{escape(bar.sentence)}"><div>'
+        f'<i style="width:{(length := 100 * bar.percent / most):.1f}%"></i>'
+        f'<span class="num" style="left:{length:.1f}%">{percent(bar.percent / 100)}</span></div></td></tr>'
+        for bar in chart.bars
+    )
+    return (
+        f'<table class="bars"><caption class="hidden">{escape(chart.title)}</caption>'
+        f'<thead><tr><td></td><th scope="col">{escape(chart.x_label)}</th></tr></thead><tbody>{rows}</tbody></table>'
     )
 
 

@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 import panel as pn
 import panel_material_ui as pmui
 
-from app.charts.kinds import AnyChart, Chart, Plotted, RankChart, TradeMapChart, to_csv
+from app.charts.kinds import AnyChart, Chart, Plotted, TradeMapChart, to_csv
 from app.charts.legend import legend_html
 from app.charts.print.svg import to_svg
 from app.charts.screen.figures import to_bokeh
@@ -132,6 +132,6 @@ def source_note(knowledge: str) -> str:
     return f'<p class="know quiet"><b>Source and method:</b> {prose(knowledge)}</p>'
 
 
-def described(chart: AnyChart | RankChart | TradeMapChart) -> str:
+def described(chart: AnyChart | TradeMapChart) -> str:
     """The description of a chart for screen readers, which cannot read a canvas."""
     return f'<p class="hidden">What the chart shows: {escape(in_words(chart))}</p>'
