@@ -285,20 +285,17 @@ class MotionResult(pn.viewable.Viewer):
         self._session = session
         self.analysis: MotionAnalysis | None = None
         self._bench: BenchNoise | None = None
-        self.head, self.table = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
+        self._parts = parts = Follower(lambda: self.analysis)
+        self.head = parts.text(_motion_head, (10, 14, 0, 14))
+        self.table = parts.text(lambda analysis: html_of(motion_table(analysis)), (0, 14, 10, 14))
         self.use = _button("Use this factor in the design")
-        self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, self._known)))
+        self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, parts.known())))
         self.spectrum = _button("Use its vibration spectrum")
-        self.spectrum.on_click(lambda _: adopt(lambda: adopt_vibration_spectrum(self._known)))
+        self.spectrum.on_click(lambda _: adopt(lambda: adopt_vibration_spectrum(parts.known())))
         self._view = _paper(self.head, pn.Row(self.use, self.spectrum), self.table, visible=False)
 
     def __panel__(self) -> pmui.Paper:
         return self._view
-
-    @property
-    def _known(self) -> MotionAnalysis:
-        assert self.analysis is not None
-        return self.analysis
 
     def show(self, analysis: MotionAnalysis) -> None:
         """Show another log's analysis."""
@@ -313,13 +310,14 @@ class MotionResult(pn.viewable.Viewer):
         self._bench = bench
         self.analysis = analysis = over_bench(self.analysis, bench)
         with pn.io.hold():
-            self.head.object = "<h3>Log in motion</h3>" + html_of(
-                provenance_text(analysis.provenance), motion_answer(analysis)
-            )
+            self._parts.follow()
             self.use.disabled = analysis.vibration_factor is None
             self.spectrum.disabled = not analysis.spectrum
-            self.table.object = html_of(motion_table(analysis))
             self._view.visible = True
+
+
+def _motion_head(analysis: MotionAnalysis) -> str:
+    return "<h3>Log in motion</h3>" + html_of(provenance_text(analysis.provenance), motion_answer(analysis))
 
 
 def _button(label: str) -> pmui.Button:
