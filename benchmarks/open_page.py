@@ -183,7 +183,7 @@ class Tab:
                     self._answered.set_result(None)
             elif kind == "ERROR":
                 self.errors.append(str(content))
-        if self._reply is not None and not self._reply.done():
+        if self._reply is not None and not self._reply.done() and not self._closing:
             self._reply.set_exception(ConnectionError("the server hung up"))
         if not self._closing:
             self.errors.append(f"the server hung up: {self.connection.close_code} {self.connection.close_reason}")

@@ -154,7 +154,7 @@ def serve_on(
     access = provider_of(rules)
     provider = access.get("auth_provider")
     here = Surroundings(
-        row, rules.max_sessions, page=opening_page(), heard=collector.heard,
+        row, rules.max_sessions, rules.max_message, page=opening_page(), heard=collector.heard,
         admits=rules.oauth.admits if rules.oauth else lambda _: True,
         still_in=provider.still_in if isinstance(provider, PasswordProvider) else lambda _: True,
     )  # fmt: skip

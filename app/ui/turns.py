@@ -56,7 +56,7 @@ def once_loaded(work: Callable[[], object]) -> None:
     if document is None or pn.state.loaded:
         work()
         return
-    # The work holds its page: kept on the document, both go together, also if the browser never says that it is ready.
+    # The work holds its page: kept on the document, both go together, also if its browser is never ready.
     waiting: list[Callable[[], object]] = vars(document).setdefault("once_loaded", [])
     if not waiting:
         pn.state.onload(lambda: _complete(document, waiting))
