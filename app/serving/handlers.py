@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -70,6 +71,8 @@ class Surroundings:
     """What a browser is sent for the token of a session, and for a page in dark."""
     heard: Callable[[], None]
     """Called with every message of a page."""
+    keep: Callable[[socket.socket], None]
+    """Called with every connection of a page."""
     admits: Callable[[str], bool]
     """Whether somebody who is logged in may enter."""
     still_in: Callable[[Any], bool]
@@ -148,6 +151,7 @@ class PageHandler(DocHandler):
 class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoReceipts, NoTracebacks):
     """The page's connection; it opens no session beyond the limit either, and takes no more than a page sends."""
 
+    receiver: Any
     _coming = 0  # bytes of the message that is being received
     _faults = 0
 
@@ -173,17 +177,18 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoReceipts, N
         """As Bokeh; and remember the connection for as long as it lives."""
         _connections.add(self)
         super().open(*arguments, **options)
+        if self.ws_connection is not None and self.ws_connection.stream is not None:
+            _here.keep(self.ws_connection.stream.socket)
 
-    @property
     def _hung_up(self) -> bool:
         return self.ws_connection is None
 
     async def _async_open(self, token: str) -> None:
         """As Bokeh, which makes a page also for whoever has hung up, and keeps it as one in use."""
-        if self._hung_up:
+        if self._hung_up():
             return
         await super()._async_open(token)
-        if self._hung_up:  # while it was made
+        if self._hung_up():  # while it was made
             self.on_close()
 
     async def _receive(self, fragment: str | bytes) -> Any:
@@ -204,7 +209,7 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoReceipts, N
 
     async def _handle(self, message: Any) -> Any:
         _here.heard()
-        if self._hung_up or self.connection is None:
+        if self._hung_up() or self.connection is None:
             return None
         reason = _allowances.setdefault(self.connection.session, Allowance(_here.most_bytes)).against(message)
         if reason:
