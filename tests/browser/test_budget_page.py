@@ -165,7 +165,7 @@ _READ_OUT = """() => {
 
 def test_the_read_out_says_the_curves_in_the_units_of_their_axes(visit: Visit) -> None:
     """In SI: radians, which the same pointer had said to be degrees."""
-    page = visit("/?show=.si")
+    page = visit("/?show=1s.si")
     for unit in ("rad", "°"):
         if unit == "°":
             page.get_by_role("button", name="View", exact=True).click()

@@ -36,9 +36,9 @@ from app.ui.folded import Folded
 from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
-from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE, SWITCH
+from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.turns import once_loaded, once_quiet
-from app.upstream.prompt_input import PromptSwitch
+from app.ui.verdict_switch import VerdictSwitch
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -70,9 +70,9 @@ class BudgetPage(pn.viewable.Viewer):
             label=_ask(budget), variant="text", end_icon="expand_more", margin=(6, 10), stylesheets=[PRINT_NOTHING]
         )
         self._close.on_click(self._toggle_ways)
-        self._mode = PromptSwitch(
+        self._mode = VerdictSwitch(
             label="Processing", options=verdicts_in_short(budget), value=budget.verdict.processing, margin=(8, 4),
-            sizing_mode=None, stylesheets=[SWITCH],
+            sizing_mode=None,
         )  # fmt: skip
         self._mode.param.watch(self._choose, "value")
         self._strip = AnswerStrip(verdict_strip(budget, self._display), self._mode, self._close)
