@@ -64,7 +64,8 @@ class Kind:
 
 PRODUCT = Kind(
     ("-m", "app", "serve", "--port", "0", "--max-sessions", "1000"),
-    "Angle random walk", ("timelines", "response lines 0"), re.compile(r'"value_input","new":"([\d.e-]+) '),
+    "imu.angle_random_walk", ("timelines", "response lines 0"),
+    re.compile(r'"imu.angle_random_walk",{"type":"map","entries":\[\["text","([\d.e-]+) '),
 )  # fmt: skip
 BARE = Kind(
     (str(Path(bare_page.__file__)),), bare_page.SLIDER, bare_page.DATA, re.compile(r"moved ([\d.e-]+)")
@@ -81,25 +82,40 @@ class Visitor(Tab):
         """Wait until the page has all that a step changes."""
         for name in kind.data:
             await self.until(name=name)
-        found = await self.until(name=kind.slider, label=kind.slider, show_value=False)
-        self.slider, self.start, self.said = found["id"], float(found["attributes"]["value"]), kind.said
+        self.kind = kind
+        if kind is PRODUCT:
+            self.start = float(self.row(kind.slider)[1]["place"])
+        else:
+            self.slider = await self.until(name=kind.slider, label=kind.slider, show_value=False)
+            self.start = float(self.slider["attributes"]["value"])
         self.waits: list[float] = []
         self.due: deque[tuple[float, float]] = deque()  # place of the slider, when it was due
         self.rested = asyncio.Event()
+        self.sending = False  # a place that has not been answered
+        self.newest: float | None = None  # the place that is sent when it has
         self.steps = 0
         self.heard = self._hear
 
     async def press(self, due: float) -> None:
-        """Send the next place; what a key press in chromium sends."""
+        """Move the slider to the next place: the browser sends the newest when the last has been answered."""
         self.steps += 1
         place = self.start - _STEP * (1 + self.steps % _PLACES)
         self.due.append((place, due))
         self.rested.clear()
-        await self.set(self.slider, value=place, value_throttled=place)
+        if self.kind is BARE:
+            await self.set(self.slider["id"], value=place, value_throttled=place)
+        elif self.sending:
+            self.newest = place
+        else:
+            await self._send(place)
+
+    async def _send(self, place: float) -> None:
+        self.sending, self.newest = True, None
+        await self.slide(self.kind.slider, place)
 
     def _hear(self, content: str) -> None:
         """A change of the figures: it ends the wait of its step and of those before."""
-        found = self.said.search(content)
+        found = self.kind.said.search(content)
         if found is None:
             return
         number, now = float(found[1]), time.monotonic()
@@ -108,9 +124,12 @@ class Visitor(Tab):
             self.waits.append(1000 * (now - self.due.popleft()[1]))
         if not self.due:
             self.rested.set()
+        self.sending = False
+        if self.newest is not None:
+            self.next = asyncio.ensure_future(self._send(self.newest))
 
     def _is(self, number: float, place: float) -> bool:
-        if self.said is BARE.said:
+        if self.kind is BARE:
             return abs(number - place) < _STEP / 2
         # The slider's decades, rad/√s, against °/√h with three digits: steps are 4.7 % apart.
         return abs(number / (10**place * 57.29578 * 60) - 1) < 0.02

@@ -163,6 +163,7 @@ class Gnss(Part):
         datasheet='Receiver table: "velocity accuracy".',
         typical="Doppler 0.03 to 0.1, carrier phase 0.01 m/s",
         when_empty="no velocity",
+        slider=True,
         since="0.1.0",
         source="GNSS velocity noise",
     )

@@ -59,7 +59,7 @@ class Answer:
     ``outcome`` is "limited" when ``value`` [SI] is the largest that meets it; "any value" when every allowed
     value does; "no value" when none does that can be bought or flown. ``margin`` is what `analyse` finds
     with ``value`` put back, None where it was not. ``binding`` names the requirement that limits (for "no value": one
-    that stays unmet).
+    that stays unmet); ``depends`` says whether the input enters that requirement at all.
     """
 
     key: str
@@ -68,6 +68,7 @@ class Answer:
     value: float | None
     margin: float | None
     binding: str
+    depends: bool
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,7 @@ def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
     if not names:
         raise InputError("requirements", "none is given; give at least one limit to solve for")
     keys = [key for key in SOLVED if key != "gnss.vertical_position_noise" or design[key] is not None]
-    roots, outcomes = _roots(design, keys, names)
+    roots, outcomes, depends = _roots(design, keys, names)
     solutions = []
     for i, key in enumerate(keys):
         each = tuple(
@@ -129,6 +130,7 @@ def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
                 float(roots[i, j]) if outcomes[i][j] == "limited" else None,
                 None,
                 name,
+                bool(depends[i, j]),
             )
             for j, name in enumerate(names)
         )
@@ -148,12 +150,12 @@ def _together(key: str, each: tuple[Answer, ...]) -> Answer:
     """The least of the answers; a requirement that cannot be met decides for all."""
     stuck = [answer for answer in each if answer.outcome == "no value"]
     if stuck:
-        return Answer(key, ALL, "no value", None, None, stuck[0].binding)
+        return Answer(key, ALL, "no value", None, None, stuck[0].binding, any(a.depends for a in stuck))
     limited = [answer for answer in each if answer.value is not None]
     if not limited:
-        return Answer(key, ALL, "any value", None, None, each[0].binding)
+        return Answer(key, ALL, "any value", None, None, each[0].binding, any(a.depends for a in each))
     least = min(limited, key=lambda answer: answer.value or 0.0)
-    return Answer(key, ALL, "limited", least.value, least.margin, least.binding)
+    return Answer(key, ALL, "limited", least.value, least.margin, least.binding, True)
 
 
 def _verified(design: Design, answer: Answer) -> Answer:
@@ -179,8 +181,8 @@ def _bounds(design: Design, key: str) -> tuple[float, float]:
     return max(least(key, _current(design, key)), _SMALLEST * high), high
 
 
-def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, list[list[Outcome]]]:
-    """Root and outcome for every input (rows) and requirement (columns)."""
+def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, list[list[Outcome]], Array]:
+    """Root, outcome and dependence for every input (rows) and requirement (columns)."""
     low, high = (np.log(np.array(ends)) for ends in zip(*(_bounds(design, key) for key in keys), strict=True))
     grid = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _SAMPLES)
     rows = np.repeat(np.arange(len(keys)), _SAMPLES)
@@ -193,13 +195,15 @@ def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, li
         ["no value" if none[i, j] else "any value" if every[i, j] else "limited" for j in range(len(names))]
         for i in range(len(keys))
     ]
+    with np.errstate(invalid="ignore"):
+        depends = np.ptp(excess, axis=-1) > 0
     i, j = np.nonzero(~none & ~every)
     k = first[i, j]
     roots = np.full(none.shape, np.nan)
     if i.size:
         bracket = (grid[i, k - 1], grid[i, k], excess[i, j, k - 1], excess[i, j, k])
         roots[i, j] = np.exp(_bracketed(lambda x: _excess(design, keys, names, i, x)[j, np.arange(len(i))], *bracket))
-    return roots, outcomes
+    return roots, outcomes, depends
 
 
 def _excess(design: Design, keys: list[str], names: list[str], rows: NDArray[np.intp], log_values: Array) -> Array:

@@ -58,11 +58,62 @@ def test_typed_value_unit_and_refusal(desk: Page) -> None:
 def test_unit_chooser_converts_without_changing_the_value(visit: Visit) -> None:
     page = visit()
     before = card(page, "Position, horizontal").inner_text()
-    page.get_by_role("combobox", name="unit").nth(1).click()
-    page.get_by_role("menuitem", name="°/h/√Hz", exact=True).click()
+    page.get_by_role("combobox", name="Unit of Angle random walk").select_option(label="9 °/h/√Hz")
     expect(box(page, "Angle random walk")).to_have_value("9 °/h/√Hz")
     expect(card(page, "Position, horizontal")).to_have_text(before)
     expect(page.get_by_role("button", name="Undo")).to_be_disabled()
+
+
+def test_all_of_a_row_is_there_for_a_screen_reader(desk: Page) -> None:
+    noise = box(desk, "Angle random walk")
+    slider = desk.get_by_role("slider", name="Angle random walk")
+    expect(slider).to_have_attribute("aria-valuetext", "0.15 °/√h")
+    noise.focus()
+    expect(noise).to_have_accessible_description(re.compile("White noise of the gyros, per axis"))
+    enter(noise, "5 kg")
+    expect(noise).to_have_attribute("aria-invalid", "true")
+    expect(noise).to_have_accessible_description(re.compile("not a unit of angle random walk"))
+    noise.press("Escape")  # what was refused is taken back
+    expect(noise).to_have_value("0.15 °/√h")
+    expect(noise).to_have_attribute("aria-invalid", "false")
+    slider.press("ArrowRight")
+    expect(slider).to_have_attribute("aria-valuetext", "0.157 °/√h")
+    expect(noise).to_have_value("0.157 °/√h")
+    slider.press("PageDown")
+    expect(noise).to_have_value("0.0991 °/√h")
+    slider.press("Home")
+    expect(noise).to_have_value("0.001 °/√h")
+    speed = desk.get_by_role("slider", name="Velocity noise")
+    expect(speed).to_have_attribute("aria-valuetext", "no velocity")
+    speed.press("ArrowLeft")
+    expect(box(desk, "Velocity noise")).to_have_value("0.955 m/s")
+    enter(box(desk, "Velocity noise"), "")
+    expect(speed).to_have_attribute("aria-valuetext", "no velocity")
+
+
+# Of the rows that are in view: how high each is.
+_HEIGHTS = """() => {
+  const found = [], walk = (root) => { for (const element of root.querySelectorAll("*")) {
+    if (element.matches(".row:has(label)")) found.push(element.getBoundingClientRect().height)
+    if (element.shadowRoot) walk(element.shadowRoot)
+  } }
+  walk(document)
+  return found
+}"""
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1280, 720)])
+def test_the_sliders_that_are_tried_together_are_in_view_together(plain: Page, width: int, height: int) -> None:
+    plain.set_viewport_size({"width": width, "height": height})
+    plain.locator(".sidebar").evaluate("e => e.scrollTo(0, 0)")
+    for name in ("Velocity random walk", "Angle random walk", "Position noise", "Fix interval", "Velocity noise"):
+        place = plain.get_by_role("slider", name=name, exact=True).bounding_box()
+        assert place is not None
+        assert place["y"] + place["height"] <= height, name
+    rows = plain.evaluate(_HEIGHTS)
+    assert len(rows) > 15
+    assert max(rows) <= 44
+    plain.set_viewport_size({"width": 1440, "height": 900})
 
 
 def test_undo_redo_reset_by_keyboard(desk: Page) -> None:
@@ -86,13 +137,19 @@ def test_undo_redo_reset_by_keyboard(desk: Page) -> None:
 @pytest.mark.slow
 def test_preset_deviation_is_marked_and_taken_back(visit: Visit) -> None:
     page = visit()
-    expect(page.get_by_text("secondary source").first).to_be_visible()
-    enter(box(page, "Angle random walk"), "0.2 °/√h")
+    noise, source = box(page, "Angle random walk"), page.get_by_role("combobox", name="From the catalogue").first
+    mark = page.get_by_label("Source of Angle random walk")
+    expect(mark).to_have_text("⚠")
+    expect(noise).to_have_accessible_description(re.compile("secondary source"))
+    enter(noise, "0.2 °/√h")
+    expect(mark).to_have_text("≠")
+    expect(mark).to_have_attribute("title", "≠ STIM300: 0.15 °/√h")
+    expect(source.locator("option:checked")).to_have_attribute("label", "Custom, based on STIM300")
+    mark.click()
     expect(page.get_by_text("≠ STIM300: 0.15 °/√h")).to_be_visible()
     page.get_by_role("button", name="Take the catalogue's values").first.click()
-    expect(box(page, "Angle random walk")).to_have_value("0.15 °/√h")
-    page.get_by_role("combobox", name="From the catalogue").first.click()
-    page.get_by_role("menuitem", name=re.compile("^LN-100")).click()
+    expect(noise).to_have_value("0.15 °/√h")
+    source.select_option("LN-100")
     expect(box(page, "Angle random walk")).to_have_value("0.001 °/√h")
     expect(page.get_by_role("status").first).to_contain_text("Closes")
 

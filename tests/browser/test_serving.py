@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.server
 import json
+import signal
 import subprocess
 import sys
 import threading
@@ -170,6 +171,33 @@ def test_a_page_that_lost_its_server_says_so_and_goes_on_with_its_design(page: P
         expect(box).to_have_value("0.157 °/√h")
         slider.press("ArrowRight")
         expect(box).to_have_value("0.164 °/√h")
+
+
+def test_a_slider_moves_without_its_server_and_tells_the_newest_place_when_that_answers(
+    page: Page, tmp_path: Path
+) -> None:
+    told: list[str] = []
+    page.on("websocket", lambda socket: socket.on("framesent", lambda frame: told.append(str(frame))))
+    slider = page.get_by_role("slider", name="Angle random walk")
+    box = page.get_by_role("textbox", name="Angle random walk", exact=True)
+    with _serving(tmp_path / "library.db", "--processes", "1") as (server, process):
+        page.goto(server)
+        page.wait_for_function(_IDLE)
+        slider.focus()
+        process.send_signal(signal.SIGSTOP)
+        try:
+            for _ in range(30):
+                page.keyboard.press("ArrowRight")
+            expect(box).to_have_value("0.597 °/√h")
+        finally:
+            process.send_signal(signal.SIGCONT)
+        expect(page.get_by_text("Compared with: Angle random walk 0.15")).to_be_visible()
+        page.keyboard.press("ArrowLeft")
+        expect(box).to_have_value("0.57 °/√h")
+        until(
+            lambda: len([frame for frame in told if '"place"' in frame]) == 3, "the first place, the newest, one back"
+        )
+        expect(box).to_have_value("0.57 °/√h")
 
 
 _FAULTY = """

@@ -1,43 +1,43 @@
-"""The inputs on the left: one control per declaration of a design, derived from it.
-
-Invalid text shows its message at the box; the last valid value is kept.
-"""
+"""The inputs on the left: a row of the sheet per declaration of a design, derived from it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
-from app.dashboard.controls.choice import ChoiceControl
-from app.dashboard.controls.preset import PresetControl
-from app.dashboard.controls.quantity import QuantityControl
-from app.dashboard.controls.rows import RowsControl
+from app.dashboard.controls.choice import ChoiceInput
+from app.dashboard.controls.design_input import DesignInput
+from app.dashboard.controls.preset import PresetInput
+from app.dashboard.controls.quantity import QuantityInput
+from app.dashboard.controls.table import TableInput
 from app.session import Session
+from app.ui.input_sheet import Group
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.parts import INPUTS, PARTS
 from nav_model.design.rows import Rows
 
-Control = QuantityControl | ChoiceControl | RowsControl | PresetControl
-
-SECTION_TITLES = {part.section: part.title for part in PARTS}
-
-
-_KINDS: dict[type, Callable[[Session, str], Control]] = {
-    BaseQuantity: QuantityControl,
-    Rows: RowsControl,
-    Choice: ChoiceControl,
+_KINDS: dict[type, Callable[[Session, str], DesignInput]] = {
+    BaseQuantity: QuantityInput,
+    Rows: TableInput,
+    Choice: ChoiceInput,
 }
 
 
-def section_controls(session: Session, section: str) -> list[Control]:
-    """The controls of one section, in the order of the design file."""
-    controls = [control_of(session, f"{section}.preset")] if section in {"imu", "radar"} else []
-    return [*controls, *(control_of(session, f"{section}.{name}") for name in INPUTS[section])]
+def design_groups(session: Session, opened: Iterable[str]) -> list[Group]:
+    """Every input of the design by section, in the order of the design file; which sections are open at first."""
+    groups = []
+    for part in PARTS:
+        section = part.section
+        catalogue = [f"{section}.preset"] if section in {"imu", "radar"} else []
+        keys = [*catalogue, *(f"{section}.{name}" for name in INPUTS[section])]
+        inputs = [input_of(session, key) for key in keys]
+        groups.append(Group(part.title, inputs, section in opened, section == "radar"))
+    return groups
 
 
-def control_of(session: Session, key: str) -> Control:
-    """The control of one input, by its dotted key."""
+def input_of(session: Session, key: str) -> DesignInput:
+    """The input under a dotted key."""
     section, _, name = key.partition(".")
     if name == "preset":
-        return PresetControl(session, section)
-    make = next(control for kind, control in _KINDS.items() if isinstance(INPUTS[section][name], kind))
+        return PresetInput(session, key)
+    make = next(kind for declared, kind in _KINDS.items() if isinstance(INPUTS[section][name], declared))
     return make(session, key)

@@ -2,65 +2,40 @@
 
 from __future__ import annotations
 
-from html import escape
-
-import panel as pn
-import panel_material_ui as pmui
-import param
-
+from app.dashboard.controls.design_input import DesignInput
 from app.session import Session
-from app.ui.html_pane import html_pane
+from app.ui.input_sheet import Row, choice_row
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.declaration import Choice
 from nav_model.design.parts import declaration_of
 
 
-class ChoiceControl(pn.viewable.Viewer):
+class ChoiceInput(DesignInput):
     """A select, or a switch, for one choice."""
 
-    explained = param.Boolean(default=False, doc="Whether the help line is shown.")
-
     def __init__(self, session: Session, key: str) -> None:
-        super().__init__()
-        declaration = declaration_of(key)
-        assert isinstance(declaration, Choice)
-        self.key = key
-        self._session = session
-        self._declaration = declaration
-        label = str(declaration.label)
-        if isinstance(declaration.default, bool):
-            self.widget = pmui.Switch(label=label, margin=(10, 10, 0, 10))
-        else:
-            self.widget = pmui.Select(
-                label=label,
-                options={said: option for option, said in declaration.options.items()},
-                margin=(10, 10, 0, 10),
-                sizing_mode="stretch_width",
-            )
-        self._view = pn.Column(self.widget)
-        self.widget.param.watch(self._chosen, "value")
-        self.show(session.design)
+        super().__init__(session, key)
+        declared = declaration_of(key)
+        assert isinstance(declared, Choice)
+        self._declared = declared
 
-    def __panel__(self) -> pn.Column:
-        return self._view
+    def row(self) -> Row:
+        """Its options; none for a switch."""
+        declared = self._declared
+        switch = isinstance(declared.default, bool)
+        options = [] if switch else [(str(option), label) for option, label in declared.options.items()]
+        return choice_row(str(declared.label), str(declared.doc), options)
 
-    def differs(self, old: Design, new: Design) -> bool:
-        """Whether the choice has changed."""
-        return bool(old[self.key] != new[self.key])
+    def seen(self, design: Design) -> object:
+        """The option in force."""
+        return design[self.key]
 
-    def show(self, design: Design) -> None:
-        """Follow the current design."""
-        if self.widget.value != design[self.key]:
-            self.widget.value = design[self.key]
+    def told(self, design: Design) -> Row:
+        """The option in force, as the row's options have it."""
+        value = design[self.key]
+        return {"text": str(value).lower() if isinstance(value, bool) else str(value)}
 
-    @param.depends("explained", watch=True)
-    def _explain(self) -> None:
-        if isinstance(self.widget, pmui.Select):
-            self.widget.helper_text = str(self._declaration.doc) if self.explained else ""
-        else:  # a switch has no helper text
-            note = html_pane(f'<p class="note">{escape(str(self._declaration.doc))}</p>', margin=(0, 14))
-            self._view.objects = [self.widget, note] if self.explained else [self.widget]
-
-    def _chosen(self, event: param.parameterized.Event) -> None:
-        if event.new != self._session.design[self.key]:
-            self._session.change({self.key: event.new})
+    def take(self, text: str) -> InputError | None:
+        """Choose another."""
+        return self.session.change({self.key: self._declared.read(text)})

@@ -1,16 +1,11 @@
-"""The control of one number: a box for a data-sheet string, a choice of unit, and for some a slider on a log
-scale."""
+"""One number of a design: a data-sheet string, the same in other units, and for some a slider."""
 
 from __future__ import annotations
 
-import panel as pn
-import panel_material_ui as pmui
-import param
-
+from app.dashboard.controls.design_input import DesignInput
 from app.session import Session
-from app.ui.input_box import InputBox, slider_of
-from app.upstream.prompt_input import PromptInput
-from nav_model.base.dimensions import DIMENSIONS
+from app.ui.input_sheet import Row, text_row
+from app.ui.log_scale import scale_of
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity, with_point
 from nav_model.design import Design, Value
@@ -18,146 +13,69 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import entry_of, preset_of
 
-# The whole label is at the edge of the box, whether the box is empty or not: within an empty one it would be cut.
-_LABEL = {
-    "& .MuiInputLabel-root": {
-        "letterSpacing": 0,
-        "transform": "translate(14px, -9px) scale(0.75)",
-        "maxWidth": "calc(133% - 20px)",
-        "fontSize": "0.875rem",
-    },
-    "& fieldset": {"fontSize": "0.875rem", "letterSpacing": 0},
-    "& fieldset legend": {"maxWidth": "100%"},
-    "& label[data-shrink=false] + .MuiInputBase-formControl .MuiInputBase-input::placeholder": {
-        "opacity": "0.75 !important",
-    },
-}
+_DIGITS = 12  # of a text: what a sum of floats adds beyond is nothing that anybody typed
 
 
-# The chooser takes no more than its unit, so that the box beside it has room for its label.
-_CLOSE = {
-    "& .MuiSelect-select": {"paddingLeft": "10px", "paddingRight": "22px !important"},
-    "& .MuiSelect-icon": {"right": "2px"},
-}
-
-
-class QuantityControl(InputBox):
-    """Box, unit and perhaps slider of one quantity."""
-
-    explained = param.Boolean(default=False, doc="Whether the whole help line is shown.")
+class QuantityInput(DesignInput):
+    """Box, units and perhaps slider of one quantity."""
 
     def __init__(self, session: Session, key: str) -> None:
-        declaration = declaration_of(key)
-        assert isinstance(declaration, BaseQuantity)
-        self._session = session
-        self._declaration = declaration
-        box = PromptInput(
-            label=str(declaration.label),
-            placeholder=declaration.when_empty if declaration.allow_None else "",
-            margin=(10, 4, 0, 10),
-            sizing_mode="stretch_width",
-            # Help may run on under the unit chooser: the box alone is too narrow to read in.
-            sx={"& .MuiFormHelperText-root": {"marginRight": "-100px" if declaration.dimension else "0"}, **_LABEL},
-        )
-        slider, value = None, session.design[key]
-        if declaration.slider:
-            assert isinstance(value, float | int)
-            slider = slider_of(declaration, float(value))
-        super().__init__(key, box, slider)
-        self.unit: pmui.Select | None = None
-        if declaration.dimension:
-            self.unit = pmui.Select(
-                label="unit",
-                options=list(DIMENSIONS[declaration.dimension].units),
-                value=session.design.unit(key),
-                width=94,
-                margin=(10, 10, 0, 0),
-                sx=_CLOSE,
-            )
-            self.unit.param.watch(self._unit_chosen, "value")
-        self.listen()
+        super().__init__(session, key)
+        declared = declaration_of(key)
+        assert isinstance(declared, BaseQuantity)
+        self._declared = declared
+        self._scale = scale_of(declared) if declared.slider else None
 
-    def __panel__(self) -> pn.viewable.Viewable:
-        row = pn.Row(self.box, self.unit) if self.unit else self.box
-        return pn.Column(row, self.slider) if self.slider else row
+    def row(self) -> Row:
+        """Label, help, units and the scale of the slider."""
+        declared = self._declared
+        sheet = declared.datasheet if declared.datasheet.startswith("Not ") else f"Data sheet: {declared.datasheet}"
+        said = " ".join(part for part in (str(declared.doc), sheet, f"Typical: {declared.typical}.") if part)
+        empty = declared.when_empty if declared.allow_None else ""
+        return text_row(str(declared.label), said, declared.dimension, empty=empty, scale=self._scale)
 
-    def differs(self, old: Design, new: Design) -> bool:
-        """Whether anything shown here has changed; most controls have no work at a slider's step."""
-        part = self.key.partition(".")[0]
-        same = getattr(old, part) is getattr(new, part) and old.written is new.written and old.origins is new.origins
-        return not same and self._seen(old) != self._seen(new)
-
-    def _seen(self, design: Design) -> tuple[object, ...]:
+    def seen(self, design: Design) -> object:
+        """Value, unit, and what its source is judged by."""
         section = self.key.partition(".")[0]
         return design[self.key], design.unit(self.key), preset_of(design, section), design.origins.get(self.key)
 
-    def show(self, design: Design) -> None:
-        """Follow the current design."""
-        self.follow()
-
-    def follow(self) -> None:
-        """Show the current value and its unit."""
-        if self.unit is not None and self.unit.value != (unit := self._session.design.unit(self.key)):
-            self.unit.value = unit
-        super().follow()
-
-    def value(self) -> Value:
-        """The current value, SI."""
-        return self._session.design[self.key]
-
-    def text(self) -> str:
-        """The current value in its unit."""
-        value = self.value()
-        if value is None:
-            return ""
-        assert isinstance(value, float | int)
-        dimension = self._declaration.dimension
-        return format_quantity(value, self._session.design.unit(self.key), dimension) if dimension else f"{value:g}"
-
-    def size(self) -> float | None:
-        """The current value, SI."""
-        value = self.value()
-        return float(value) if isinstance(value, float | int) else None
-
-    def help(self) -> str:
-        """Where the value came from, and the declaration's help if it is asked for."""
-        said = (_origin(self._session.design, self.key, self.explained), self._full_help() if self.explained else "")
-        return " ".join(part for part in said if part)
-
-    @param.depends("explained", watch=True)
-    def _explain(self) -> None:
-        self.say()
-
-    def _full_help(self) -> str:
-        d = self._declaration
-        typical = f"Typical: {d.typical}."
-        sheet = d.datasheet if d.datasheet.startswith("Not ") else f"Data sheet: {d.datasheet}"
-        return " ".join(part for part in (str(d.doc), sheet, typical) if part)
-
-    def _change(self, value: Value, unit: str) -> InputError | None:
-        return self._session.change({self.key: value}, {self.key: unit} if unit else None)
+    def told(self, design: Design) -> Row:
+        """The value in its unit, and where it came from."""
+        value, unit = design[self.key], design.unit(self.key)
+        assert value is None or isinstance(value, float | int)
+        mark, note = _source(design, self.key)
+        told: Row = {"text": "", "size": value, "unit": unit, "mark": mark, "note": note}
+        if value is not None:
+            dimension = self._declared.dimension
+            told["text"] = format_quantity(value, unit, dimension, _DIGITS) if dimension else f"{value:g}"
+        if self._scale is not None:
+            told["place"] = self._scale.ends[1] if value is None else self._scale.place(value)
+        return told
 
     def take(self, text: str) -> InputError | None:
-        """Apply a text; a bare number takes the unit beside the box."""
+        """Apply a text; a bare number takes the unit in force."""
         text = text.strip()
-        if not text and self._declaration.allow_None:
+        if not text and self._declared.allow_None:
             return self._change(None, "")
-        value, unit = self._declaration.read(_with_unit(text, self.unit.value if self.unit else ""))
-        return self._change(value, unit)
+        unit = self.session.design.unit(self.key) if self._declared.dimension else ""
+        return self._change(*self._declared.read(_with_unit(text, unit)))
 
-    def take_size(self) -> InputError | None:
-        """Apply the slider's value, in the current unit."""
-        assert self.slider is not None
-        unit = self._session.design.unit(self.key)
-        return self._change(self.slider.amount(unit, self._declaration.dimension), unit)
+    def slide(self, place: float) -> InputError | None:
+        """Apply a place of the slider, in the current unit."""
+        assert self._scale is not None
+        unit = self.session.design.unit(self.key)
+        return self._change(self._scale.amount(place, unit, self._declared.dimension), unit)
 
-    def _unit_chosen(self, event: param.parameterized.Event) -> None:
-        if event.new != self._session.design.unit(self.key):
-            self.put(lambda: self._change(self.value(), event.new))
+    def turn_to(self, unit: str) -> InputError | None:
+        """Show the value in another unit."""
+        return self._change(self.session.design[self.key], unit)
+
+    def _change(self, value: Value, unit: str) -> InputError | None:
+        return self.session.change({self.key: value}, {self.key: unit} if unit else None)
 
 
 def _with_unit(text: str, unit: str) -> str:
-    """A bare number takes the unit beside the box."""
+    """A bare number takes the unit in force."""
     try:
         float(with_point(text).replace("−", "-"))
     except ValueError:
@@ -165,22 +83,26 @@ def _with_unit(text: str, unit: str) -> str:
     return f"{text} {unit}".strip()
 
 
-def _origin(design: Design, key: str, whole: bool) -> str:
-    """Where a value came from, if the design or a preset states it."""
+def _source(design: Design, key: str) -> tuple[str, str]:
+    """Where a value came from: a mark if there is something to heed, and the words."""
+    mark, said = _against_catalogue(design, key)
+    origin = f"From: {design.origins[key]}." if key in design.origins else ""
+    return mark, f"{origin} {said}".strip()
+
+
+def _against_catalogue(design: Design, key: str) -> tuple[str, str]:
+    """What the section's catalogue entry has for an input."""
     section, _, name = key.rpartition(".")
-    if whole and key in design.origins:
-        return f"From: {design.origins[key]}."
     entry = entry_of(design, section)
     if entry is None:
-        return ""
+        return "", ""
     sheet = entry.extra.get(name)
     if sheet is not None:
-        return f"{entry.name}'s sheet: {sheet.text} {sheet.kind}, not the residual." if whole else ""
+        return "", f"{entry.name}'s sheet: {sheet.text} {sheet.kind}, not the residual."
     item = entry.values.get(name)
     if item is None:
         missing = section == "imu" and name.endswith("random_walk")
-        return f"Not on {entry.name}'s sheet: your value." if missing else ""
+        return ("?", f"Not on {entry.name}'s sheet: your value.") if missing else ("", "")
     if design[key] != item.value:
-        return f"≠ {entry.name}: {item.text}"
-    source = f": {item.source}." if whole else ""
-    return source.lstrip(": ") if item.confirmed else f"⚠ {item.status} source{source}"
+        return "≠", f"≠ {entry.name}: {item.text}"
+    return ("", f"{item.source}.") if item.confirmed else ("⚠", f"⚠ {item.status} source: {item.source}.")

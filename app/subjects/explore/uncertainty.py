@@ -13,7 +13,6 @@ import param
 from app.declared import held
 from app.document.blocks import Answer
 from app.document.pane import html_of
-from app.document.wording import box_text
 from app.session import Session
 from app.subjects.explore.charts import margin_chart
 from app.subjects.explore.question import NO_LIMIT, Question
@@ -26,6 +25,7 @@ from app.ui.theme import NARROW
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.base.errors import InputError
+from nav_model.base.units import format_quantity
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.several import with_unit
@@ -119,7 +119,8 @@ class RangeRow(pn.viewable.Viewer):
             self._say("")
             self.text = ""
             return
-        low, high = (with_unit(text, self._design().unit(self.key)) for text in (first, second))
+        unit = self._design().unit(self.key) if quantity(self.key).dimension else ""
+        low, high = (with_unit(text, unit) if unit else text for text in (first, second))
         text = f"{low} */ {second}" if kind == _TYPICAL else f"{low} .. {high}{' log' if kind == _LOG else ''}"
         try:
             read_uncertain(self.key, text)
@@ -136,9 +137,11 @@ class RangeRow(pn.viewable.Viewer):
 
 
 def _as_text(design: Design, key: str) -> str:
-    value = design[key]
+    value, declaration = design[key], quantity(key)
     assert isinstance(value, float | int)
-    return box_text(design, key, float(value))
+    if not declaration.dimension:
+        return f"{value:.4g}"
+    return format_quantity(float(value), design.unit(key), declaration.dimension, 4)
 
 
 class UncertaintyPanel(Question):

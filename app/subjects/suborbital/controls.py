@@ -10,10 +10,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import panel as pn
-import panel_material_ui as pmui
 
-from app.ui.input_box import InputBox, slider_of
+from app.ui.input_sheet import Row, SheetInput, choice_row, text_row
+from app.ui.log_scale import LogScale, scale_of
 from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.several import Axes
@@ -25,7 +24,7 @@ _EMPTY = {"tracker.from_height": "from lift-off", "camera.focal_length": "from t
 Put = Callable[[str, Value], InputError | None]
 
 
-class InputControl(InputBox):
+class StudyInput(SheetInput):
     """Box or select of one input, and perhaps a slider.
 
     Parameters
@@ -39,55 +38,52 @@ class InputControl(InputBox):
     """
 
     def __init__(self, key: str, settings: Callable[[], Settings], put: Put) -> None:
+        super().__init__(key)
         self._settings, self._put_value = settings, put
         self._declared = declared = INPUTS[key]
-        look = {"label": str(declared.label), "margin": (9, 10, 0, 10), "sizing_mode": "stretch_width"}
-        box: pmui.Select | pmui.TextInput
-        if isinstance(declared, Choice):
-            box = pmui.Select(options=list(declared.objects), value=settings()[key], **look)
-        else:
-            box = pmui.TextInput(placeholder=_EMPTY.get(key, "none"), **look)
-        slider = None
         # A slider where a narrower range than the bounds is declared for one.
+        self._scale: LogScale | None = None
         if isinstance(declared, BaseQuantity | Axes) and declared.softbounds != declared.limits:
-            slider = slider_of(declared, _size(settings()[key]))
-        super().__init__(key, box, slider)
-        self.listen()
+            self._scale = scale_of(declared)
 
-    def __panel__(self) -> pn.viewable.Viewable:
-        return self.box if self.slider is None else pn.Column(self.box, self.slider)
+    def row(self) -> Row:
+        """Label, help, unit or options, and the scale of the slider."""
+        declared = self._declared
+        label, said = str(declared.label), str(declared.doc)
+        if isinstance(declared, Choice):
+            return choice_row(label, said, [(str(option), str(option)) for option in declared.objects])
+        dimension, unit = getattr(declared, "dimension", ""), getattr(declared, "unit", "")
+        empty = _EMPTY.get(self.key, "none")
+        several = isinstance(declared, Axes)
+        return text_row(label, said, dimension, unit=unit, empty=empty, scale=self._scale, of_axes=several)
 
     def value(self) -> Value:
         """The current value, SI."""
         return self._settings()[self.key]
 
-    def text(self) -> str:
-        """The current value in its usual unit."""
-        return "" if self.value() is None else self._settings().show(self.key)
-
-    def size(self) -> float:
-        """Size of the largest axis in force, SI."""
-        return _size(self.value())
-
-    def help(self) -> str:
-        """What the input is, or what GP-1 has and where this value came from."""
-        settings = self._settings()
-        if self.value() == DEFAULTS[self.key]:
-            return str(self._declared.doc)
-        origin = settings.origin[self.key]
-        source = f" ({origin})" if origin.startswith("design") else ""
-        return f"≠ {GP1}: {DEFAULTS.show(self.key) or 'none'}{source}"
+    def shown(self) -> Row:
+        """The value in its usual unit, and what GP-1 has where it is another."""
+        settings, value = self._settings(), self.value()
+        shown: Row = {"text": "" if value is None else settings.show(self.key)}
+        if value != DEFAULTS[self.key]:
+            origin = settings.origin[self.key]
+            source = f" ({origin})" if origin.startswith("design") else ""
+            shown |= {"mark": "≠", "note": f"≠ {GP1}: {DEFAULTS.show(self.key) or 'none'}{source}"}
+        if self._scale is not None:
+            size = _size(value)
+            shown |= {"place": self._scale.place(size), "size": size, "unit": getattr(self._declared, "unit", "")}
+        return shown
 
     def take(self, text: str) -> InputError | None:
         """Put a text in force; a number without a unit takes the usual one."""
         return self._put_value(self.key, read_value(self.key, text, getattr(self._declared, "unit", "")))
 
-    def take_size(self) -> InputError | None:
+    def slide(self, place: float) -> InputError | None:
         """Put the slider's size in force: in whole steps, or with the ratio of the axes kept."""
         declared = self._declared
-        assert self.slider is not None
+        assert self._scale is not None
         assert isinstance(declared, BaseQuantity | Axes)
-        size = self.slider.amount(declared.unit, declared.dimension)
+        size = self._scale.amount(place, declared.unit, declared.dimension)
         if isinstance(declared, BaseQuantity):
             step = declared.step
             return self._put_value(self.key, step * max(1, round(size / step)) if step else size)

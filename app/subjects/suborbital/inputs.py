@@ -15,11 +15,10 @@ from app.declared import declared, held
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.suborbital.controls import InputControl
-from app.ui.first_screen import first_screen
+from app.subjects.suborbital.controls import StudyInput
 from app.ui.html_pane import html_pane
+from app.ui.input_sheet import Group, InputSheet
 from app.upstream.file_input import LimitedFileInput
-from app.upstream.plain_titles import WordedAccordion
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -51,7 +50,11 @@ class InputPanel(pn.viewable.Viewer):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, settings=from_design(DEFAULTS, session.design))
-        self.controls: list[InputControl] = []
+        groups = [
+            Group(title, [StudyInput(each.key, lambda: self.settings, self.put) for each in some], index == _OPEN)
+            for index, (title, some) in enumerate(GROUPS.items())
+        ]
+        self.sheet = InputSheet(groups)
         self.notice = pmui.Alert(object="", severity="error", closeable=True, visible=False, margin=(4, 14))
         self._view = self._layout()
         self._follow_link()
@@ -81,26 +84,13 @@ class InputPanel(pn.viewable.Viewer):
     # --- layout ----------------------------------------------------------------------------------------
 
     def _layout(self) -> pn.Column:
-        self._sections = [pn.Column() for _ in GROUPS]
-        parts = list(zip(GROUPS, self._sections, strict=True))
-        half = len(parts) // 2
-        look: dict[str, Any] = {"title_variant": "body1", "sizing_mode": "stretch_width", "margin": 0}
-        scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
-        halves = []
-        for first, some in ((0, parts[:half]), (half, parts[half:])):
-            accordion = WordedAccordion(
-                *some, active=[_OPEN - first] if 0 <= _OPEN - first < len(some) else [], **look
-            )
-            accordion.param.watch(lambda event, first=first: self._fill([first + i for i in event.new]), "active")
-            halves.append(accordion)
-        self._fill([_OPEN])
         self._imu = html_pane("", margin=(2, 12))
         self._say_imu()
-        return first_screen(
-            pn.Column(self._imu, pn.FlexBox(*self._sources(), margin=(0, 4))),
-            left=[pn.Column(halves[0], **scrolls)],
-            right=[pn.Column(halves[1], self._flight_file(), **scrolls)],
-            height="100%",
+        return pn.Column(
+            self._imu,
+            pn.FlexBox(*self._sources(), margin=(0, 4)),
+            pn.Column(self.sheet, self._flight_file(), sizing_mode="stretch_both", styles={"overflow": "auto"}),
+            sizing_mode="stretch_both",
         )
 
     def _say_imu(self) -> None:
@@ -152,15 +142,6 @@ class InputPanel(pn.viewable.Viewer):
         self._file_said = html_pane(_FILE_HELP, margin=(0, 12))
         return pn.Column(pn.FlexBox(self.trajectory_file, reset, margin=(4, 4, 0, 4)), self._file_said)
 
-    def _fill(self, opened: list[int]) -> None:
-        """Make the controls of the groups that are open and have none yet."""
-        for index in opened:
-            if not self._sections[index].objects:
-                keys = [declared.key for declared in list(GROUPS.values())[index]]
-                controls = [InputControl(key, lambda: self.settings, self.put) for key in keys]
-                self.controls += controls
-                self._sections[index].objects = controls
-
     # --- what a person does ------------------------------------------------------------------------------
 
     def put(self, key: str, value: Value) -> InputError | None:
@@ -182,8 +163,7 @@ class InputPanel(pn.viewable.Viewer):
         link = to_link(self.settings)
         self.session.study_link = "" if link == _PLAIN else link
         self._say_imu()
-        for control in self.controls:
-            control.follow()
+        self.sheet.follow()
 
     async def _opened(self, event: Any) -> None:
         if not event.new:

@@ -1,20 +1,18 @@
-"""Controls without a browser: what is typed, slid and chosen reaches the design; what is refused does not."""
+"""The design's inputs without a browser: what is typed, slid and chosen reaches the design; what is refused does
+not."""
 
 from __future__ import annotations
 
 import pytest
 
-from app.dashboard.controls import section_controls
-from app.dashboard.controls.choice import ChoiceControl
-from app.dashboard.controls.preset import PresetControl
-from app.dashboard.controls.quantity import QuantityControl
-from app.dashboard.controls.rows import RowsControl
+from app.dashboard.controls import design_groups, input_of
 from app.session import Session
+from app.ui.input_sheet import Group, InputSheet, Row
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import parse_quantity
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import INPUTS, all_keys, declaration_of
+from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.parts import all_keys, declaration_of
 from nav_model.design.rows import Rows
 
 QUANTITIES = [key for key in all_keys() if isinstance(declaration_of(key), BaseQuantity)]
@@ -35,140 +33,215 @@ def session() -> Session:
     return Session(Design())
 
 
+class Sheet(InputSheet):
+    """A sheet of some inputs, which follows the session as the sidebar has it follow."""
+
+    def __init__(self, session: Session, *keys: str) -> None:
+        super().__init__([Group("", [input_of(session, key) for key in keys])])
+        session.param.watch(lambda _: self.follow(), "budget")
+
+    def row(self, key: str) -> Row:
+        """All that the browser has of a row."""
+        (fixed,) = (row for row in self.groups[0]["rows"] if row["key"] == key)
+        return {**fixed, **self.news.get(key, {})}
+
+
 def test_an_empty_box_says_what_holds_instead(session: Session) -> None:
     """Only a requirement that is left empty is not checked."""
-    said = {
-        key: QuantityControl(session, key).box.placeholder for key in QUANTITIES if declaration_of(key).allow_None
-    }
+    said = {key: input_of(session, key).row()["empty"] for key in QUANTITIES if declaration_of(key).allow_None}
     assert {key.partition(".")[0] for key, text in said.items() if text == "not checked"} == {"requirements"}
     assert all(said.values())
 
 
 @pytest.mark.parametrize("key", QUANTITIES)
 def test_refused_text_is_said_at_the_field_and_changes_nothing(session: Session, key: str) -> None:
-    control = QuantityControl(session, key)
+    sheet = Sheet(session, key)
     budget = session.budget
     for text in _BAD:
         if key in _SIGNED and text == "-1":
             continue
-        control.box.param.update(error_state=False, helper_text="")  # of the text before
-        control.box.value = text
+        sheet.forget_refusals()
+        assert sheet.invalid == 0
+        sheet.enter(key, text)
         assert session.budget is budget, text
-        assert control.box.error_state, text
-        assert control.box.helper_text, text
-        assert len(control.box.helper_text) < 400, text
+        assert 0 < len(sheet.row(key)["error"]) < 400, text
+        assert sheet.invalid == 1
 
 
 @pytest.mark.parametrize("key", QUANTITIES)
 def test_good_text_reaches_the_design_and_clears_the_message(session: Session, key: str) -> None:
-    control = QuantityControl(session, key)
-    declaration = declaration_of(key)
+    sheet, declaration = Sheet(session, key), declaration_of(key)
     assert isinstance(declaration, BaseQuantity)
-    control.box.value = "rubbish"
+    sheet.enter(key, "rubbish")
     low, high = declaration.softbounds  # type: ignore[misc]
     wanted = declaration.show((low * high) ** 0.5 if low > 0 else high / 2)
-    control.box.value = wanted
-    assert not control.box.error_state, control.box.helper_text
+    sheet.enter(key, wanted)
+    assert sheet.row(key)["error"] == ""
     expected = parse_quantity(wanted, declaration.dimension).value if declaration.dimension else float(wanted)
     assert session.design[key] == expected
 
 
+def test_a_refused_text_goes_when_the_value_becomes_another(session: Session) -> None:
+    sheet = Sheet(session, "gnss.interval", "gnss.position_noise")
+    sheet.enter("gnss.interval", "5 kg")
+    session.change({"gnss.position_noise": 2.0})
+    assert sheet.row("gnss.interval")["error"]
+    session.change({"gnss.interval": 2.0})
+    assert sheet.row("gnss.interval")["error"] == ""
+    assert sheet.row("gnss.interval")["text"] == "2 s"
+
+
 @pytest.mark.parametrize("key", TABLES)
 def test_a_table_is_typed_refused_and_taken_away(session: Session, key: str) -> None:
-    control, declaration = RowsControl(session, key), declaration_of(key)
+    sheet, declaration = Sheet(session, key), declaration_of(key)
     assert isinstance(declaration, Rows)
-    control.box.value = declaration.example
+    sheet.enter(key, declaration.example)
     assert session.design[key] == declaration.read(declaration.example)
     assert session.design[key]
     budget = session.budget
     for text in ("20 Hz", "20 Hz 1 s", "0 Hz 1 g; 5 Hz 1 g", "rubbish", "20 Hz nan g", "20 Hz 1 g;" * 61):
-        control.box.value = text
+        sheet.enter(key, text)
         assert session.budget is budget, text
-        assert control.box.error_state, text
-        assert len(control.box.helper_text) < 400, text
-    control.box.value = ""
+        assert 0 < len(sheet.row(key)["error"]) < 400, text
+    sheet.enter(key, "")
     assert session.design[key] == ()
-    assert not control.box.error_state
-    control.explained = True
-    assert str(declaration.doc) in control.box.helper_text
+    assert sheet.row(key)["error"] == ""
+    assert sheet.row(key)["help"] == str(declaration.doc)
     session.change({key: declaration.read(declaration.example)})
-    control.show(session.design)
-    assert declaration.read(control.box.value) == session.design[key]
+    assert declaration.read(sheet.row(key)["text"]) == session.design[key]
 
 
 def test_an_empty_box_takes_a_requirement_away(session: Session) -> None:
-    control = QuantityControl(session, "requirements.quadratic_phase")
-    control.box.value = "45°"
+    sheet = Sheet(session, "requirements.quadratic_phase")
+    sheet.enter("requirements.quadratic_phase", "45°")
     assert len(session.budget.verdict.checks) == 2  # the along-track term is held against the same limit
-    control.box.value = ""
+    sheet.enter("requirements.quadratic_phase", "")
     assert session.budget.verdict.checks == ()
 
 
 @pytest.mark.parametrize("key", [key for key in QUANTITIES if declaration_of(key).dimension])  # type: ignore[union-attr]
 def test_every_unit_converts_and_leaves_the_value(session: Session, key: str) -> None:
-    control = QuantityControl(session, key)
-    declaration = declaration_of(key)
+    sheet, declaration = Sheet(session, key), declaration_of(key)
     assert isinstance(declaration, BaseQuantity)
-    assert control.unit is not None
-    value = session.design[key]
-    for unit in DIMENSIONS[declaration.dimension].units:
-        control.unit.value = unit
+    value, kind = session.design[key], DIMENSIONS[declaration.dimension]
+    assert [unit for unit, _ in sheet.row(key)["units"]] == ([] if kind.decibels else list(kind.units))
+    for unit, factor in sheet.row(key)["units"]:
+        sheet.turn_to(key, unit)
         assert session.design[key] == value
-        assert session.design.unit(key) == unit
+        assert session.design.unit(key) == sheet.row(key)["unit"] == unit
         if value is not None:
-            assert parse_quantity(control.box.value, declaration.dimension).value == value
+            assert isinstance(value, float)
+            number = float(sheet.row(key)["text"].removesuffix(unit))
+            assert [number, number * factor] == pytest.approx([value / factor, value], rel=1e-11)
+    assert not session.can_undo
+
+
+def test_a_sum_of_floats_reads_as_it_was_meant(session: Session) -> None:
+    sheet = Sheet(session, "imu.angle_random_walk")
+    session.change({"imu.angle_random_walk": 0.036 * 2.908882086657216e-4})
+    assert sheet.row("imu.angle_random_walk")["text"] == "0.036 °/√h"
 
 
 def test_a_slider_sets_a_value_of_three_digits_and_zero_at_its_end(session: Session) -> None:
-    control = QuantityControl(session, "imu.gyro_bias")
-    assert control.slider is not None
-    control.slider.value = control.slider.end - 1.0
+    sheet, key = Sheet(session, "imu.gyro_bias", "gnss.velocity_noise"), "imu.gyro_bias"
+    slider = sheet.row(key)["slider"]
+    sheet.slide(key, slider["end"] - 1.0)
     assert session.design.imu.gyro_bias > 0
-    assert len(control.box.value.split()[0].replace(".", "").lstrip("0")) <= 3
-    control.slider.value = control.slider.start
+    assert len(sheet.row(key)["text"].split()[0].replace(".", "").lstrip("0")) <= 3
+    sheet.slide(key, slider["start"])
     assert session.design.imu.gyro_bias == 0.0
+    assert sheet.row(key)["place"] == slider["start"]
+    sheet.slide(key, 1e9)  # no slider goes there
+    assert session.design.imu.gyro_bias == pytest.approx(10 ** slider["end"], rel=0.01)
+    given = sheet.row("gnss.velocity_noise")
+    assert (given["size"], given["place"]) == (None, given["slider"]["end"])
+
+
+@pytest.mark.parametrize("start", ["0.05 °/√h", "3 m", "5 km"])
+def test_a_step_of_a_slider_is_no_step_back(session: Session, start: str) -> None:
+    """What comes back is within half a step of where the person is, so the thumb stays under the finger."""
+    key = {"°": "imu.angle_random_walk", "m": "gnss.position_noise", "k": "radar.slant_range"}[start.split()[1][0]]
+    sheet = Sheet(session, key)
+    sheet.enter(key, start)
+    place = sheet.row(key)["place"]
+    for _ in range(20):
+        place += 0.02
+        sheet.slide(key, place)
+        assert sheet.row(key)["place"] == pytest.approx(place, abs=0.01)
 
 
 def test_a_preset_fills_and_what_deviates_can_be_taken_back(session: Session) -> None:
-    control = PresetControl(session, "imu")
-    control.select.value = "STIM300"
+    sheet = Sheet(session, "imu.preset", "imu.angle_random_walk")
+    sheet.enter("imu.preset", "STIM300")
     assert session.design.imu.preset == "STIM300"
     assert session.design.imu.angle_random_walk == parse_quantity("0.15 °/√h", "angle random walk").value
-    assert not control.restore.visible
+    assert sheet.row("imu.preset")["said"] == ""
+    assert sheet.row("imu.angle_random_walk")["mark"] == "⚠"
     session.change({"imu.angle_random_walk": 1e-4})
-    control.show(session.design)
-    assert control.restore.visible
-    control.restore.clicks += 1
+    assert sheet.row("imu.preset")["said"] == "1 value changed."
+    assert sheet.row("imu.preset")["named"] == "Custom, based on STIM300"
+    assert sheet.row("imu.angle_random_walk")["mark"] == "≠"
+    assert sheet.row("imu.angle_random_walk")["note"] == "≠ STIM300: 0.15 °/√h"
+    sheet.enter("imu.preset", "STIM300")  # as the button does
     assert session.design.imu.angle_random_walk == parse_quantity("0.15 °/√h", "angle random walk").value
+    sheet.enter("imu.preset", "")
+    assert session.design.imu.preset is None
+    sheet.enter("imu.preset", "no such unit")
+    assert sheet.row("imu.preset")["error"]
 
 
 def test_a_radar_brings_its_platform(session: Session) -> None:
-    PresetControl(session, "radar").select.value = "UAVSAR"
+    Sheet(session, "radar.preset").enter("radar.preset", "UAVSAR")
     assert session.design.flight.speed == 220.0
     assert session.design.flight.altitude == 13800.0
 
 
-def test_every_input_has_a_control() -> None:
-    session = Session(Design())
-    shown = {control.key for section in INPUTS for control in section_controls(session, section)}
-    assert set(all_keys()) <= shown
+def test_every_input_has_a_row_with_help() -> None:
+    rows = {each.key: each.row() for group in design_groups(Session(Design()), ()) for each in group.inputs}
+    assert set(all_keys()) <= rows.keys()
+    assert {key for key, row in rows.items() if not row["help"]} == {"imu.preset", "radar.preset"}
 
 
-def test_a_choice_reaches_the_design(session: Session) -> None:
-    ChoiceControl(session, "radar.window").widget.value = "taylor"
-    ChoiceControl(session, "gnss.correlated").widget.value = True
-    assert session.design.radar.window == "taylor"
-    assert session.design.gnss.correlated is True
+def test_every_option_of_a_choice_reaches_the_design(session: Session) -> None:
+    for key in (key for key in all_keys() if isinstance(declaration_of(key), Choice)):
+        sheet = Sheet(session, key)
+        for text, label in sheet.row(key)["options"] or [("true", "on"), ("false", "off")]:
+            assert label
+            sheet.enter(key, text)
+            assert sheet.row(key)["text"] == text
+            assert str(session.design[key]).lower() == text.lower()
+        sheet.enter(key, "something else")
+        assert sheet.row(key)["error"]
 
 
-def test_an_explained_input_says_where_its_value_came_from(session: Session) -> None:
-    control = QuantityControl(session, "imu.rate")
-    control.explained = True
-    before, origin = session.design, "data sheet, page 3"
+def test_a_row_says_where_its_value_came_from(session: Session) -> None:
+    sheet, origin = Sheet(session, "imu.rate"), "data sheet, page 3"
     session.change({"imu.rate": 250.0}, origins={"imu.rate": origin})
-    assert control.differs(before.replace({"imu.rate": 250.0}), session.design)
-    control.show(session.design)
-    assert control.box.helper_text.startswith(f"From: {origin}.")
+    assert sheet.row("imu.rate")["note"] == f"From: {origin}."
     session.change({"imu.rate": 200.0})
-    control.show(session.design)
-    assert origin not in control.box.helper_text
+    assert sheet.row("imu.rate")["note"] == ""
+
+
+def test_each_message_is_answered_and_none_does_harm(session: Session) -> None:
+    """The browser waits for an answer before it tells more, whatever became of what it told."""
+    key = "imu.angle_random_walk"
+    sheet, before = Sheet(session, key, "radar.window"), session.design
+    for number, done in enumerate(
+        ({"place": "far"}, {"place": float("nan")}, {"unit": "kg"}, {"text": 5}, {}, {"text": "5 kg"}), 1
+    ):
+        sheet._handle_msg({"key": key, "number": number, **done})
+        assert session.design == before
+        assert sheet.heard == number
+    for message in (
+        None,
+        [],
+        {"key": "no.such"},
+        {"key": "no.such", "number": 9, "text": ""},
+        {"key": [], "number": 9},
+    ):
+        sheet._handle_msg(message)
+    sheet._handle_msg({"key": "radar.window", "number": 7, "place": 1.0})  # it has no slider
+    assert (session.design, sheet.heard) == (before, 7)
+    sheet._handle_msg({"key": key, "number": 8, "place": -4.0})
+    assert session.design.imu.angle_random_walk == pytest.approx(1e-4, rel=0.01)
+    assert sheet.heard == 8

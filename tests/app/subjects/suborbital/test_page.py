@@ -25,7 +25,6 @@ from app.subjects.suborbital import studies
 from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.charts import Shown, attitude, errors, sensors
 from app.subjects.suborbital.charts.camera_noise import camera_noise_answer
-from app.subjects.suborbital.controls import InputControl
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.views import VIEWS
@@ -89,23 +88,21 @@ def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
 
 
 def test_a_refusal_stands_at_the_field_and_changes_nothing(here: SuborbitalPage) -> None:
-    control = next(c for c in here.inputs.controls if c.key == "gyros.bias")
-    before = here.inputs.settings
-    control.box.value = "5 kg"
-    assert control.box.error_state
-    assert "not a unit of angular rate" in control.box.helper_text
+    before, sheet = here.inputs.settings, here.inputs.sheet
+    sheet.enter("gyros.bias", "5 kg")
+    assert "not a unit of angular rate" in sheet.news["gyros.bias"]["error"]
     assert here.inputs.settings is before
-    control.box.value = "2 °/h"
-    assert not control.box.error_state
-    assert control.box.value == "2, 2, 2 °/h"
+    sheet.enter("gyros.bias", "2 °/h")
+    assert sheet.news["gyros.bias"]["error"] == ""
+    assert sheet.news["gyros.bias"]["text"] == "2, 2, 2 °/h"
+    assert sheet.news["gyros.bias"]["mark"] == "≠"
 
 
 def test_a_slider_keeps_the_ratio_of_the_axes(here: SuborbitalPage) -> None:
-    control = next(c for c in here.inputs.controls if c.key == "gyros.bias")
-    assert control.slider is not None
-    control.slider.value = np.log10(INPUTS["gyros.bias"].read("8 °/h")[0])
+    sheet = here.inputs.sheet
+    sheet.slide("gyros.bias", float(np.log10(INPUTS["gyros.bias"].read("8 °/h")[0])))
     assert here.inputs.settings["gyros.bias"] == pytest.approx([2 * x for x in DEFAULTS["gyros.bias"]], rel=1e-3)
-    control.slider.value = control.slider.start
+    sheet.slide("gyros.bias", -20.0)
     assert here.inputs.settings["gyros.bias"] == (0.0, 0.0, 0.0)
 
 
@@ -286,12 +283,9 @@ def test_a_wrong_study_is_refused_by_name_and_changes_nothing(here: SuborbitalPa
 
 def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_steps(here: SuborbitalPage) -> None:
     assert "whole number of steps" in str(here.inputs.put("tracker.frame_interval", 0.15))
-    control = InputControl("tracker.frame_interval", lambda: here.inputs.settings, here.inputs.put)
-    assert control.slider is not None
-    slider = control.slider
 
     async def slid() -> None:
-        slider.value = float(np.log10(0.34))
+        here.inputs.sheet.slide("tracker.frame_interval", float(np.log10(0.34)))
         assert here.study.shown.exact  # other frames need other matrices first
         await soon(lambda: not here.renewal.running, "the matrices")
 

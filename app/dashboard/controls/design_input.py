@@ -1,0 +1,38 @@
+"""What every input of the design has in common: it follows the session's design, and puts changes into it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+from app.session import Session
+from app.ui.input_sheet import Row, SheetInput
+from nav_model.design import Design
+
+
+class DesignInput(SheetInput):
+    """A row that is told anew only when something in it has changed: at most steps of a slider nothing has."""
+
+    def __init__(self, session: Session, key: str) -> None:
+        super().__init__(key)
+        self.session = session
+        self._seen: object = None
+        self._told: Row = {}
+
+    @abstractmethod
+    def seen(self, design: Design) -> object:
+        """All of a design that the row shows."""
+
+    @abstractmethod
+    def told(self, design: Design) -> Row:
+        """What the row shows of a design."""
+
+    def value(self) -> object:
+        """The current value."""
+        return self.session.design[self.key]
+
+    def shown(self) -> Row:
+        """What the row shows now."""
+        design = self.session.design
+        if (seen := self.seen(design)) != self._seen:
+            self._seen, self._told = seen, self.told(design)
+        return self._told
