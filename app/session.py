@@ -120,7 +120,7 @@ class Session(param.Parameterized):
     def close(self) -> None:
         """End every run: the person has left."""
         for run in self._runs:
-            run.cancel()
+            run.drop()
 
     def keep(self, kind: str, finding: Any) -> None:
         """Keep a finished study for the report, in place of an earlier one of its kind (`app.report.studies`)."""

@@ -7,7 +7,7 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 from tornado.httpclient import AsyncHTTPClient, HTTPRequest
 from tornado.websocket import WebSocketClientConnection, websocket_connect
@@ -38,23 +38,39 @@ class Tab:
     @classmethod
     async def open(cls, server: str, cookies: str = "") -> Tab:
         """Fetch the page, connect, take the document, say that it stands."""
+        tab = await cls.connect(server, await cls.fetch(server, cookies), cookies)
+        await tab.greeted()
+        await tab.pull()
+        await tab.event("document_ready")
+        await asyncio.wait_for(tab._stand(), 120)
+        return tab
+
+    @staticmethod
+    async def fetch(server: str, cookies: str = "") -> str:
+        """The token of a page."""
         known = {"Cookie": cookies} if cookies else {}
         page = await AsyncHTTPClient().fetch(server + "/", headers=known, request_timeout=120)
         found = _TOKEN.search(page.body.decode())
         assert found, "no token in the page"
+        return found[1]
+
+    @classmethod
+    async def connect(cls, server: str, token: str, cookies: str = "") -> Self:
+        """The page of a token, connected and no more."""
+        known = {"Cookie": cookies} if cookies else {}
         request = HTTPRequest(server.replace("http", "ws") + "/ws", headers={"Origin": server, **known})
         connection = await websocket_connect(
-            request, subprotocols=["bokeh", found[1]], max_message_size=100_000_000, ping_interval=0
+            request, subprotocols=["bokeh", token], max_message_size=100_000_000, ping_interval=0
         )
         assert connection.protocol is not None
         connection.protocol.set_nodelay(True)  # as browsers do
         tab = cls(server, connection)
         tab._reading = asyncio.create_task(tab._read())
-        await asyncio.wait_for(tab._greeted.wait(), 120)  # what is sent before the greeting is lost
-        await tab.pull()
-        await tab.event("document_ready")
-        await asyncio.wait_for(tab._stand(), 120)
         return tab
+
+    async def greeted(self) -> None:
+        """The server knows the page: what is sent before its greeting is lost."""
+        await asyncio.wait_for(self._greeted.wait(), 120)
 
     async def _stand(self) -> None:
         """Take the document until its charts are there."""
@@ -64,8 +80,17 @@ class Tab:
 
     async def pull(self) -> None:
         """Take the document as it is now."""
+        await self.ask()
+        await self.taken()
+
+    async def ask(self) -> None:
+        """Ask for the document."""
         self._reply = asyncio.get_running_loop().create_future()
         await self.send("PULL-DOC-REQ", {})
+
+    async def taken(self) -> None:
+        """The document that was asked for is there."""
+        assert self._reply is not None
         self.objects = list(_objects(json.loads(await asyncio.wait_for(self._reply, 120))["doc"]))
 
     def find(self, **wanted: Any) -> dict[str, Any]:
@@ -146,6 +171,14 @@ class Tab:
         if self._reading is not None:
             await self._reading  # the server's answer; without it the socket would be left to the collector
 
+    async def cut(self) -> None:
+        """Lose the connection without a word, whatever is under way."""
+        self._closing = True
+        assert self.connection.protocol is not None
+        self.connection.protocol.stream.close()
+        if self._reading is not None:
+            await self._reading
+
     async def send(self, kind: str, content: Any) -> None:
         """Send a message; text goes as it is."""
         self._sent += 1
@@ -176,7 +209,7 @@ class Tab:
                     self._answered.set_result(None)
             elif kind == "ERROR":
                 self.errors.append(str(content))
-        if self._reply is not None and not self._reply.done():
+        if self._reply is not None and not self._reply.done() and not self._closing:
             self._reply.set_exception(ConnectionError("the server hung up"))
         if not self._closing:
             self.errors.append(f"the server hung up: {self.connection.close_code} {self.connection.close_reason}")

@@ -3,8 +3,10 @@
     python benchmarks/soak.py                 # 300 pages
     python benchmarks/soak.py --pages 40
 
-Each page is opened as a browser does, goes through every tab, moves a slider and is closed. The first third is to
-warm up: caches fill, and memory reaches what the largest moment needs. The goal is for the growth over the rest.
+Each page is opened as a browser does, goes through every tab, moves a slider and is closed; every other one loses its
+connection before that, each at another stage. The server frees pages by itself: nothing here has it collect garbage.
+The first third is to warm up: caches fill, and memory reaches what the largest moment needs. The goal is for the
+growth over the rest.
 
 Exit status: 0 if the goal holds, 1 if it is missed.
 """
@@ -19,7 +21,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -73,30 +75,69 @@ def counted_server(folder: Path) -> Iterator[tuple[str, Callable[[], Left]]]:
 _SLIDER = "imu.angle_random_walk"
 
 
-class _Opened(Tab):
-    """A page that counts as open before its charts are there: which are, depends on what is in view."""
+async def _life(address: str) -> AsyncIterator[Tab | None]:
+    """A page from its first request on, as it is at every stage."""
+    token = await Tab.fetch(address)
+    yield None
+    tab = await Tab.connect(address, token)
+    yield tab
+    await tab.greeted()
+    yield tab
+    await tab.ask()
+    yield tab  # its document is under way
+    await tab.taken()
+    yield tab
+    await tab.event("document_ready")
+    yield tab  # its lower half is being made
+    await tab.until(name="timelines")
+    place = tab.row(_SLIDER)[1]["place"]
+    yield tab
+    bar = next(model for model in tab.objects if model["name"].startswith("Bar") and model["name"][3:].isdigit())
+    for index in (*range(1, len(SUBJECTS)), 0):
+        await tab.set(bar["id"], active=index)
+        yield tab  # the tab is being made
+    for step in range(5):
+        await tab.slide(_SLIDER, place - 0.02 * step)
+    yield tab
+    await tab.turn("Simulate")
+    await tab.until(label="Runs")
+    await tab.click(tab.find(label="Start", icon="play_arrow")["id"])
+    yield tab  # a run is under way
+    await tab.connection.write_message('{"msgid": "half", "msgtype": "PATCH-DOC", "num_buffers": 9}')
+    yield tab  # the rest of the message never comes
 
-    async def _stand(self) -> None:
-        pass
+
+USED = 8 + len(SUBJECTS)
+"""The stage of a page that a person has used and closes."""
+STAGES = USED + 2
+
+
+async def _at(address: str, stage: int) -> Tab | None:
+    """A page at a stage, from 1 on; None before it is connected."""
+    life = _life(address)
+    for _ in range(stage - 1):
+        await anext(life)
+    return await anext(life)
 
 
 async def visit(address: str) -> None:
     """One page: every tab, a slider, and good-bye."""
-    tab = await _Opened.open(address)
-    bar = next(model for model in tab.objects if model["name"].startswith("Bar") and model["name"][3:].isdigit())
-    for index in range(1, len(SUBJECTS)):
-        await tab.set(bar["id"], active=index)
-    await tab.set(bar["id"], active=0)
-    place = tab.row(_SLIDER)[1]["place"]
-    for step in range(5):
-        await tab.slide(_SLIDER, place - 0.02 * step)
+    tab = await _at(address, USED)
+    assert tab is not None
     await tab.pull()  # answered in its turn, so all before it is done
     await tab.close()
 
 
+async def lose(address: str, stage: int) -> None:
+    """One page that loses its connection at a stage."""
+    tab = await _at(address, stage)
+    if tab is not None:
+        await tab.cut()
+
+
 async def _visits(address: str, pages: int) -> None:
-    for _ in range(pages):
-        await visit(address)
+    for number in range(pages):
+        await (lose(address, 1 + number // 2 % STAGES) if number % 2 else visit(address))
 
 
 def main() -> int:

@@ -135,6 +135,10 @@ class Chart:
                     yield ("limit", repr(float(x)), repr(float(limit.level)), limit.label, "requirement")
 
 
+TOTAL = "total"
+"""Label of the bar that is the sum of those above it."""
+
+
 @dataclass(frozen=True)
 class Bar:
     """One row of a bar chart: two lengths in its unit, the same in millimetres, and where they come from.
@@ -193,7 +197,7 @@ class BarChart:
 @dataclass(frozen=True)
 class Dot:
     """One row of a dot chart [degrees]: a closed form (NaN: none), what runs gave, their 5-95 % band; ``whole``: the
-    value with a part that stands beside it, NaN where there is none."""
+    value with a part that stands beside it, NaN where there is none; ``note``: a few words beside the label."""
 
     label: str
     closed: float
@@ -202,6 +206,7 @@ class Dot:
     high: float
     source: str
     whole: float = math.nan
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -381,7 +386,10 @@ def _extent(label: str, values: Array) -> str:
     return f"{name} {values[0]:.3g} to {values[-1]:.3g} {unit.rstrip(']')}".replace("-", "−")
 
 
-AnyChart = Chart | BarChart | DotChart | MapChart
+Plotted = Chart | MapChart
+"""What the screen has as a figure with axes; rows of bars and dots are HTML."""
+
+AnyChart = Plotted | BarChart | DotChart
 Drawing = AnyChart | PictureChart
 """Whatever a report shows as a figure."""
 

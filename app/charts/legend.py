@@ -8,12 +8,12 @@ from html import escape
 
 import numpy as np
 
-from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, spread_of
+from app.charts.kinds import Chart, DotChart, MapChart, spread_of
 from app.charts.region import region_names
-from app.charts.styles import BAR_STYLES, DASHES, STYLES, Style
+from app.charts.styles import DASHES, STYLES, Style
 
 
-def legend_html(chart: AnyChart) -> str:
+def legend_html(chart: Chart | DotChart | MapChart) -> str:
     """One entry for each name; curves of one name, such as the two parts of one, share the first one's."""
     entries = {label: swatch for swatch, label in reversed(_ENTRIES[type(chart)](chart))}
     items = "".join(f"<li>{swatch} {escape(label)}</li>" for label, swatch in reversed(entries.items()))
@@ -24,9 +24,8 @@ def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
     entries = [
         (_svg(f'<path d="M15 0 L20 5.5 L15 11 L10 5.5 Z" fill="none" stroke-width="2" '
               f'stroke="{STYLES["vertical"].colour}"/>'), "formula, 1σ"),
-        (_box(STYLES["horizontal"], 0.9), "runs, rms"),
-        (_svg('<path d="M3 5.5 H27" stroke="currentColor" stroke-width="3" stroke-opacity="0.65"/>'),
-         "runs, 5 to 95 %"),
+        (_box(STYLES["horizontal"], 0.55), "runs, rms"),
+        (_line(Style("currentColor", "solid", 3.0)), "runs, 5 to 95 %"),
     ]  # fmt: skip
     if not math.isnan(chart.limit):
         entries.append((_line(STYLES["limit"]), "limit (scaled to 1σ)"))
@@ -54,21 +53,8 @@ def _entries(chart: Chart) -> list[tuple[str, str]]:
     return entries
 
 
-def _bar_entries(chart: BarChart) -> list[tuple[str, str]]:
-    labels, limits = (chart.first_label, chart.second_label), (chart.first_limit, chart.second_limit)
-    entries = []
-    for (style, hatch, limit_dash), label, limit in zip(BAR_STYLES, labels, limits, strict=True):
-        entries.append((_box(STYLES[style], 0.3 if hatch else 0.9, hatched=hatch), label))
-        if not math.isnan(limit):
-            red = STYLES["limit"]
-            entries.append(
-                (_line(Style(red.colour, limit_dash, red.width)), f"limit on {label}, at {spread_of(chart.x_label)}")
-            )
-    return entries
-
-
 _ENTRIES: dict[type, Callable[..., list[tuple[str, str]]]] = {
-    Chart: _entries, BarChart: _bar_entries, DotChart: _dot_entries, MapChart: _map_entries,
+    Chart: _entries, DotChart: _dot_entries, MapChart: _map_entries,
 }  # fmt: skip
 
 
@@ -83,14 +69,8 @@ def _line(style: Style) -> str:
     )
 
 
-def _box(style: Style, opacity: float, hatched: bool = False) -> str:
-    strokes = "".join(
-        f'<line x1="{x}" y1="11" x2="{x + 8}" y2="0" stroke="{style.colour}"/>' for x in (3, 9, 15, 21) if hatched
-    )
-    edge = f' stroke="{style.colour}"' if hatched else ""
-    return _svg(
-        f'<rect x="3" y="0.5" width="24" height="10" fill="{style.colour}" fill-opacity="{opacity}"{edge}/>{strokes}'
-    )
+def _box(style: Style, opacity: float) -> str:
+    return _svg(f'<rect x="3" y="0.5" width="24" height="10" fill="{style.colour}" fill-opacity="{opacity}"/>')
 
 
 def _dot(style: Style, marker: str) -> str:

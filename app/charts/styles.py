@@ -89,8 +89,8 @@ STYLES: dict[str, Style] = {
     "simulated, yaw": Style(GREEN, "solid", 1.6),
     "filter": Style(SKY, "dashed", 2.2),
     "filter, second axis": Style("#c47f00", "dashed", 1.3),
-    "closed form": Style(GREEN, "dotted", 2.5),
-    "closed form, second axis": Style(GREEN, "dotted", 1.5),
+    "closed form": Style(GREY, "dotted", 2.5),
+    "closed form, second axis": Style(GREY, "dotted", 1.5),
     "refined": Style(PURPLE, "dotdash", 2.0),
     "worst run": Style(BLUE, "dotted", 1.2),
     "worst run, second axis": Style(ORANGE, "dotdash", 1.2),
@@ -127,12 +127,6 @@ STYLES: dict[str, Style] = {
     "strategy 9": Style("#c2407f", "dashed", 3.2),
 }
 """The same quantity has the same colour and dash everywhere."""
-
-BAR_STYLES: tuple[tuple[str, bool, str], tuple[str, bool, str]] = (
-    ("quadratic", False, "dashdot"),
-    ("with cubic", True, "dotted"),
-)
-"""The two kinds of bar: style, whether hatched, dash of its limit."""
 
 
 @cache

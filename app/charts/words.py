@@ -17,14 +17,13 @@ from app.charts.kinds import (
     Line,
     MapChart,
     PictureChart,
-    RankChart,
     TradeMapChart,
 )
 
 _MOST = 6  # rows told one by one
 
 
-def in_words(chart: Drawing | RankChart | TradeMapChart) -> str:
+def in_words(chart: Drawing | TradeMapChart) -> str:
     """Kind, axes and key values of a chart."""
     return _WORDS[type(chart)](chart)
 
@@ -108,11 +107,6 @@ def _pictures(chart: PictureChart) -> str:
     return f"Images over one scale, {chart.axes}: {said}."
 
 
-def _rank(chart: RankChart) -> str:
-    said = "; ".join(f"{bar.label} {_n(bar.percent)} %" for bar in chart.bars[:_MOST])
-    return f"Bars of {_axis(chart.x_label)}, largest first: {said}."
-
-
 def _trade(chart: TradeMapChart) -> str:
     met = 100 * float(np.mean(chart.ratio <= 1))
     x, y = chart.here
@@ -142,6 +136,5 @@ _WORDS: dict[type, Callable[[Any], str]] = {
     DotChart: _dots,
     MapChart: _map,
     PictureChart: _pictures,
-    RankChart: _rank,
     TradeMapChart: _trade,
 }

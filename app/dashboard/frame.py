@@ -102,6 +102,7 @@ class Frame(pn.viewable.Viewer):
     def _show(self) -> None:
         page = self._pages.get(self._toolbar.bar.active)  # None where it is not made yet, or could not be
         with pn.io.hold():
+            self._unsay()
             for view in (self._sidebar, page, self._toolbar):
                 if view is not None:
                     view.show(self.session.budget)
@@ -171,6 +172,8 @@ class Frame(pn.viewable.Viewer):
         if leave := getattr(self._pages.get(event.old), "leave", None):
             leave()
         with pn.io.hold():
+            if not self._addressed:  # what was said while the page was loaded stays
+                self._unsay()
             self._say_width()
             self._tour.offers = event.new == 0  # elsewhere it would lie over figures
             for index, place in enumerate(self._places):
@@ -284,6 +287,11 @@ class Frame(pn.viewable.Viewer):
         """Show a message above the page; an empty text removes the last one."""
         said = text if markup else html.escape(text)
         self._notice.param.update(object=said, severity=severity, visible=bool(said), closed=False)
+
+    def _unsay(self) -> None:
+        """Take back a message that was of an earlier action."""
+        if self._notice.visible:
+            self._say("")
 
 
 def is_review_link(query: str) -> bool:

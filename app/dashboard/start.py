@@ -23,8 +23,9 @@ STARTS = {
     "My radar": Start(
         "explore-which",
         "Type your radar, flight and receiver. The list ranks the IMUs that pass with this receiver.",
-        ("radar.frequency", "radar.azimuth_resolution", "radar.slant_range", "flight.speed",
-         "gnss.position_noise", "gnss.interval"),
+        ("radar.frequency", "radar.azimuth_resolution", "radar.slant_range", "radar.grazing_angle", "radar.window",
+         "flight.speed", "gnss.position_noise", "gnss.vertical_position_noise", "gnss.velocity_noise",
+         "gnss.interval"),
     ),
     "My IMU": Start(
         "budget",

@@ -1,27 +1,32 @@
-"""Pairs of bars as HTML: a table that screen readers can read, without a canvas."""
+"""Bars as HTML: tables that screen readers can read, without a canvas."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from html import escape
+from pathlib import Path
 
-from app.charts.kinds import Bar, BarChart
+from app.charts.kinds import TOTAL, Bar, BarChart, RankChart
 from app.document.numbers import number, percent
 
 _NAMED = 0.45  # of the axis: a shorter part has no room for its name
+
+ROWS_SHEET = Path(__file__).with_name("rows.css").read_text("utf-8")
+"""How rows of bars and of dots look, wherever they are."""
+
 _STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8, 10, 15)
 
 
-def bars_html(chart: BarChart, total: str, was: BarChart | None = None) -> str:
+def bars_html(chart: BarChart, was: BarChart | None = None) -> str:
     """A bar chart as a table with a bar in each cell.
 
-    Rows without values are omitted. The row ``total`` is emphasised; values before a change (``was``) are outlines.
+    Rows without values are omitted. The total is emphasised; values before a change (``was``) are outlines.
     """
     old = {bar.label: bar for bar in was.bars} if was else {}
     first, second = (_Scale(chart, was, kind) for kind in ("first", "second"))
     rows = "".join(
-        f'<tr{_class(bar, total)}><th scope="row">{escape(bar.label)}</th>'
+        f'<tr{_class(bar)}><th scope="row">{escape(bar.label)}</th>'
         f"{first.cell(bar, old.get(bar.label))}{second.cell(bar, old.get(bar.label))}</tr>"
         for bar in chart.bars
         if bar.shows or (bar.label in old and old[bar.label].shows)
@@ -36,8 +41,24 @@ def bars_html(chart: BarChart, total: str, was: BarChart | None = None) -> str:
     )
 
 
-def _class(bar: Bar, total: str) -> str:
-    kinds = [kind for kind, holds in (("total", bar.label == total), ("limited", bar.limited)) if holds]
+def effects_html(chart: RankChart) -> str:
+    """A ranking as a table with a bar in each row; those of doubled inputs are hatched."""
+    most = max((bar.percent for bar in chart.bars), default=1.0)
+    rows = "".join(
+        f'<tr{" class=doubled" if bar.doubled else ""}><th scope="row">{escape(bar.label)}</th>'
+        f'<td style="padding-right:60px" title="{escape(bar.sentence)}"><div>'
+        f'<i style="width:{(length := 100 * bar.percent / most):.1f}%"></i>'
+        f'<span class="num" style="left:{length:.1f}%">{percent(bar.percent / 100)}</span></div></td></tr>'
+        for bar in chart.bars
+    )
+    return (
+        f'<table class="bars"><caption class="hidden">{escape(chart.title)}</caption>'
+        f'<thead><tr><td></td><th scope="col">{escape(chart.x_label)}</th></tr></thead><tbody>{rows}</tbody></table>'
+    )
+
+
+def _class(bar: Bar) -> str:
+    kinds = [kind for kind, holds in (("total", bar.label == TOTAL), ("limited", bar.limited)) if holds]
     return f' class="{" ".join(kinds)}"' if kinds else ""
 
 

@@ -19,13 +19,15 @@ from bokeh.resources import Resources
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, PictureChart, to_csv
+from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, PictureChart, Plotted, to_csv
 from app.charts.legend import legend_html
 from app.charts.screen.figures import to_bokeh
 from app.charts.screen.pictures import picture_gallery
+from app.document.bars import ROWS_SHEET, bars_html
 from app.document.blocks import Equations, Report, Symbols
 from app.document.numbers import NONE, number
 from app.document.pane import html_of
+from app.document.ranks_html import ranks_html
 
 _MARK = re.compile(r"\[([TSBP]-\d+)\]")
 _MATH = re.compile(r"<math.*?</math>", re.DOTALL)
@@ -38,18 +40,17 @@ _MAP_ROWS = 5  # and columns of a map's
 _PLAIN = ",;:/()[]=+*!"  # of a text to take away: what an address may hold as it is
 _HEIGHT = 340
 _TALL = 440
-_ROW_HEIGHT = 42
 
 
 def to_html(report: Report) -> str:
     """The report as the text of an HTML file."""
-    plots, pictures = {}, {}
+    plots, written = {}, {}
     for block in report.charts():
-        if isinstance(block.chart, PictureChart):
-            pictures[block.key] = picture_gallery(block.chart)
-        else:
+        if isinstance(block.chart, Plotted):
             plots[block.key] = to_bokeh(block.chart, _height(block.chart)).plot
             plots[block.key].name = block.key
+        else:
+            written[block.key] = _written(block.chart)
     document = Document()
     with document.models.freeze():  # looks through all charts once, and not again with every one that is added
         for plot in plots.values():
@@ -74,22 +75,27 @@ def to_html(report: Report) -> str:
         kind=lambda block: type(block).__name__,
         data=_data_url,
         csv=to_csv,
-        legend=lambda chart: Markup(legend_html(chart)),
+        legend=lambda chart: Markup("" if isinstance(chart, BarChart) else legend_html(chart)),
     )
     page = environment.get_template("report.html").render(
         report=report,
-        style=Markup(files("app.document").joinpath("report.css").read_text(encoding="utf-8")),
+        style=Markup(ROWS_SHEET + files("app.document").joinpath("report.css").read_text(encoding="utf-8")),
         library=Markup(_library()),
         script=Markup(script),
-        places={key: Markup(place) for key, place in (places | pictures).items()},
+        places={key: Markup(place) for key, place in (places | written).items()},
         math=_math(report),
     )
     return page.lstrip()  # the macros' own lines come before the doctype
 
 
-def _height(chart: AnyChart) -> int:
+def _written(chart: BarChart | DotChart | PictureChart) -> str:
+    """A chart that needs no canvas, as HTML."""
     if isinstance(chart, BarChart):
-        return 130 + _ROW_HEIGHT * len(chart.bars)
+        return bars_html(chart)
+    return ranks_html(chart) if isinstance(chart, DotChart) else picture_gallery(chart)
+
+
+def _height(chart: Plotted) -> int:
     if isinstance(chart, MapChart) or (isinstance(chart, Chart) and chart.square):
         return _TALL
     return _HEIGHT

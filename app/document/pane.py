@@ -6,8 +6,9 @@ from collections.abc import Callable
 from html import escape
 from itertools import groupby
 
-from app.document.blocks import Answer, Block, Bullets, Cell, Column, KeyFigure, KeyFigures, Table, Text
+from app.document.blocks import Answer, Block, Bullets, Cell, Column, KeyFigures, Table, Text
 from app.document.prose import prose
+from app.document.tiles import tiles_html
 
 Said = Callable[[str], str]
 """Literal text -> HTML: escaped, its equation marks as links to where this document has them."""
@@ -31,22 +32,7 @@ def _answer(answer: Answer, said: Said) -> str:
 
 
 def _key_figures(figures: KeyFigures, said: Said) -> str:
-    cards = "".join(_card(figure, said) for figure in figures.items)
-    return f'<dl class="cards" aria-label="{escape(figures.caption)}">{cards}</dl>'
-
-
-def _card(figure: KeyFigure, said: Said) -> str:
-    limit = ""
-    if figure.met is not None:
-        mark = "✓ within" if figure.met else "✗ over"
-        limit = (
-            f'<dd class="fine"><span class="mark">{mark}</span> the limit '
-            f'<span class="num">{escape(figure.limit)}</span></dd>'
-        )
-    return (
-        f'<div class="card"><dt>{escape(figure.label)}</dt><dd class="big num">{escape(figure.value)}</dd>'
-        f'<dd class="fine quiet">{said(figure.detail)}</dd>{limit}</div>'
-    )
+    return tiles_html(figures, said=said)
 
 
 _SENTENCES = 1.8  # weight of a column beyond which it holds sentences and keeps room where the screen is narrow

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from html import escape
 
 from app.charts.kinds import Dot, DotChart
@@ -12,24 +11,15 @@ from app.document.numbers import number
 _COMING = "after the runs"
 
 
-def ranks_html(chart: DotChart, notes: Mapping[str, str], best: str) -> str:
-    """A dot chart as a table with a bar in each row, on a logarithmic axis.
-
-    ``notes``: label -> small text beside it; ``best``: the label that is marked.
-    """
+def ranks_html(chart: DotChart, best: str = "") -> str:
+    """A dot chart as a table with a bar in each row, on a logarithmic axis; ``best``: the label that is marked."""
     scale = _Scale(chart)
     rows = "".join(
-        f'<tr{_best(dot.label == best)}><th scope="row">{escape(dot.label)}<small>{escape(notes[dot.label])}</small>'
+        f'<tr{_best(dot.label == best)}><th scope="row">{escape(dot.label)}<small>{escape(dot.note)}</small>'
         f'</th><td title="{escape(_tip(dot, chart))}"><div>{scale.marks(dot)}</div></td>{_figures(dot, chart)}</tr>'
         for dot in chart.dots
     )
-    columns = [
-        "Strategy",
-        "",
-        "[°]",
-        "[mm]",
-        *(["with along-track [°]"] if chart.has_wholes else []),
-    ]
+    columns = ["Strategy", "", "[°]", *(["with along-track [°]"] if chart.has_wholes else [])]
     caption = f"{escape(chart.title)}: {escape(chart.x_label)}"
     heads = "".join(f'<th scope="col">{head}</th>' for head in columns)
     return (
@@ -51,8 +41,8 @@ def _shown(dot: Dot) -> float:
 def _figures(dot: Dot, chart: DotChart) -> str:
     shown = _shown(dot)
     if math.isnan(shown):
-        return f'<td class="quiet" colspan="{2 + chart.has_wholes}">{_COMING}</td>'
-    values = [shown, chart.millimetres * shown, *([dot.whole] if chart.has_wholes else [])]
+        return f'<td class="quiet" colspan="{1 + chart.has_wholes}">{_COMING}</td>'
+    values = [shown, *([dot.whole] if chart.has_wholes else [])]
     return "".join(f'<td class="num">{number(value)}</td>' for value in values)
 
 
@@ -60,6 +50,8 @@ def _tip(dot: Dot, chart: DotChart) -> str:
     said = [] if math.isnan(dot.closed) else [f"formula {number(dot.closed)}°"]
     if not math.isnan(dot.ensemble):
         said.append(f"runs {number(dot.ensemble)}° rms, 5 to 95 %: {number(dot.low)}° to {number(dot.high)}°")
+    if math.isfinite(_shown(dot)):
+        said.append(f"{number(chart.millimetres * _shown(dot))} mm along the line of sight")
     return "; ".join((*said, dot.source))
 
 

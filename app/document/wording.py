@@ -6,9 +6,10 @@ import unicodedata
 from collections.abc import Mapping
 
 from app.document.numbers import number, show_in
+from nav_model.base.units import format_quantity
 from nav_model.design import Design
-from nav_model.design.parts import declaration_of
 from nav_model.design.presets import deviations, preset_of
+from nav_model.explore.margins import quantity
 
 DETRENDED = {1: "linear detrend", 2: "quadratic detrend", 3: "cubic detrend"}
 """What is removed from the phase before its residual is measured, by the order of the autofocus."""
@@ -27,8 +28,14 @@ def title_of(design: Design) -> str:
 
 def input_in_words(design: Design, key: str, value: float, *, given: bool = True) -> str:
     """A value [SI] of an input in the unit that the design has it in; not ``given``: a computed one."""
-    dimension = getattr(declaration_of(key), "dimension", "")
+    dimension = quantity(key).dimension
     return show_in(value, design.unit(key), dimension, given=given) if dimension else number(value, given=given)
+
+
+def box_text(design: Design, key: str, value: float, digits: int = 4) -> str:
+    """A value [SI] of an input as a person types it, in the unit that the design has it in."""
+    dimension = quantity(key).dimension
+    return format_quantity(value, design.unit(key), dimension, digits) if dimension else f"{value:.{digits}g}"
 
 
 def preset_name(design: Design, section: str) -> str:

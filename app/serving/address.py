@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import errno
 import ipaddress
+import logging
+import resource
 import socket
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
+from weakref import ref
+
+from tornado.ioloop import IOLoop
 
 from app.serving.board import Row
 from app.serving.logs import event
@@ -16,6 +23,9 @@ from nav_model.base.errors import InputError
 _BACKLOG = 128  # visitors that may wait to be let in
 _STEP_BACK = 0.015  # seconds: another process needs less, unless it is busy
 _ANOTHER = 0.5  # seconds without being asked to accept, after which it is for another visitor
+_MOST_WAITING = 500  # connections that have asked for nothing yet, or for no page; each may hold 130 kB
+_REST = 0.5  # seconds without accepting when no file can be opened
+_QUIET = 60.0  # seconds in which that is logged once
 
 
 def listen(rules: Rules) -> tuple[socket.socket, int]:
@@ -36,13 +46,19 @@ def listen(rules: Rules) -> tuple[socket.socket, int]:
 
 
 class SharedSocket(socket.socket):
-    """A listening socket that other processes accept from too. A process with more sessions than another waits a
-    moment before it accepts, as a page stays in the process that accepted it."""
+    """A listening socket that other processes may accept from too.
+
+    A process with more sessions than another waits a moment before it accepts, as a page stays in the process that
+    accepted it. Of too many connections that are not a page's, the one that came first gives way: whoever opens them
+    by the thousand and asks for nothing keeps nobody out.
+    """
 
     def __init__(self, shared: socket.socket, row: Row) -> None:
         super().__init__(fileno=shared.detach())
         self._row = row
-        self._began = self._asked = -1.0
+        self._began = self._asked = self._logged = -_QUIET
+        self._waiting: list[ref[socket.socket]] = []
+        self._most = min(_MOST_WAITING, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // 4)
 
     def accept(self) -> tuple[socket.socket, Any]:
         """As ever; BlockingIOError, as when nobody is waiting, while another process should accept."""
@@ -53,7 +69,32 @@ class SharedSocket(socket.socket):
             self._asked = now
             if now - self._began < _STEP_BACK:
                 raise BlockingIOError
-        return super().accept()
+        try:
+            accepted, peer = super().accept()
+        except OSError as error:
+            if error.errno not in (errno.EMFILE, errno.ENFILE):
+                raise
+            self._rest()
+            raise BlockingIOError from error
+        self._waiting = [one for one in self._waiting if (open_ := one()) is not None and open_.fileno() >= 0]
+        if len(self._waiting) >= self._most and (first := self._waiting.pop(0)()) is not None:
+            with suppress(OSError):  # it has just gone
+                first.shutdown(socket.SHUT_RDWR)
+        self._waiting.append(ref(accepted))
+        return accepted, peer
+
+    def keep(self, accepted: socket.socket) -> None:
+        """A connection has become a page's."""
+        self._waiting = [one for one in self._waiting if one() is not accepted]
+
+    def _rest(self) -> None:
+        """No more files can be opened: accept nobody for a moment, or the event loop would ask without end."""
+        now, loop = time.monotonic(), IOLoop.current()
+        if now - self._logged >= _QUIET:
+            self._logged = now
+            event("no file left for another connection", logging.ERROR)
+        loop.update_handler(self, 0)
+        loop.call_later(_REST, lambda: loop.update_handler(self, IOLoop.READ) if self.fileno() >= 0 else None)
 
 
 def announce(rules: Rules, port: int) -> None:

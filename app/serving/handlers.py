@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import logging
+import socket
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
-from weakref import WeakSet
+from weakref import WeakKeyDictionary, WeakSet
 
+from bokeh.server.session import ServerSession
 from bokeh.util.token import get_session_id
 from panel.io.server import DocHandler
 from tornado.web import OutputTransform, RequestHandler, authenticated
 
 from app.dashboard.lifeline import THEME_COOKIE
 from app.serving.access import plain_page
+from app.serving.allowance import FRAME, Allowance
 from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
@@ -23,7 +27,6 @@ from app.upstream.frames_at_once import FramesAtOnce
 from app.upstream.late_session import new_token
 from app.upstream.lost_connection import LostConnection
 from app.upstream.no_receipts import NoReceipts
-from app.upstream.push_doc import NoPushDoc
 from app.upstream.routes import serve_only
 from app.upstream.tracebacks import NoTracebacks
 
@@ -62,10 +65,14 @@ class Surroundings:
     """Where this process says how many sessions it has."""
     most: int
     """Sessions allowed at once, over all processes."""
+    most_bytes: int
+    """Of one message of a page, with all its frames."""
     page: Callable[[str, bool], str]
     """What a browser is sent for the token of a session, and for a page in dark."""
     heard: Callable[[], None]
     """Called with every message of a page."""
+    keep: Callable[[socket.socket], None]
+    """Called with every connection of a page."""
     admits: Callable[[str], bool]
     """Whether somebody who is logged in may enter."""
     still_in: Callable[[Any], bool]
@@ -82,6 +89,8 @@ _here: Surroundings
 
 
 _connections: WeakSet[LimitedWSHandler] = WeakSet()
+_allowances: WeakKeyDictionary[ServerSession, Allowance] = WeakKeyDictionary()
+_MOST_FAULTS = 50  # of one connection
 
 
 def being_sent() -> bool:
@@ -139,8 +148,12 @@ class PageHandler(DocHandler):
         self.finish(plain_page(title, text, **again))
 
 
-class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoPushDoc, NoReceipts, NoTracebacks):
-    """The page's connection; it opens no session beyond the limit either."""
+class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoReceipts, NoTracebacks):
+    """The page's connection; it opens no session beyond the limit either, and takes no more than a page sends."""
+
+    receiver: Any
+    _coming = 0  # bytes of the message that is being received
+    _faults = 0
 
     async def prepare(self) -> None:
         """Refuse before the handshake."""
@@ -164,10 +177,62 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoPushDoc, No
         """As Bokeh; and remember the connection for as long as it lives."""
         _connections.add(self)
         super().open(*arguments, **options)
+        if self.ws_connection is not None and self.ws_connection.stream is not None:
+            _here.keep(self.ws_connection.stream.socket)
+
+    def _hung_up(self) -> bool:
+        return self.ws_connection is None
+
+    async def _async_open(self, token: str) -> None:
+        """As Bokeh, which makes a page also for whoever has hung up, and keeps it as one in use."""
+        if self._hung_up():
+            return
+        await super()._async_open(token)
+        if self._hung_up():  # while it was made
+            self.on_close()
+
+    async def _receive(self, fragment: str | bytes) -> Any:
+        if self.receiver is None:  # before the greeting, and once it is refused
+            return None
+        self._coming += len(fragment) + FRAME
+        if self._coming > _here.most_bytes:
+            self._refuse("larger than --max-message")
+            return None
+        try:
+            message = await super()._receive(fragment)
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+            self._refuse("malformed")
+            return None
+        if message is not None:
+            self._coming = 0
+        return message
 
     async def _handle(self, message: Any) -> Any:
         _here.heard()
+        if self._hung_up() or self.connection is None:
+            return None
+        reason = _allowances.setdefault(self.connection.session, Allowance(_here.most_bytes)).against(message)
+        if reason:
+            self._refuse(reason)
+            return None
         return await super()._handle(message)
+
+    async def send_message(self, message: Any) -> None:
+        """As Bokeh; a page that goes on causing faults, each a line in the log, is closed."""
+        await super().send_message(message)
+        self._faults += message.msgtype == "ERROR"
+        if self._faults > _MOST_FAULTS:
+            self._refuse("fault after fault")
+
+    def _refuse(self, reason: str) -> None:
+        self.receiver = None  # and what it has of a message; the browser may go on sending
+        event("page closed", logging.WARNING, reason=reason, peer=self.request.remote_ip)
+        self.close(1008, reason)
+
+    def _internal_error(self, _: str) -> None:
+        self._refuse("malformed")
+
+    _protocol_error = _internal_error
 
 
 class Alive(RequestHandler):

@@ -17,6 +17,7 @@ from typing import Any
 from tornado.web import RequestHandler
 
 LOGGER = logging.getLogger("navbudget")
+_LONGEST = 10_000  # characters of a record for a terminal
 
 
 class JsonFormatter(logging.Formatter):
@@ -49,8 +50,10 @@ class TextFormatter(logging.Formatter):
     """A record for a person at a terminal."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """The line, with its traceback if there is one."""
+        """The line, with its traceback if there is one; cut where a library quotes what somebody sent."""
         text = super().format(record)
+        if len(text) > _LONGEST:
+            text = f"{text[:_LONGEST]} ..."
         fields = getattr(record, "fields", {})
         return text + "".join(f" {key}={value}" for key, value in fields.items())
 

@@ -6,7 +6,6 @@ import asyncio
 import os
 import secrets
 import signal
-import socket
 import time
 from collections.abc import Callable
 from importlib import import_module
@@ -22,7 +21,7 @@ from app.dashboard.frame import Frame, is_review_link
 from app.dashboard.opening import OPENING_SCRIPT, OPENING_SHEET
 from app.document.display import display_of
 from app.serving.access import PasswordProvider, provider_of
-from app.serving.address import announce, listen, origins
+from app.serving.address import SharedSocket, announce, listen, origins
 from app.serving.board import Board, Row
 from app.serving.collector import Collector, settle
 from app.serving.handlers import Surroundings, around, being_sent, close_door, hang_up_on_ended_logins
@@ -62,6 +61,7 @@ COMPONENTS = ("app.ui.anchored_text", "app.ui.decision_table", "app.ui.sortable_
 that one visitor's tab is the first to import known to one open page, and every other page breaks on it."""
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
 _MAX_HEADER = 65_536  # a design as a link is far shorter
+_SLOWEST = 20.0  # seconds for a request's headers, for its body, and between two requests of a connection
 _TELL = 0.5  # seconds
 _REST = 1.0  # seconds
 _LAST_LOOKS = 20  # for results to reach the pages once all work has ended, 50 ms and more between two
@@ -111,16 +111,18 @@ def serve(rules: Rules) -> None:
     rules.check()
     listening, port = listen(rules)
     set_up(rules.log)
+    row = Row(Board())
 
     def ready() -> None:
+        row.put("ready", 1)
         announce(rules, port)
 
-    serve_on(listening, port, rules, Row(Board()), secrets.token_bytes(32), ready)
+    serve_on(SharedSocket(listening, row), port, rules, row, secrets.token_bytes(32), ready)
     event("stopped")
 
 
 def serve_on(
-    listening: socket.socket, port: int, rules: Rules, row: Row, secret: bytes, ready: Callable[[], None]
+    listening: SharedSocket, port: int, rules: Rules, row: Row, secret: bytes, ready: Callable[[], None]
 ) -> None:
     """Serve from this process on a socket that listens already, until stopped; ``ready`` is called once visitors can
     come. The secret signs sessions: processes that share the socket share it too.
@@ -154,7 +156,7 @@ def serve_on(
     access = provider_of(rules)
     provider = access.get("auth_provider")
     here = Surroundings(
-        row, rules.max_sessions, page=opening_page(), heard=collector.heard,
+        row, rules.max_sessions, rules.max_message, page=opening_page(), heard=collector.heard, keep=listening.keep,
         admits=rules.oauth.admits if rules.oauth else lambda _: True,
         still_in=provider.still_in if isinstance(provider, PasswordProvider) else lambda _: True,
     )  # fmt: skip
@@ -169,7 +171,12 @@ def serve_on(
         verbose=False,
         websocket_origin=origins(rules.address, port, rules.allow_origin),
         websocket_max_message_size=rules.max_message,
-        http_server_kwargs={"max_body_size": _MAX_BODY, "max_header_size": _MAX_HEADER},
+        http_server_kwargs={
+            "max_body_size": _MAX_BODY,
+            "max_header_size": _MAX_HEADER,
+            "idle_connection_timeout": _SLOWEST,
+            "body_timeout": _SLOWEST,
+        },
         use_xheaders=rules.behind_proxy,
         sign_sessions=True,  # a session that was not issued cannot be opened
         secret_key=secret,

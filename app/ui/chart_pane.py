@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 import panel as pn
 import panel_material_ui as pmui
 
-from app.charts.kinds import AnyChart, Chart, RankChart, TradeMapChart, to_csv
+from app.charts.kinds import AnyChart, Chart, Plotted, TradeMapChart, to_csv
 from app.charts.legend import legend_html
 from app.charts.print.svg import to_svg
 from app.charts.screen.figures import to_bokeh
@@ -36,10 +36,10 @@ class ChartPane(Generic[_T]):
 
     def __init__(
         self,
-        describe: Callable[[_T], AnyChart],
+        describe: Callable[[_T], Plotted],
         current: Callable[[], _T],
         height: int | None = None,
-        moving: Callable[[_T], AnyChart] | None = None,
+        moving: Callable[[_T], Plotted] | None = None,
     ) -> None:
         self._describe = describe
         self._moving = moving or describe
@@ -82,12 +82,12 @@ class ChartPane(Generic[_T]):
             self._tell(chart)
             self._know.say(_know(chart))
 
-    def _tell(self, chart: AnyChart) -> None:
+    def _tell(self, chart: Plotted) -> None:
         self._title.say(self._heading(chart))
         for take, label in zip(self._takes, _labels(chart), strict=False):
             take.label = label
 
-    def _heading(self, chart: AnyChart) -> str:
+    def _heading(self, chart: Plotted) -> str:
         if self._fills:
             beside = f'<span class="quiet fine">{escape(chart.aside)}</span>' if isinstance(chart, Chart) else ""
             return head_html(chart.title, chart.knowledge, beside, legend_html(chart), described(chart))
@@ -123,7 +123,7 @@ def _labels(chart: AnyChart) -> tuple[str, str]:
     return f"{chart.title}: CSV", f"{chart.title}: SVG"
 
 
-def _know(chart: AnyChart) -> str:
+def _know(chart: Plotted) -> str:
     return f"{described(chart)}{legend_html(chart)}{source_note(chart.knowledge)}"
 
 
@@ -132,6 +132,6 @@ def source_note(knowledge: str) -> str:
     return f'<p class="know quiet"><b>Source and method:</b> {prose(knowledge)}</p>'
 
 
-def described(chart: AnyChart | RankChart | TradeMapChart) -> str:
+def described(chart: AnyChart | TradeMapChart) -> str:
     """The description of a chart for screen readers, which cannot read a canvas."""
     return f'<p class="hidden">What the chart shows: {escape(in_words(chart))}</p>'

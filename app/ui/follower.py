@@ -7,7 +7,7 @@ from typing import Any, Generic, TypeVar
 
 import panel as pn
 
-from app.charts.kinds import AnyChart
+from app.charts.kinds import Plotted
 from app.ui.chart_pane import ChartPane
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
@@ -70,13 +70,13 @@ class Follower(Generic[_T]):
         self.also(show)
         return place
 
-    def chart(self, draw: Callable[[_T], AnyChart], height: int | None = None) -> pn.Column:
+    def chart(self, draw: Callable[[_T], Plotted], height: int | None = None) -> pn.Column:
         """A chart of the result that there is."""
         pane: ChartPane[_T] = ChartPane(draw, self.known, height)
         self._shows.append(pane.show)
         return pane.view
 
-    def charts(self, *draws: Callable[[_T], AnyChart], height: int) -> pn.Column:
+    def charts(self, *draws: Callable[[_T], Plotted], height: int) -> pn.Column:
         """Charts beside each other, made with the first result."""
         return self.later(lambda: grid(*(cell(6, self.chart(draw, height)) for draw in draws)))
 

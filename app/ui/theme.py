@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from app.document.bars import ROWS_SHEET
 from app.upstream.progress_name import PROGRESS_NAME
 
 ACCENT = "#0b5c8a"
@@ -79,7 +80,7 @@ SWITCH = _sheet("switch")
 
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.
-SHEET = _sheet("sheet")
+SHEET = ROWS_SHEET + _sheet("sheet")
 
 FIND = Path(__file__).with_name("find.js").read_text("utf-8")
 """Before a script that looks for parts of the page."""

@@ -7,7 +7,6 @@ import asyncio
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
-from weakref import WeakKeyDictionary
 
 import panel as pn
 from bokeh.document import Document
@@ -48,10 +47,6 @@ def in_turns(pieces: Iterable[Callable[[], None]]) -> None:
     pn.state.execute(run)
 
 
-_below: WeakKeyDictionary[Document, list[Callable[[], object]]] = WeakKeyDictionary()
-"""What is to be made once a page's first screen has reached its browser."""
-
-
 def once_loaded(work: Callable[[], object]) -> None:
     """Do the work when the first screen has reached the browser; all such work is one change.
 
@@ -60,17 +55,18 @@ def once_loaded(work: Callable[[], object]) -> None:
     document = pn.state.curdoc
     if document is None or pn.state.loaded:
         work()
-    elif document in _below:
-        _below[document].append(work)
-    else:
-        _below[document] = [work]
-        pn.state.onload(lambda: _complete(document))
+        return
+    # The work holds its page: kept on the document, both go together, also if its browser is never ready.
+    waiting: list[Callable[[], object]] = vars(document).setdefault("once_loaded", [])
+    if not waiting:
+        pn.state.onload(lambda: _complete(document, waiting))
+    waiting.append(work)
 
 
-def _complete(document: Document) -> None:
+def _complete(document: Document, waiting: list[Callable[[], object]]) -> None:
     with pn.io.hold(), frozen_models(document):
-        for work in _below.pop(document):
-            pn.state.execute(work, schedule=False)  # a fault in one is told, the others are made
+        while waiting:
+            pn.state.execute(waiting.pop(0), schedule=False)  # a fault in one is told, the others are made
 
 
 def once_quiet(work: Callable[[], None]) -> Callable[[], None]:

@@ -1,7 +1,7 @@
-"""A box and a switch follow a value without lifting the write protection of every parameter they have.
+"""A box follows a value without lifting the write protection of every parameter they have.
 
-panel-material-ui copies "value" to "value_input" of a box, and its place to "active" of a switch. Both it protects,
-and to write them makes all fifty parameters writable and protects them again: a twentieth of a slider's step each.
+panel-material-ui copies "value" to "value_input", which it protects, and to write that makes all fifty parameters
+writable and protects them again: a twentieth of a slider's step.
 Panel asks for each change whether and how the page may be told, which is known while changes are held: another.
 
 Written for: Panel 1.9.4, panel-material-ui 0.16.6
@@ -10,8 +10,6 @@ Needless when: tests/app/upstream/test_prompt_input.py::test_as_shipped_every_pa
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import panel_material_ui as pmui
 import param
@@ -42,22 +40,3 @@ class PromptInput(pmui.TextInput):
             self.value = self.value_input = text
         for ref, (model, _) in self._models.items():
             self._set_on_model({"value": text, "value_input": text}, state._views[ref][1], model.data)
-
-
-class PromptSwitch(pmui.RadioButtonGroup):
-    """A switch whose words may change with every step of a slider.
-
-    The browser knows the value by its words, so it is told the value again with new ones.
-    """
-
-    active = param.Integer(default=None, readonly=False, constant=False, doc="Place of the value among the options.")
-
-    @param.depends("value", "options", watch=True, on_init=True)
-    def _sync_active(self) -> None:
-        values = self.values
-        self.active = values.index(self.value) if self.value in values else None
-
-    def _process_param_change(self, params: dict[str, Any]) -> dict[str, Any]:
-        again = {"value": self.value} if "options" in params else {}
-        changed: dict[str, Any] = super()._process_param_change({**params, **again})
-        return changed

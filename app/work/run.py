@@ -105,9 +105,19 @@ class Run(param.Parameterized):
         return self._task
 
     def cancel(self) -> None:
-        """Cancel at once; the worker's task is dropped."""
+        """Cancel; the worker's task is dropped. The work may still `show` what it has found."""
         if self._task is not None:
             self._task.cancel()
+
+    def drop(self) -> None:
+        """Cancel what nobody waits for any more; nothing of it is shown."""
+        self.cancel()
+        self._task = None
+
+    @property
+    def mine(self) -> bool:
+        """Whether the task that asks is the newest of this run, whose result is wanted."""
+        return self._task is asyncio.current_task()
 
     def tell(self, what: str, share: float | None = None) -> None:
         """Report progress: in words, and as a share from 0 to 1 once that is known."""
@@ -129,6 +139,8 @@ class Run(param.Parameterized):
         except (BrokenProcessPool, RunLost):
             end = {"message": "The process that did the work ended without an answer. Start again."}
         finally:
-            if self._task is asyncio.current_task():  # a run that was replaced leaves the word to its successor
+            if self.mine:  # a run that was replaced leaves the word to its successor
                 self._task = None
                 self.param.update(running=False, progress=None, **end)
+            elif self._task is None:  # dropped
+                self.running = False

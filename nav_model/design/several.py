@@ -163,7 +163,7 @@ class Intervals(_Several):
 
 def with_unit(text: str, unit: str) -> str:
     """A quantity as text, with `unit` where it gives none."""
-    return text if _unit_of(text) else f"{text} {unit}"
+    return text if not unit or _unit_of(text) else f"{text} {unit}"
 
 
 def _unit_of(part: str) -> str:

@@ -59,7 +59,7 @@ class Answer:
     ``outcome`` is "limited" when ``value`` [SI] is the largest that meets it; "any value" when every allowed
     value does; "no value" when none does that can be bought or flown. ``margin`` is what `analyse` finds
     with ``value`` put back, None where it was not. ``binding`` names the requirement that limits (for "no value": one
-    that stays unmet); ``depends`` says whether the input enters that requirement at all.
+    that stays unmet).
     """
 
     key: str
@@ -68,7 +68,6 @@ class Answer:
     value: float | None
     margin: float | None
     binding: str
-    depends: bool
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,7 @@ def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
     if not names:
         raise InputError("requirements", "none is given; give at least one limit to solve for")
     keys = [key for key in SOLVED if key != "gnss.vertical_position_noise" or design[key] is not None]
-    roots, outcomes, depends = _roots(design, keys, names)
+    roots, outcomes = _roots(design, keys, names)
     solutions = []
     for i, key in enumerate(keys):
         each = tuple(
@@ -130,7 +129,6 @@ def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
                 float(roots[i, j]) if outcomes[i][j] == "limited" else None,
                 None,
                 name,
-                bool(depends[i, j]),
             )
             for j, name in enumerate(names)
         )
@@ -150,12 +148,12 @@ def _together(key: str, each: tuple[Answer, ...]) -> Answer:
     """The least of the answers; a requirement that cannot be met decides for all."""
     stuck = [answer for answer in each if answer.outcome == "no value"]
     if stuck:
-        return Answer(key, ALL, "no value", None, None, stuck[0].binding, any(a.depends for a in stuck))
+        return Answer(key, ALL, "no value", None, None, stuck[0].binding)
     limited = [answer for answer in each if answer.value is not None]
     if not limited:
-        return Answer(key, ALL, "any value", None, None, each[0].binding, any(a.depends for a in each))
+        return Answer(key, ALL, "any value", None, None, each[0].binding)
     least = min(limited, key=lambda answer: answer.value or 0.0)
-    return Answer(key, ALL, "limited", least.value, least.margin, least.binding, True)
+    return Answer(key, ALL, "limited", least.value, least.margin, least.binding)
 
 
 def _verified(design: Design, answer: Answer) -> Answer:
@@ -181,8 +179,8 @@ def _bounds(design: Design, key: str) -> tuple[float, float]:
     return max(least(key, _current(design, key)), _SMALLEST * high), high
 
 
-def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, list[list[Outcome]], Array]:
-    """Root, outcome and dependence for every input (rows) and requirement (columns)."""
+def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, list[list[Outcome]]]:
+    """Root and outcome for every input (rows) and requirement (columns)."""
     low, high = (np.log(np.array(ends)) for ends in zip(*(_bounds(design, key) for key in keys), strict=True))
     grid = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _SAMPLES)
     rows = np.repeat(np.arange(len(keys)), _SAMPLES)
@@ -195,15 +193,13 @@ def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, li
         ["no value" if none[i, j] else "any value" if every[i, j] else "limited" for j in range(len(names))]
         for i in range(len(keys))
     ]
-    with np.errstate(invalid="ignore"):
-        depends = np.ptp(excess, axis=-1) > 0
     i, j = np.nonzero(~none & ~every)
     k = first[i, j]
     roots = np.full(none.shape, np.nan)
     if i.size:
         bracket = (grid[i, k - 1], grid[i, k], excess[i, j, k - 1], excess[i, j, k])
         roots[i, j] = np.exp(_bracketed(lambda x: _excess(design, keys, names, i, x)[j, np.arange(len(i))], *bracket))
-    return roots, outcomes, depends
+    return roots, outcomes
 
 
 def _excess(design: Design, keys: list[str], names: list[str], rows: NDArray[np.intp], log_values: Array) -> Array:

@@ -1,12 +1,11 @@
 """`navbudget serve` that tells, on SIGUSR1, how many pages live in its memory: run as a program of its own.
 
-On SIGUSR1 it writes to the file that the last argument names: pages alive, and resident memory in MB once what is
-free has been given back.
+On SIGUSR1 it writes to the file that the last argument names: pages alive, and resident memory in MB. It only looks:
+to collect garbage and to give back what is free is the server's own work.
 """
 
 from __future__ import annotations
 
-import ctypes
 import gc
 import json
 import os
@@ -19,12 +18,9 @@ from app.cli import main
 
 
 def _look(target: Path) -> None:
-    gc.collect()
     frames = sum(
         type(found).__name__ == "Frame" and "dashboard" in type(found).__module__ for found in gc.get_objects()
     )
-    if hasattr(libc := ctypes.CDLL(None), "malloc_trim"):
-        libc.malloc_trim(0)
     resident = int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
     draft = target.with_suffix(".draft")
     draft.write_text(json.dumps({"frames": frames, "resident": resident}))

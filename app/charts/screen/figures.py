@@ -17,7 +17,6 @@ from bokeh.core.properties import value
 from bokeh.models import (
     BoxAnnotation,
     ColumnDataSource,
-    FactorRange,
     Glyph,
     GlyphRenderer,
     HoverTool,
@@ -30,12 +29,11 @@ from bokeh.models import (
 )
 from bokeh.models import Line as LineGlyph
 from bokeh.plotting import figure
-from bokeh.transform import dodge
 
-from app.charts.kinds import AnyChart, BarChart, Chart, Line
+from app.charts.kinds import Chart, Line, MapChart, Plotted
 from app.charts.screen.grid import columns_of, draw
 from app.charts.screen.log_axis import mark_in_powers
-from app.charts.styles import BAR_STYLES, DASHES, INK, STYLES
+from app.charts.styles import DASHES, INK, STYLES
 
 # The page's theme sets chart text in em; this is what an em is.
 TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
@@ -56,7 +54,7 @@ class Figure:
     _spans: dict[str, tuple[BoxAnnotation, Label]] = field(default_factory=dict)
     _lines: Sequence[GlyphRenderer] = ()
 
-    def feed(self, chart: AnyChart) -> None:
+    def feed(self, chart: Plotted) -> None:
         """Show another chart of the same structure."""
         renamed = isinstance(chart, Chart) and self._rename(chart)
         for name, columns in _columns(chart).items():
@@ -98,12 +96,10 @@ class Figure:
             self.plot.y_range.update(start=start, end=end, reset_start=start, reset_end=end)
 
 
-def to_bokeh(chart: AnyChart, height: int | None = 320) -> Figure:
+def to_bokeh(chart: Plotted, height: int | None = 320) -> Figure:
     """A figure for a chart, as wide as its place; with a height of None also as high as its place."""
     if isinstance(chart, Chart):
         return _curves(chart, height)
-    if isinstance(chart, BarChart):
-        return _bars(chart, height)
     columns = columns_of(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
     plot = draw(chart, sources, height or _LEAST)
@@ -123,12 +119,10 @@ def fill(plot: figure) -> None:
     plot.toolbar.autohide = True
 
 
-def _columns(chart: AnyChart) -> dict[str, dict[str, Any]]:
+def _columns(chart: Plotted) -> dict[str, dict[str, Any]]:
     """Source name -> columns. Lines that share an x array share a source."""
-    if not isinstance(chart, Chart | BarChart):
+    if isinstance(chart, MapChart):
         return columns_of(chart)
-    if isinstance(chart, BarChart):
-        return _bar_columns(chart)
     columns: dict[str, dict[str, Any]] = {}
     for line in chart.lines:
         columns.setdefault(_line_source(chart, line.x), {"x": line.x})[_column(line)] = line.y
@@ -253,55 +247,3 @@ def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnota
     plot.add_layout(box)
     plot.add_layout(label)
     return box, label
-
-
-def _bar_columns(chart: BarChart) -> dict[str, dict[str, Any]]:
-    rows = chart.bars[::-1]  # Bokeh counts rows from below
-    names = ("label", "first", "second", "first_mm", "second_mm", "source")
-    limits = {"first": chart.first_limit, "second": chart.second_limit}
-    return {
-        "bars": {name: [getattr(bar, name) for bar in rows] for name in names},
-        **{f"limit {kind}": {"x": [x], "low": [0.0], "high": [float(len(rows))]} for kind, x in limits.items()},
-    }
-
-
-def _bars(chart: BarChart, height: int | None) -> Figure:
-    columns = _bar_columns(chart)
-    plot = figure(
-        name=chart.key,
-        height=height or _LEAST,
-        sizing_mode="stretch_width",
-        y_range=FactorRange(*columns["bars"]["label"]),
-        x_axis_label=chart.x_label,
-        tools=_TOOLS,
-        toolbar_location="right",
-        active_drag=None,
-    )
-    plot.toolbar.logo = None
-    if height is None:
-        fill(plot)
-    plot.x_range.start = 0
-    plot.ygrid.grid_line_color = None
-    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
-    for kind, offset, (style, hatched, dash) in zip(("first", "second"), (0.19, -0.19), BAR_STYLES, strict=True):
-        colour = STYLES[style].colour
-        bars = plot.hbar(
-            y=dodge("label", offset, range=plot.y_range),
-            left=0,
-            right=kind,
-            height=0.34,
-            source=sources["bars"],
-            fill_color=colour,
-            line_color=colour,
-            fill_alpha=0.25 if hatched else 0.85,
-            hatch_pattern="/" if hatched else None,
-            hatch_color=colour,
-        )
-        plot.segment(
-            "x", "low", "x", "high", source=sources[f"limit {kind}"],
-            line_color=STYLES["limit"].colour, line_dash=DASHES[dash], line_width=2,
-        )  # fmt: skip
-        tooltip = f"<b>@label</b><br>@{kind}{{0.000}}{chart.unit} = @{kind}_mm{{0.0000}} mm<br>@source"
-        _hover(plot, [bars], tooltip)
-    plot.styles = TEXT_SIZE
-    return Figure(plot, sources, dict(columns))

@@ -1,4 +1,4 @@
-"""Dot charts and maps as Bokeh figures; `on_screen` feeds them, `legend` explains them."""
+"""Maps of regions as Bokeh figures; `figures` feeds them, `legend` explains them."""
 
 from __future__ import annotations
 
@@ -6,70 +6,18 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, FactorRange, HoverTool, LinearColorMapper
+from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper
 from bokeh.plotting import figure
 
-from app.charts.kinds import DotChart, MapChart
+from app.charts.kinds import MapChart
 from app.charts.region import region_names
 from app.charts.styles import DASHES, STYLES
 
 _TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 
 
-def columns_of(chart: DotChart | MapChart) -> dict[str, dict[str, Any]]:
+def columns_of(chart: MapChart) -> dict[str, dict[str, Any]]:
     """Source name -> columns."""
-    return _dot_columns(chart) if isinstance(chart, DotChart) else _map_columns(chart)
-
-
-def draw(chart: DotChart | MapChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:
-    """The figure."""
-    return _dots(chart, sources, height) if isinstance(chart, DotChart) else _map(chart, sources, height)
-
-
-def _dot_columns(chart: DotChart) -> dict[str, dict[str, Any]]:
-    rows = chart.dots[::-1]  # Bokeh counts rows from below
-    names = ("closed", "ensemble", "low", "high")
-    columns: dict[str, Any] = {name: np.array([getattr(dot, name) for dot in rows], float) for name in names}
-    columns |= {f"{name}_mm": chart.millimetres * columns[name] for name in names}
-    columns |= {"label": [dot.label for dot in rows], "source": [dot.source for dot in rows]}
-    return {
-        "dots": columns,
-        "limit": {"x": [chart.limit], "low": [0.0], "high": [float(len(rows))]},
-    }
-
-
-def _dots(chart: DotChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:
-    plot = figure(
-        name=chart.key,
-        height=height,
-        sizing_mode="stretch_width",
-        x_axis_type="log",
-        y_range=FactorRange(*(dot.label for dot in chart.dots[::-1])),
-        x_axis_label=chart.x_label,
-        tools=_TOOLS,
-        toolbar_location="right",
-        active_drag=None,
-    )
-    plot.toolbar.logo = None
-    dots, limit, blue, orange = sources["dots"], STYLES["limit"], STYLES["horizontal"], STYLES["vertical"]
-    plot.segment("low", "label", "high", "label", source=dots, line_color=blue.colour, line_width=7, line_alpha=0.35)
-    runs = plot.scatter("ensemble", "label", source=dots, marker="circle", size=9, color=blue.colour)
-    closed = plot.scatter(
-        "closed", "label", source=dots, marker="diamond", size=15,
-        fill_alpha=0, line_color=orange.colour, line_width=2,
-    )  # fmt: skip
-    plot.segment(
-        "x", "low", "x", "high", source=sources["limit"],
-        line_color=limit.colour, line_dash=DASHES[limit.dash], line_width=limit.width,
-    )  # fmt: skip
-    said = "<b>@label</b><br>closed form @closed{0.000}° = @closed_mm{0.000} mm<br>"
-    said += "ensemble rms @ensemble{0.000}° = @ensemble_mm{0.000} mm<br>"
-    said += "5 to 95 % @low{0.000}° to @high{0.000}°<br>@source"
-    plot.add_tools(HoverTool(renderers=[runs, closed], tooltips=said, visible=False))
-    return plot
-
-
-def _map_columns(chart: MapChart) -> dict[str, dict[str, Any]]:
     left, right = _edges(chart.x)
     bottom, top = _edges(chart.y)
     places = list(region_names(chart).values())
@@ -96,7 +44,8 @@ def _edges(values: np.ndarray) -> tuple[float, float]:
     return float(values[0] / half), float(values[-1] * half)
 
 
-def _map(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:
+def draw(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:
+    """The figure."""
     plot = figure(
         name=chart.key,
         height=height,

@@ -1,4 +1,4 @@
-"""The Explore page's charts as Bokeh figures: made once, then updated."""
+"""Maps of two inputs as Bokeh figures: made once, then updated."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from bokeh.models import (
     ColorBar,
     ColumnDataSource,
     CustomJSTickFormatter,
-    FactorRange,
     FixedTicker,
     HoverTool,
     LogColorMapper,
@@ -18,7 +17,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from app.charts.kinds import LEVELS, Array, RankChart, TradeMapChart
+from app.charts.kinds import LEVELS, Array, TradeMapChart
 from app.charts.screen.figures import TEXT_SIZE, fill
 from app.charts.screen.log_axis import mark_in_powers
 from app.charts.styles import STYLES
@@ -32,67 +31,6 @@ _RED = STYLES["limit"].colour
 # The map in a window of 1280 x 720 and of 390 pixels: width, height, how far above or below its mark a name may be.
 _ON_A_SCREEN, _ON_A_PHONE = (800.0, 370.0, 42.0), (205.0, 225.0, 14.0)
 _TIMES = Path(__file__).with_name("times_labels.js").read_text("utf-8")
-
-
-class RankFigure:
-    """A sorted bar chart; hatched bars are inputs to double, plain ones inputs to halve."""
-
-    def __init__(self, chart: RankChart) -> None:
-        self._source = ColumnDataSource(_bars(chart), name=f"{chart.key} bars")
-        self.plot = figure(
-            name=chart.key,
-            y_range=FactorRange(*self._source.data["label"]),
-            x_range=Range1d(0, _most(chart)),
-            x_axis_label=chart.x_label,
-            tools="save",
-            toolbar_location="right",
-        )
-        self.plot.toolbar.logo = None
-        fill(self.plot)
-        self.plot.ygrid.grid_line_color = None
-        self.plot.styles = TEXT_SIZE
-        colour = STYLES["quadratic"].colour
-        bars = self.plot.hbar(
-            y="label", left=0, right="percent", height=0.66, source=self._source, fill_color=colour,
-            line_color=colour, fill_alpha="alpha", hatch_pattern="hatch", hatch_color=colour,
-        )  # fmt: skip
-        self.plot.text(
-            "percent", "label", text="shown", source=self._source, x_offset=5, text_baseline="middle",
-            text_font_size="12px", text_color="#7b8794",
-        )  # fmt: skip
-        self.plot.add_tools(HoverTool(renderers=[bars], tooltips="@sentence", visible=False))
-        self.plot.min_border_left = _room_for(chart)
-
-    def feed(self, chart: RankChart) -> None:
-        """Show another ranking."""
-        data = _bars(chart)
-        if self.plot.min_border_left != _room_for(chart):
-            self.plot.min_border_left = _room_for(chart)
-        if list(self.plot.y_range.factors) != data["label"]:
-            self.plot.y_range.factors = data["label"]
-        self.plot.x_range.end = _most(chart)
-        self._source.data = data
-
-
-def _room_for(chart: RankChart) -> int:
-    """Pixels for the names of the bars: Bokeh may measure them before their font has come, and cuts them."""
-    return 16 + round(6.4 * max((len(bar.label) for bar in chart.bars), default=0))
-
-
-def _most(chart: RankChart) -> float:
-    return 1.35 * max((bar.percent for bar in chart.bars), default=100.0)
-
-
-def _bars(chart: RankChart) -> dict[str, Any]:
-    rows = chart.bars[::-1]  # Bokeh counts rows from below
-    return {
-        "label": [bar.label for bar in rows],
-        "percent": [bar.percent for bar in rows],
-        "shown": [f"{bar.percent:.2g} %" for bar in rows],
-        "alpha": [0.25 if bar.doubled else 0.85 for bar in rows],
-        "hatch": ["right_diagonal_line" if bar.doubled else "blank" for bar in rows],
-        "sentence": [bar.sentence for bar in rows],
-    }
 
 
 class MapFigure:

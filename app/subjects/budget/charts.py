@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from app.charts.kinds import Array, Bar, BarChart, Chart, Line, Points
+from app.charts.kinds import TOTAL, Array, Bar, BarChart, Chart, Line, Points
 from app.document.numbers import decibels, number, percent, show
 from app.document.wording import DETRENDED
 from app.subjects.budget.tables import ALONG_TRACK
@@ -23,7 +23,6 @@ from nav_model.budget.fast import scattered_floor
 
 _RESPONSE_CELLS = 6.0  # shown on each side of the target
 
-TOTAL = "total"
 """What the sum of the sources in quadrature is called beside them."""
 _LINE_EQUATIONS = {
     "initial tilt": "(4π/λ)(T²/8) g √p33 cos ψ [S-5]",

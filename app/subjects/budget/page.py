@@ -19,8 +19,8 @@ from app.document.blocks import KeyFigures
 from app.document.closing import Way
 from app.document.display import Display, display_of
 from app.document.pane import html_of
-from app.document.prose import prose
 from app.document.sicd import sicd_xml
+from app.document.tiles import tiles_html
 from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
@@ -36,10 +36,9 @@ from app.ui.folded import Folded
 from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
-from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE, SWITCH
-from app.ui.tiles import tiles_html
+from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.turns import once_loaded, once_quiet
-from app.upstream.prompt_input import PromptSwitch
+from app.ui.verdict_switch import VerdictSwitch
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -71,9 +70,9 @@ class BudgetPage(pn.viewable.Viewer):
             label=_ask(budget), variant="text", end_icon="expand_more", margin=(6, 10), stylesheets=[PRINT_NOTHING]
         )
         self._close.on_click(self._toggle_ways)
-        self._mode = PromptSwitch(
+        self._mode = VerdictSwitch(
             label="Processing", options=verdicts_in_short(budget), value=budget.verdict.processing, margin=(8, 4),
-            sizing_mode=None, stylesheets=[SWITCH],
+            sizing_mode=None,
         )  # fmt: skip
         self._mode.param.watch(self._choose, "value")
         self._strip = AnswerStrip(verdict_strip(budget, self._display), self._mode, self._close)
@@ -185,7 +184,7 @@ class BudgetPage(pn.viewable.Viewer):
         self._shown_budget = budget
         figures, bars = self._was
         self._tiles.say(tiles_html(key_figures(budget, self._display, figures), figures))
-        self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), charts.TOTAL, bars))
+        self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), bars))
 
     def _tell(self) -> None:
         """Updates that wait for a slider to stop: the other processing's verdict, and the lines above the charts with
@@ -300,9 +299,4 @@ def _sources(budget: Budget, display: Display) -> str:
         f"<h3>{chart.title}</h3>{source_note(chart.knowledge)}"
         for chart in (describe(budget) for describe in charts.BUDGET_CHARTS)
     )
-    figures = "".join(
-        f"<tr><th scope='row'>{item.label}</th><td class='num'>{item.value}</td><td>{prose(item.detail)}</td></tr>"
-        for item in key_figures(budget, display).items
-    )
-    table = f"<table class='checks'><caption>Key figures, {display.spread}</caption><tbody>{figures}</tbody></table>"
-    return f"{table}{html_of(steady_table(budget, 'd', display))}{notes}"
+    return html_of(key_figures(budget, display), steady_table(budget, "d", display)) + notes

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from app.charts.kinds import LEVELS, AnyChart, Array, Band, Chart, Limit, Line, RankBar, RankChart, TradeMapChart
+from app.charts.kinds import LEVELS, Array, Band, Chart, Limit, Line, RankBar, RankChart, TradeMapChart
 from app.charts.region import contour
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.budget.figures import figures
@@ -72,7 +72,7 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
 
 def sweep_chart(
     design: Design, plan: Plan, columns: Mapping[str, Column], keys: Sequence[str]
-) -> AnyChart | TradeMapChart:
+) -> Chart | TradeMapChart:
     """What a sweep found over one or two of its numeric inputs: the best of its other inputs at each place.
 
     The result is the worst requirement, or the first figure where the design has no requirement.

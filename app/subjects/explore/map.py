@@ -33,7 +33,6 @@ from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.trade_map import RESULTS, changes_at
 
 _X, _Y = "imu.angle_random_walk", "imu.velocity_random_walk"
-_DIGITS = 3
 
 
 _INPUTS = input_labels()
@@ -108,21 +107,14 @@ class MapPanel(Question):
         if chart is None or event.x is None or event.y is None:
             return
         design, trade = self.session.design, chart.trade
-        places = [
-            _place(key, value, design.unit(key) if quantity(key).dimension else "")
-            for key, value in ((trade.x_key, event.x), (trade.y_key, event.y))
-        ]
+        # Rounded as a person would type it, so that its box shows no more digits.
+        clicked = ((trade.x_key, event.x), (trade.y_key, event.y))
+        places = [quantity(key).read(f"{value:.3g} {design.unit(key)}").value for key, value in clicked]
         changes = changes_at(trade, *places)
-        units = {key: design.unit(key) for key in changes if quantity(key).dimension}
+        units = {key: unit for key in changes if (unit := design.unit(key))}
         problem = self.session.change(changes, units)
         if problem:
             self.answer = Answer("Not taken", "warn", (str(problem),))
 
     def _csv(self) -> io.BytesIO:
         return io.BytesIO(to_csv(map_chart(self.session.design, self.x, self.y, self.result)).encode())
-
-
-def _place(key: str, value: float, unit: str) -> float:
-    """SI of a place clicked, rounded as a person would type it, so that its box shows no more digits."""
-    text = f"{value:.{_DIGITS}g}"
-    return float(quantity(key).read(f"{text} {unit}").value if unit else text)

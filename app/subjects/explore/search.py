@@ -130,9 +130,7 @@ class SearchPanel(Question):
         whole = search_table(self._found, self.own)
         texts = (" ".join(cell.text for cell in row).lower() for row in whole.rows)
         shown = [row for row, text in zip(self._found, texts, strict=True) if all(word in text for word in words)]
-        table = html_of(search_table(shown, self.own)) if self._found else ""
-        if table != self._table.html:
-            self._table.html = table
+        self._table.html = html_of(search_table(shown, self.own)) if self._found else ""
 
     def _take(self, event: param.parameterized.Event) -> None:
         row = next((row for row in self._found if row.pair == event.new), None)

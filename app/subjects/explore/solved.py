@@ -10,8 +10,8 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import to_csv
-from app.charts.screen.maps import RankFigure
 from app.declared import declared
+from app.document.bars import effects_html
 from app.document.blocks import Answer
 from app.document.closing import Way, value_ways
 from app.document.pane import html_of
@@ -19,13 +19,13 @@ from app.session import Session
 from app.subjects.explore.charts import rank_chart
 from app.subjects.explore.question import NO_LIMIT, Question
 from app.subjects.explore.tables import answer, each_table, solved_blocks
-from app.ui.chart_pane import described, head_html
+from app.ui.chart_pane import head_html
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
-from app.ui.theme import ON_A_PHONE
+from app.ui.theme import NARROW
 from nav_model.budget import Budget
 from nav_model.budget.figures import FIGURES
 from nav_model.explore.margins import label_of
@@ -46,20 +46,18 @@ class SolvedPanel(Question):
         self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12))
         self._table.param.watch(self._take, "chosen")
         self._each = html_pane("")
-        self._ranking = RankFigure(rank_chart(session.design, self.figure))
-        self._head = html_pane("", margin=(6, 10, 0, 10))
+        self._head, self._ranking = html_pane("", margin=(6, 10, 0, 10)), html_pane("", margin=(0, 10, 6, 10))
+        self._ranking.sizing_mode = "stretch_both"
 
     def __panel__(self) -> pn.Column:
         folded = Folded([("Each requirement alone", lambda: self._each)])
         chooser = pmui.Select.from_param(self.param.figure, sizing_mode="stretch_width", margin=(8, 12, 0, 12))
-        plot = pn.pane.Bokeh(self._ranking.plot, sizing_mode="stretch_both")
-        figure = pn.Column(plot, sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])
         return first_screen(
             left=[pn.Column(self._table, folded, sizing_mode="stretch_both", styles={"overflow": "auto"})],
             right=[
                 pn.Column(
-                    self._head, chooser, figure, download("Ranking: CSV", "ranking.csv", self._csv),
-                    sizing_mode="stretch_both",
+                    self._head, chooser, self._ranking, download("Ranking: CSV", "ranking.csv", self._csv),
+                    sizing_mode="stretch_both", stylesheets=[NARROW],
                 )
             ],
             height="100%",
@@ -91,9 +89,9 @@ class SolvedPanel(Question):
     @param.depends("figure", watch=True)
     def _rank(self) -> None:
         chart = rank_chart(self.session.design, self.figure)
-        self._ranking.feed(chart)
+        self._ranking.say(effects_html(chart))
         lead = f'<p class="quiet fine">{chart.bars[0].sentence}</p>' if chart.bars else ""
-        head = head_html(chart.title, chart.knowledge, described(chart)) + lead
+        head = head_html(chart.title, chart.knowledge) + lead
         self._head.say(head)
 
     def _csv(self) -> io.BytesIO:

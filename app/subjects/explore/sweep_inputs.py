@@ -11,7 +11,7 @@ import panel_material_ui as pmui
 import param
 import tomli_w
 
-from nav_model.base.units import format_quantity
+from app.document.wording import box_text
 from nav_model.budget.inputs import VARIABLES
 from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
@@ -88,7 +88,7 @@ class SweepRow(pn.viewable.Viewer):
         with param.parameterized.discard_events(self):
             if self.numeric:
                 for box, value in zip((self.low, self.high), usual_range(key), strict=True):
-                    box.value = _as_text(self._design(), key, value)
+                    box.value = box_text(self._design(), key, value, 3)
                 self.spacing.value = "log" if is_log(key) and usual_range(key)[0] > 0 else "linear"
             elif key != NONE:
                 names = _names(key)
@@ -117,18 +117,8 @@ def _names(key: str) -> list[str]:
     return list(declared.objects)
 
 
-def _unit(design: Design, key: str) -> str:
-    return design.unit(key) if quantity(key).dimension else ""
-
-
-def _as_text(design: Design, key: str, value: float) -> str:
-    dimension = quantity(key).dimension
-    return format_quantity(value, design.unit(key), dimension, 3) if dimension else f"{value:.4g}"
-
-
 def _with_unit(design: Design, key: str, text: str) -> str | float:
-    unit = _unit(design, key)
-    if unit:
+    if unit := design.unit(key):
         return with_unit(text.strip(), unit)
     try:
         return float(text)

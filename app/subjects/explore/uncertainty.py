@@ -13,6 +13,7 @@ import param
 from app.declared import held
 from app.document.blocks import Answer
 from app.document.pane import html_of
+from app.document.wording import box_text
 from app.session import Session
 from app.subjects.explore.charts import margin_chart
 from app.subjects.explore.question import NO_LIMIT, Question
@@ -25,7 +26,6 @@ from app.ui.theme import NARROW
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.base.errors import InputError
-from nav_model.base.units import format_quantity
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.several import with_unit
@@ -119,8 +119,7 @@ class RangeRow(pn.viewable.Viewer):
             self._say("")
             self.text = ""
             return
-        unit = self._design().unit(self.key) if quantity(self.key).dimension else ""
-        low, high = (with_unit(text, unit) if unit else text for text in (first, second))
+        low, high = (with_unit(text, self._design().unit(self.key)) for text in (first, second))
         text = f"{low} */ {second}" if kind == _TYPICAL else f"{low} .. {high}{' log' if kind == _LOG else ''}"
         try:
             read_uncertain(self.key, text)
@@ -137,11 +136,9 @@ class RangeRow(pn.viewable.Viewer):
 
 
 def _as_text(design: Design, key: str) -> str:
-    value, declaration = design[key], quantity(key)
+    value = design[key]
     assert isinstance(value, float | int)
-    if not declaration.dimension:
-        return f"{value:.4g}"
-    return format_quantity(float(value), design.unit(key), declaration.dimension, 4)
+    return box_text(design, key, float(value))
 
 
 class UncertaintyPanel(Question):

@@ -7,6 +7,7 @@ import panel_material_ui as pmui
 import param
 
 from app.declared import declared, held
+from app.document.bars import bars_html
 from app.document.blocks import Answer
 from app.document.display import display_of
 from app.document.numbers import signed_percent
@@ -17,8 +18,9 @@ from app.report import report_bytes
 from app.report.comparison import closing_words, difference_tables
 from app.report.comparison_charts import phase_comparison, position_comparison
 from app.subjects.review.desk import LOOK, Desk, listed
-from app.ui.chart_pane import ChartPane
+from app.ui.chart_pane import ChartPane, described, source_note, takes
 from app.ui.html_pane import html_pane
+from app.ui.theme import FRAME
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 
@@ -57,10 +59,14 @@ class CompareView(pn.viewable.Viewer):
         labels = design_labels(len(budgets))
         self._revisions, display = revisions, display_of(self.desk.session.shown)
         self._tables.object = listed(revisions, "Compared") + html_of(*difference_tables(budgets, labels, display))
-        # New figures for each comparison: they have as many lines as there are designs.
+        phase = display.bars(phase_comparison(budgets, labels))
+        said = f"<h3>{phase.title}</h3>{bars_html(phase)}{described(phase)}{source_note(phase.knowledge)}"
+        # A new figure for each comparison: it has as many lines as there are designs.
         self._charts.objects = [
             ChartPane(lambda at: display.timeline(position_comparison(*at)), lambda: (budgets, labels), _HEIGHT).view,
-            ChartPane(lambda at: display.bars(phase_comparison(*at)), lambda: (budgets, labels), _HEIGHT).view,
+            pn.Column(
+                html_pane(said, margin=(10, 14)), pn.FlexBox(*takes(lambda _: phase, lambda: None)), styles=FRAME
+            ),
         ]
         self._link.value = comparison_link(revisions)
         self._tools.visible = True

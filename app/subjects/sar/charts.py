@@ -11,7 +11,7 @@ import numpy as np
 from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
 from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
-from app.subjects.sar.tables import FORMULAS, judged_along
+from app.subjects.sar.tables import FORMULAS, judged_along, kind_of
 from nav_model.aperture.geometry import metres_to_phase, phase_to_metres
 from nav_model.aperture.impulse_response import aperture_of_phase, response_curve
 from nav_model.base.units import from_si
@@ -81,7 +81,7 @@ def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) 
     """Detrended phase of each strategy, the least first: formula beside the runs."""
     limit = math.nan if closed.required_phase is None else closed.required_phase * _DEG
     return _dot_chart(
-        "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms over the aperture [°]", budget,
+        "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms [°]", budget,
         closed.detrended, closed.whole, study, "rms", "residual_rms", limit,
         f"The rms {LEFT[budget.sar.autofocus_order]}. {judged_along(budget)} {FORMULAS}. {_chosen(budget)}",
     )  # fmt: skip
@@ -127,7 +127,7 @@ def _dot_chart(
             if wholes:
                 whole = scale * float(study.whole_rms[row])
         closed_phase = math.nan if form is None else to_degrees * form
-        dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, whole))
+        dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, whole, kind_of(strategy)))
     dots.sort(key=_rank)
     said = "" if study is None else (
         f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {percent(_worst_error(study))}."

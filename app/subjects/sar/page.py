@@ -19,6 +19,7 @@ from app.charts.screen.pictures import picture_gallery
 from app.charts.words import in_words
 from app.declared import declared, held
 from app.document.pane import html_of
+from app.document.ranks_html import ranks_html
 from app.session import Session
 from app.subjects.sar.charts import (
     POINT_TITLE,
@@ -34,7 +35,7 @@ from app.subjects.sar.charts import (
 )
 from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.run import SarResult, run_strategies, scene_of
-from app.subjects.sar.tables import answer, cautions, error_table, ranking, run_tables, runs_in_words
+from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words
 from app.subjects.sar.upload import UploadedPicture
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import ChartPane, head_html, takes
@@ -186,7 +187,7 @@ class SarPage(pn.viewable.Viewer):
         head = head_html(POINT_TITLE, self._points.knowledge if self._points else coming, self._mark)
         for pane, text in (
             (self._rank_head, head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), said)),
-            (self._ranks, ranking(chart, best)),
+            (self._ranks, ranks_html(chart, best)),
             (self._image_head, head),
         ):
             pane.say(text)
@@ -204,7 +205,7 @@ class SarPage(pn.viewable.Viewer):
 
     def _quadratic(self, budget: Budget) -> str:
         chart: DotChart = quadratic_chart(budget, self._closed, self._study)
-        return head_html(chart.title, chart.knowledge, self._mark, legend_html(chart)) + ranking(chart, "")
+        return head_html(chart.title, chart.knowledge, self._mark, legend_html(chart)) + ranks_html(chart)
 
     def _scene(self) -> pn.Column:
         """Formed when first looked at, and again for each result."""

@@ -11,10 +11,8 @@ from types import EllipsisType
 
 import numpy as np
 
-from app.charts.kinds import DotChart
 from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
 from app.document.numbers import NONE, hundredths, number
-from app.document.ranks_html import ranks_html
 from app.document.verdict import SAID, check_words
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
@@ -84,11 +82,6 @@ def detrended_check(budget: Budget) -> Check | None:
     return next((check for check in budget.verdict.checks if check.name == "detrended_phase"), None)
 
 
-def ranking(chart: DotChart, best: str) -> str:
-    """The strategies in their order as HTML; ``best`` names the one to use."""
-    return ranks_html(chart, {strategy.name: _kind(strategy) for strategy in STRATEGIES}, best)
-
-
 def judged_along(budget: Budget) -> str:
     """Which phase is judged, and which row is the budget's."""
     return (
@@ -130,7 +123,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
             cells += [_banded(study.parts["residual_rms"], index, degrees)]
             wholes += [_number(degrees * float(study.whole_rms[index]))]
         cells += wholes
-        rows.append((Cell(strategy.name), Cell(_kind(strategy)), *map(Cell, cells)))
+        rows.append((Cell(strategy.name), Cell(kind_of(strategy)), *map(Cell, cells)))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
     return Table(
         f"{key}-sar-errors",
@@ -268,7 +261,8 @@ def _scales(budget: Budget) -> tuple[float, float]:
     return 1000.0, math.degrees(float(metres_to_phase(1.0, budget.sar.wavelength)))
 
 
-def _kind(strategy: Strategy) -> str:
+def kind_of(strategy: Strategy) -> str:
+    """When a strategy is known, and whether it reconstructs the path."""
     if strategy.key == "1":
         return "reference"
     return strategy.timing + (", reconstruction" if strategy.reconstruction else "")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import number
 from nav_model.base.units import from_si
@@ -63,11 +65,17 @@ def _row(entry: Entry, columns: tuple[tuple[str, str, str, str], ...], chosen: b
 def _value(item: SourcedValue | None, dimension: str, unit: str) -> Cell:
     if item is None:
         return Cell("not given", tone="quiet", sort="")
-    printed = "" if item.unit == unit else f"printed {item.text}"
+    printed, digits = ("", _DIGITS) if item.unit == unit else (f"printed {item.text}", _digits_of(item.text))
     text = "\n".join(
-        filter(None, (number(from_si(item.value, unit, dimension), _DIGITS, given=True), printed, item.kind))
+        filter(None, (number(from_si(item.value, unit, dimension), digits, given=True), printed, item.kind))
     )
     return Cell(text, "" if item.confirmed else f"⚠ {item.status}", "" if item.confirmed else "warn", item.value)
+
+
+def _digits_of(text: str) -> int:
+    """Digits of a value brought to another unit: as many as it is printed with, two at least."""
+    printed = re.match(r"[0.]*([\d.]*)", text)
+    return min(max(2, len(printed[1].replace(".", "")) if printed else 0), _DIGITS)
 
 
 def _sources(values: dict[str, SourcedValue]) -> list[str]:

@@ -49,6 +49,7 @@ from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
 
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
+_TITLE = "<h3>What does my log say?</h3>"
 _HELP = (
     "<p>A log taken <b>at rest</b>, an hour or more on a solid base, gives quantization, random walk, bias "
     "instability, rate random walk and ramp for every axis. A log taken <b>in motion</b> gives the vibration "
@@ -104,6 +105,7 @@ class LogPanel(pn.viewable.Viewer):
         self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14), styles=_IN_SIGHT)
         self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self.boxes.values())
         self.bar.start.disabled = True
+        self._said = html_pane(_TITLE + _HELP, margin=(10, 14, 0, 14))
         self.file.param.watch(self._uploaded, "value")
         self.static = StaticResult(self._adopt)
         self.moving = MotionResult(session, self._adopt)
@@ -111,8 +113,7 @@ class LogPanel(pn.viewable.Viewer):
             pn.state.on_session_destroyed(lambda _: self.close())
 
     def __panel__(self) -> pn.Column:
-        said = html_pane("<h3>What does my log say?</h3>" + _HELP, margin=(10, 14, 0, 14))
-        return pn.Column(_paper(said, self.bar), self.message, self.static, self.moving, styles=FULL_HEIGHT)
+        return pn.Column(_paper(self._said, self.bar), self.message, self.static, self.moving, styles=FULL_HEIGHT)
 
     # --- taking a log in ----------------------------------------------------------------------------------
 
@@ -158,8 +159,9 @@ class LogPanel(pn.viewable.Viewer):
                     study_log, request, progress=lambda share, what: run.tell(f"{name}: {what}", share)
                 )
             except InputError as error:
-                self._refuse(error)
-                raise
+                if not self._refuse(error):
+                    raise
+                raise ValueError(error.reason) from error
 
         for key in self.boxes:
             self._mark(key)
@@ -168,11 +170,13 @@ class LogPanel(pn.viewable.Viewer):
         if not self.run.message:
             self._show(self.run.result)
 
-    def _refuse(self, error: InputError) -> None:
-        """Mark the boxes to blame; the mark goes when the box is filled in, or with the next try."""
+    def _refuse(self, error: InputError) -> bool:
+        """Mark the boxes to blame, if any; the mark goes when the box is filled in, or with the next try."""
         keys = error.key.split(", ")
-        for key in {*keys} & {*self.boxes}:
+        blamed = [key for key in keys if key in self.boxes]
+        for key in blamed:
             self._mark(key, error.reason if len(keys) == 1 else "not in the file, and needed")
+        return bool(blamed)
 
     def _mark(self, key: str, wrong: str = "") -> None:
         self.boxes[key].param.update(error_state=bool(wrong), helper_text=wrong or _BOXES[key][1])
@@ -210,6 +214,7 @@ class LogPanel(pn.viewable.Viewer):
     # --- what it says, and what of it goes into the design ------------------------------------------------
 
     def _show(self, study: Study) -> None:
+        self._said.object = _TITLE  # the plots matter more now
         if isinstance(study, MotionAnalysis):
             self.moving.show(study)
         else:
@@ -264,11 +269,12 @@ class StaticResult(pn.viewable.Viewer):
 
 
 def _static_head(analysis: LogAnalysis) -> str:
-    return "<h3>Log at rest</h3>" + html_of(provenance_text(analysis.provenance), offer(analysis))
+    return f"<h3>Log at rest: {html.escape(analysis.provenance.file_name)}</h3>" + html_of(offer(analysis))
 
 
 def _static_tables(analysis: LogAnalysis) -> str:
-    return html_of(*coefficient_tables(analysis), *remedies(analysis), *warnings(analysis))
+    told = provenance_text(analysis.provenance)
+    return html_of(told, *coefficient_tables(analysis), *remedies(analysis), *warnings(analysis))
 
 
 class MotionResult(pn.viewable.Viewer):
@@ -279,20 +285,17 @@ class MotionResult(pn.viewable.Viewer):
         self._session = session
         self.analysis: MotionAnalysis | None = None
         self._bench: BenchNoise | None = None
-        self.head, self.table = html_pane("", margin=(10, 14, 0, 14)), html_pane("", margin=(0, 14, 10, 14))
+        self._parts = parts = Follower(lambda: self.analysis)
+        self.head = parts.text(_motion_head, (10, 14, 0, 14))
+        self.table = parts.text(lambda analysis: html_of(motion_table(analysis)), (0, 14, 10, 14))
         self.use = _button("Use this factor in the design")
-        self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, self._known)))
+        self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, parts.known())))
         self.spectrum = _button("Use its vibration spectrum")
-        self.spectrum.on_click(lambda _: adopt(lambda: adopt_vibration_spectrum(self._known)))
+        self.spectrum.on_click(lambda _: adopt(lambda: adopt_vibration_spectrum(parts.known())))
         self._view = _paper(self.head, pn.Row(self.use, self.spectrum), self.table, visible=False)
 
     def __panel__(self) -> pmui.Paper:
         return self._view
-
-    @property
-    def _known(self) -> MotionAnalysis:
-        assert self.analysis is not None
-        return self.analysis
 
     def show(self, analysis: MotionAnalysis) -> None:
         """Show another log's analysis."""
@@ -307,13 +310,14 @@ class MotionResult(pn.viewable.Viewer):
         self._bench = bench
         self.analysis = analysis = over_bench(self.analysis, bench)
         with pn.io.hold():
-            self.head.object = "<h3>Log in motion</h3>" + html_of(
-                provenance_text(analysis.provenance), motion_answer(analysis)
-            )
+            self._parts.follow()
             self.use.disabled = analysis.vibration_factor is None
             self.spectrum.disabled = not analysis.spectrum
-            self.table.object = html_of(motion_table(analysis))
             self._view.visible = True
+
+
+def _motion_head(analysis: MotionAnalysis) -> str:
+    return "<h3>Log in motion</h3>" + html_of(provenance_text(analysis.provenance), motion_answer(analysis))
 
 
 def _button(label: str) -> pmui.Button:

@@ -162,7 +162,7 @@ def consistency_chart(study: SimulationStudy | None) -> Chart:
         key="sim-consistency",
         title="Consistency: simulated error over filter sigma",
         x_label=_TIME,
-        y_label="simulated / filter [-]",
+        y_label="simulated / filter [1]",
         lines=(
             *(Line(name, name, time, y, style, "rms over filter sigma", "")
               for (name, _, style), y in zip(kinds, ratios, strict=True)),
@@ -261,7 +261,7 @@ def nees_chart(study: SimulationStudy | None) -> Chart:
         key="sim-nees",
         title="NEES: normalised estimation error squared",
         x_label=_TIME,
-        y_label="mean NEES [-]",
+        y_label="mean NEES [1]",
         lines=(
             Line("nees", "mean over the runs", time, result.nees_curve if result else _NOTHING, "simulated",
                  "errors by filter covariance", ""),

@@ -70,7 +70,7 @@ _START = Answer(
     "open",
     (
         "Press Start to compare simulated errors with the filter and the formulas.",
-        "Enter outages as start,stop in seconds; separate several with semicolons.",
+        f"At most {_MOST_RUNS} runs. Enter outages as start,stop in seconds; separate several with semicolons.",
     ),
 )
 _COMING = "Appears with the first result."
@@ -98,6 +98,7 @@ class SimulatePage(pn.viewable.Viewer):
         self._session = session
         self._file: TrajectorySpec | None = None
         self._asked: tuple[str, ...] = ("simulation",)  # what the result follows from
+        self._earlier: Flown | None = None  # the result when the run under way began
         self._more = StudyControls()
         self._details = details = Follower(lambda: self._result.study if self._result else None, f"<p>{_COMING}</p>")
         self._more.param.watch(lambda event: setattr(self, "added", urlencode(event.new)), "texts")
@@ -198,6 +199,15 @@ class SimulatePage(pn.viewable.Viewer):
         """What the strip says: the verdict, of which runs, and whether it is one of this design."""
         from app.subjects.simulation.tables import verdict
 
+        if self.run.running and self._result is self._earlier:
+            told = (
+                "The last result is shown until the first runs are in."
+                if self._result
+                else "The charts follow with the first."
+            )
+            return Answer(
+                f"Running: {self.run.progress.what if self.run.progress else 'starting'}", "open", (told,)
+            ), ""
         if self._result is None:
             return _START, ""
         flown, said = self._result, verdict(self._result.study)
@@ -205,6 +215,8 @@ class SimulatePage(pn.viewable.Viewer):
         if flown.partial:
             done = f"{flown.study.result.spec.runs} of {flown.wanted} runs"
             said = Answer(f"Partial: {done}", "open", (f"So far {said.word[2:].lower()}.", *said.sentences))
+            if not self.run.running:
+                notes.append(f"The rest was not flown. Press Start to fly all {flown.wanted}.")
         elif self.run.message.startswith("Cancelled"):
             notes.append("The last run was cancelled. This is the result before it.")
         if not same_subject(flown.study.design, self._session.design):
@@ -245,6 +257,8 @@ class SimulatePage(pn.viewable.Viewer):
     # --- the run --------------------------------------------------------------------------------------
 
     def _begin(self) -> None:
+        self._earlier = self._result
+
         async def work(run: Run) -> Flown:
             self._asked = self._settings.asked
             return await fly(run, self._session.design, self._specification())
@@ -268,6 +282,10 @@ class SimulatePage(pn.viewable.Viewer):
             keep(flown, *self._asked)
         with pn.io.hold():
             self._write()
+
+    @param.depends("run.progress", watch=True)
+    def _tell(self) -> None:
+        self._strip.show(*self._answer())
 
     def _specification(self) -> SimulationSpec:
         """What the fields ask for.

@@ -93,6 +93,12 @@ async def _fly(run: Run, design: Design, spec: SimulationSpec, nominal: RunRecor
                 looked = time.monotonic()
                 # A copy: merging replaces the sums of `total`, and the copy is sent off later.
                 looking = asyncio.create_task(look(copy.copy(total)))
+    except asyncio.CancelledError:
+        if total.runs and run.mine:  # what was flown is not thrown away
+            found = await study(total)
+            if run.mine:
+                run.show(found)
+        raise
     finally:
         for task in (*flying, *([looking] if looking else [])):
             task.cancel()

@@ -14,6 +14,7 @@ import param
 
 from app.declared import held
 from app.document.blocks import Answer
+from app.document.tiles import tiles_html
 from app.session import Session
 from app.subjects.suborbital.answer import WAITING, answer
 from app.subjects.suborbital.camera import CameraNoisePanel
@@ -28,7 +29,6 @@ from app.ui.downloads import download
 from app.ui.first_screen import screen_of_views
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.tiles import tiles_html
 from app.work.alone import RunLost
 from app.work.pool import elsewhere
 from app.work.run import Run

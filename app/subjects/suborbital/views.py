@@ -190,7 +190,7 @@ class StudyViews(pn.viewable.Viewer):
             return pmui.IntSlider.from_param(self.param.moment, width=260, margin=(4, 16))
         parameter = self.param["channel" if name == "axis" else name]
         options = {"x": 0, "y": 1, "z": 2} if name == "axis" else None
-        look: dict[str, Any] = {"width": 230, "margin": (8, 6, 0, 6), "size": "small"}
+        look: dict[str, Any] = {"width": 215, "margin": (8, 6, 0, 6), "size": "small"}
         if options is None:
             return pmui.Select.from_param(parameter, **look)
         axis = pmui.Select(label="Axis", options=options, value=self.channel, **look)

@@ -77,7 +77,7 @@ def theory() -> str:
             f'<p class="quiet">Source: {prose(source_of(e.mark))}</p></section>'
             for e in equations
         )
-        parts.append(_folded(f"part-{letter}", title, f"{len(equations)} equations", body))
+        parts.append(_folded(f"part-{letter}", title, f"{len(equations)} equations", body, opened=letter == "T"))
     table = html_of(_symbols(), said=lambda text: set_[text[1:], False] if text.startswith(_MATH) else prose(text))
     parts.append(_folded("symbols", "Symbols", f"{len(ALL_SYMBOLS)} symbols with their units", table))
     works = html_of(Bullets(REFERENCES))
@@ -91,11 +91,10 @@ def _symbols() -> Table:
     return Table("all-symbols", "Symbols", columns, rows)
 
 
-def _folded(place: str, title: str, note: str, body: str) -> str:
+def _folded(place: str, title: str, note: str, body: str, *, opened: bool = False) -> str:
     """A chapter that unfolds when it is pressed, or when a link leads into it."""
-    return (
-        f'<details id="{place}"><summary><h2>{title}</h2> <span class="quiet">{note}</span></summary>{body}</details>'
-    )
+    head = f'<summary><h2>{title}</h2> <span class="quiet">{note}</span></summary>'
+    return f'<details id="{place}"{" open" * opened}>{head}{body}</details>'
 
 
 def validation_answer() -> Answer:

@@ -27,7 +27,8 @@ pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 HOSTILE = '<script>alert(1)</script> #strong[x] $x$ @ref \\ *b* _i_ [T-99] {{7*7}} // `c` ~ "q" <T-3>'
 
-# For each chart: is there a canvas with more than eight colours on it? Bokeh keeps them in nested shadow roots.
+# For each chart: has it bars, or is there a canvas with more than eight colours on it? Bokeh keeps them in nested
+# shadow roots.
 DRAWN = """() => {
   const canvases = root => [...root.querySelectorAll("*")].flatMap(
     e => [...(e.tagName === "CANVAS" ? [e] : []), ...(e.shadowRoot ? canvases(e.shadowRoot) : [])])
@@ -38,7 +39,10 @@ DRAWN = """() => {
     for (let i = 0; i < data.length; i += 4) seen.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2])
     return seen.size
   }
-  return [...document.querySelectorAll(".chart")].map(chart => canvases(chart).some(c => colours(c) > 8))
+  const bars = chart => [...chart.querySelectorAll(".bars tbody i")]
+  return [...document.querySelectorAll(".chart")].map(
+    chart => bars(chart).filter(bar => bar.offsetWidth > 20 && bar.offsetHeight > 8).length > 1
+      || canvases(chart).some(c => colours(c) > 8))
 }"""
 
 

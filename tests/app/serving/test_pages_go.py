@@ -1,21 +1,38 @@
-"""A closed page is freed, checked in the memory of a real server."""
+"""A page is freed however it ends, checked in the memory of a real server, which is only looked at."""
 
 from __future__ import annotations
 
 import asyncio
-from pathlib import Path
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
-from soak import counted_server, visit
+from soak import STAGES, counted_server, lose, visit
 
 pytestmark = pytest.mark.long
 
 
-def test_closed_pages_are_gone(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    with counted_server(tmp_path_factory.mktemp("served")) as found:
+        yield found
+
+
+def test_closed_pages_are_gone(server: Any) -> None:
     async def some() -> None:
         for _ in range(4):
             await visit(address)
 
-    with counted_server(tmp_path) as (address, left):
-        asyncio.run(some())
-        assert left().frames == 0
+    address, left = server
+    asyncio.run(some())
+    assert left().frames == 0
+
+
+def test_pages_that_lose_their_connection_are_gone(server: Any) -> None:
+    async def at_every_stage() -> None:
+        for stage in range(1, STAGES + 1):
+            await lose(address, stage)
+
+    address, left = server
+    asyncio.run(at_every_stage())
+    assert left().frames == 0

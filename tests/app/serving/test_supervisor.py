@@ -113,9 +113,8 @@ def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_place(p
         os.kill(min(family), signal.SIGKILL)
         await soon(lambda: any(tab.errors for tab in tabs), "word of the killed process's page")
         (left,) = [tab for tab in tabs if not tab.errors]
-        slider = left.find(label="Angle random walk", show_value=False)
         answered = left.expect({(await left.until(name="timelines"))["id"]})
-        await left.set(slider["id"], value=slider["attributes"]["value"] - 0.02)
+        await left.slide("imu.angle_random_walk", -4.0)
         await asyncio.wait_for(answered, PATIENCE)
         await soon(lambda: len(_page_processes(pair.process.pid) - {min(family)}) == 2, "another in its place")
         assert pair.ask("/liveness")[0] == 200

@@ -13,7 +13,6 @@ import sys
 from typing import Any
 
 import panel as pn
-from bokeh.document import Document
 from bokeh.server.server import Server
 from cryptography.fernet import Fernet
 from panel.io.state import state
@@ -89,8 +88,6 @@ async def look() -> dict[str, Any]:
     found["told before it is ready"] = (await answer())[0]
     await send("PATCH-DOC", {"events": []})
     found["change"] = await reply()
-    await send("PUSH-DOC", {"doc": Document(title="another").to_json().content})
-    found["push"] = [(await reply())[0], client.session.document.title]
     await send("PATCH-DOC", {"events": [{"kind": "ModelChanged", "model": {"id": "no such"}, "attr": "a", "new": 1}]})
     found["fault"] = await reply()
     connection.close()

@@ -7,10 +7,10 @@ import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
-from app.upstream.prompt_input import PromptInput, PromptSwitch
+from app.upstream.prompt_input import PromptInput
 
 
-def _touched(box: pmui.TextInput | pmui.RadioButtonGroup, monkeypatch: pytest.MonkeyPatch) -> int:
+def _touched(box: pmui.TextInput, monkeypatch: pytest.MonkeyPatch) -> int:
     """How many other parameters are written to when the value changes."""
     seen: set[str] = set()
     with monkeypatch.context() as patch:
@@ -25,25 +25,17 @@ def _touched(box: pmui.TextInput | pmui.RadioButtonGroup, monkeypatch: pytest.Mo
 
             patch.setattr(kind, "__setattr__", noted)
         box.value = "1 m"
-    return len(seen - {"value", "value_input", "active"})
+    return len(seen - {"value", "value_input"})
 
 
 def test_as_shipped_every_parameter_is_touched(monkeypatch: pytest.MonkeyPatch) -> None:
     assert _touched(pmui.TextInput(), monkeypatch) > 10
-    assert _touched(pmui.RadioButtonGroup(options=["0 m", "1 m"], value="0 m"), monkeypatch) > 10
 
 
 def test_none_is_and_the_text_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     box = PromptInput()
     assert _touched(box, monkeypatch) == 0
     assert box.value_input == "1 m"
-    switch = PromptSwitch(options=["0 m", "1 m"], value="0 m")
-    assert _touched(switch, monkeypatch) == 0
-    shipped = pmui.RadioButtonGroup(options=["0 m", "1 m"], value="1 m")
-    assert switch.active == shipped.active == 1
-    for switched in (switch, shipped):
-        switched.param.update(options={"one": "1 m", "two": "2 m"}, value="3 m")
-        assert switched.active is None
 
 
 def test_a_text_to_follow_is_one_change(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,23 +6,24 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from app.document.bars import bars_html
 from app.document.blocks import Table, Text
 from app.document.display import Display
+from app.document.tiles import tiles_html
 from app.document.verdict import check_words, verdict_of, verdict_strip
 from app.report.cautions import caution_list
 from app.report.content import report_of
 from app.session import Session
-from app.subjects.budget.charts import TOTAL, phase_chart, response_chart
+from app.subjects.budget.charts import phase_chart, response_chart
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage, requirements
 from app.subjects.budget.tables import image_table, requirement_table, steady_table
-from app.subjects.budget.timelines import attitude_chart, position_chart, velocity_chart
-from app.ui.tiles import tiles_html
+from app.subjects.budget.timelines import attitude_chart, position_chart, together, velocity_chart
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
 from nav_model.design.file import read_design
@@ -83,7 +84,7 @@ def test_every_check_can_be_seen_to_fail() -> None:
     shaken = changed(imu__angle_random_walk=2.0 * math.pi / 180 / 60)
     (tile,) = (figure for figure in key_figures(shaken).items if figure.label == "Along-track quadratic phase")
     assert tile.met is False
-    html = bars_html(phase_chart(shaken), TOTAL)
+    html = bars_html(phase_chart(shaken))
     assert re.search(
         r'<tr class="limited"><th scope="row">along-track</th><td [^>]*><div class="over">.*?limit 90°', html
     )
@@ -101,7 +102,7 @@ def test_the_tilts_bar_is_divided_by_what_causes_it(mems: Budget) -> None:
     tilt = next(bar for bar in phase_chart(mems).bars if bar.label == "initial tilt")
     assert dict(tilt.parts) == dict(mems.sar.tilt_shares)
     assert tilt.parts[0][0] == "gyro noise"
-    assert "gyro noise" in re.search(r"initial tilt</th>.*?</tr>", bars_html(phase_chart(mems), TOTAL))[0]
+    assert "gyro noise" in re.search(r"initial tilt</th>.*?</tr>", bars_html(phase_chart(mems)))[0]
     assert verdict_strip(mems).sentences[0].endswith("% from gyro noise, mostly through initial tilt.")
 
 
@@ -285,3 +286,31 @@ def test_what_the_image_comes_from_is_of_the_designs_processing(mems: Budget) ->
         rows = {row[0].text: row[2].text for row in image_table(budget, "d").rows}
         assert rows["Response width"] == f"[S-3], {mark}"
         assert rows["Quadratic phase, 1σ"] == mark
+
+
+def test_while_a_slider_moves_the_switch_does_not_contradict_the_strip() -> None:
+    session = Session(read_design(EXAMPLES / "mems_x_band.toml"))
+    page = BudgetPage(session)
+    assert list(page._mode.options) == ["Real time ✗ −144 %", "Post-processed ✗ −10 %"]
+    session.change({"imu.angle_random_walk": 0.001 * math.pi / 180 / 60})
+    page._tell_soon = lambda: None  # the slider has not stopped
+    page.show(session.budget)
+    assert "✓ Closes" in page._strip._text.object
+    assert list(page._mode.options) == ["Real time ✓ +30 %", "Post-processed …"]
+
+
+def test_post_processed_curves_are_smoothed_to_the_end_of_the_aperture() -> None:
+    """No step at the last fix: the outage in real time has curves of its own."""
+    budget = changed(processing__mode="post-processed")
+    assert budget.smoothed is not None
+    position, _, attitude = together(budget)
+    smoothed, free = position.lines[:2]
+    inside = smoothed.x <= budget.sar.aperture_time
+    np.testing.assert_array_equal(smoothed.y[inside], budget.smoothed.sigmas.position_horizontal)
+    assert np.isnan(smoothed.y[~inside]).all()
+    assert free.label == "horizontal, real time"
+    np.testing.assert_array_equal(free.y[2:], budget.coast.refined_horizontal)
+    assert attitude.lines[0].y[0] == math.degrees(budget.smoothed.sigmas.tilt)
+    gap = together(changed(processing__mode="post-processed", coast__before_aperture=20.0))[0]
+    assert np.isnan(gap.lines[0].y[gap.lines[0].x > 0]).all()
+    assert all(np.isnan(line.y).all() for line in together(changed())[0].lines if "real time" in line.label)

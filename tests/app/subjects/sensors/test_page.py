@@ -70,8 +70,9 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     assert panel.static.__panel__().visible
     assert not panel.message.visible
     assert not session.running
+    assert "bench.csv" in panel.static.head.object
     for shown in ("bench.csv", analysis.provenance.sha256, "100 Hz"):
-        assert shown in panel.static.head.object
+        assert shown in panel.static.tables.object
     assert "&lt; " in panel.static.tables.object  # a limit for what the log does not resolve
     assert "Which log would resolve the rest" in panel.static.tables.object
     before = session.budget

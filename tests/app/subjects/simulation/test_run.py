@@ -102,7 +102,9 @@ def test_what_is_found_so_far_is_shown_and_stays_partial_when_the_run_is_cancell
     run, _ = _fly({"runs": 5000, "duration": 60.0}, stop)
     assert run.result.partial
     assert 0 < run.result.study.result.spec.runs < run.result.wanted == 5000
-    assert re.fullmatch(r"Cancelled: [1-9]\d* of 5000 runs\.", run.message)
+    told = re.fullmatch(r"Cancelled: ([1-9]\d*) of 5000 runs\.", run.message)
+    assert told
+    assert int(told[1]) == run.result.study.result.spec.runs  # none is thrown away
 
 
 def test_a_compilation_is_told_and_can_be_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,27 +1,34 @@
-"""A row of tiles: the main figures, each with its limit, its margin as a bar and in words."""
+"""Key figures as tiles, each with its limit, its margin as a bar and in words: on a page and in an HTML report."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from html import escape
 
 from app.document.blocks import KeyFigure, KeyFigures
 from app.document.numbers import whole_percent
 
 
-def tiles_html(figures: KeyFigures, before: KeyFigures | None = None) -> str:
-    """Tiles as HTML for an `html_pane`; values ``before`` a change are shown as an outline of the bar and a change in
-    percent.
+def tiles_html(
+    figures: KeyFigures, before: KeyFigures | None = None, said: Callable[[str], str] | None = None
+) -> str:
+    """Tiles as HTML.
 
-    Figures are compared by their name.
+    Parameters
+    ----------
+    figures : KeyFigures
+    before : KeyFigures, optional
+        The values before a change, compared by their name: an outline of the bar, and a change in percent.
+    said : callable, optional
+        How a detail is written, as HTML, under its figure; without it the detail is a tip.
     """
     old = {figure.label: figure for figure in before.items} if before else {}
-    tiles = "".join(_tile(figure, old.get(figure.label)) for figure in figures.items)
-    return f'<dl class="tiles" aria-label="{escape(figures.caption)}">{tiles}</dl>'
+    tiles = "".join(_tile(figure, old.get(figure.label), said) for figure in figures.items)
+    return f'<dl class="{"cards" if said else "tiles"}" aria-label="{escape(figures.caption)}">{tiles}</dl>'
 
 
-def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
-    mark = limit = ""
-    tone = ""
+def _tile(figure: KeyFigure, was: KeyFigure | None, said: Callable[[str], str] | None) -> str:
+    mark = limit = tone = ""
     if figure.met is not None:
         tone = "good" if figure.met else "bad"
         margin = "" if figure.used is None else f" {whole_percent(1 - figure.used, figure.used)}"
@@ -30,13 +37,14 @@ def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
     bar = f'<i style="width:{_share(figure.used)}%"></i>'
     if was is not None and was.met is not None:
         bar += f'<b style="width:{_share(was.used)}%"></b>'
-    said = escape(limit or figure.limit or "no limit")
-    below = f"<span>{said}</span>{_change(figure, was)}"
+    below = f"<span>{escape(limit or figure.limit or 'no limit')}</span>{_change(figure, was)}"
     label = escape(figure.label)
+    tip = "" if said else f' title="{label}: {escape(figure.detail)}"'
+    detail = f'<dd class="fine quiet">{said(figure.detail)}</dd>' if said else ""
     return (
-        f'<div class="card tile {tone}" title="{label}: {escape(figure.detail)}"><dt>{label}</dt>'
+        f'<div class="card tile {tone}"{tip}><dt>{label}</dt>'
         f'<dd><span class="big num">{escape(figure.value)}</span> {mark}</dd>'
-        f'<dd class="bar" aria-hidden="true">{bar}</dd><dd class="fine">{below}</dd></div>'
+        f'<dd class="bar" aria-hidden="true">{bar}</dd><dd class="fine">{below}</dd>{detail}</div>'
     )
 
 
