@@ -4,9 +4,9 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
+from nav_model.analytic.slow_error_filter import horizontal_cycle_slow
 
 from nav_model.analytic.sampled_filter import horizontal_cycle
-from nav_model.analytic.slow_error_filter import horizontal_cycle_slow
 from nav_model.budget import analyse
 from nav_model.design.catalogue import catalogue
 from nav_model.design.file import parse_design

@@ -39,9 +39,8 @@ def assumption_list(budget: Budget) -> Bullets:
             f"GNSS measures {measured}, per axis, {noise}.",
             f"Requirements are checked against the {held}. "
             "Real time: a free INS from the last fix before the aperture. "
-            "Post-processed: a smoother with the fixes in the aperture, "
-            f"{number(processing.leg_before, given=True)} s before it and "
-            f"{number(processing.leg_after, given=True)} s after it, by {budget.post_processed.method} [P-3].",
+            "Post-processed: a smoother with all fixes before the aperture, those in it, and those of "
+            f"{number(processing.leg_after, given=True)} s after it [P-3].",
             "In real time, requirements in steady state are checked against the figure "
             f"{_FIGURES[requirements.steady_state]} [T-8], "
             "after the last fix against the curve with Schuler and Coriolis terms [T-17].",

@@ -1,10 +1,10 @@
 """The filter with discrete fixes, whose covariance is a sawtooth. [T-8]
 
-The covariance is largest just before a fix (prior) and smallest just after (posterior); the closed form
-[T-3] is its cycle rms. Both solve the discrete algebraic Riccati equation of one channel with exact transition
-and process noise, in closed form: `nav_model.analytic.sampled_filter` for white fix noise,
-`nav_model.analytic.slow_error_filter` when a slow GNSS error enters, as a first-order Gauss-Markov state that the
-filter estimates; and by doubling in `nav_model.analytic.velocity_filter` when each fix has velocity too.
+The covariance is largest just before a fix (prior) and smallest just after (posterior); the closed form [T-3] is its
+cycle rms. Both solve the discrete algebraic Riccati equation of one channel with exact transition and process noise:
+in closed form (`nav_model.analytic.sampled_filter`) for white position fixes, by doubling
+(`nav_model.analytic.settled_filter`) where fixes have velocity too, or a slow GNSS error, a first-order Gauss-Markov
+state that the filter estimates.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ from typing import NamedTuple
 from numpy.typing import ArrayLike
 
 from nav_model.analytic.sampled_filter import horizontal_cycle, vertical_cycle
-from nav_model.analytic.slow_error_filter import horizontal_cycle_slow, vertical_cycle_slow
+from nav_model.analytic.settled_filter import settled_cycle
 from nav_model.analytic.steady_state import Horizontal, Vertical
-from nav_model.analytic.velocity_filter import cycle_with_velocity
 
 
 class Sawtooth(NamedTuple):
@@ -71,14 +70,10 @@ def cycle(
     velocity : pair of array_like, optional
         Velocity of one fix, 1σ [m/s], horizontal and vertical.
     """
-    if velocity is not None:
-        fixes = (sigma_fix, sigma_fix_vertical)
-        before, after, with_slow = cycle_with_velocity(sigma_a, sigma_w, g, interval, fixes, velocity, slow)
-        return Cycle(Sawtooth(*before), Sawtooth(*after), with_slow)
-    if slow is None:
+    if velocity is None and slow is None:
         horizontal_ends = horizontal_cycle(sigma_a, sigma_w, g, interval, sigma_fix)
         vertical_ends = vertical_cycle(sigma_a, interval, sigma_fix_vertical)
         return Cycle(*(Sawtooth(*ends) for ends in zip(horizontal_ends, vertical_ends, strict=True)))
-    level, level_after, slow_with_tilt = horizontal_cycle_slow(sigma_a, sigma_w, g, interval, sigma_fix, *slow)
-    upright, upright_after = vertical_cycle_slow(sigma_a, interval, sigma_fix_vertical, *slow)
-    return Cycle(Sawtooth(level, upright), Sawtooth(level_after, upright_after), slow_with_tilt)
+    fixes = (sigma_fix, sigma_fix_vertical)
+    before, after, with_slow = settled_cycle(sigma_a, sigma_w, g, interval, fixes, velocity, slow)
+    return Cycle(Sawtooth(*before), Sawtooth(*after), with_slow)

@@ -1,32 +1,40 @@
-"""Settled filters and legs of any length, made by doubling a segment of flight with fixes.
+"""Settled filters, and the information of many fixes, by doubling a segment of flight.
 
-States are position, velocity, acceleration by tilt, and the slow error of the fixes where there is one. A segment of
-flight with fixes is what they measure of its first state, and how the last state follows from the first and from
-noise. Two equal segments in a row are one of twice the length: a leg of n fixes takes as many steps as n has binary
-digits, and a filter settles in about fifteen.
+States are position, velocity, acceleration by tilt, and the slow error of the fixes where there is one: n is 3 or 4.
+With a slow error the first state is position and slow error together, as a position fix measures it: the two apart
+are known much less well, and their difference would cost digits.
 
-Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
+A segment of flight with fixes in it says how its last state x1 follows from its first state x0,
+
+    x1 = Phi x0 + (what the fixes say) + w,    w of covariance Q,
+
+and how much information Y the fixes have about x0. Two segments in a row are a segment again, so n equal ones take as
+many steps as n has binary digits, and a filter settles in about fifteen steps. Matrices are on the last two axes, the
+designs on those before; everything takes complex steps.
+
+Source: the doubling algorithm, Anderson and Moore, *Optimal Filtering*, 1979, section 6.7; Chu, Fan, Lin and Wang,
+Int. J. Control 77(8), 2004.
 """
 
 from __future__ import annotations
 
-from functools import cache
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.analytic.stacks import even, plus_one, solved, times, turned
 from nav_model.base.arrays import Array, as_numbers
 
-_MOST_STEPS = 60
-_FEW = 400  # elements; with fewer, NumPy's own functions are faster than our stacks
-_SETTLED = 1e-14
+_MOST_DOUBLINGS = 60
+_SETTLED = 1e-8  # relative change by the last doubling: each squares what is missing, so 1e-16 is missing then
+
+Counts = NDArray[np.int64]
+Rows = TypeVar("Rows", bound=tuple[Array, ...])
 
 
 class Segment(NamedTuple):
-    """Information about the first state, transition from the first to the last, covariance of the noise added: (n, n,
-    ...)."""
+    """Information Y about the first state, transition Phi to the last one, covariance Q of the noise: (..., n, n)."""
 
     info: Array
     through: Array
@@ -34,145 +42,166 @@ class Segment(NamedTuple):
 
 
 def drift(
-    step: Array, accelerometer: ArrayLike, gyro: ArrayLike, slow: tuple[ArrayLike, ArrayLike] | None = None
-) -> tuple[Array, Array]:
-    """Transition and covariance of the noise of the states over a step without fixes, exact: (n, n, ...), n 3 or 4.
+    step: ArrayLike, accelerometer: ArrayLike, gyro: ArrayLike, slow: tuple[ArrayLike, ArrayLike] | None = None
+) -> Segment:
+    """A step without fixes, exact.
 
     Parameters
     ----------
-    step : array
+    step : array_like
         Seconds.
     accelerometer, gyro : array_like
-        Densities of the white noises, m²/s³ and m²/s⁵.
+        Densities of the white noises: of velocity random walk [m²/s³], and g² times that of angle random walk
+        [m²/s⁵].
     slow : pair of array_like, optional
         Variance of the slow error [m²], its correlation time [s].
     """
-    values = step, accelerometer, gyro, *(slow or ())
-    shape, kind = np.broadcast_shapes(*(np.shape(x) for x in values)), np.result_type(*values)
+    step, accelerometer, gyro, *more = np.broadcast_arrays(
+        *map(as_numbers, (step, accelerometer, gyro, *(slow or ())))
+    )
     size = 3 if slow is None else 4
-    phi, noise = np.zeros((size, size, *shape), kind), np.zeros((size, size, *shape), kind)
-    phi[range(size), range(size)] = 1
-    phi[0, 1] = phi[1, 2] = step
-    phi[0, 2] = step * step / 2
-    a, w = as_numbers(accelerometer) * step, as_numbers(gyro) * step
-    noise[0, 0] = a * step**2 / 3 + w * step**4 / 20
-    noise[0, 1] = noise[1, 0] = a * step / 2 + w * step**3 / 8
-    noise[0, 2] = noise[2, 0] = w * step**2 / 6
-    noise[1, 1] = a + w * step**2 / 3
-    noise[1, 2] = noise[2, 1] = w * step / 2
-    noise[2, 2] = w
-    if slow is not None:
-        phi[3, 3] = np.exp(-step / as_numbers(slow[1]))
-        noise[3, 3] = -as_numbers(slow[0]) * np.expm1(-2 * step / as_numbers(slow[1]))
-    return phi, noise
+    kind = np.result_type(step, accelerometer, gyro, *more)
+    phi, noise = np.zeros((2, *step.shape, size, size), kind)
+    phi[..., range(size), range(size)] = 1
+    phi[..., 0, 1] = phi[..., 1, 2] = step
+    phi[..., 0, 2] = step * step / 2
+    a, w = accelerometer * step, gyro * step
+    noise[..., 0, 0] = a * step**2 / 3 + w * step**4 / 20
+    noise[..., 0, 1] = noise[..., 1, 0] = a * step / 2 + w * step**3 / 8
+    noise[..., 0, 2] = noise[..., 2, 0] = w * step**2 / 6
+    noise[..., 1, 1] = a + w * step**2 / 3
+    noise[..., 1, 2] = noise[..., 2, 1] = w * step / 2
+    noise[..., 2, 2] = w
+    if more:
+        variance, time = more
+        phi[..., 3, 3] = np.exp(-step / time)
+        phi[..., 0, 3] = np.expm1(-step / time)
+        fresh = -variance * np.expm1(-2 * step / time)
+        for i, j in ((0, 0), (0, 3), (3, 0), (3, 3)):
+            noise[..., i, j] += fresh
+    return Segment(np.zeros_like(noise), phi, noise)
 
 
-def before(info: Array, through: Array, noise: Array) -> Array:
-    """Information about the state before a drift, from the information about the state after it."""
-    if info.size > _FEW:
-        return times(turned(through), even(solved(plus_one(times(info, noise)), info)), through)
-    # Transposed they are stacks as NumPy has them, matrices last. All but `through` are symmetric.
-    known, back = info.T, through.T
-    found = back @ np.linalg.solve(known @ noise.T + _one(len(info)), known @ back.swapaxes(-1, -2))
-    return np.asarray(found + found.swapaxes(-1, -2)).T / 2
+def turned(matrix: Array) -> Array:
+    """Transposes."""
+    return matrix.swapaxes(-1, -2)
+
+
+def even(matrix: Array) -> Array:
+    """The symmetric part, to remove rounding from matrices that should be symmetric."""
+    return (matrix + turned(matrix)) * 0.5
+
+
+def left(covariance: Array, info: Array, sides: Array) -> Array:
+    """(1 + Q Y)⁻¹ times `sides`: of Q itself, what information Y leaves of it; NaN where there is no inverse.
+
+    States are scaled so that Y has ones on its diagonal. Without that, elimination loses up to all digits where times
+    of very different length count: a slow error of 30 m under fixes of 3 mm.
+    """
+    size = np.sqrt(np.maximum(np.diagonal(info, axis1=-1, axis2=-2).real, 0))[..., None]
+    size = np.where(size > 0, size, 1.0)
+    whole = np.eye(info.shape[-1]) + size * (covariance @ info) / turned(size)
+    try:
+        return np.asarray(np.linalg.solve(whole, size * sides) / size)
+    except np.linalg.LinAlgError:  # one row beyond double precision must not fail the others
+        found = np.full(
+            np.broadcast_shapes(whole.shape[:-2], sides.shape[:-2]) + sides.shape[-2:], np.nan, whole.dtype
+        )
+        some = np.linalg.det(whole) != 0
+        found[some] = np.linalg.solve(whole[some], (size * sides)[some]) / size[some]
+        return found
+
+
+def updated(covariance: Array, info: Array) -> Array:
+    """Covariance of a state with this information more."""
+    return even(left(covariance, info, covariance))
+
+
+def kept(one: Segment, info: Array) -> Array:
+    """(1 + Q Y)⁻¹ where information Y about the last state is added: what remains of its noise, (..., n, n)."""
+    return left(one.noise, info, np.broadcast_to(np.eye(info.shape[-1]), one.noise.shape))
+
+
+def measured(one: Segment, info: Array, keep: Array | None = None) -> Segment:
+    """The segment with information about its last state; `keep` is that of `kept`, where it is known."""
+    keep = kept(one, info) if keep is None else keep
+    through = keep @ one.through
+    return Segment(one.info + even(turned(one.through) @ info @ through), through, even(keep @ one.noise))
 
 
 def joined(first: Segment, second: Segment) -> Segment:
-    """One segment after the other."""
-    if first.info.size > _FEW:
-        both = np.concatenate([first.through, times(first.noise, turned(second.through))], axis=1)
-        onward = solved(plus_one(times(first.noise, second.info)), both)
-        ahead, size = times(second.through, onward), len(both)
-        return Segment(
-            first.info + even(times(turned(first.through), second.info, onward[:, :size])),
-            ahead[:, :size],
-            second.noise + even(ahead[:, size:]),
-        )
-    # The same for the library's stacks, transposed: a segment is then read from its end, and what is known of its
-    # first state and what is added change places.
-    size, back = len(first.info), first.through.swapaxes(0, 1).T
-    both = np.concatenate([second.through.T, second.info.T @ back], axis=-1)
-    onward = np.linalg.solve(second.info.T @ first.noise.T + _one(size), both)
-    ahead = first.through.T @ onward
-    noise = second.noise.T + second.through.T.swapaxes(-1, -2) @ (first.noise.T @ onward[..., :size])
-    return Segment(first.info + ahead[..., size:].T, ahead[..., :size].T, noise.T)
+    """One segment after the other: what the second's fixes say of its first state, they say of the first's last."""
+    return continued(measured(first, second.info), second)
 
 
-def twice(one: Segment) -> Segment:
-    """Two equal segments in a row."""
-    return joined(one, one)
+def continued(met: Segment, second: Segment) -> Segment:
+    """The second after a segment that has the information of the second's fixes."""
+    phi = second.through
+    return Segment(met.info, phi @ met.through, second.noise + even(phi @ met.noise @ turned(phi)))
 
 
-@cache
-def _one(size: int) -> Array:
-    return np.eye(size)
+def without_slow_error(covariance: Array) -> Array:
+    """From states with position and slow error together to states with position alone, (..., n, n)."""
+    of = np.eye(covariance.shape[-1])
+    of[0, 3:] = -1
+    return np.asarray(of @ covariance @ of.T)
 
 
-class Doubles:
-    """A segment, two of it in a row, four and so on, each worked out once."""
+def carried(covariance: Array, one: Segment) -> Array:
+    """Covariance of the last state, from that of the first."""
+    phi = one.through
+    return one.noise + even(phi @ updated(covariance, one.info) @ turned(phi))
 
-    def __init__(self, one: Segment) -> None:
-        self._found = [one]
 
-    def __getitem__(self, power: int) -> Segment:
+def take(rows: Rows, which: Counts) -> Rows:
+    """Some of the designs, which come first in every array."""
+    return type(rows)(*(part[which] for part in rows))
+
+
+def put(rows: Rows, which: Counts, new: Rows) -> Rows:
+    """The rows with these replaced by new ones."""
+    if len(which) == len(rows[0]):
+        return new
+    found = type(rows)(*(part.astype(np.result_type(part, more)) for part, more in zip(rows, new, strict=True)))
+    for part, more in zip(found, new, strict=True):
+        part[which] = more
+    return found
+
+
+class Doubles(Generic[Rows]):
+    """A unit, two of them in a row, four and so on, each worked out once."""
+
+    def __init__(self, unit: Rows, joined: Callable[[Rows, Rows], Rows]) -> None:
+        self._found, self._joined = [unit], joined
+
+    def __getitem__(self, power: int) -> Rows:
         while len(self._found) <= power:
-            self._found.append(twice(self._found[-1]))
+            self._found.append(self._joined(self._found[-1], self._found[-1]))
         return self._found[power]
 
-
-def repeated(units: Doubles, counts: NDArray[np.int64]) -> Segment:
-    """`counts` (rows) equal segments in a row; segments have the shape (n, n, rows)."""
-    one = units[0]
-    row = Segment(0 * one.info, 0 * one.through + _one(len(one.info))[:, :, None], 0 * one.noise)
-    for power in range(int(counts.max()).bit_length()):
-        odd = (counts >> power) % 2 == 1
-        if odd.any():
-            longer = joined(row, units[power])
-            row = longer if odd.all() else Segment(*(np.where(odd, *both) for both in zip(longer, row, strict=True)))
-    return row
+    def before(self, counts: Counts, row: Rows) -> Rows:
+        """So many units in a row, and `row` after them; (rows, ...), `counts` of (rows)."""
+        for power in range(int(counts.max(initial=0)).bit_length()):
+            odd = np.flatnonzero((counts >> power) % 2)
+            if len(odd):
+                row = put(row, odd, self._joined(take(self[power], odd), take(row, odd)))
+        return row
 
 
-def information(units: Doubles, counts: NDArray[np.int64], beyond: Array | None = None) -> Array:
-    """Information that a row of equal segments gives about the first state.
+def settled(units: Doubles[Segment]) -> Array:
+    """Covariance of the last state after endlessly many such units: of the filter in steady state.
 
-    Parameters
-    ----------
-    units : Doubles
-        Of shape (n, n, rows).
-    counts : array of int, (kinds, rows)
-        How many of them.
-    beyond : array, (n, n, kinds, rows), optional
-        Information about the last state.
+    A design that has settled stays as it is while others go on; one beyond double precision gives no number.
+
+    Examples
+    --------
+    >>> fix = np.diag([1.0, 0.0, 0.0])  # 1 m
+    >>> unit = measured(drift(1.0, (0.05 / 60) ** 2, (9.80665 * np.radians(0.5) / 60) ** 2), fix)
+    >>> f"{settled(Doubles(unit, joined))[0, 0] ** 0.5:.4f} m just after a fix"
+    '0.4489 m just after a fix'
     """
-    one, fresh = units[0], beyond is None
-    known = np.zeros((*one.info.shape[:2], *counts.shape), np.result_type(*one)) if beyond is None else beyond
-    for power in range(int(counts.max()).bit_length()):
-        odd = (counts >> power) % 2 == 1
-        if odd.all() and not fresh:
-            info, through, noise = (part[:, :, None] for part in units[power])
-            known = info + before(known, through, noise)
-        elif odd.any():  # the others' rows may have gone on so far that there is no number for them
-            unit, row = units[power], np.nonzero(odd)[1]
-            last = 0.0 if fresh else before(known[:, :, odd], unit.through[..., row], unit.noise[..., row])
-            known = known.copy()
-            known[:, :, odd] = unit.info[..., row] + last
-            fresh = False
-    return known
-
-
-def settled(unit: Segment) -> Array:
-    """Covariance just before a fix of the filter in steady state, after many such segments.
-
-    Raises
-    ------
-    ArithmeticError
-        If the equation does not settle in double precision.
-    """
-    less = np.diagonal(unit.noise)
-    for _ in range(_MOST_STEPS):
-        unit = twice(unit)
-        more = np.diagonal(unit.noise)
-        if (np.abs(more - less) <= _SETTLED * more.real).all():
-            return unit.noise
-        less = more
-    raise ArithmeticError("the filter with velocity fixes did not settle")
+    for power in range(_MOST_DOUBLINGS):
+        less, more = (np.diagonal(units[n].noise, axis1=-1, axis2=-2) for n in (power, power + 1))
+        if np.all(np.abs(more - less) <= _SETTLED * np.abs(more)):
+            break
+    return units[power + 1].noise

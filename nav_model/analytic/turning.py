@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.doubling import drift
-from nav_model.analytic.stacks import matrices_last
 from nav_model.base.arrays import as_numbers
 
 _FloatArray = NDArray[np.float64]
@@ -92,7 +91,7 @@ def free_quadratic_variance(
         np.asarray(x, float) for x in (aperture_time, coast_time, accelerometer_noise, tilt_noise, jerk)
     )
     s_a, s_g = s_a**2, s_g**2
-    forward, gathered = map(matrices_last, drift(coast, s_a, s_g))
+    _, forward, gathered = drift(coast, s_a, s_g)
     carried = forward @ start @ np.swapaxes(forward, -1, -2) + gathered
     q, v, p = np.moveaxis(weights, -1, 0)
     h, age = t / 2, coast + t / 2

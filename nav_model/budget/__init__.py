@@ -11,14 +11,14 @@ from functools import partial
 from numpy.typing import ArrayLike
 
 from nav_model.base.frozen import Once
-from nav_model.budget.figures import sampled_both, settled
+from nav_model.budget.figures import SHARED, begun, real_time_figures, sampled, settled
 from nav_model.budget.image import free_placement, sar_of, spectral_of
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.navigation import outage_of, outage_times, steady_state_of
 from nav_model.budget.post_processing import after_flight, margin_after_flight
 from nav_model.budget.refusals import refuse_hidden_target, refuse_late_data, refuse_long_aperture, refused
 from nav_model.budget.result import Budget
-from nav_model.budget.shares import white_parts
+from nav_model.budget.shares import each, shares_by_step, shares_of
 from nav_model.budget.verdict import judge
 from nav_model.design import Design
 
@@ -67,13 +67,12 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     refuse_late_data(design.motion.delay, float(inputs.aperture))
     time = outage_times(design, times)
     closed = settled(inputs)
-    moments, white = sampled_both(inputs)
-    parts = Once(partial(white_parts, inputs))
-    steady_state = steady_state_of(inputs, parts, closed, moments, white)
-    coast = outage_of(inputs, parts, closed, moments.posterior, white.posterior, time)
-    # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
-    start = closed if inputs.slow is None else moments.posterior
-    sar = sar_of(design, inputs, parts, closed.horizontal, start.horizontal, steady_state.shares["tilt"])
+    moments = sampled(inputs)
+    shares = each(SHARED, lambda: shares_of(shares_by_step(inputs, real_time_figures)))
+    start = begun(inputs, moments.posterior)
+    steady_state = steady_state_of(inputs, closed, start, moments, shares)
+    coast = outage_of(inputs, closed, moments.posterior, time, shares)
+    sar = sar_of(design, inputs, start.horizontal, shares)
     place = Once(partial(free_placement, inputs, start))
     spectral = spectral_of(inputs, sar.cell_length)
     verdict = judge(design, steady_state, coast, sar, place, spectral)

@@ -24,7 +24,7 @@ from nav_model.aperture import geometry, phase
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.budget.fast import LEVELS, levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
-from nav_model.processing import smoother
+from nav_model.processing.flight import Channel
 from nav_model.processing.geolocation import (
     NINETY,
     Line,
@@ -34,7 +34,7 @@ from nav_model.processing.geolocation import (
     ground_covariance,
     shifts,
 )
-from nav_model.processing.spectrum import Channel, Leg
+from nav_model.processing.smoother import smoothed_error
 
 SETTLED = ("horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt")
 COASTING = ("coast_horizontal_position", "coast_vertical_position")
@@ -55,29 +55,14 @@ FIGURES: Mapping[str, str] = MappingProxyType(
 """Name of a figure -> name of the requirement that limits it; the order is that of a verdict."""
 
 
+INITIAL_TILT = "initial tilt"
+"""Name of the source in a phase budget: what other sources have made of the tilt at the last fix."""
+
+
 def sampled(x: Inputs) -> Cycle:
     """Prior and posterior of the filter as it is built. [T-8]"""
     noises = x.sigma_a, x.sigma_w, x.g, x.interval, x.fix, x.fix_vertical
     return cycle(*noises, x.slow, x.velocity_of_fix)
-
-
-def sampled_both(x: Inputs) -> tuple[Cycle, Cycle]:
-    """`sampled`, and the same without the slow error of the fixes: one object where there is none."""
-    if x.slow is None:
-        return (found := sampled(x)), found
-    if x.velocity is None:
-        return sampled(x), sampled(replace(x, slow=None))
-    # The doubling takes both at once, in the time of one.
-    sizes = np.stack([x.slow.sigma, 0 * as_numbers(x.slow.sigma)])
-    pair = sampled(replace(x, slow=x.slow._replace(sigma=sizes)))
-
-    def at(end: Sawtooth, n: int) -> Sawtooth:
-        level, upright = end
-        return Sawtooth(Horizontal(*(part[n] for part in level)), Vertical(*(part[n] for part in upright)))
-
-    with_tilt = as_numbers(pair.slow_with_tilt)
-    first, second = (Cycle(at(pair.prior, n), at(pair.posterior, n), with_tilt[n]) for n in (0, 1))
-    return first, second
 
 
 def settled(x: Inputs) -> Sawtooth:
@@ -130,9 +115,21 @@ def along_track_phase(x: Inputs, start: Horizontal) -> Array:
     )
 
 
-def begun(x: Inputs) -> Sawtooth:
-    """The filter at the last fix before the aperture: the augmented one where there is a slow GNSS error."""
-    return settled(x) if x.slow is None else sampled(x).posterior
+def begun(x: Inputs, posterior: Sawtooth | None = None) -> Sawtooth:
+    """The filter at the last fix before the aperture: its cycle rms, [T-3] and [T-4] or [P-6].
+
+    No closed form has a slow GNSS error. It adds here what it adds to the covariance just after a fix [T-8], so that
+    a small one changes little and none improves a figure. `posterior` is that covariance, where it is known.
+    """
+    closed = settled(x)
+    if x.slow is None:
+        return closed
+    slow, white = posterior or sampled(x).posterior, sampled(replace(x, slow=None)).posterior
+    level, upright = (
+        [mean + (more - less) for mean, more, less in zip(*channel, strict=True)]
+        for channel in zip(closed, slow, white, strict=True)
+    )
+    return Sawtooth(Horizontal(*level), Vertical(*upright))
 
 
 def free_lines(x: Inputs, start: Sawtooth) -> tuple[Line, Line]:
@@ -146,9 +143,13 @@ def free_lines(x: Inputs, start: Sawtooth) -> tuple[Line, Line]:
 
 def smoothed_lines(x: Inputs) -> tuple[Line, Line]:
     """The same of the smoothed trajectory."""
-    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
-    level, upright = smoother.smoothed_error(channels(x), x.aperture, leg, _NEEDED["ce90"])
+    level, upright = _smoothed(x, _NEEDED["ce90"])
     return _line(level), _line(upright)
+
+
+def _smoothed(x: Inputs, columns: Collection[str]) -> list[dict[str, Array]]:
+    """Variances of the smoothed error, of a horizontal axis and of the vertical one. [P-3], [P-5]"""
+    return smoothed_error(channels(x), x.aperture, x.leg_after, x.before_aperture, columns)
 
 
 def _line(part: Mapping[str, Array]) -> Line:
@@ -235,15 +236,8 @@ SMOOTHED = tuple(_NEEDED)
 """Names of every figure that `smoothed_figures` knows, beside "detrended_phase"."""
 
 
-def by_state_space(x: Inputs) -> Array:
-    """Where either channel is smoothed in state space, and not by its spectrum."""
-    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
-    level, upright = (smoother.by_state_space(channel, leg) for channel in channels(x))
-    return np.asarray(level | upright)
-
-
 def smoothed_figures(x: Inputs, names: Collection[str]) -> dict[str, Array]:
-    """One sigma of some figures with a smoother over the whole leg. [P-3], [P-5]
+    """One sigma of some figures with a smoother that has every fix. [P-3], [P-5]
 
     Parameters
     ----------
@@ -261,9 +255,7 @@ def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, A
     """`smoothed_figures`, and the image's shift, from which `PLACING` comes; None where none of it is asked for."""
     order = f"detrended_phase_{x.autofocus_order}"
     wanted = {order if name == "detrended_phase" else name for name in names} - set(LEVELS)
-    leg = Leg(x.leg_before, x.leg_after, x.before_aperture)
-    columns = {column for name in wanted for column in _NEEDED[name]}
-    h, v = smoother.smoothed_error(channels(x), x.aperture, leg, sorted(columns))
+    h, v = _smoothed(x, sorted({column for name in wanted for column in _NEEDED[name]}))
     wide, high = geometry.line_of_sight_weights(x.grazing_angle)
     to_phase = x.to_phase
     found: dict[str, Array] = {}
@@ -332,7 +324,7 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
     ----------
     x : Inputs
     names : collection of str
-        Keys of `FIGURES`; others are not computed.
+        Keys of `FIGURES`, or `INITIAL_TILT` [rad] of real time; others are not computed.
 
     Returns
     -------
@@ -345,40 +337,50 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
     if x.post_processed:
         found |= smoothed_figures(x, [name for name in FIGURES if name in wanted and name not in COASTING])
         wanted &= set(COASTING)
-    imaging, placed, settling, coasting = (
-        wanted.intersection(group) for group in (IMAGING, PLACING, SETTLED, COASTING)
-    )
-    closed = None
-    if ((imaging or placed) and x.slow is None) or (settling and x.steady_state == "closed"):
-        closed = settled(x)
-    starting = (imaging or placed) and x.slow is not None
-    saw = sampled(x) if coasting or starting or (settling and x.steady_state != "closed") else None
-    # With a slow GNSS error no closed form covers the start of the aperture; the augmented filter does.
-    first = saw.posterior if saw and x.slow is not None else closed
     if wanted.intersection(LEVELS):
         found |= levels(x.fast.values(), x.to_phase, x.aperture, x.window)
-    if placed:
-        assert first is not None
-        found |= placing(x, free_shifts(x, first), placed)
-    if imaging:
-        assert first is not None
-        start = first.horizontal
-        whole = phase.total(phase_sources(x, start))
-        to_phase = x.to_phase
-        found["quadratic_phase"] = to_phase * np.sqrt(whole.quadratic)
-        found["cubic_phase"] = to_phase * np.sqrt(whole.cubic)
-        found["detrended_phase"] = to_phase * np.sqrt(whole.detrended)
-        if "along_track_quadratic_phase" in wanted:
-            track = along_track_phase(x, start)
-            found["along_track_quadratic_phase"] = np.where(np.isnan(to_phase.real), np.nan, track)
-    if settling:
-        moment = closed if x.steady_state == "closed" else getattr(saw, x.steady_state)
-        assert moment is not None
-        level, upright = moment
-        variances = (level.p11, upright.v11, level.p22, upright.v22, level.p33)
-        found |= {name: np.sqrt(variance) for name, variance in zip(SETTLED, variances, strict=True)}
-    if coasting:
+    saw = None
+    if wanted.intersection(COASTING) or (wanted.intersection(SETTLED) and x.steady_state != "closed"):
+        saw = sampled(x)
+    if not wanted.isdisjoint((*IMAGING, *PLACING, INITIAL_TILT)):
+        start = begun(x, saw and saw.posterior)
+        if placed := wanted.intersection(PLACING):
+            found |= placing(x, free_shifts(x, start), placed)
+        if wanted.intersection(IMAGING):
+            found |= imaging(x, start.horizontal)
+        found[INITIAL_TILT] = np.sqrt(start.horizontal.p33)
+    if wanted.intersection(SETTLED):
+        found |= sigmas(begun(x) if saw is None or x.steady_state == "closed" else getattr(saw, x.steady_state))
+    if wanted.intersection(COASTING):
         assert saw is not None
         ends = outage(x, saw.posterior, x.duration)
         found |= {name: np.sqrt(variance) for name, variance in zip(COASTING, ends, strict=True)}
-    return {name: found[name] for name in FIGURES if name in names}
+    return {name: found[name] for name in (*FIGURES, INITIAL_TILT) if name in names}
+
+
+SHARED = (*SETTLED, *COASTING, "along_track_quadratic_phase", INITIAL_TILT)
+"""What `real_time_figures` finds: the phase and the image's place have shares elsewhere."""
+
+
+def real_time_figures(x: Inputs) -> dict[str, Array]:
+    """Figures of `SHARED` in real time, one sigma, whatever the processing; ``initial tilt`` [rad] of [S-5]."""
+    return figures(replace(x, post_processed=False, steady_state="closed"), SHARED)
+
+
+def sigmas(moment: Sawtooth) -> dict[str, Array]:
+    """Figures of `SETTLED` from the covariances of both channels."""
+    level, upright = moment
+    variances = (level.p11, upright.v11, level.p22, upright.v22, level.p33)
+    return {name: np.sqrt(variance) for name, variance in zip(SETTLED, variances, strict=True)}
+
+
+def imaging(x: Inputs, start: Horizontal) -> dict[str, Array]:
+    """Figures of `IMAGING` of a free INS from the last fix. [S-5], [S-6], [S-2]"""
+    whole = phase.total(phase_sources(x, start))
+    to_phase = x.to_phase
+    return {
+        "quadratic_phase": to_phase * np.sqrt(whole.quadratic),
+        "along_track_quadratic_phase": np.where(np.isnan(to_phase.real), np.nan, along_track_phase(x, start)),
+        "cubic_phase": to_phase * np.sqrt(whole.cubic),
+        "detrended_phase": to_phase * np.sqrt(whole.detrended),
+    }

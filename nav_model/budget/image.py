@@ -13,12 +13,12 @@ from nav_model.aperture.impulse_response import ImpulseResponse, with_echoes
 from nav_model.aperture.polynomial_response import half_power_extent, quadratic_response
 from nav_model.aperture.window import ideal_null_cells
 from nav_model.base.arrays import Array
-from nav_model.base.frozen import FrozenMapping, Later
+from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.fast import LEVELS, levels, stays
-from nav_model.budget.figures import PLACING, along_track_phase, begun, free_shifts, phase_sources, placing
+from nav_model.budget.figures import INITIAL_TILT, PLACING, begun, free_shifts, imaging, phase_sources, placing
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.result import Echo, PhaseLine, Placement, Sar, Spectral
-from nav_model.budget.shares import Parts, Shares, each, shares_by_step, shares_of, velocity_shares
+from nav_model.budget.shares import Shares, each, shares_by_step, shares_of
 from nav_model.design import Design
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
@@ -26,14 +26,17 @@ from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 _NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
 
 
-def sar_of(design: Design, x: Inputs, parts: Parts, p: Horizontal, start: Horizontal, tilt_shares: Shares) -> Sar:
-    """Phase budget of the aperture in real time; `p` closed form, `start` covariance at the last fix. [S-5]"""
+def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Shares]) -> Sar:
+    """Phase budget of the aperture in real time; `start` is the covariance at the last fix. [S-5]
+
+    `shares` are those of the initial tilt and of the along-track phase.
+    """
     radar = design.radar
     wavelength, aperture = float(x.wavelength), float(x.aperture)
     budget = phase_sources(x, start)
     whole = phase.total(budget)
     to_phase = 4 * math.pi / wavelength
-    quadratic, cubic = (to_phase * math.sqrt(float(part)) for part in (whole.quadratic, whole.cubic))
+    found = {name: float(value) for name, value in imaging(x, start).items()}
     lines = tuple(
         PhaseLine(
             source,
@@ -54,14 +57,16 @@ def sar_of(design: Design, x: Inputs, parts: Parts, p: Horizontal, start: Horizo
         ),
         window=radar.window,
         autofocus_order=radar.autofocus_order,
-        quadratic=quadratic,
-        cubic=cubic,
-        detrended=to_phase * math.sqrt(float(whole.detrended)),
-        along_track_quadratic=float(along_track_phase(x, start)),
+        quadratic=found["quadratic_phase"],
+        cubic=found["cubic_phase"],
+        detrended=found["detrended_phase"],
+        along_track_quadratic=found["along_track_quadratic_phase"],
         lines=lines,
-        tilt_shares=tilt_shares,
-        velocity_shares=Later(lambda: velocity_shares(x, parts(), p, start)),
-        half_power_extent=None if quadratic > _NO_IMAGE else half_power_extent(quadratic, x.window),  # type: ignore[arg-type]
+        tilt_shares=shares[INITIAL_TILT],
+        velocity_shares=shares["along_track_quadratic_phase"],
+        half_power_extent=(
+            None if found["quadratic_phase"] > _NO_IMAGE else half_power_extent(found["quadratic_phase"], x.window)  # type: ignore[arg-type]
+        ),
         respond=partial(response_of, x),
     )
 

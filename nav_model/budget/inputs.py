@@ -68,7 +68,6 @@ class Inputs:
     velocity_vertical: Array | None
     velocity_interval: Array | None
     post_processed: bool
-    leg_before: Array
     leg_after: Array
     scene_height_error: Array
     window: str
@@ -184,7 +183,6 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
             value("gnss.velocity_interval") if given("gnss.velocity_interval") else value("gnss.interval")
         ),
         post_processed=design.processing.mode == POST_PROCESSED,
-        leg_before=value("processing.leg_before"),
         leg_after=value("processing.leg_after"),
         scene_height_error=value("processing.scene_height_error"),
         window=radar.window,

@@ -125,7 +125,7 @@ def _post_processed(smoothed: PostProcessed) -> dict[str, Any]:
             str(n): left for n, left in enumerate(smoothed.turning_by_order, 1)
         },
         "azimuth_shift_sigma_m": smoothed.azimuth_shift,
-        "method": smoothed.method,
+        "method": "state space",
         "lines": [{"source": source, "share": share} for source, share in shares.items()],
     }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -11,13 +12,16 @@ from numpy.typing import ArrayLike
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth
-from nav_model.base.arrays import Array
+from nav_model.analytic.doubling import carried, drift, measured, updated, without_slow_error
+from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.errors import InputError, shown
-from nav_model.budget.figures import COASTING, SETTLED, outage
+from nav_model.base.frozen import FrozenMapping
+from nav_model.budget.figures import COASTING, SETTLED, channels, outage, sigmas
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.result import Outage, Sigmas, SteadyState
-from nav_model.budget.shares import Parts, coast_shares, each, steady_shares
+from nav_model.budget.shares import Shares
 from nav_model.design import Design
+from nav_model.processing.flight import Channel, Flight, axis_of, values_of
 
 COAST_POINTS = 300
 
@@ -47,8 +51,11 @@ def _even_times(duration: float) -> Array:
     return np.linspace(0.0, duration, COAST_POINTS)
 
 
-def steady_state_of(inputs: Inputs, parts: Parts, closed: Sawtooth, moments: Cycle, white: Cycle) -> SteadyState:
-    """The settled filter: `closed` form, sampled `moments`, and `white`, the same without the slow GNSS error."""
+def steady_state_of(
+    inputs: Inputs, closed: Sawtooth, average: Sawtooth, moments: Cycle, shares: Mapping[str, Shares]
+) -> SteadyState:
+    """The settled filter: `closed` form, the same with a slow GNSS error, and sampled `moments`; `shares` of
+    `SETTLED`."""
     x = inputs
     asymptote = steady.gyro_dominated(x.sigma_w, x.s, x.g)
     lambda_dt = max(
@@ -57,22 +64,22 @@ def steady_state_of(inputs: Inputs, parts: Parts, closed: Sawtooth, moments: Cyc
     )
     return SteadyState(
         closed=_sigmas(closed),
+        average=_sigmas(average),
         prior=_sigmas(moments.prior),
         posterior=_sigmas(moments.posterior),
         gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
-        shares=each(SETTLED, lambda: steady_shares(parts(), moments.prior, white.prior)),
+        shares=FrozenMapping({name: shares[name] for name in SETTLED}),
     )
 
 
 def _sigmas(moment: Sawtooth) -> Sigmas:
-    p, v = moment
-    return Sigmas(*(math.sqrt(float(x)) for x in (p.p11, v.v11, p.p22, v.v22, p.p33)))
+    return Sigmas(*map(float, sigmas(moment).values()))
 
 
-def outage_of(x: Inputs, parts: Parts, closed: Sawtooth, posterior: Sawtooth, white: Sawtooth, time: Array) -> Outage:
-    """Errors `time` [s] after the last fix; `posterior` is the filter there, `white` without the slow GNSS error."""
+def outage_of(x: Inputs, closed: Sawtooth, posterior: Sawtooth, time: Array, shares: Mapping[str, Shares]) -> Outage:
+    """Errors `time` [s] after the last fix; `posterior` is the filter there, `shares` are those of `COASTING`."""
     a, w, g = x.sigma_a, x.sigma_w, x.g
     p, v = closed
     duration = float(x.duration)
@@ -82,7 +89,6 @@ def outage_of(x: Inputs, parts: Parts, closed: Sawtooth, posterior: Sawtooth, wh
     bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, g, time)
     drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, g, time)
     perfect = growth.perfect_start(a, w, g, time)
-    shares = each(COASTING, lambda: coast_shares(x, parts(), posterior, white, duration))
     curves = {
         "time": time,
         "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
@@ -105,3 +111,48 @@ def outage_of(x: Inputs, parts: Parts, closed: Sawtooth, posterior: Sawtooth, wh
         shares_vertical=shares[COASTING[1]],
         **curves,
     )
+
+
+def smoothed_outage(x: Inputs, time: Array) -> dict[str, Array]:
+    """Figures of `SETTLED`, post-processed, before and in an outage of ``x.duration`` just after a fix at time 0.
+
+    The smoother bridges it from both sides: fixes come back at its end, and it has those of ``x.leg_after``. [P-3]
+
+    Parameters
+    ----------
+    x : Inputs
+        Of one design.
+    time : array (n,)
+        Seconds, negative before the outage, at most its duration.
+
+    Returns
+    -------
+    dict
+        Figure -> one sigma, (n,): m, m/s, rad.
+    """
+    level, upright = (_bridged(channel, time, x.duration, x.leg_after) for channel in channels(x))
+    found = (level[0], upright[0], level[1], upright[1], level[2] / x.g)
+    return dict(zip(SETTLED, found, strict=True))
+
+
+def _bridged(channel: Channel, time: Array, outage: Array, after: Array) -> Array:
+    """One sigma of position, velocity, and tilt times gravity: (3, n)."""
+    inside = time > 0
+    rows = np.append(time[~inside], 0.0)  # the last one serves all times in the outage
+    axis = axis_of({name: np.broadcast_to(value, rows.shape) for name, value in values_of(channel).items()})
+    flight, now, none, gone = Flight(axis), rows / axis.step, 0 * rows, float(outage / axis.step[-1])
+    start, again = flight.start(none), flight.ahead(none, after / axis.step)
+    # Before the outage: from the last fix that both kinds share on, and with the fixes up to time 0.
+    periods = as_numbers(np.ceil(-now / axis.parts) * axis.parts)
+    back = measured(drift(none + gone, *axis.noise), again).info
+    smoothed = updated(carried(start, flight.to(now + periods)), flight.ahead(now + periods, periods, back))
+    # In it: from the last fix on, and back from the first one after it.
+    late = time[inside] / axis.step[-1]
+    a, w, slow = axis.noise
+    alone = a[-1], w[-1], slow and (slow[0][-1], slow[1][-1])
+    forward, backward = drift(late, *alone), drift(gone - late, *alone)
+    bridged = updated(carried(start[-1], forward), measured(backward, again[-1]).info)
+    both = without_slow_error(np.concatenate([smoothed[:-1], bridged]))
+    order = np.argsort(np.concatenate([np.flatnonzero(~inside), np.flatnonzero(inside)]))
+    sigma = np.sqrt(np.einsum("nii->in", both[order])[:3])
+    return np.asarray(sigma * axis.length[0] / axis.step[0] ** np.arange(3)[:, None])

@@ -14,12 +14,12 @@ from nav_model.budget.figures import (
     PLACING,
     SETTLED,
     SMOOTHED,
-    by_state_space,
     smoothed_figures,
     smoothed_with_shifts,
 )
 from nav_model.budget.image import placement_of, response_of
 from nav_model.budget.inputs import Inputs
+from nav_model.budget.navigation import smoothed_outage
 from nav_model.budget.refusals import refused
 from nav_model.budget.result import (
     AfterFlight,
@@ -36,7 +36,6 @@ from nav_model.budget.shares import shares_by_step, shares_of
 from nav_model.budget.verdict import confidence_of, judge
 from nav_model.design import Design
 from nav_model.processing.geolocation import Shifts
-from nav_model.processing.smoother import SPECTRUM, STATE_SPACE
 
 
 def after_flight(
@@ -95,9 +94,9 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         turning_quadratic=value["turning_quadratic_phase"],
         turning_by_order=(value["turning_detrended_phase_1"], value["turning_detrended_phase_2"]),
         azimuth_shift=value["slope_shift"],
-        method=STATE_SPACE if bool(by_state_space(x)) else SPECTRUM,
         shares=FrozenMapping(shares),
         respond=partial(response_of, x),
+        through=partial(smoothed_outage, x),
     )
     assert moved[0] is not None
     shifts = Shifts(*(np.asarray(value.real.flat[0]) for value in moved[0]))  # the shares' steps are imaginary

@@ -12,19 +12,21 @@ from types import MappingProxyType
 
 from nav_model.budget.result import Budget
 from nav_model.design import Design
+from nav_model.design.parts import OUTDATED
 
 _TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight is not mentioned
 
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
 
-INPUT, CLOSED, DISCRETE, SERIES, RESPONSE, SMOOTHER = (
+INPUT, CLOSED, DISCRETE, SERIES, RESPONSE, SMOOTHER, STEP = (
     "input",
     "closed form",
     "discrete Riccati equation, solved in closed form",
     "linear covariance propagation",
     "aperture integral",
-    "smoothed error, by spectrum or in state space",
+    "fixed-interval smoother, in state space",
+    "derivative by the size of each source",
 )
 
 
@@ -45,7 +47,7 @@ _TABLE: dict[str, Provenance] = {
     "steady_state.tilt_sigma_rad": Provenance("[T-3]", CLOSED, "cycle rms"),
     "steady_state.gyro_dominance": Provenance("[T-6]", CLOSED),
     "steady_state.asymptote": Provenance("[T-7]", CLOSED, "holds for gyro dominance far above one"),
-    "steady_state.shares": Provenance("[T-18]", CLOSED),
+    "steady_state.shares": Provenance("[T-18]", STEP, "of the average between fixes"),
     "steady_state.lambda_dt": Provenance("[T-8]", CLOSED),
     "steady_state.discrete.prior": Provenance("[T-8]", DISCRETE, "just before a fix"),
     "steady_state.discrete.posterior": Provenance("[T-8]", DISCRETE, "just after a fix"),
@@ -59,7 +61,7 @@ _TABLE: dict[str, Provenance] = {
     "coast.initial_tilt_position_sigma_m": Provenance("[T-12]", CLOSED),
     "coast.end.time_s": Provenance("", INPUT, "coast.duration"),
     "coast.end.refined_position_sigma_m": Provenance("[T-17]", SERIES, "biases in quadrature"),
-    "coast.end.shares": Provenance("[T-9], [T-10], [T-18]", CLOSED, "shares of the polynomials"),
+    "coast.end.shares": Provenance("[T-17], [T-18]", STEP, "of the refined curve's end"),
     "sar.wavelength_m": Provenance("[T-13]", CLOSED),
     "sar.aperture_time_s": Provenance("[S-3]", CLOSED),
     "sar.aperture_length_m": Provenance("[S-3]", CLOSED),
@@ -69,7 +71,7 @@ _TABLE: dict[str, Provenance] = {
     "sar.cubic_phase_sigma_rad": Provenance("[S-6]", CLOSED, "before autofocus"),
     "sar.detrended_phase_sigma_rad": Provenance("[T-15], [S-6]", CLOSED, "after autofocus"),
     "sar.lines": Provenance("[S-5], [S-6]", CLOSED),
-    "sar.initial_tilt_shares": Provenance("[T-18]", CLOSED),
+    "sar.initial_tilt_shares": Provenance("[T-18]", STEP),
     "sar.along_track_quadratic_phase_sigma_rad": Provenance(
         "[S-2]", CLOSED, "separate; not part of the quadratic phase total"
     ),
@@ -111,8 +113,8 @@ _AUGMENTED_NOTE = "no closed form covers the slow GNSS error; white noise only"
 def provenance(budget: Budget) -> Mapping[str, Provenance]:
     """JSON key -> where that number comes from, for this budget.
 
-    With a slow GNSS error the closed forms describe the white noise only and say so, and the phase budget
-    starts from the tilt of the augmented filter just after the last fix.
+    With a slow GNSS error the closed forms describe the white noise only and say so; the phase budget starts from
+    their tilt and what the slow error adds to that just after a fix.
     """
     table = dict(_TABLE)
     if budget.design.gnss.velocity_noise is not None:
@@ -122,9 +124,7 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
     if not budget.design.gnss.correlated:
         return MappingProxyType(table)
     for key, entry in tuple(table.items()):
-        if key.endswith("shares"):
-            table[key] = Provenance(entry.equation, entry.method, "slow GNSS error from the augmented filter")
-        elif key.startswith(("steady_state", "coast")) and entry.method == CLOSED:
+        if key.startswith(("steady_state", "coast")) and entry.method == CLOSED:
             table[key] = Provenance(entry.equation, entry.method, _AUGMENTED_NOTE)
         elif entry.method == SERIES:
             table[key] = Provenance(
@@ -138,9 +138,9 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
             )
         elif key.startswith("sar.") and "[S-5]" in entry.equation:
             table[key] = Provenance(
-                f"{entry.equation} with p33 of [T-8]",
+                f"{entry.equation}, [T-8]",
                 entry.method,
-                "tilt of the augmented filter after the last fix",
+                "with the tilt that the slow GNSS error adds",
             )
     return MappingProxyType(table)
 
@@ -189,6 +189,7 @@ def cautions(budget: Budget) -> tuple[str, ...]:
                 f"turn it is {100 * abs(change):.2g} % {'larger' if change > 0 else 'smaller'}, which the verdict "
                 "leaves out [P-5]."
             )
+    said += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
     said += [sentence for holds, sentence in _STANDING if holds(design)]
     return tuple(said)
 
@@ -199,6 +200,20 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "Squint lengthens the aperture by 1/cos [S-3] and multiplies the along-track quadratic phase by cos² "
         "[S-2]. The line-of-sight weights [S-1] stay, since both horizontal axes have the same errors. The SAR "
         "page has the effect of the turning line of sight on velocity errors of the other axes.",
+    ),
+    (
+        lambda design: _rounded(design),
+        "Neither fix interval is a whole multiple of the other. Post-processed figures take the nearest whole number "
+        "of fixes, with the noise that keeps their density.",
+    ),
+    (
+        lambda design: design.coast.before_aperture > 0,
+        "Post-processed position, velocity and tilt are those in the middle of the aperture, after the time without "
+        "fixes before it. In real time they are those with fixes throughout.",
+    ),
+    (
+        lambda design: design.radar.grazing_angle > math.radians(89.5),
+        "At this grazing angle the range says next to nothing about the ground range: CE90 has no meaning.",
     ),
     (
         lambda design: design.imu.vibration_factor == 1,
@@ -243,3 +258,12 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "Quadratic phase is quoted and checked before autofocus; detrended phase is what autofocus leaves.",
     ),
 )
+
+
+def _rounded(design: Design) -> bool:
+    """Whether position and velocity fixes come at intervals of which neither divides the other, to a thousandth."""
+    gnss = design.gnss
+    if gnss.velocity_noise is None or gnss.velocity_interval is None:
+        return False
+    ratio = max(gnss.interval, gnss.velocity_interval) / min(gnss.interval, gnss.velocity_interval)
+    return bool(abs(ratio - round(ratio)) > 1e-3 * ratio)

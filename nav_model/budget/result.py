@@ -33,19 +33,25 @@ class Sigmas:
 class SteadyState:
     """The settled filter.
 
-    ``closed`` is the cycle rms in closed form [T-3], [T-4]; ``prior`` and ``posterior`` are the discrete
-    filter just before and after a fix [T-8], slow GNSS error included. ``asymptote`` is [T-7]: position,
-    velocity, tilt, horizontal. ``lambda_dt`` is the larger of the two channels. ``shares`` gives, for each
-    kind of error, the share of each source in its variance [T-18].
+    ``closed`` is the cycle rms in closed form [T-3], [T-4], ``average`` the same with what a slow GNSS error adds to
+    it; ``prior`` and ``posterior`` are the discrete filter just before and just after a fix [T-8], slow error
+    included. ``asymptote`` is [T-7]: position, velocity, tilt, horizontal. ``lambda_dt`` is the larger of the two
+    channels. ``shares`` gives, for each kind of error, each source's share in the variance of ``average`` [T-18].
     """
 
     closed: Sigmas
+    average: Sigmas
     prior: Sigmas
     posterior: Sigmas
     gyro_dominance: float
     asymptote: tuple[float, float, float]
     lambda_dt: float
     shares: Mapping[str, Shares]
+
+    def checked(self, moment: str) -> Sigmas:
+        """What requirements are checked against: "prior", "posterior", or "closed", the average between fixes."""
+        sigmas: Sigmas = getattr(self, "average" if moment == "closed" else moment)
+        return sigmas
 
 
 @dataclass(frozen=True)
@@ -138,7 +144,7 @@ class Sar:
 
 @dataclass(frozen=True)
 class PostProcessed:
-    """Errors that remain with a smoother over the whole leg: m, m/s, rad. [P-3], [P-5]
+    """Errors that remain with a smoother that has every fix: m, m/s, rad. [P-3], [P-5]
 
     ``by_order`` is the residual phase after autofocus to order 1, 2 and 3, ``detrended`` that of the design's order.
     ``turning_quadratic`` is the quadratic phase along the line of sight as it turns over the aperture: ``quadratic``
@@ -146,8 +152,9 @@ class PostProcessed:
     ``turning_by_order`` are the residuals after autofocus to order 1 and 2 alike. After order 3 the turn is 0.3 % at
     most where it is less than 0.05 rad to each side, and some 2 % at 0.2 rad.
     ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.
-    ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad. ``method`` is "spectrum" or "state space".
+    ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad.
     ``shares`` gives, for each figure that a requirement can limit, the share of each source in its variance.
+    ``through`` gives navigation's sigmas before and in an outage, `nav_model.budget.navigation.smoothed_outage`.
     """
 
     sigmas: Sigmas
@@ -159,9 +166,9 @@ class PostProcessed:
     turning_quadratic: float
     turning_by_order: tuple[float, float]
     azimuth_shift: float
-    method: str
     shares: Mapping[str, Shares]
     respond: Callable[[float], ImpulseResponse | None] = field(repr=False, compare=False)
+    through: Callable[[Array], Mapping[str, Array]] = field(repr=False, compare=False)
 
     @cached_property
     def impulse_response(self) -> ImpulseResponse | None:

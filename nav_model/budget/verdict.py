@@ -111,7 +111,7 @@ def _smoothed(smoothed: PostProcessed) -> dict[str, _Figure]:
         "vertical_velocity": (sigmas.velocity_vertical, "[P-3]"),
         "tilt": (sigmas.tilt, "[P-3]"),
     }
-    basis = f"smoothed by {smoothed.method}"
+    basis = "smoothed"
     return {name: _Figure(sigma, basis, mark, smoothed.shares[name]) for name, (sigma, mark) in values.items()}
 
 
@@ -133,7 +133,7 @@ def _placed(placement: Placement, basis: str) -> dict[str, _Figure]:
 def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) -> dict[str, _Figure]:
     chosen = design.requirements.steady_state
     level, upright = steady_marks(design)
-    sigmas = getattr(steady_state, chosen)
+    sigmas = steady_state.checked(chosen)
     label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]
 
     def settled(name: str, sigma: float, closed_mark: str) -> _Figure:
@@ -141,7 +141,7 @@ def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar)
         return _Figure(sigma, label, mark, steady_state.shares[name])
 
     slow = design.gnss.correlated
-    budget = "closed form" if not slow else "closed form from the augmented filter's tilt"
+    budget = "closed form" if not slow else "closed form, with the tilt that the slow GNSS error adds"
 
     def by_source(field: str) -> dict[str, float]:
         if field == "cubic_share":

@@ -61,6 +61,8 @@ class Design:
         Dotted key -> unit the value was written in, for showing and saving it the way it came.
     origins : mapping
         Dotted key -> where the value came from, such as a log or a data sheet: one line.
+    outdated : tuple of str
+        Keys of a file or link of before that have no effect any more.
 
     Two designs are equal when their values and texts are, whatever units they were written in and wherever the
     values came from: `written` and `origins` are not part of a design's identity, nor of its hash.
@@ -77,6 +79,7 @@ class Design:
     requirements: Requirements
     written: Mapping[str, str]
     origins: Mapping[str, str]
+    outdated: tuple[str, ...]
     _values: dict[str, Value]
 
     def __init__(
@@ -84,6 +87,7 @@ class Design:
         values: Mapping[str, Value] | None = None,
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
+        outdated: tuple[str, ...] = (),
     ) -> None:
         """Make a design from dotted keys in SI; a key not given takes its default.
 
@@ -95,6 +99,7 @@ class Design:
         given = dict(values or {})
         texts = {key: str(given.pop(key, "")) for key in TOP_KEYS}
         parts = {part.section: part(**own) for part, own in _by_part(given)}
+        self.__dict__["outdated"] = outdated
         self._fill(dict(texts), parts, dict(written or {}), dict(origins or {}))
 
     def _fill(
@@ -111,9 +116,9 @@ class Design:
                 _check_origin(key, origin)
         self.__dict__.update(parts, written=_frozen(written), origins=_frozen(origins), _values=flat)
 
-    def __reduce__(self) -> tuple[type[Design], tuple[dict[str, Value], dict[str, str], dict[str, str]]]:
+    def __reduce__(self) -> tuple[type[Design], tuple[Any, ...]]:
         """Unpickle through the constructor, so that the copy is checked and immutable too."""
-        return type(self), (self._values, dict(self.written), dict(self.origins))
+        return type(self), (self._values, dict(self.written), dict(self.origins), self.outdated)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a Design does not change; make another with replace()")

@@ -19,7 +19,7 @@ from nav_model.base.toml_text import read_toml
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
-from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS, Input
+from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Input
 from nav_model.design.presets import preset_fill, preset_of
 from nav_model.design.rows import Rows
 
@@ -119,7 +119,7 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         if key in TOP_KEYS:
             tables[key] = text
             continue
-        if section not in INPUTS or not (key in PRESET_KEYS or _input_named(section, name)):
+        if section not in INPUTS or not (key in (*PRESET_KEYS, *OUTDATED) or _input_named(section, name)):
             raise InputError(key, _unknown(section if section in INPUTS else ""))
         table = tables.setdefault(section, {})
         if not isinstance(table, dict):
@@ -127,7 +127,7 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         if key in PRESET_KEYS:  # the new unit's values replace the file's
             for filled in preset_fill(section, text)[0].keys() - {key}:
                 _drop(tables, section, filled.rpartition(".")[2])
-        else:
+        elif key not in OUTDATED:
             found = _input_named(section, name)
             _drop(tables, section, found[0] if found else name)
         table[name] = text
@@ -157,8 +157,11 @@ def _build(tables: dict[str, Any]) -> Design:
             raise InputError(key, f"must be a section, [{key}], not {shown(content)}", content)
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
-    design = Design(values, written)
+    outdated = tuple(key for key in OUTDATED if key.partition(".")[2] in tables.get(key.partition(".")[0], {}))
+    design = Design(values, written, outdated=outdated)
     origins = tables.get(ORIGINS) or noted_origins(design)
+    if isinstance(origins, dict):
+        origins = {key: origin for key, origin in origins.items() if key not in OUTDATED}
     return design.replace({}, origins=origins) if origins else design
 
 
@@ -166,7 +169,7 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
     given: dict[str, str] = {}
     for name, content in table.items():
         key = f"{section}.{name}"
-        if key in PRESET_KEYS:
+        if key in (*PRESET_KEYS, *OUTDATED):
             continue
         found = _input_named(section, name)
         if found is None:

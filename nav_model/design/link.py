@@ -15,7 +15,7 @@ from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
-from nav_model.design.parts import INPUTS, PRESET_KEYS, TOP_KEYS
+from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
 
@@ -33,6 +33,7 @@ _SHORT: dict[str, str] = {
     for section, inputs in INPUTS.items()
     for name, declaration in inputs.items()
 }
+_OUTDATED = {short: key for key, (short, _) in OUTDATED.items()}
 _PRESET_SHORT = {key.partition(".")[0]: key for key in PRESET_KEYS}
 _TO_ASCII = {"√Hz": "sqrt(Hz)", "√h": "sqrt(h)", "√s": "sqrt(s)", "µ": "u", "°": "deg", "²": "^2", " ": ""}
 
@@ -113,11 +114,11 @@ def from_query(query: str) -> Design:
             values[short] = text
         elif short.removeprefix(_ORIGIN_PREFIX) in _SHORT and short.startswith(_ORIGIN_PREFIX):
             origins[_SHORT[short.removeprefix(_ORIGIN_PREFIX)]] = text
-        elif short not in _PRESET_SHORT:
+        elif short not in _PRESET_SHORT and short.removeprefix(_ORIGIN_PREFIX) not in _OUTDATED:
             if short not in _SHORT:
                 raise InputError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
             _read(_SHORT[short], text, values, written)
-    design = Design(values, written)
+    design = Design(values, written, outdated=tuple(_OUTDATED[short] for short in names if short in _OUTDATED))
     return design.replace({}, origins=origins or noted_origins(design))
 
 

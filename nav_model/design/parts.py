@@ -15,7 +15,7 @@ from nav_model.design.requirements import Requirements
 from nav_model.design.sensors import Gnss, Imu
 
 __all__ = [
-    "INPUTS", "LONGEST_ORIGIN", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss",
+    "INPUTS", "LONGEST_ORIGIN", "OUTDATED", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss",
     "Imu", "Input", "Motion", "Oscillator", "Part", "Processing", "Radar", "Requirements", "all_keys",
     "declaration_of",
 ]  # fmt: skip
@@ -28,6 +28,11 @@ INPUTS: dict[str, dict[str, Input]] = {part.section: part.inputs() for part in P
 
 LATER = frozenset(declaration.key for names in INPUTS.values() for declaration in names.values() if declaration.since)
 """Inputs that came after the first designs were saved: at their defaults they leave a design's hash as it was."""
+
+OUTDATED: dict[str, tuple[str, str]] = {
+    "processing.leg_before": ("lb", "the smoother starts from the settled filter [P-3]"),
+}
+"""Inputs that files, links and commands of before may have, without effect: short name in links, and why."""
 
 PRESET_KEYS = tuple(f"{part.section}.preset" for part in PARTS if "preset" in part.param)
 """Keys that name an entry of the catalogue."""

@@ -23,19 +23,6 @@ class Processing(Part):
         "before, in and after the aperture. Requirements are checked for the one chosen.",
         since="0.1.0",
     )
-    leg_before = Quantity(
-        default=200.0,
-        dimension="time",
-        unit="s",
-        short="lb",
-        bounds=(0.0, 1e5),
-        softbounds=(1.0, 1000.0),
-        label="Leg before aperture",
-        doc="Straight and level flight with fixes before the aperture that the smoother can use.",
-        datasheet="Not on data sheets: the flight plan.",
-        typical="60 to 600 s",
-        since="0.1.0",
-    )
     leg_after = Quantity(
         default=200.0,
         dimension="time",
@@ -43,8 +30,9 @@ class Processing(Part):
         short="la",
         bounds=(0.0, 1e5),
         softbounds=(1.0, 1000.0),
-        label="Leg after aperture",
-        doc="Straight and level flight with fixes after the aperture, before the next turn.",
+        label="Fixes after aperture",
+        doc="How long the smoother waits for fixes after the aperture. At 0 it has those up to the aperture's end. "
+        "Before the aperture the filter has settled.",
         datasheet="Not on data sheets: the flight plan.",
         typical="60 to 600 s",
         since="0.1.0",

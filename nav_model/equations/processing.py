@@ -22,8 +22,9 @@ PROCESSING: tuple[Equation, ...] = (
         "P-3",
         "Smoothed position error, as a spectral density",
         r"S_e (w) = 1 / (1 \/ S_p + 1 \/ S_n), quad sigma^2 = 1 / pi integral_0^oo S_e dif w",
-        "A smoother with fixes on both sides, in a leg of 6/w₀ and more on each, w₀ = (g σ_ω/s)^(1/3), and with "
-        "w₀ Δt up to 0.7; otherwise it is computed in state space. Velocity has the density w² S_e.",
+        "The limit of dense white fixes for ever before and after: w₀ Δt up to 0.7 and 6/w₀ of fixes after the "
+        "aperture, w₀ = (g σ_ω/s)^(1/3). The product computes every design in state space: the settled filter before "
+        "the aperture, the fixes after it, and the two joined over it. Velocity has the density w² S_e.",
     ),
     Equation(
         "P-4",

@@ -15,7 +15,7 @@ from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, catalogue
 from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, value_of, worst
 
-SIZE = 200
+SIZE = 64
 """Points along a side."""
 
 RESULTS = (ALL, *FIGURES)

@@ -13,12 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.analytic.few import from_few
-from nav_model.base.arrays import Array, as_numbers
+from nav_model.base.arrays import Array
 from nav_model.processing import compensation
 from nav_model.processing.aperture_filter import AVERAGES, OSCILLATING, filters
 from nav_model.processing.compensation import power_left
-from nav_model.processing.many_apertures import by_pieces, echo_terms
 
 NEAR_CELLS = 11.0
 """Null distances from the peak to the end of the ten beyond the main lobe."""
@@ -26,13 +24,12 @@ NEAR_CELLS = 11.0
 _FILTERS = ("quadratic", "cubic", "left_1", "left_2", "left_3", "mean", "slope")
 _STEPS_X = (1.0, 2.0, 3.5, 5.0, *np.linspace(7.5, OSCILLATING, 14))  # as many as the filters' oscillation needs
 _STEPS_DELAY = np.linspace(0, compensation.OSCILLATING, 21)[1:]
+_FEW_PERIODS = 16
+_INNER = np.linspace(0, 1, 2 * _FEW_PERIODS + 1)[1:-1]
 _RISE = 4.0  # between the ends of a panel, where nothing oscillates
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _ROWS = 256  # designs computed together: bounds the memory
-_MANY = 2000  # different apertures; more of them are interpolated from a few
-_BEYOND = 1 + 1e-6
 _NEVER = 1e-300
-_LEAST = 1e-14  # of the largest on a map
 
 
 @dataclass(frozen=True)
@@ -177,80 +174,14 @@ def _integrals(curve: Curve, power: int, source: Source, aperture: Array, lobe: 
     columns = np.broadcast_arrays(aperture, *(x for x in (source.delay, source.bandwidth) if x is not None))
     table = np.stack(columns, axis=-1).reshape(-1, len(columns))
     # Most arrays of designs differ in other inputs: each kind of aperture is integrated once.
-    if np.iscomplexobj(table):
-        kinds, place = np.unique(np.concatenate([table.real, table.imag], axis=1), axis=0, return_inverse=True)
-        whole = _each_row(curve, power, as_numbers(kinds[:, : len(columns)] + 1j * kinds[:, len(columns) :]), lobe)
-    else:
-        kinds, place = np.unique(table, axis=0, return_inverse=True)
-        whole = _real_rows(curve, power, kinds, lobe)
+    kinds, place = np.unique(table, axis=0, return_inverse=True)
+    parts = np.array_split(kinds, -(-len(kinds) // _ROWS))
+    whole = np.concatenate([_rows(curve, power, rows, lobe) for rows in parts])
     return [column.reshape(columns[0].shape) for column in whole[place.reshape(-1)].T]
 
 
-def _each_row(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
-    """One row per different aperture: aperture [s] and, where there are any, delay [s] and bandwidth [Hz]."""
-    parts = [_rows(curve, power, rows[start : start + _ROWS], lobe) for start in range(0, len(rows), _ROWS)]
-    return np.concatenate(parts)
-
-
-def _real_rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
-    """The same of real rows, sorted: by way of few where many differ in the aperture and an echo's delay alone."""
-    aperture, *others = rows.T
-    if len(rows) < _MANY:
-        return _each_row(curve, power, rows, lobe)
-    if all(np.all(column == column[0]) for column in others):
-        alike = rows[0, 1:]
-
-        def at(apertures: Array) -> Array:
-            return _each_row(curve, power, np.insert(np.tile(alike, (len(apertures), 1)), 0, apertures, axis=1), lobe)
-
-        return by_pieces(at, aperture, curve.frequency, (lobe, lobe * NEAR_CELLS))
-    # Beyond this frequency no filter oscillates and nothing is near the main lobe.
-    highest = _BEYOND * max(OSCILLATING / np.pi, lobe * NEAR_CELLS) / float(aperture[0])
-    late = 2 * np.pi * highest * float(np.max(others[0]))
-    if len(others) > 1 or late > 1 or not curve.frequency[0] < highest < curve.frequency[-1]:
-        return _from_few(curve, power, rows, lobe)
-    return _with_echo(*curve.split(highest), power, rows, lobe, echo_terms(late))
-
-
-def _from_few(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
-    """The same of rows that are a map, every pair of values of two of their columns: within 1e-4, by `from_few`."""
-    own = [np.unique(column) for column in rows.T]
-    shape = tuple(len(values) for values in own if len(values) > 1)
-    if len(shape) != 2 or math.prod(shape) != len(rows):
-        return _each_row(curve, power, rows, lobe)
-
-    corners = [0, shape[1] - 1, len(rows) - shape[1], len(rows) - 1]
-    # avoids the logarithm of zero where nothing is beyond the main lobe or compensated
-    least = _LEAST * np.max(_each_row(curve, power, rows[corners], lobe), axis=0) + _NEVER
-
-    def exact(_: NDArray[np.int64], row: NDArray[np.int64], column: NDArray[np.int64]) -> Array:
-        return np.asarray(np.log(_each_row(curve, power, rows[row * shape[1] + column], lobe) + least).T)
-
-    found = from_few([np.ones(shape, bool)], [(False, False)], len(_FILTERS) + 2, exact)[0].reshape(-1, len(rows)).T
-    return np.asarray(np.maximum(np.exp(found) - least, 0.0))
-
-
-def _with_echo(low: Curve, high: Curve, power: int, rows: Array, lobe: float, terms: Array) -> Array:
-    """Of both parts of a curve, as `_real_rows`: below by `terms` of the delay, above by filters that only fall."""
-    aperture, delay = rows.T
-    order = 2 * np.arange(1, len(terms) + 1)
-
-    def by_term(apertures: Array) -> Array:
-        return np.hstack([_each_row(low, power - int(n), apertures[:, None], lobe) for n in order])
-
-    apertures, place = np.unique(aperture, return_inverse=True)
-    slow = by_pieces(by_term, apertures, low.frequency, (lobe, lobe * NEAR_CELLS))
-    slow = np.einsum("nk,nkc->nc", terms * delay[:, None] ** order, slow.reshape(len(slow), len(terms), -1)[place])
-    delays, place = np.unique(delay, return_inverse=True)
-    fast = _each_row(high, power, np.stack([np.full(len(delays), aperture[0]), delays], axis=1), lobe)[place]
-    falls = np.array([*(AVERAGES[name][1] for name in _FILTERS), 0.0, 0.0])
-    mean = _FILTERS.index("mean")  # which has nothing but what falls with the aperture squared
-    return np.asarray(
-        slow + fast + np.outer(fast[:, mean] * ((aperture[0] / aperture) ** 2 - 1), falls / falls[mean])
-    )
-
-
 def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
+    """One row per different aperture: aperture [s] and, where there are any, delay [s] and bandwidth [Hz]."""
     aperture, *others = rows.T
     delay, bandwidth = (*others, None, None)[:2]
     # Panels end where the curve bends, where the filters or the delay oscillate, and at the lobe.
@@ -260,6 +191,11 @@ def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
     if delay is not None:
         late = np.where(delay.real > 0, delay, np.inf)[:, None]
         moving = np.concatenate([moving, _STEPS_DELAY / (2 * np.pi * late)], axis=1)
+    narrow_x, more = _narrow(curve, aperture.real, OSCILLATING / math.pi)
+    moving = np.concatenate([moving, more], axis=1)
+    if delay is not None:
+        narrow_delay, more = _narrow(curve, delay.real, compensation.OSCILLATING / (2 * math.pi))
+        moving = np.concatenate([moving, more], axis=1)
     moving = np.where(moving.real < low, low, np.where(moving.real > high, high, moving))
     fixed = np.broadcast_to(np.concatenate([curve.frequency, fill]), (len(rows), len(curve.frequency) + len(fill)))
     edges = np.log(np.sort(np.concatenate([fixed, moving], axis=1), axis=1))
@@ -276,14 +212,14 @@ def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
         density /= (w**2) ** (power // 2)
     if delay is not None:
         wide = None if bandwidth is None else bandwidth[row, None]
-        settled = 2 * np.pi * middle * delay[row].real > compensation.OSCILLATING
+        settled = (2 * np.pi * middle * delay[row].real > compensation.OSCILLATING) & ~narrow_delay[row, place]
         for where, mean in ((settled, True), (~settled, False)):
             density[where] *= power_left(
                 w[where], delay[row[where], None], None if wide is None else wide[where], mean=mean
             )
-    # Far above the oscillation a filter is a constant and a part that falls with x²: two sums serve them all.
+    # Over many oscillations a filter is a constant and a part that falls with x²: two sums serve them all.
     x = w / 2 * aperture[row, None]
-    far = np.pi * middle * aperture[row].real > OSCILLATING
+    far = (np.pi * middle * aperture[row].real > OSCILLATING) & ~narrow_x[row, place]
     whole, falling = density.sum(axis=1), np.sum(density[far] / x[far] ** 2, axis=1)
     close, near = density[~far], filters(x[~far], turning=False)
     cells = middle * aperture[row].real
@@ -297,3 +233,17 @@ def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
     for column, seen in enumerate((cells > lobe, (cells > lobe) & (cells < NEAR_CELLS * lobe)), len(_FILTERS)):
         np.add.at(found[:, column], row, whole * seen)
     return found
+
+
+def _narrow(curve: Curve, time: Array, settled: float) -> tuple[NDArray[np.bool_], Array]:
+    """Where a factor that oscillates with f times `time` has few periods, so that its mean says little.
+
+    Intervals of the table, (rows, intervals), of those above `settled` periods; and frequencies that resolve the
+    factor there, (rows, n).
+    """
+    width = np.diff(curve.frequency)
+    narrow = (width * time[:, None] < _FEW_PERIODS) & (curve.frequency[1:] * time[:, None] > settled)
+    some = np.any(narrow, axis=0)
+    inner = curve.frequency[:-1][some, None] + width[some, None] * _INNER
+    there = np.where(narrow[:, some, None], inner, curve.frequency[0])
+    return narrow, there.reshape(len(time), -1)

@@ -1,150 +1,99 @@
-"""A stretch of flight with fixes, and the position error along it, for many designs at once.
+"""A stretch of flight: a segment, and what becomes of the position error along it.
 
-A stretch is what its fixes say about its first state, and what follows from that state: the last one, the first six
-Legendre coefficients of the position error along it, and what those leave of its mean square. Two stretches in a row
-are one, so an aperture of n fixes takes about as many steps as n has binary digits, whatever the noise.
+The position error p(t) along a stretch follows from the stretch's first state x0 and from noise, given the fixes in
+it. Of it are kept the coefficients c of the first six Legendre polynomials, and the mean square of what these leave:
+
+    c = L x0 + noise of covariance S,   C = cov(c, w) with the noise w of the last state
+
+and the same of what is left, r(t) = R(t) x0 + noise with D(t) = cov(r(t), w), as means over the stretch: `gram` is
+that of [R D]ᵀ [R D], `rest` that of var r. Information Y about the last state changes them as in every Gaussian
+update, with T = Y (1 + Q Y)⁻¹:
+
+    L - C T Phi,   C (1 + Y Q)⁻¹,   S - C T Cᵀ
+
+Two stretches in a row are one, so an aperture of n fixes takes as many steps as n has binary digits. The doubling is
+that of `nav_model.analytic.doubling`; the coefficients along the way are our own addition.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.polynomial import legendre
+from numpy.typing import ArrayLike
 
-from nav_model.analytic.doubling import drift
+from nav_model.analytic import doubling
+from nav_model.analytic.doubling import Segment, drift, turned
 from nav_model.base.arrays import Array
-from nav_model.processing.modes import ORDERS, drifts
 
-Counts = NDArray[np.int64]
+ORDERS = 6
+"""Legendre orders of the position error that figures use: 0 to 5."""
 
-
-class Noise(NamedTuple):
-    """Densities of accelerometer and gyro [m²/s³, m²/s⁵], variance [m²] and time [s] of the slow error; (rows)."""
-
-    accelerometer: Array
-    gyro: Array
-    slow: tuple[Array, Array] | None
-
-    def of(self, rows: Counts) -> Noise:
-        """These rows."""
-        slow = None if self.slow is None else (self.slow[0][rows], self.slow[1][rows])
-        return Noise(self.accelerometer[rows], self.gyro[rows], slow)
+_MODES = 9  # of white noise: orders above add nothing to the first six of its second and third integral
 
 
 class Stretch(NamedTuple):
-    """A stretch of flight with fixes, given its first state; rows come first, n is the number of states.
+    """One stretch of every design, rows first.
 
-    ``known`` is the information of its fixes about the first state, ``through`` and ``noise`` give the last one,
-    (rows, n, n). ``lines`` are the coefficients of the position error by the first state, and beside these their
-    covariances with the noise of the last, (rows, 6, 2 n), ``spread`` is their covariance, and of what they leave
-    ``gram`` is the mean product of the same two, (rows, 2 n, 2 n), and ``rest`` its mean square. ``span`` is in s.
+    `info`, `through` and `noise` of the segment are (rows, n, n), its length ``span`` (rows); ``lines`` = [L C],
+    (rows, 6, 2 n); ``spread`` = S, (rows, 6, 6); ``gram``, (rows, 2 n, 2 n); ``rest`` (rows). Coefficients are of
+    polynomials that are orthonormal over the stretch.
     """
 
-    span: Array
-    known: Array
+    info: Array
     through: Array
     noise: Array
+    span: Array
     lines: Array
     spread: Array
     gram: Array
     rest: Array
 
-    def of(self, rows: Counts) -> Stretch:
-        """These rows."""
-        return Stretch(*(part[rows] for part in self))
-
-    def put(self, rows: Counts, new: Stretch) -> Stretch:
-        """This, but for these rows, which are the new ones."""
-        if len(rows) == len(self.span):
-            return new
-        found = Stretch(*(part.astype(np.result_type(part, values)) for part, values in zip(self, new, strict=True)))
-        for part, values in zip(found, new, strict=True):
-            part[rows] = values
-        return found
+    @property
+    def segment(self) -> Segment:
+        """What a filter needs of it."""
+        return Segment(*self[:3])
 
 
-def turned(matrix: Array) -> Array:
-    """Transposes of each row's matrices."""
-    return matrix.swapaxes(-1, -2)
+def free(span: Array, accelerometer: Array, gyro: Array, slow: tuple[ArrayLike, ArrayLike] | None) -> Stretch:
+    """A stretch without fixes; arguments as `nav_model.analytic.doubling.drift`, of (rows)."""
+    segment = drift(span, accelerometer, gyro, slow)
+    size, one = segment.noise.shape[-1], _drift_of_one()
+    a, w = accelerometer * span**3, gyro * span**5
+    lines = np.zeros((len(span), ORDERS, 2 * size), segment.noise.dtype)
+    lines[:, :, :3] = one.state * np.stack([0 * span + 1, span, span**2], axis=-1)[:, None, :]
+    if size == 4:  # position is the first state less the slow error
+        lines[:, :, 3] = -lines[:, :, 0]
+    # Position, velocity and acceleration at the end have powers of the span less than position along it.
+    powers = span[:, None] ** np.arange(5, 0, -1)
+    by_a, by_w = accelerometer[:, None] * powers[:, 2:], gyro[:, None] * powers[:, :3]
+    lines[:, :, size : size + 3] = one.with_end[0] * by_a[:, None, :] + one.with_end[1] * by_w[:, None, :]
+    spread = one.spread[0] * a[:, None, None] + one.spread[1] * w[:, None, None]
+    # What the coefficients leave depends neither on the first state nor on the last: these are polynomials in time.
+    gram = np.zeros((len(span), 2 * size, 2 * size), segment.noise.dtype)
+    return Stretch(*segment, span, lines, spread, gram, one.rest[0] * a + one.rest[1] * w)
 
 
-def trace(one: Array, other: Array) -> Array:
-    """That of each row's product of two symmetric matrices."""
-    found: Array = np.einsum("nij,nij->n", one, other)
-    return found
-
-
-def free(noise: Noise, span: Array) -> Stretch:
-    """A stretch without fixes, of `span` seconds, (rows)."""
-    drifted = drift(span, noise.accelerometer, noise.gyro, noise.slow)
-    through, added = (np.moveaxis(part, -1, 0) for part in drifted)
-    size, made = through.shape[-1], drifts()
-    a, w = noise.accelerometer * span**3, noise.gyro * span**5
-    zero = 0 * (a + w)
-    lines = np.zeros((len(span), ORDERS, 2 * size), added.dtype)
-    lines[:, :, :3] = made.state * np.stack([zero + 1, span, span**2], axis=-1)[:, None, :]
-    # position, velocity and acceleration at the end have powers of the span less than position along it
-    lower = np.stack([a, noise.accelerometer * span**2, noise.accelerometer * span], axis=-1)
-    slower = np.stack([w, noise.gyro * span**4, noise.gyro * span**3], axis=-1)
-    lines[:, :, size : size + 3] = made.with_end[0] * lower[:, None, :] + made.with_end[1] * slower[:, None, :]
-    spread = made.spread[0] * a[:, None, None] + made.spread[1] * w[:, None, None]
-    # what the coefficients leave has nothing to do with the last state: that is a polynomial of order 5 at most
-    gram = np.zeros((len(span), 2 * size, 2 * size), added.dtype)
-    return Stretch(span, 0 * through, through, added, lines, spread, gram, made.rest[0] * a + made.rest[1] * w)
-
-
-def inverse(matrix: Array) -> Array:
-    """Of each row; not a number where double precision leaves none."""
-    try:
-        return np.asarray(np.linalg.inv(matrix), matrix.dtype)
-    except np.linalg.LinAlgError:
-        found = np.full_like(matrix, np.nan)
-        some = np.linalg.det(matrix) != 0
-        found[some] = np.linalg.inv(matrix[some])
-        return found
-
-
-class _Gain(NamedTuple):
-    """What information about a stretch's last state says of its first and of what lies between.
-
-    ``through`` and ``noise`` are those of the stretch with it. Times a state, ``back`` is by how much the expected
-    noise of the last state falls, in units of ``noise`` before; ``kept`` is the part of a covariance with that noise
-    which remains, and ``taken`` what the square of one loses.
-    """
-
-    through: Array
-    noise: Array
-    taken: Array
-    back: Array
-    kept: Array
-
-
-def _gain(one: Stretch, known: Array) -> _Gain:
-    size = known.shape[-1]
-    kept = inverse(np.eye(size) + one.noise @ known)
-    after = kept @ np.concatenate([one.through, one.noise], axis=-1)
-    taken = known @ kept
-    return _Gain(after[..., :size], after[..., size:], taken, -taken @ one.through, turned(kept))
-
-
-def measured(one: Stretch, known: Array) -> Stretch:
+def measured(one: Stretch, info: Array) -> Stretch:
     """The stretch with information about its last state, (rows, n, n)."""
-    gain, size = _gain(one, known), known.shape[-1]
+    size = info.shape[-1]
+    keep = doubling.kept(one.segment, info)
+    taken = info @ keep
+    into: Array = np.zeros((len(taken), 2 * size, 2 * size), taken.dtype)  # what [L C] is multiplied by
+    into[:, range(size), range(size)] = 1
+    into[:, size:, :size] = -taken @ one.through
+    into[:, size:, size:] = turned(keep)
     covered = one.lines[..., size:]
-    into = _blocks(np.eye(size), None, gain.back, gain.kept)
     return Stretch(
+        *doubling.measured(one.segment, info, keep),
         one.span,
-        one.known - turned(one.through) @ gain.back,
-        gain.through,
-        gain.noise,
         one.lines @ into,
-        one.spread - covered @ gain.taken @ turned(covered),
+        one.spread - covered @ taken @ turned(covered),
         turned(into) @ one.gram @ into,
-        one.rest - trace(gain.taken, one.gram[:, size:, size:]),
+        one.rest - _trace(taken, one.gram[:, size:, size:]),
     )
 
 
@@ -153,59 +102,91 @@ def joined(first: Stretch, second: Stretch) -> Stretch:
 
     Examples
     --------
-    >>> noise = Noise(np.array([1e-6]), np.array([1e-8]), None)
-    >>> one, two = free(noise, np.array([1.0])), free(noise, np.array([2.0]))
+    >>> noise = np.array([1e-6]), np.array([1e-8]), None
+    >>> one, two = free(np.array([1.0]), *noise), free(np.array([2.0]), *noise)
     >>> bool(np.allclose(joined(one, one).spread, two.spread, rtol=1e-12))
     True
     """
-    gain, size = _gain(first, second.known), first.through.shape[-1]
-    ahead = second.through @ np.concatenate([gain.through, gain.noise], axis=-1)
-    onward, covered, along = ahead[..., size:], first.lines[..., size:], second.lines[..., :size]
-    into = _blocks(np.eye(size), None, gain.back, gain.kept @ turned(second.through))
-    out = _blocks(gain.through, turned(onward), None, np.eye(size))
-    span = first.span + second.span
-    one = np.divide(first.span, span, out=0 * span, where=span != 0)
-    share = np.stack([one, 1 - one], axis=-1)
+    met = measured(first, second.info)
+    size, phi, along = met.noise.shape[-1], second.through, second.lines[..., : met.noise.shape[-1]]
+    span = met.span + second.span
+    share = np.stack([met.span, second.span], axis=-1) / np.where(span == 0, 1.0, span)[:, None]
     root = np.sqrt(share)[..., None, None]
-    lines = np.concatenate([first.lines @ into * root[:, 0], second.lines @ out * root[:, 1]], axis=1)
-    across = covered @ gain.kept @ turned(along) * (root[:, 0] * root[:, 1])
-    spread = _blocks(
-        (first.spread - covered @ gain.taken @ turned(covered)) * root[:, 0] ** 2,
-        across,
-        turned(across),
-        (second.spread + along @ gain.noise @ turned(along)) * root[:, 1] ** 2,
-    )
+    # Both parts' coefficients by the first state of all, and by the noise of the last: x1 = Phi x0 + w is where they
+    # meet, and what is after it adds to both.
+    onward = np.concatenate([met.lines[..., :size], met.lines[..., size:] @ turned(phi)], axis=-1)
+    out = np.concatenate([along @ met.through, second.lines[..., size:] + along @ met.noise @ turned(phi)], axis=-1)
+    lines = np.concatenate([onward * root[:, 0], out * root[:, 1]], axis=1)
+    across = met.lines[..., size:] @ turned(along)
+    spread: Array = np.zeros((len(span), 2 * ORDERS, 2 * ORDERS), across.dtype)
+    spread[:, :ORDERS, :ORDERS] = met.spread * root[:, 0] ** 2
+    spread[:, :ORDERS, ORDERS:] = across * root[:, 0] * root[:, 1]
+    spread[:, ORDERS:, :ORDERS] = turned(spread[:, :ORDERS, ORDERS:])
+    spread[:, ORDERS:, ORDERS:] = (second.spread + along @ met.noise @ turned(along)) * root[:, 1] ** 2
     merge = _merge(share)
     merged, both = merge @ lines, merge @ spread @ turned(merge)
-    left = lines - turned(merge) @ merged
-    grams = turned(into) @ first.gram @ into * root[:, 0] ** 2 + turned(out) @ second.gram @ out * root[:, 1] ** 2
-    rests = np.stack([
-        first.rest - trace(gain.taken, first.gram[:, size:, size:]),
-        second.rest + trace(gain.noise, second.gram[:, :size, :size]),
-    ], axis=-1)  # fmt: skip
-    lost = spread.trace(axis1=-1, axis2=-2) - both.trace(axis1=-1, axis2=-2)
+    lost = lines - turned(merge) @ merged  # of the parts' coefficients, what those of the whole do not have
     return Stretch(
+        *doubling.continued(met.segment, second.segment),
         span,
-        first.known - turned(first.through) @ gain.back,
-        ahead[..., :size],
-        second.noise + onward @ turned(second.through),
         merged,
         both,
-        grams + turned(left) @ left,
-        (rests * share).sum(axis=-1) + lost,
+        _gram(met, second, share) + turned(lost) @ lost,
+        met.rest * share[:, 0]
+        + (second.rest + _trace(met.noise, second.gram[:, :size, :size])) * share[:, 1]
+        + spread.trace(axis1=-1, axis2=-2)
+        - both.trace(axis1=-1, axis2=-2),
     )
 
 
-def _blocks(one: Array, beside: Array | None, under: Array | None, last: Array) -> Array:
-    """A matrix of four equal ones, each row; None for zero."""
-    some = [part for part in (one, beside, under, last) if part is not None]
-    rows, size = max(len(part) for part in some if part.ndim > 2), last.shape[-1]
-    found: Array = np.zeros((rows, 2 * size, 2 * size), np.result_type(*some))
-    places = [(slice(None), slice(i, i + size), slice(j, j + size)) for i in (0, size) for j in (0, size)]
-    for place, part in zip(places, (one, beside, under, last), strict=True):
-        if part is not None:
-            found[place] = part
-    return found
+def _gram(met: Stretch, second: Stretch, share: Array) -> Array:
+    """Mean of [R D]ᵀ [R D] over both, by the first state of all and the noise of the last."""
+    size, phi = met.noise.shape[-1], second.through
+    into, out = np.zeros((2, len(phi), 2 * size, 2 * size), np.result_type(met.noise, phi))
+    into[:, range(size), range(size)] = 1
+    into[:, size:, size:] = turned(phi)
+    out[:, :size, :size] = met.through
+    out[:, :size, size:] = met.noise @ turned(phi)
+    out[:, range(size, 2 * size), range(size, 2 * size)] = 1
+    one, other = turned(into) @ met.gram @ into, turned(out) @ second.gram @ out
+    return np.asarray(one * share[:, 0, None, None] + other * share[:, 1, None, None])
+
+
+def _trace(one: Array, other: Array) -> Array:
+    """That of each row's product of two symmetric matrices."""
+    return np.asarray(np.einsum("nij,nij->n", one, other))
+
+
+class _Drift(NamedTuple):
+    """Position error along a time of one without fixes, in orthonormal polynomials of orders 0 to 5.
+
+    ``state`` is that by the state at the start, (6, 3). For the noise of the accelerometer and then of the gyro,
+    ``spread`` is the covariance, (2, 6, 6), ``with_end`` that with the state at the end, (2, 6, 3), and ``rest`` the
+    mean square of what these orders leave, (2).
+    """
+
+    state: Array
+    spread: Array
+    with_end: Array
+    rest: Array
+
+
+@cache
+def _drift_of_one() -> _Drift:
+    noise = np.eye(_MODES + 3)[:, :_MODES] * np.sqrt(2 * np.arange(_MODES) + 1)
+    once, twice, thrice = (legendre.legint(noise, m, lbnd=-1, scl=0.5) for m in (1, 2, 3))
+    unit = np.sqrt(2 * np.arange(ORDERS) + 1)[:, None]  # to orthonormal polynomials
+    lines = [integral[:ORDERS] / unit for integral in (twice, thrice)]
+    # Every Legendre polynomial is one at the end.
+    ends = [
+        np.stack([twice.sum(axis=0), once.sum(axis=0), np.zeros(_MODES)]),
+        np.stack([thrice.sum(axis=0), twice.sum(axis=0), once.sum(axis=0)]),
+    ]
+    state = np.zeros((ORDERS, 3))
+    state[:3] = [[1, 1 / 2, 1 / 6], [0, 1 / 2, 1 / 4], [0, 0, 1 / 12]]  # 1, t, t²/2
+    spread = np.stack([part @ part.T for part in lines])
+    with_end = np.stack([part @ end.T for part, end in zip(lines, ends, strict=True)])
+    return _Drift(state / unit, spread, with_end, np.array([1 / 12, 1 / 120]) - spread.trace(axis1=1, axis2=2))
 
 
 @cache
@@ -230,20 +211,3 @@ def _merge(share: Array) -> Array:
     one, other = (powers * part[:, None, None] ** np.arange(ORDERS) @ back for part in share.T)
     root = np.sqrt(share)[..., None, None]
     return np.concatenate([root[:, 0] * one, root[:, 1] * sign * other], axis=-1)
-
-
-class Doubles:
-    """A stretch, two of it in a row, four and so on, each worked out once, when it is needed."""
-
-    def __init__(self, one: Callable[[], Stretch]) -> None:
-        self._one = one
-        self._found: list[Stretch] = []
-
-    def after(self, row: Stretch, counts: Counts, alike: Counts) -> Stretch:
-        """`counts` of them after each row; `alike` is which of them."""
-        for power in range(int(counts.max(initial=0)).bit_length()):
-            if power == len(self._found):
-                self._found.append(joined(self._found[-1], self._found[-1]) if power else self._one())
-            odd = np.flatnonzero((counts >> power) % 2)
-            row = row.put(odd, joined(row.of(odd), self._found[power].of(alike[odd])))
-        return row

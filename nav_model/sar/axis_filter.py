@@ -1,8 +1,8 @@
 """The filter of one axis over the aperture and its smoothers, on the errors of many runs at once.
 
-The filter works on errors, so its gains are the same for every run. A smoother over the whole leg does not need the
-fixes of the legs one by one: those before and after the aperture give information about the states at its ends
-(`nav_model.processing.leg`), whose error is drawn from its covariance. This is exact.
+The filter works on errors, so its gains are the same for every run. The whole-leg smoother does not need the fixes
+after the aperture one by one: they give information about the state at the next fix, whose error is drawn from its
+covariance (`nav_model.sar.axis_model.information_after`). This is exact.
 """
 
 from __future__ import annotations
@@ -14,9 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.processing.leg_fixes import known_at_ends
-from nav_model.processing.spectrum import Channel, Leg
-from nav_model.sar.axis_model import AxisModel, draw_state, filter_drift, fix_rows, inertial_drift, measure
+from nav_model.sar.axis_model import (
+    AxisModel,
+    draw_state,
+    filter_drift,
+    fix_rows,
+    inertial_drift,
+    information_after,
+    measure,
+)
 from nav_model.sar.smoother import rts_smooth, smoother_gain
 
 _FloatArray = NDArray[np.float64]
@@ -66,8 +72,7 @@ def filtered_in_leg(
     rest: float,
     random: np.random.Generator,
 ) -> Filtered:
-    """The filter that starts with the leg, up to the first fix after the aperture, with the information of all later
-    ones.
+    """The filter up to the first fix after the aperture, with the information of all later ones.
 
     Parameters
     ----------
@@ -82,18 +87,15 @@ def filtered_in_leg(
         Seconds from the aperture's end to the next fix.
     random : Generator
     """
-    runs, count = len(settled[0]), len(fixes.noise)
-    before, after = _legs(model, count * model.fix_interval, rest)
-    covariance = _inverse(before)
-    # The error of the estimate with fewer fixes is that of the other plus an independent part.
-    start = settled[0] + draw_state(covariance - settled[1], runs, random)
+    runs = len(settled[0])
+    after = information_after(model, model.leg_after - rest)
     phi, noise = inertial_drift(model, rest)
     onward = path[1].T @ phi.T + draw_state(noise, runs, random)
     fresh = draw_fresh(model, runs, random, model.fix_interval)
     more = Fixes(
         np.concatenate([fixes.noise, np.zeros_like(fixes.noise[:1])]), np.concatenate([fixes.fresh, fresh[None]])
     )
-    found = filtered(model, start, covariance, np.concatenate([path[0], onward.T[:, :, None]], axis=2), more)
+    found = filtered(model, *settled, np.concatenate([path[0], onward.T[:, :, None]], axis=2), more)
     prior = found.prior_covariance[-1]
     known = prior @ after
     drawn = random.standard_normal((runs, len(prior))) @ _root(after).T
@@ -149,28 +151,10 @@ def _stretches(time: _FloatArray, fix_time: _FloatArray) -> list[tuple[int, slic
     return [(k, slice(a, b)) for k, (a, b) in enumerate(pairwise(edges))]
 
 
-def _legs(model: AxisModel, span: float, rest: float) -> tuple[_FloatArray, _FloatArray]:
-    """Information of the fixes up to the aperture's first one, and of the fixes after the aperture."""
-    velocity = model.velocity_sigma or None
-    slow = (model.slow_sigma, model.slow_time) if model.slow_sigma else (None, None)
-    values = (
-        model.accelerometer_noise, model.tilt_noise or None, model.gnss_sigma, model.fix_interval,
-        velocity, velocity and model.fix_interval, *slow,
-    )  # fmt: skip
-    channel = Channel(*(None if value is None else np.array(value) for value in values))  # type: ignore[arg-type]
-    leg = Leg(*(np.array(value) for value in (model.leg_before, model.leg_after - rest, 0.0)))
-    return known_at_ends(channel, np.array(span), leg)
-
-
 def _scale(matrix: _FloatArray) -> _FloatArray:
     """One over the roots of the diagonal: states differ by many orders of magnitude."""
     diagonal = np.diagonal(matrix)
     return np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 1.0)
-
-
-def _inverse(matrix: _FloatArray) -> _FloatArray:
-    by = _scale(matrix)
-    return np.asarray(np.linalg.inv(matrix * by[:, None] * by) * by[:, None] * by)
 
 
 def _root(matrix: _FloatArray) -> _FloatArray:

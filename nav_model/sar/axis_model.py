@@ -19,8 +19,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nav_model.analytic.doubling import Segment, drift, settled
-from nav_model.analytic.stacks import matrices_last
+from nav_model.analytic.doubling import (
+    Doubles,
+    Segment,
+    carried,
+    drift,
+    joined,
+    measured,
+    settled,
+    without_slow_error,
+)
 from nav_model.base.arrays import as_numbers
 from nav_model.base.constants import STANDARD_GRAVITY
 
@@ -35,8 +43,7 @@ class AxisModel:
     ``fix_interval`` [s]; ``accelerometer_bias`` [m/s^2] and ``gyro_bias`` [rad/s] are 1 sigma of what the
     filter has not absorbed at the start of the aperture. ``slow_sigma`` [m] and ``slow_time`` [s] of the slow
     error of the fixes, on top of their noise; zero for none. ``velocity_sigma`` [m/s] of the velocity that comes with
-    each fix; zero for none. ``leg_before`` and ``leg_after`` [s] are the times with fixes before and after the
-    aperture, for the whole-leg smoother.
+    each fix; zero for none. ``leg_after`` [s] is the time with fixes after the aperture, for the whole-leg smoother.
     """
 
     accelerometer_noise: float
@@ -50,7 +57,6 @@ class AxisModel:
     slow_sigma: float = 0.0
     slow_time: float = 300.0
     velocity_sigma: float = 0.0
-    leg_before: float = math.inf
     leg_after: float = math.inf
 
     def __post_init__(self) -> None:
@@ -62,9 +68,8 @@ class AxisModel:
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0):
                 raise ValueError(f"{name}: {value}; zero or a positive, finite number is needed")
-        for name in ("leg_before", "leg_after"):
-            if not getattr(self, name) >= 0:
-                raise ValueError(f"{name}: {getattr(self, name)}; zero or a positive number is needed")
+        if not self.leg_after >= 0:
+            raise ValueError(f"leg_after: {self.leg_after}; zero or a positive number is needed")
 
     @property
     def tilt_noise(self) -> float:
@@ -88,14 +93,19 @@ class SteadyCovariance(NamedTuple):
 def inertial_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _FloatArray]:
     """Transition of (p, v, a) over a step [s] of shape (...), and the covariance of its noise: both (..., 3, 3)."""
     found = drift(as_numbers(step), model.accelerometer_noise**2, model.tilt_noise**2)
-    return matrices_last(found[0]), matrices_last(found[1])
+    return found.through, found.noise
 
 
 def filter_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _FloatArray]:
     """The same for the filter's states: (..., m, m)."""
-    slow = (model.slow_sigma**2, model.slow_time) if model.slow_sigma else None
-    found = drift(as_numbers(step), model.accelerometer_noise**2, model.tilt_noise**2, slow)
-    return matrices_last(found[0]), matrices_last(found[1])
+    phi, noise = inertial_drift(model, step)
+    if not model.slow_sigma:
+        return phi, noise
+    added = [(0, 0)] * (phi.ndim - 2) + [(0, 1)] * 2
+    phi, noise = np.pad(phi, added), np.pad(noise, added)
+    rate = as_numbers(step) / model.slow_time
+    phi[..., 3, 3], noise[..., 3, 3] = np.exp(-rate), -(model.slow_sigma**2) * np.expm1(-2 * rate)
+    return phi, noise
 
 
 def fix_rows(model: AxisModel) -> _FloatArray:
@@ -120,18 +130,36 @@ def steady_covariance(model: AxisModel) -> SteadyCovariance:
     """Steady covariance of the sampled filter [T-8], by doubling (`nav_model.analytic.doubling`).
 
     Without gyro noise tilt is not excited and its variance is zero.
-
-    Raises
-    ------
-    ArithmeticError
-        If the equation does not settle in double precision.
     """
-    phi, noise = filter_drift(model, model.fix_interval)
-    if not model.tilt_noise:
-        phi[:2, 2] = 0
-    rows = fix_rows(model)
-    prior = settled(Segment((rows.T / model.fix_sigmas**2) @ rows, phi, noise))
-    return SteadyCovariance(prior, measure(prior, model)[1])
+    step, fix = _step_and_fix(model)
+    posterior = settled(Doubles(measured(step, fix), joined))
+    return SteadyCovariance(*(without_slow_error(p) for p in (carried(posterior, step), posterior)))
+
+
+def information_after(model: AxisModel, time: float) -> _FloatArray:
+    """Information (m, m) about the filter's states at a fix, from it and the fixes of `time` [s] after it."""
+    step, fix = _step_and_fix(model)
+    later = math.floor(min(time / model.fix_interval + 1e-9, 2.0**40))  # more say nothing
+    if later < 0:
+        return np.zeros_like(fix)
+    unit = Segment(*(part[None] for part in measured(step, fix)))
+    nothing = Segment(*(part[None] for part in drift(0.0, 0.0, 0.0, _slow(model))))
+    known = Doubles(unit, joined).before(np.array([later]), nothing).info[0] + fix
+    of = np.eye(len(known))
+    of[0, 3:] = 1.0  # as the doubling has it, the first state is position and slow error together
+    return np.asarray(of.T @ known @ of)
+
+
+def _step_and_fix(model: AxisModel) -> tuple[Segment, _FloatArray]:
+    """From one fix to the next, and the information of a fix."""
+    step = drift(model.fix_interval, model.accelerometer_noise**2, model.tilt_noise**2, _slow(model))
+    fix = np.zeros(step.noise.shape)
+    fix[range(len(model.fix_sigmas)), range(len(model.fix_sigmas))] = 1 / model.fix_sigmas**2
+    return step, fix
+
+
+def _slow(model: AxisModel) -> tuple[float, float] | None:
+    return (model.slow_sigma**2, model.slow_time) if model.slow_sigma else None
 
 
 def draw_state(covariance: _FloatArray, runs: int, random: np.random.Generator) -> _FloatArray:

@@ -93,7 +93,6 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
             slow_sigma=design.gnss.correlated_noise if design.gnss.correlated else 0.0,
             slow_time=design.gnss.correlation_time,
             velocity_sigma=velocity,
-            leg_before=design.processing.leg_before,
             leg_after=design.processing.leg_after,
         )
         for noise, velocity, horizontal in (
@@ -218,8 +217,8 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     )
     said.append(
         f"{NAMES['8']} uses fixes up to the aperture's end, so it bounds what real-time and in-aperture methods can "
-        f"do. {NAMES['9']} needs post-processing: it also uses {processing.leg_before:.4g} s of fixes before the "
-        f"aperture and {processing.leg_after:.4g} s after it, and takes up constant biases. "
+        f"do. {NAMES['9']} needs post-processing: it also uses {processing.leg_after:.4g} s of fixes after the "
+        "aperture, and estimates constant biases. "
         + (
             "The design is post-processed, so it can be the best."
             if processing.mode == POST_PROCESSED

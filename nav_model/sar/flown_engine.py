@@ -18,16 +18,12 @@ from numpy.typing import NDArray
 
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_bound
-from nav_model.budget.figures import channels
-from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
-from nav_model.processing.smoother import LONG
-from nav_model.processing.spectrum import rates
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.fast_engine import weight_of
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
 from nav_model.simulation.design_study import settling, specification
-from nav_model.simulation.specification import SimulationSpec
+from nav_model.simulation.specification import HIGHEST_RATE, SimulationSpec
 
 if TYPE_CHECKING:
     from nav_model.sar.flown_smoother import FlownSmoother
@@ -40,8 +36,7 @@ _MOST_SAMPLES = 2_000_000  # of the instrument in one flight: a minute of a proc
 class ApertureFlight(NamedTuple):
     """The flights: with fixes throughout, without from the aperture's start, and without from the coast's.
 
-    ``start`` [s] of the aperture, at a fix; ``first``: which fix of the flight that is, counted from 0; ``begin``:
-    that at the start of the leg; None where the filter is settled, so that earlier fixes do not matter.
+    ``start`` [s] of the aperture, at a fix; ``first``: which fix of the flight that is, counted from 0.
     """
 
     aided: SimulationSpec
@@ -49,7 +44,6 @@ class ApertureFlight(NamedTuple):
     coasted: SimulationSpec | None
     start: float
     first: int
-    begin: int | None
 
 
 def flight_of(design: Design, aperture_time: float, coast_time: float) -> ApertureFlight:
@@ -67,27 +61,25 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Apertu
     before = settling(design)
     count = math.ceil((before + coast_time) / interval)
     of_aperture = count * interval + aperture_time + 2 / rate
-    enough = max(LONG / float(rates(axis)[1]) for axis in channels(inputs_of(design)))
-    length = of_aperture + min(design.processing.leg_after, enough)
+    # Fixes beyond the time in which the filter settles say nothing about the aperture.
+    length = of_aperture + min(design.processing.leg_after, before)
     if length * rate > _MOST_SAMPLES:
-        most = format_bound((_MOST_SAMPLES - 2) / (length - 2 / rate), "Hz", "frequency", low=False)
+        most = min((_MOST_SAMPLES - 2) / (length - 2 / rate), HIGHEST_RATE)
         raise InputError(
             "imu.rate",
             f"{rate:g} Hz over {length:.4g} s, in which the filter settles ({before:.4g} s) and the leg after the "
             f"aperture follows ({length - of_aperture:.4g} s), are more than the simulator flies for a strategy; "
-            f"give at most {most}, or use the error model",
+            f"give at most {format_bound(most, 'Hz', 'frequency', low=False)}, or use the error model",
         )
     start = round(count * interval * rate) / rate
-    held = math.floor(design.processing.leg_before / interval + 1e-9)
-    begin = count - 1 - held if held * interval < before else None
     aided = replace(
         specification(design, trajectory="straight", runs=1, duration=length, every=1 / rate),
-        record_from=start if begin is None else round((begin + 1) * interval * rate) / rate,
+        record_from=start,
     )
     coast = round(coast_time / interval) * interval
     free = replace(aided, record_from=start, duration=of_aperture, outages=((start, of_aperture),))
     coasted = replace(free, outages=((start - coast, of_aperture),)) if coast > 0 else None
-    return ApertureFlight(aided, free, coasted, start, count - 1, begin)
+    return ApertureFlight(aided, free, coasted, start, count - 1)
 
 
 def fly_axes(
@@ -127,8 +119,7 @@ def histories(
     recorded, all_fixes = schedule.outputs.time_s[1:], schedule.fixes.time_s
     end = int(np.searchsorted(all_fixes, flight.start + aperture_time + 0.5 / spec.imu.rate))
     within = slice(flight.first, end)
-    kept = flight.first if flight.begin is None else flight.begin
-    at = 1 + np.rint((all_fixes[kept:] - recorded[0]) * spec.imu.rate).astype(int)
+    at = 1 + np.rint((all_fixes[flight.first :] - recorded[0]) * spec.imu.rate).astype(int)
     time = np.linspace(0.0, aperture_time, round(aperture_time * rate) + 1)
     heading = spec.trajectory.heading
     turn = np.array(
@@ -174,17 +165,12 @@ def histories(
 
     prior, posterior = np.stack(before, axis=1), np.stack(after, axis=1)
     fixes = tuple(all_fixes)
-    smoother = _smoother(spec, fixes, kept, flight.first, end, False)
-    known, moments = end - kept, flight.start + time
+    smoother = _smoother(spec, fixes, flight.first, end)
+    known, moments = end - flight.first, flight.start + time
     added = smoother.until(known).correction(moments, prior[:known], posterior[:known])
-    if flight.begin is None:
-        in_leg = smoother.correction(moments, prior, posterior)
-    else:
-        limited = _smoother(spec, fixes, kept, flight.first, end, True)
-        own = limited.started_here(smoother, prior, posterior, np.random.default_rng([seed, 2, first_run]))
-        in_leg = limited.correction(moments, prior, posterior, own)
+    in_leg = smoother.correction(moments, prior, posterior)
     position, velocity, errors = np.stack(aided, axis=1), np.stack(speed, axis=1), np.stack(fix_errors)
-    jump = (posterior - prior)[flight.first - kept : known, :, :3] @ turn.T
+    jump = (posterior - prior)[:known, :, :3] @ turn.T
     jump[0] = 0.0  # the aperture starts just after its first fix
     return [
         NavigationHistories(
@@ -205,10 +191,8 @@ def histories(
 
 
 @lru_cache(maxsize=2)
-def _smoother(
-    spec: SimulationSpec, fix_times: tuple[float, ...], kept: int, first: int, end: int, blind: bool
-) -> FlownSmoother:
+def _smoother(spec: SimulationSpec, fix_times: tuple[float, ...], first: int, end: int) -> FlownSmoother:
     from nav_model.sar.flown_smoother import flown_smoother
 
     fixes = np.array(fix_times)
-    return flown_smoother(spec, fixes, kept, (first, min(end, len(fixes) - 1)), blind=blind)
+    return flown_smoother(spec, fixes, first, min(end, len(fixes) - 1))

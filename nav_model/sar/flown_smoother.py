@@ -21,7 +21,6 @@ from nav_model.simulation.truth import specific_force_and_rate, true_states
 
 _FloatArray = NDArray[np.float64]
 _STATES = 9
-_NOTHING_KNOWN = 1e6  # times the variance of a settled filter
 _BETWEEN_FIXES = 16  # times per fix interval at which gains are computed; between them corrections are interpolated
 
 
@@ -29,36 +28,25 @@ _BETWEEN_FIXES = 16  # times per fix interval at which gains are computed; betwe
 class FlownSmoother:
     """Gains from one fix on.
 
-    ``prior``, ``posterior`` (k, 9, 9) at its k fixes, ``transition`` (k - 1, 9, 9) between them; ``noise``: variance
-    of each state that a fix measures, position and then velocity. ``node_time`` (m,) [s in the flight], ``node_fix``
-    (m,): which is the next fix; ``node_gain`` (m, 3, 9): effect of a correction there on the position, and
-    ``node_back`` (m, 3, 9): from an error there back to the position. Nothing is corrected after the last fix.
+    ``prior``, ``posterior`` (k, 9, 9) at its k fixes, ``transition`` (k - 1, 9, 9) between them. ``node_time`` (m,)
+    [s in the flight], ``node_fix`` (m,): which is the next fix; ``node_gain`` (m, 3, 9): effect of a correction there
+    on the position. Nothing is corrected after the last fix.
     """
 
     prior: _FloatArray
     posterior: _FloatArray
     transition: _FloatArray
-    noise: _FloatArray
     node_time: _FloatArray
     node_fix: NDArray[np.intp]
     node_gain: _FloatArray
-    node_back: _FloatArray
 
     def until(self, fixes: int) -> FlownSmoother:
         """The smoother with only the first `fixes` of its fixes."""
         has = self.node_fix < fixes
-        nodes = (self.node_time[has], self.node_fix[has], self.node_gain[has], self.node_back[has])
-        return FlownSmoother(
-            self.prior[:fixes], self.posterior[:fixes], self.transition[: fixes - 1], self.noise, *nodes
-        )
+        nodes = (self.node_time[has], self.node_fix[has], self.node_gain[has])
+        return FlownSmoother(self.prior[:fixes], self.posterior[:fixes], self.transition[: fixes - 1], *nodes)
 
-    def correction(
-        self,
-        time: _FloatArray,
-        before: _FloatArray,
-        after: _FloatArray,
-        own: tuple[_FloatArray, _FloatArray] | None = None,
-    ) -> _FloatArray:
+    def correction(self, time: _FloatArray, prior: _FloatArray, posterior: _FloatArray) -> _FloatArray:
         """What to add to the flown filter's position error (runs, n, 3) at ``time`` (n,) [s in the flight].
 
         At a fix the error just after it is meant.
@@ -66,17 +54,12 @@ class FlownSmoother:
         Parameters
         ----------
         time : array
-        before, after : array (k, runs, 9)
-            Errors of the filter that flew, just before and just after each fix.
-        own : pair of array, optional
-            The same of the filter that is smoothed, where it is another: `started_here`.
+        prior, posterior : array (k, runs, 9)
+            Errors of the filter, just before and just after each fix.
         """
-        prior, posterior = own or (before, after)
         change = rts_smooth(posterior, self.posterior, prior, self.prior, self.transition) - prior
         corrected = np.einsum("mij,mrj->rmi", self.node_gain, change[self.node_fix])
-        if own is not None:
-            corrected += np.einsum("mij,mrj->rmi", self.node_back, (prior - before)[self.node_fix])
-        added = np.zeros((before.shape[1], len(time), 3))
+        added = np.zeros((prior.shape[1], len(time), 3))
         for fix in np.unique(self.node_fix):
             nodes = np.flatnonzero(self.node_fix == fix)
             inside = np.flatnonzero(
@@ -89,37 +72,12 @@ class FlownSmoother:
             added[:, inside] = of_fix[:, low] * (1 - part) + of_fix[:, low + 1] * part
         return added
 
-    def started_here(
-        self, flown: FlownSmoother, before: _FloatArray, after: _FloatArray, random: np.random.Generator
-    ) -> tuple[_FloatArray, _FloatArray]:
-        """Errors (k, runs, 9) just before and just after each fix of the filter with these gains, which knows as much
-        before the first one as ``prior`` says.
-
-        The filter that flew, `flown` with its errors ``before`` and ``after``, tells what each fix measured and what
-        noise came between two; everything is linear.
-        """
-        seen = len(self.noise)
-        ours = [random.standard_normal(before.shape[1:]) * np.sqrt(np.diagonal(self.prior[0]))]
-        updated = []
-        for k, (gain, flown_gain) in enumerate(zip(self._gains, flown._gains, strict=True)):
-            innovation = np.linalg.solve(flown_gain[:seen], (before[k] - after[k])[:, :seen].T)
-            updated.append(ours[k] - (innovation.T + (ours[k] - before[k])[:, :seen]) @ gain.T)
-            if k < len(self.transition):
-                ours.append(before[k + 1] + (updated[k] - after[k]) @ self.transition[k].T)
-        return np.stack(ours), np.stack(updated)
-
-    @property
-    def _gains(self) -> _FloatArray:
-        return np.asarray(self.posterior[:, :, : len(self.noise)] / self.noise)
-
 
 def flown_smoother(
     spec: SimulationSpec,
     fix_times: _FloatArray,
     first: int,
-    nodes: tuple[int, int] | None = None,
-    *,
-    blind: bool = False,
+    end: int | None = None,
 ) -> FlownSmoother:
     """Carry the covariance along the true path.
 
@@ -130,13 +88,10 @@ def flown_smoother(
         Of the flight, s.
     first : int
         The fix from which on gains are kept.
-    nodes : pair of int, optional
-        First and last (exclusive) of the fixes after which positions are needed. Default: every fix from ``first``
-        on.
-    blind : bool
-        Whether the filter knows only the heading before the first fix.
+    end : int, optional
+        Positions are needed after the fixes before this one. Default: after every fix.
     """
-    wanted = range(*(nodes or (first, len(fix_times) - 1)))
+    wanted = range(first, len(fix_times) - 1 if end is None else end)
     within = fix_times[wanted.start : wanted.stop + 1]
     dense = [np.linspace(one, other, _BETWEEN_FIXES + 1) for one, other in pairwise(within)]
     rate = spec.filter.propagation_rate
@@ -161,7 +116,7 @@ def flown_smoother(
     noise = np.array([*spec.gnss.axis_noise, *spec.gnss.axis_velocity_noise]) ** 2
     prior, posterior, transitions = [], [], []
     at, gathered, since = [], [], []  # nodes since the last fix: time, covariance, transition from the fix
-    node_time, node_fix, node_gain, node_back = [], [], [], []
+    node_time, node_fix, node_gain = [], [], []
     forward, before, fix = np.eye(_STATES), 0.0, 0
     for moment, place, f, matrix in zip(moments, state, force, path.matrix, strict=True):
         elapsed, before = moment - before, moment
@@ -176,16 +131,11 @@ def flown_smoother(
             since.append(forward.copy())
         if fix == len(fix_times) or abs(moment - fix_times[fix]) > 1e-8:
             continue
-        if fix == first and blind:
-            unknown = np.full(_STATES, _NOTHING_KNOWN)
-            unknown[8] = 1.0  # fixes of a short leg do not observe heading, and every flight starts with one
-            covariance = np.diag(np.diagonal(covariance) * unknown)
         if at:
             from_fix = np.stack(since)
             node_time += at
             node_fix += [fix - first] * len(at)
             node_gain += list(smoother_gain(np.stack(gathered), forward @ np.linalg.inv(from_fix), covariance)[:, :3])
-            node_back += list((from_fix @ np.linalg.inv(forward))[:, :3])
         if fix > first:
             transitions.append(forward)
         if fix >= first:
@@ -203,9 +153,7 @@ def flown_smoother(
         np.stack(prior),
         np.stack(posterior),
         np.stack(transitions) if transitions else np.empty((0, _STATES, _STATES)),
-        noise,
         np.array(node_time),
         np.array(node_fix, int),
         np.array(node_gain).reshape(-1, 3, _STATES),
-        np.array(node_back).reshape(-1, 3, _STATES),
     )

@@ -41,7 +41,6 @@ def to_json(study: SarStudy, beside: SarStudy | None = None) -> dict[str, Any]:
         "squint_rad": budget.design.radar.squint_angle,
         "processing": {
             "mode": budget.design.processing.mode,
-            "leg_before_s": budget.design.processing.leg_before,
             "leg_after_s": budget.design.processing.leg_after,
         },
         "autofocus_order": sar.autofocus_order,

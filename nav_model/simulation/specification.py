@@ -71,6 +71,9 @@ def _check(
                 raise _refuse(f"{type(owner).__name__}.{name}", value, allowed)
 
 
+HIGHEST_RATE = 10_000.0  # Hz, of an IMU that can be simulated
+
+
 @dataclass(frozen=True)
 class TriadModel:
     """Errors of one sensor triad: gyroscopes (unit rad/s) or accelerometers (unit m/s^2).
@@ -109,8 +112,8 @@ class ImuModel:
 
     def __post_init__(self) -> None:
         _check(self, positive=("rate", "vibration_factor"))
-        if not 10.0 <= self.rate <= 10_000.0:
-            raise _refuse("ImuModel.rate", self.rate, "between 10 and 10000 Hz")
+        if not 10.0 <= self.rate <= HIGHEST_RATE:
+            raise _refuse("ImuModel.rate", self.rate, f"between 10 and {HIGHEST_RATE:g} Hz")
 
 
 @dataclass(frozen=True)

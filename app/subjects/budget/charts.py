@@ -74,7 +74,7 @@ def phase_chart(budget: Budget) -> BarChart:
         ]
         marks = along = "[P-5]"
         knowledge = (
-            f"Smoothed over the whole leg, by {smoothed.method} [P-3]; shares [P-4]; over the aperture [P-5]. "
+            "Smoothed with every fix [P-3]; shares [P-4]; over the aperture [P-5]. "
             f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {left}."
         )
     image = smoothed or sar

@@ -91,7 +91,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
             ),
         ),
         "Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
-        f"aperture, by {smoothed.method} [P-3]. CE90 and LE90 hold 90 %. "
+        "aperture [P-3]. CE90 and LE90 hold 90 %. "
         f"Requirements are checked for {budget.verdict.processing}.",
     )
 
@@ -229,7 +229,7 @@ def phase_table(budget: Budget, key: str) -> Table:
         f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt comes from {makers} "
         "[T-18]."
         if smoothed is None
-        else f"Smoothed over the whole leg, by {smoothed.method} [P-3]; shares of the variance [P-4]; phases [P-5].",
+        else "Smoothed with every fix [P-3]; shares of the variance [P-4]; phases [P-5].",
     )
 
 
@@ -308,7 +308,7 @@ def image_table(budget: Budget, key: str) -> Table:
     def origin(name: str) -> str:
         source = sources[name]
         if smoothed is not None and "phase" in name:
-            return f"smoothed by {smoothed.method}"
+            return "smoothed"
         stated = name == "sar.aperture_time_s" and budget.design.radar.aperture_time is not None
         return "stated in the design" if stated else ", ".join(filter(None, (source.method, source.note)))
 

@@ -13,6 +13,7 @@ from nav_model.budget import Budget
 from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance, steady_marks
 
 _LEAD = 0.2  # of the outage shown: steady state to the left of zero
+_BEFORE = 12  # times there
 DEGREES = 180 / math.pi
 """Of a radian."""
 
@@ -31,18 +32,21 @@ def _limits(budget: Budget, spans: Iterable[tuple[str, float, float]], scale: fl
 
 
 def _grid(budget: Budget) -> Array:
-    """The time axis of a timeline: two points of steady state, then the outage."""
-    return np.concatenate(([-_LEAD * budget.coast.duration, 0.0], budget.coast.time))
+    """The time axis of a timeline: some times with fixes, then the outage."""
+    interval, lead = budget.design.gnss.interval, _LEAD * budget.coast.duration
+    # At fixes, so that a smoothed curve shows its level and not its saw.
+    before = -interval * np.rint(np.linspace(lead, 0.0, _BEFORE)[1:] / interval)
+    return np.concatenate(([-lead], before, budget.coast.time))
 
 
 def _held(level: float, curve: Array) -> Array:
     """A curve after zero, with its steady-state level before it."""
-    return np.concatenate(([level, level], curve))
+    return np.concatenate((np.full(_BEFORE, level), curve))
 
 
 def _after(curve: Array) -> Array:
     """A curve that has no steady state; its zero at the last fix cannot be drawn on a log axis."""
-    return np.concatenate(([np.nan, np.nan], np.where(curve > 0, curve, np.nan)))
+    return np.concatenate((np.full(_BEFORE, np.nan), np.where(curve > 0, curve, np.nan)))
 
 
 def _cycle_band(budget: Budget, key: str, label: str, field: str, style: str, scale: float = 1.0) -> Band:
@@ -61,6 +65,12 @@ def _cycle_method(budget: Budget) -> str:
 def _aperture_span(budget: Budget) -> Span:
     start = budget.design.coast.before_aperture
     return Span("aperture", "aperture", start, start + budget.sar.aperture_time)
+
+
+def _smoothed_aperture(budget: Budget) -> Span:
+    """A smoothed aperture has fixes in it: among the times with fixes."""
+    start = -_LEAD * budget.coast.duration
+    return Span("aperture", "aperture", start, min(start + budget.sar.aperture_time, 0.0))
 
 
 def _validity(budget: Budget) -> str:
@@ -93,8 +103,7 @@ def position_knowledge(budget: Budget) -> str:
     slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
     if budget.smoothed:
         slow += (
-            f" Smoothed level to the end of the aperture, by {budget.smoothed.method} [P-3]; dashed curves are an "
-            "outage in real time."
+            " Smoothed with the fixes before and after the outage [P-3]; dashed curves are an outage in real time."
         )
     return (
         f"Curves by formula {_cited(budget)}, [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
@@ -209,24 +218,24 @@ def attitude_chart(budget: Budget) -> Chart:
 def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
     """Position, velocity and attitude on one time axis, as the page shows them together.
 
-    Before the last fix each curve has the level that its requirement limits, the tile's; after it position is the
-    refined curve [T-17], velocity and attitude the formulas [T-9], [T-10], [T-5]. Post-processed, the smoothed level
-    holds to the end of the aperture, as fixes follow it, and the outage in real time has curves of its own.
+    In real time each curve has the level that its requirement limits before the last fix, the tile's; after it
+    position is the refined curve [T-17], velocity and attitude the formulas [T-9], [T-10], [T-5]. Post-processed, the
+    smoother bridges the outage from both sides [P-3]; requirements after an outage are those of real time, beside it.
     """
     coast, x, smoothed = budget.coast, _grid(budget), budget.smoothed
-    settled = smoothed.sigmas if smoothed else getattr(budget.steady_state, budget.design.requirements.steady_state)
+    settled = budget.steady_state.checked(budget.design.requirements.steady_state)
     lead, end = float(x[0]), coast.duration
-    (aperture,) = span = (_aperture_span(budget),)
-    # An outage before the aperture is bridged by the smoother at a level that is not known here.
-    known = x <= (aperture.stop if aperture.start == 0 else 0.0)
+    span = (_aperture_span(budget) if smoothed is None else _smoothed_aperture(budget),)
+    through = {} if smoothed is None else smoothed.through(x)
 
     def pair(
-        label: str, style: str, free_style: str, level: float, curve: Array
+        label: str, style: str, free_style: str, name: str, level: float, curve: Array, scale: float = 1.0
     ) -> tuple[tuple[str, str, Array], ...]:
         """A curve of the design's processing; the outage in real time beside a smoothed one."""
+        beside = f"{label}, real time"
         if smoothed is None:
-            return (label, style, _held(level, curve)), (f"{label}, real time", free_style, np.full(len(x), np.nan))
-        return (label, style, np.where(known, level, np.nan)), (f"{label}, real time", free_style, _after(curve))
+            return (label, style, scale * _held(level, curve)), (beside, free_style, np.full(len(x), np.nan))
+        return (label, style, scale * through[name]), (beside, free_style, scale * _after(curve))
 
     def chart(
         key: str, quantity: str, unit: str, curves: tuple[tuple[str, str, Array], ...], *limits: Limit
@@ -241,9 +250,10 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
         chart(
             "position", "position", "m",
             (
-                *pair("horizontal", "horizontal", "horizontal refined", settled.position_horizontal,
-                      coast.refined_horizontal),
-                *pair("vertical", "vertical", "vertical refined", settled.position_vertical, coast.refined_vertical),
+                *pair("horizontal", "horizontal", "horizontal refined", "horizontal_position",
+                      settled.position_horizontal, coast.refined_horizontal),
+                *pair("vertical", "vertical", "vertical refined", "vertical_position",
+                      settled.position_vertical, coast.refined_vertical),
             ),
             *_limits(
                 budget,
@@ -258,16 +268,17 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
         chart(
             "velocity", "velocity", "m/s",
             (
-                *pair("horizontal", "horizontal", "horizontal refined", settled.velocity_horizontal,
-                      coast.velocity_horizontal),
-                *pair("vertical", "vertical", "vertical refined", settled.velocity_vertical, coast.velocity_vertical),
+                *pair("horizontal", "horizontal", "horizontal refined", "horizontal_velocity",
+                      settled.velocity_horizontal, coast.velocity_horizontal),
+                *pair("vertical", "vertical", "vertical refined", "vertical_velocity",
+                      settled.velocity_vertical, coast.velocity_vertical),
             ),
             *_limits(budget, (("horizontal_velocity", lead, 0.0), ("vertical_velocity", lead, 0.0))),
         ),
         chart(
             "attitude", "attitude", "°",
             (
-                *pair("roll, pitch", "tilt", "tilt, real time", settled.tilt * DEGREES, coast.tilt * DEGREES),
+                *pair("roll, pitch", "tilt", "tilt, real time", "tilt", settled.tilt, coast.tilt, DEGREES),
                 ("yaw growth", "yaw", _after(coast.yaw_growth * DEGREES)),
             ),
             *_limits(budget, (("tilt", lead, 0.0),), DEGREES),

@@ -16,14 +16,15 @@ from app.subjects.sar.tables import answer, cautions, error_table, run_tables
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.equations.literature import WORKS
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study
 from nav_model.sar.pictures import point_pictures, scene_pictures
 
 REFERENCES = (
-    "Strategies: Rauch, Tung and Striebel, Maximum likelihood estimates of linear dynamic systems, AIAA Journal "
-    "3(8), 1965 (RTS smoother). Reconstructions, as the literature gives no gains: after Kim, Fellerhoff and Kohler, "
-    "2001 (tracking filter), and Song et al., 2015 and 2017 (damping loop).",
+    f"{WORKS['Rauch 1965']} Both smoothers.",
+    "Tracking filter after Kim, Fellerhoff and Kohler, 2001, damping loop after Song et al., 2015 and 2017: "
+    "reconstructions, as the literature gives no gains.",
 )
 
 _RUNS = 200

@@ -10,12 +10,12 @@ from app.document.wording import identified
 from app.subjects.simulation.charts import CHARTS, outage_chart
 from app.subjects.simulation.tables import findings, verdict
 from nav_model.design import Design
+from nav_model.equations.literature import WORKS
 from nav_model.simulation.design_study import SimulationStudy
 
 REFERENCES = (
-    "Simulation: Savage, Strapdown inertial navigation integration algorithm design, Journal of Guidance, Control, "
-    "and Dynamics 21, 1998 (mechanisation). Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking "
-    "and Navigation, Wiley, 2001 (NEES, NIS and their chi-square bands).",
+    f"{WORKS['Savage 1998']} Mechanisation of the simulator.",
+    f"{WORKS['Bar-Shalom 2001']} NEES, NIS and their chi-square bands.",
 )
 
 _SETTLED = 400.0  # s with fixes before the design's outage: most filters have settled

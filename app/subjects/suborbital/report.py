@@ -17,6 +17,7 @@ from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sens
 from app.subjects.suborbital.finding import Finding
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.equations.literature import WORKS
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.settings import DEFAULTS, OF_DESIGN, Settings, follows_design, from_design, read_changes
 from nav_model.suborbital.survey import run_survey
@@ -26,11 +27,9 @@ _SENSORS = tuple(partial(sensors.sensor_chart, sensor=s, axis=axis) for s in (0,
 _NOISE = tuple(partial(sensors.noise_chart, channel=c) for c in (2, 1, 0))
 _FLIGHT = (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart, flight.gravity_chart)
 REFERENCES = (
-    "[B] Moghtadaei Rad, Heyrani Nobari and Nikkhah, on integrating a star tracker with an inertial unit for a "
-    "suborbital flight; its printed equations, sensors and trajectory are lost. [B-1] to [B-9] are derived in "
-    "NavBudget and verified against independent integrations, scipy's align_vectors and Monte Carlo runs in its test "
-    "suite.",
-    "van Leeuwen, Hipparcos, the New Reduction of the Raw Data, Springer, 2007; CDS I/311: the camera's stars.",
+    f"{WORKS['B']} [B-1] to [B-9] are derived in NavBudget and verified against independent integrations, scipy's "
+    "align_vectors and Monte Carlo runs in its test suite.",
+    f"{WORKS['van Leeuwen 2007']} The camera's stars.",
 )
 
 

@@ -20,7 +20,7 @@ from app.ui.anchored_text import AnchoredText
 from app.ui.answer_strip import AnswerStrip
 from nav_model.budget import Budget
 from nav_model.equations import ALL_EQUATIONS, ALL_SYMBOLS
-from nav_model.equations.literature import REFERENCES, source_of
+from nav_model.equations.literature import METHODS, WORKS, source_of
 
 _PARTS = {"T": "Navigation", "S": "Radar", "P": "Processing", "B": "Suborbital flight and star tracker"}
 # The tests' folders, in the order of the table.
@@ -80,8 +80,11 @@ def theory() -> str:
         parts.append(_folded(f"part-{letter}", title, f"{len(equations)} equations", body, opened=letter == "T"))
     table = html_of(_symbols(), said=lambda text: set_[text[1:], False] if text.startswith(_MATH) else prose(text))
     parts.append(_folded("symbols", "Symbols", f"{len(ALL_SYMBOLS)} symbols with their units", table))
-    works = html_of(Bullets(REFERENCES))
-    parts.append(_folded("literature", "Literature", f"{len(REFERENCES)} references", works))
+    works = html_of(Bullets(tuple(WORKS.values())))
+    methods = html_of(Bullets(tuple(f"{what}: {work}" for what, work in METHODS), "Methods"))
+    parts.append(
+        _folded("literature", "Literature", f"{len(WORKS)} works and what is taken from them", works + methods)
+    )
     return validation() + differences() + "".join(parts)
 
 

@@ -103,8 +103,8 @@ def _exact_noise(a, w, g, h):
     return rows, [[1, h, g * h**2 / 2], [0, 1, g * h], [0, 0, 1]]
 
 
-def doubled(sigma_a, sigma_w, g, interval, sigma, slow=None, digits=60):
-    """Prior and posterior, SI, by structure-preserving doubling with `digits` digits.
+def doubled(sigma_a, sigma_w, g, interval, sigma, slow=None, digits=60, velocity=None):
+    """Prior and posterior, SI, by structure-preserving doubling with `digits` digits; with velocity fixes too.
 
     Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
     """
@@ -121,15 +121,17 @@ def doubled(sigma_a, sigma_w, g, interval, sigma, slow=None, digits=60):
             size, correlation = (mp.mpf(value) for value in slow)
             phi[3, 3] = mp.exp(-h / correlation)
             x[3, 3], row[3] = size**2 * (1 - phi[3, 3] ** 2), 1
-        at, gain = phi.T, row.T * row / r**2
+        seen = row.T * row / r**2
+        if velocity is not None:
+            seen[1, 1] = 1 / mp.mpf(velocity) ** 2
+        at, gain = phi.T, seen
         for _ in range(200):
             inverse = (mp.eye(n) + gain * x) ** -1
             grown = at.T * x * inverse * at
             gain, at = gain + at * inverse * gain * at.T, at * inverse * at
             x = x + grown
             if all(grown[i, i] <= x[i, i] * mp.mpf(10) ** -45 for i in range(n)):
-                cross = x * row.T
-                return x, x - cross * cross.T / ((row * cross)[0] + r**2)
+                return x, (x**-1 + seen) ** -1
     raise ArithmeticError
 
 

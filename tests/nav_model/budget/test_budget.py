@@ -136,7 +136,7 @@ def test_a_rate_is_an_interval():
 
 
 def test_slow_error_through_the_whole_budget():
-    """Prior from SciPy's discrete solver on the augmented system; aperture from its posterior tilt."""
+    """Prior from SciPy's discrete solver on the augmented system; the aperture starts with what that adds."""
     slow = BASE.replace({"gnss.correlated": True, "gnss.correlated_noise": 1.5, "gnss.correlation_time": 60.0})
     a, w, g = 0.05 / 60, 0.5 * DEGREE / 60, BASE.flight.gravity
     decay = math.exp(-1 / 60)
@@ -150,15 +150,20 @@ def test_slow_error_through_the_whole_budget():
     q[3, 3] = 1.5**2 * (1 - decay**2)
     h = np.array([[1.0, 0, 0, 1]])
     unit = np.array([1, 1, g, 1.0])
-    prior = solve_discrete_are((phi * unit[:, None] / unit).T, h.T, q * np.outer(unit, unit), [[1.0]]) / np.outer(
-        unit, unit
-    )
-    posterior = prior - prior @ h.T @ h @ prior / float((h @ prior @ h.T)[0, 0] + 1)
+
+    def settled(n):
+        each, seen = np.outer(unit[:n], unit[:n]), h[:, :n]
+        own = phi[:n, :n] * unit[:n, None] / unit[:n]
+        prior = solve_discrete_are(own.T, seen.T, q[:n, :n] * each, [[1.0]]) / each
+        return prior, prior - prior @ seen.T @ seen @ prior / float((seen @ prior @ seen.T)[0, 0] + 1)
+
+    (prior, posterior), (_, white) = settled(4), settled(3)
     budget = analyse(slow)
     assert budget.steady_state.prior.position_horizontal == pytest.approx(math.sqrt(prior[0, 0]), rel=1e-8)
     assert budget.steady_state.prior.tilt == pytest.approx(math.sqrt(prior[2, 2]), rel=1e-8)
     line = next(line for line in budget.sar.lines if line.source == "initial tilt")
-    expected = 4 * math.pi / 0.03 * math.cos(0.6) * g * math.sqrt(posterior[2, 2]) * 25 / 8
+    tilt = math.sqrt(budget.steady_state.closed.tilt**2 + posterior[2, 2] - white[2, 2])
+    expected = 4 * math.pi / 0.03 * math.cos(0.6) * g * tilt * 25 / 8
     assert line.quadratic == pytest.approx(expected, rel=1e-8)
     assert budget.steady_state.closed == analyse(BASE).steady_state.closed  # and the page says so
     assert any("slow GNSS error" in sentence for sentence in cautions(budget))
@@ -194,11 +199,14 @@ def test_every_catalogue_unit_gives_a_budget_whose_shares_add_up(name):
 def test_coast_shares_are_what_each_source_alone_leaves():
     """Take the gyro bias and accelerometer bias away: the variance drops by their shares."""
     full = BASE.replace({"imu.accelerometer_bias": 2e-3, "imu.gyro_bias": 5e-6})
+
+    def end(design):
+        return analyse(design).coast.refined_horizontal[-1] ** 2
+
     budget = analyse(full)
-    end = budget.coast.position_horizontal[-1] ** 2
     for key, source in (("imu.accelerometer_bias", "accelerometer bias"), ("imu.gyro_bias", "gyro bias")):
-        without = analyse(full.replace({key: 0.0})).coast.position_horizontal[-1] ** 2
-        assert budget.coast.shares_horizontal[source] == pytest.approx((end - without) / end, rel=1e-9)
+        without = end(full.replace({key: 0.0}))
+        assert budget.coast.shares_horizontal[source] == pytest.approx(1 - without / end(full), rel=1e-9)
 
 
 def test_sar_numbers_hang_together():

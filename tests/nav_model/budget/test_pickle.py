@@ -78,6 +78,6 @@ def test_they_are_small():
 
 
 def test_a_forged_pickle_is_checked_like_any_other_input():
-    kind, (values, written, origins) = Design().__reduce__()
+    kind, (values, *others) = Design().__reduce__()
     with pytest.raises(InputError, match=r"imu\.rate"):
-        kind({**values, "imu.rate": -1.0}, written, origins)
+        kind({**values, "imu.rate": -1.0}, *others)

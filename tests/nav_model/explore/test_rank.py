@@ -5,7 +5,6 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from nav_model.analytic.sensitivity import horizontal_parts
 from nav_model.analytic.steady_state import horizontal
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
@@ -101,16 +100,21 @@ def test_post_processed_slopes_are_the_shares(open_design):
     np.testing.assert_allclose(slopes, [shares[name] for name in names], rtol=1e-9)
 
 
-def test_shares_are_the_slopes_of_the_closed_form(closed_design):
+def test_slopes_are_the_shares_of_the_closed_form(closed_design):
+    """[T-18]: [T-3] differentiated by hand, where figures are that closed form."""
     design = closed_design.replace({"requirements.steady_state": "closed"})
     x = inputs_of(design)
     keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise"]
-    names = ("horizontal_position", "horizontal_velocity", "tilt")
-    found = log_derivatives(design, keys, names)
-    parts, whole = (of(x.sigma_a, x.sigma_w, x.s, x.g) for of in (horizontal_parts, horizontal))
-    for name, element in zip(names, ("p11", "p22", "p33"), strict=True):
-        shares = [getattr(part, element) / getattr(whole, element) for part in parts]
-        np.testing.assert_allclose(found[name], shares, rtol=1e-12)
+    found = log_derivatives(design, keys, ("horizontal_position", "tilt"))
+    by_gyro = 2 * x.g * x.sigma_w * x.s**5 * horizontal(x.sigma_a, x.sigma_w, x.s, x.g).p11
+    by_accelerometer = x.s**6 * x.sigma_a**2
+    whole = 3 * by_gyro + 4 * by_accelerometer
+    p11 = np.array([2 * by_accelerometer, by_gyro, 5 * by_gyro + 6 * by_accelerometer]) / whole
+    np.testing.assert_allclose(found["horizontal_position"], p11 / 2, rtol=1e-12)
+    np.testing.assert_allclose(found["tilt"], p11 + np.array([0, 1 / 2, -3 / 2]), rtol=1e-12)
+    budget = analyse(design).steady_state.shares
+    for name, slopes in found.items():
+        assert list(budget[name].values()) == pytest.approx(list(slopes), rel=1e-12)
 
 
 @settings(max_examples=20)

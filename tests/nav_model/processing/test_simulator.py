@@ -15,7 +15,7 @@ from nav_model.simulation.schedule import plan
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly
 
 RATE = 25.0  # of the instruments, Hz
-LEG = {"processing.leg_before": 300.0, "processing.leg_after": 60.0, "imu.rate": RATE}
+LEG = {"processing.leg_after": 60.0, "imu.rate": RATE}
 
 
 def smoothed_flights(design, runs):

@@ -1,10 +1,19 @@
 """Per-axis model against the discrete Riccati solver, matrix exponentials and a dense Kalman smoother."""
 
+import batch
 import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
 
-from nav_model.sar.axis_model import AxisModel, draw_state, inertial_drift, noise_path, steady_covariance
+from nav_model.processing.flight import Channel
+from nav_model.sar.axis_model import (
+    AxisModel,
+    draw_state,
+    inertial_drift,
+    information_after,
+    noise_path,
+    steady_covariance,
+)
 from nav_model.sar.smoother import rts_smooth
 
 
@@ -129,3 +138,19 @@ def test_bad_models_are_refused_by_name(field, value):
     good = {"accelerometer_noise": 1e-3, "gyro_noise": 1e-4, "gnss_sigma": 1.0, "fix_interval": 1.0}
     with pytest.raises(ValueError, match=field):
         AxisModel(**(good | {field: value}))
+
+
+@pytest.mark.parametrize(
+    "extra", [{}, {"velocity_sigma": 0.03}, {"velocity_sigma": 0.03, "slow_sigma": 0.7, "slow_time": 30.0}]
+)
+@pytest.mark.parametrize("after", [-1.0, 0.0, 0.5, 7.3, 40.0])
+def test_what_later_fixes_say(extra, after):
+    model = AxisModel(1.3e-3, 1.4e-4, 1.0, 0.3, **extra)
+    slow = (model.slow_sigma, model.slow_time) if model.slow_sigma else (None, None)
+    velocity = (model.velocity_sigma, model.fix_interval) if model.velocity_sigma else (None, None)
+    values = (model.accelerometer_noise, model.tilt_noise, model.gnss_sigma, model.fix_interval, *velocity, *slow)
+    channel = Channel(*(None if value is None else np.array(value) for value in values))
+    ours = information_after(model, after)
+    theirs = batch.information(channel, after)[: len(ours), : len(ours)] if after >= 0 else np.zeros(ours.shape)
+    unit = np.sqrt(np.diag(theirs))
+    assert np.all(abs(ours - theirs) <= 1e-10 * np.outer(unit, unit))

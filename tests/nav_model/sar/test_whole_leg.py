@@ -7,8 +7,6 @@ import pytest
 from scipy.stats import chi2
 
 from nav_model.budget import analyse
-from nav_model.processing.leg import smoothed_in_leg
-from nav_model.processing.spectrum import Channel, Leg, smoothed
 from nav_model.sar.decomposition import autofocus, decompose
 from nav_model.sar.design_case import design_case, study_cautions
 from nav_model.sar.design_map import arw_map, gnss_map
@@ -22,7 +20,7 @@ from nav_model.sar.study_json import to_json
 LEG = STRATEGY_KEYS.index("9")
 POST = {"processing.mode": "post-processed"}
 VELOCITY = {"gnss.velocity_noise": 0.03}
-SHORT = {"processing.leg_before": 20.0, "processing.leg_after": 10.0}
+SHORT = {"processing.leg_after": 10.0}
 SLOW = {"gnss.correlated": True, "gnss.correlated_noise": 0.3, "gnss.correlation_time": 60.0}
 BIASED = {"imu.accelerometer_bias": 5e-3, "imu.gyro_bias": 1e-5, "radar.squint_angle": 0.4}
 
@@ -75,7 +73,7 @@ def flown(design, runs):
 
 
 def test_a_few_flights_in_a_short_leg(open_design):
-    """Twenty flights whose smoother starts 20 s before the aperture and ends 10 s after it: within 60 %."""
+    """Twenty flights whose smoother ends 10 s after the aperture: within 60 %."""
     design = open_design.replace(SHORT | {"imu.rate": 20.0})
     agree(design, flown(design, 20), 20)
 
@@ -99,21 +97,6 @@ def test_a_leg_that_ends_with_the_aperture_leaves_the_rts_smoother(closed_design
         assert math.sqrt(np.mean(apart**2)) < 0.03 * math.sqrt(np.mean(autofocus(axis.of("8")) ** 2))
 
 
-def test_the_turning_of_a_smoothed_error_in_state_space_is_that_of_its_spectrum():
-    """A leg that is as good as endless: two methods, one answer; even and odd functions of time are independent."""
-    channel = Channel(*(np.array(value) for value in (2e-3, 4e-4, 1.0, 1.0, 0.1, 1.0)))
-    span = np.array(8.0)
-    exact = smoothed_in_leg(channel, span, Leg(*(np.array(value) for value in (1e4, 1e4, 0.0))))
-    spectral = smoothed(channel, span)
-    for name in ("turned", "curved", "with_curved", "cubic_turned", "cubic_curved", "cubic_with_curved"):
-        assert exact[name] == pytest.approx(spectral[name], rel=3e-3), name
-    for name, one, other in (
-        ("with_turned", "quadratic", "turned"), ("turned_curved", "turned", "curved"),
-        ("cubic_with_turned", "cubic", "cubic_turned"), ("cubic_turned_curved", "cubic_turned", "cubic_curved"),
-    ):  # fmt: skip
-        assert abs(exact[name]) < 1e-2 * math.sqrt(exact[one] * exact[other])
-
-
 def test_it_wins_only_where_the_processing_allows(open_design):
     now, later = (design_study(design, 40, 1) for design in (open_design, open_design.replace(POST)))
     np.testing.assert_array_equal(now.rms, later.rms)
@@ -135,7 +118,7 @@ def test_it_wins_only_where_the_processing_allows(open_design):
     assert any("shown but cannot be the best" in said for said in study_cautions(now.budget))
     assert any("so it can be the best" in said for said in study_cautions(later.budget))
     data = to_json(later)
-    assert data["processing"] == {"mode": "post-processed", "leg_before_s": 200.0, "leg_after_s": 200.0}
+    assert data["processing"] == {"mode": "post-processed", "leg_after_s": 200.0}
     assert data["strategies"][-1]["timing"] == "post-processed"
     assert not data["strategies"][-1]["causal"]
     assert data["strategies"][-1]["closed_form"]["residual_rms_m"] == later.closed.detrended["9"]

@@ -299,18 +299,20 @@ def test_while_a_slider_moves_the_switch_does_not_contradict_the_strip() -> None
     assert list(page._mode.options) == ["Real time ✓ +30 %", "Post-processed …"]
 
 
-def test_post_processed_curves_are_smoothed_to_the_end_of_the_aperture() -> None:
-    """No step at the last fix: the outage in real time has curves of its own."""
+def test_post_processed_curves_bridge_the_outage() -> None:
+    """From both sides, far below the outage in real time, which has curves of its own."""
     budget = changed(processing__mode="post-processed")
     assert budget.smoothed is not None
     position, _, attitude = together(budget)
     smoothed, free = position.lines[:2]
-    inside = smoothed.x <= budget.sar.aperture_time
-    np.testing.assert_array_equal(smoothed.y[inside], budget.smoothed.sigmas.position_horizontal)
-    assert np.isnan(smoothed.y[~inside]).all()
+    outage = smoothed.x > 0
     assert free.label == "horizontal, real time"
-    np.testing.assert_array_equal(free.y[2:], budget.coast.refined_horizontal)
-    assert attitude.lines[0].y[0] == math.degrees(budget.smoothed.sigmas.tilt)
-    gap = together(changed(processing__mode="post-processed", coast__before_aperture=20.0))[0]
-    assert np.isnan(gap.lines[0].y[gap.lines[0].x > 0]).all()
+    np.testing.assert_array_equal(free.y[outage], budget.coast.refined_horizontal[1:])
+    assert (smoothed.y[outage] <= free.y[outage]).all()
+    # The fixes before and after the outage are alike, and far from it nothing of it is felt.
+    assert smoothed.y[-1] == pytest.approx(smoothed.y[~outage][-1], rel=1e-4)
+    assert smoothed.y[outage].max() == pytest.approx(np.interp(50.0, smoothed.x, smoothed.y), rel=0.01)
+    (aperture,) = position.spans
+    assert aperture.stop <= 0
+    assert attitude.lines[0].y.max() < attitude.lines[1].y[outage].max()
     assert all(np.isnan(line.y).all() for line in together(changed())[0].lines if "real time" in line.label)
