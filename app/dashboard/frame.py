@@ -24,12 +24,11 @@ from app.ui.faults import tell_here
 from app.ui.html_pane import html_pane
 from app.ui.paper import fit_to_paper
 from app.ui.remembered import DISPLAY_COOKIE, Remembered
-from app.ui.theme import DARK, LIGHT, PRINT_NOTHING, PRINT_PAGE
+from app.ui.theme import DARK, FULL_HEIGHT, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.ui.tour import Tour
 from app.ui.turns import in_turns, once_quiet
 from app.upstream.browser import Repairs
 from app.upstream.busy_line import follow_own_work
-from app.upstream.full_height import FULL_HEIGHT
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.link import from_query

@@ -26,7 +26,6 @@ from app.upstream.first_changes import FirstChanges
 from app.upstream.frames_at_once import FramesAtOnce
 from app.upstream.late_session import new_token
 from app.upstream.lost_connection import LostConnection
-from app.upstream.no_receipts import NoReceipts
 from app.upstream.routes import serve_only
 from app.upstream.tracebacks import NoTracebacks
 
@@ -148,7 +147,7 @@ class PageHandler(DocHandler):
         self.finish(plain_page(title, text, **again))
 
 
-class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoReceipts, NoTracebacks):
+class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks):
     """The page's connection; it opens no session beyond the limit either, and takes no more than a page sends."""
 
     receiver: Any

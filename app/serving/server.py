@@ -34,13 +34,11 @@ from app.subjects import SUBJECTS
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
-from app.upstream import first_changes, known_models, one_write, writes
+from app.upstream import first_changes, one_write, writes
 from app.upstream.answers_in_progress import let_nobody_new_in
 from app.upstream.ask_first import ask_first
 from app.upstream.browser import head_script
 from app.upstream.class_parameters import copy_none
-from app.upstream.defaults import remember_defaults
-from app.upstream.design_once import ask_when_styles_change
 from app.upstream.given_socket import listen_on
 from app.upstream.given_values import look_at_what_was_given
 from app.upstream.late_session import page_of, sheets_from_here
@@ -140,12 +138,9 @@ def serve_on(
     writes.repair()
     one_write.repair()
     first_changes.repair()
-    known_models.repair()
     read_any_address()
-    remember_defaults()
     look_at_what_was_given()
     copy_none()
-    ask_when_styles_change()
     mark_own_part()
     believe_proxies_only()
     for name in COMPONENTS:

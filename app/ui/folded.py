@@ -6,8 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
-
-from app.upstream.plain_titles import WordedAccordion
+import panel_material_ui as pmui
 
 
 class Folded(pn.viewable.Viewer):
@@ -28,7 +27,7 @@ class Folded(pn.viewable.Viewer):
         super().__init__()
         self._parts = tuple(parts)
         self._places = [pn.Column() for _ in parts]
-        self._view = WordedAccordion(
+        self._view = pmui.Accordion(
             *((title, place) for (title, _), place in zip(parts, self._places, strict=True)),
             active=[],
             toggle=False,
@@ -39,7 +38,7 @@ class Folded(pn.viewable.Viewer):
         )
         self._view.param.watch(self._opened, "active")
 
-    def __panel__(self) -> WordedAccordion:
+    def __panel__(self) -> pmui.Accordion:
         return self._view
 
     def open(self, title: str) -> None:

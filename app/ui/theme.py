@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from app.document.bars import ROWS_SHEET
-from app.upstream.progress_name import PROGRESS_NAME
 
 ACCENT = "#0b5c8a"
 
@@ -16,7 +15,7 @@ def _sheet(name: str) -> str:
 
 
 _SHARED: dict[str, Any] = {
-    "MuiLinearProgress": PROGRESS_NAME,
+    "MuiLinearProgress": {"defaultProps": {"aria-label": "long work under way"}},
     # Its open parts are regions without a name: too many landmarks to go by.
     "MuiAccordion": {"defaultProps": {"slotProps": {"region": {"role": "none"}}}},
     "MuiAccordionSummary": {
@@ -51,6 +50,10 @@ FRAME = {
     "border-radius": "6px",
 }
 """Around a chart; follows the page's text colour, so it holds in the dark."""
+
+FULL_HEIGHT = {"max-height": "none"}
+"""Styles of the page's main column, and of a column of several parts in one that scrolls: it may be taller than the
+window, where Bokeh keeps it within."""
 
 NARROW = "@media screen and (max-width: 1000px) { div { flex: none !important; height: auto !important; } }"
 """Sheet of a part: on a narrow window what is in it is as high as it wants."""

@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterable
 import panel as pn
 from bokeh.document import Document
 
-from app.upstream.frozen_models import frozen_models
-
 _LONGEST = 0.1  # seconds of a turn in which another piece is begun; what a turn costs besides is about as much
 _SEEN = 0.02  # seconds in which what was changed reaches the browser
 _BETWEEN = 0.01  # seconds: the dozen frames of a slider step come in, and it is answered
@@ -39,7 +37,7 @@ def in_turns(pieces: Iterable[Callable[[], None]]) -> None:
         await asyncio.sleep(_SEEN)
         while waiting and _is_open(document):
             until = time.monotonic() + _LONGEST
-            with pn.io.hold(), frozen_models(document):
+            with pn.io.hold():
                 while waiting and time.monotonic() < until:
                     waiting.popleft()()
             await asyncio.sleep(_BETWEEN)
@@ -64,7 +62,7 @@ def once_loaded(work: Callable[[], object]) -> None:
 
 
 def _complete(document: Document, waiting: list[Callable[[], object]]) -> None:
-    with pn.io.hold(), frozen_models(document):
+    with pn.io.hold():
         while waiting:
             pn.state.execute(waiting.pop(0), schedule=False)  # a fault in one is told, the others are made
 

@@ -32,8 +32,8 @@ from app.ui.follower import Follower
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
+from app.ui.theme import FULL_HEIGHT
 from app.upstream.file_input import LimitedFileInput
-from app.upstream.full_height import FULL_HEIGHT
 from app.work.alone import run_alone
 from app.work.run import Run
 from nav_model.allan.adoption import (

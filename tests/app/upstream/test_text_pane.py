@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import panel as pn
 from bokeh.document import Document
-from panel.io.state import set_curdoc
 
 from app.ui.html_pane import html_pane
 from app.upstream.text_pane import TextPane
@@ -36,20 +35,3 @@ def test_it_shows_at_first_what_the_shipped_pane_shows() -> None:
     ours, theirs = TextPane(text), pn.pane.HTML(text)
     ours.object = theirs.object = text + "!"
     assert ours.get_root().text == theirs.get_root().text
-
-
-def test_in_a_hold_the_page_alone_is_told() -> None:
-    pane, told = TextPane("<p>old</p>"), []
-    document, model = Document(), pane.get_root()
-    document.add_root(model)
-    pane.param.watch(told.append, "object")
-    with set_curdoc(document):
-        document.hold()
-        for _ in range(2):
-            pane.say("<p>new & more</p>")
-    assert pane.object == "<p>new & more</p>"
-    assert model.text == TextPane(pane.object).get_root().text
-    assert [event.attr for event in document.callbacks._held_events] == ["text"]
-    assert not told
-    pane.say("<p>at rest</p>")  # nothing is held here
-    assert len(told) == 1
