@@ -44,19 +44,10 @@ class _Missing:
     limit: float | None = None
 
 
-class AnalysisCancelled(Exception):
-    """The caller asked for the analysis to stop."""
-
-
-def analyse_log(
-    log: ImuLog,
-    progress: Callable[[float, str], None] | None = None,
-    cancelled: Callable[[], bool] | None = None,
-) -> LogAnalysis:
+def analyse_log(log: ImuLog, progress: Callable[[float, str], None] | None = None) -> LogAnalysis:
     """Noise parameters of a static log, axis by axis.
 
-    `progress` receives a fraction and what is being done; `cancelled` is asked before each axis and
-    AnalysisCancelled raised when it answers True. Raises InputError under the log's name when it is empty,
+    `progress` receives a fraction and what is being done. Raises InputError under the log's name when it is empty,
     ValueError when it is shorter than the fit needs. Method: likelihood.py for the coefficients, axis_fit.py for
     real-log departures, deviation.py for curves.
     """
@@ -66,8 +57,6 @@ def analyse_log(
     interval_s = 1.0 / log.rate_hz
     results = []
     for index, (name, quantity, signal) in enumerate(axes):
-        if cancelled is not None and cancelled():
-            raise AnalysisCancelled(f"stopped before {name}")
         if progress is not None:
             progress(index / len(axes), name)
         results.append(_analyse_axis(name, quantity, signal, interval_s, log.temperature_c))

@@ -62,20 +62,16 @@ def sweep_camera_noise(study: Study, settings: Settings, centroid_rad: FloatArra
     camera = replace(settings.camera(), centroid_sigma_rad=least)
     track = track_stars(flight, camera, settings.sky(), method=settings["camera.method"], seed=int(settings["seed"]))
     wanted = frame_steps(flight, inputs.aiding) & track.frames.used
-    quiet = replace(
-        inputs.errors,
-        accelerometers=replace(inputs.errors.accelerometers, white_noise=0.0),
-        gyros=replace(inputs.errors.gyros, white_noise=0.0),
-    )
+    accelerometer, gyro = inputs.errors.accelerometers.white_noise, inputs.errors.gyros.white_noise
     total, own, frames = [], [], []
     for noise in centroid_rad:
         scale = float(noise) / least
         used = wanted & (track.roll_sigma_rad * scale <= camera.roll_limit_rad)
         covariance = scale**2 * track.covariance
-        total.append(_final(white_noise_spread(flight, inputs.errors, used, covariance).position_sigma_m))
-        own.append(_final(white_noise_spread(flight, quiet, used, covariance).position_sigma_m))
+        total.append(_final(white_noise_spread(flight, accelerometer, gyro, used, covariance).position_sigma_m))
+        own.append(_final(white_noise_spread(flight, 0.0, 0.0, used, covariance).position_sigma_m))
         frames.append(float(used.sum()))
-    alone = _final(white_noise_spread(flight, inputs.errors).position_sigma_m)
+    alone = _final(white_noise_spread(flight, accelerometer, gyro).position_sigma_m)
     return CameraNoise(np.asarray(centroid_rad, float), np.array(total), np.array(own), np.array(frames), alone)
 
 

@@ -5,7 +5,6 @@ They explain the Schuler oscillation and the unstable height, and hold only for 
 rotate. On a long arc they are wrong: displayed numbers come from the integrated INS.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,7 +14,6 @@ from nav_model.base.compiled import kernel
 from nav_model.base.constants import GRAVITATIONAL_PARAMETER, SPHERE_RADIUS
 from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import (
@@ -46,9 +44,9 @@ def height_e_folding_time(height_m: ArrayLike) -> FloatArray:
     return np.asarray(1.0 / (np.sqrt(2.0) * schuler_rate(height_m)))
 
 
-def horizontal_error(
+def channel_error(
+    rate: ArrayLike,
     time_s: ArrayLike,
-    height_m: ArrayLike,
     *,
     bias: ArrayLike = 0.0,
     tilt_rate: ArrayLike = 0.0,
@@ -57,49 +55,23 @@ def horizontal_error(
     amplitude: ArrayLike = 0.0,
     frequency: ArrayLike = 1e-3,
 ) -> FloatArray:
-    """Horizontal position error, m [B-6]; broadcasts over every argument.
+    """Position error in one channel, m [B-6]; broadcasts over every argument.
 
-    bias: accelerometer, m/s²; tilt_rate: f e, specific force times gyro bias, m/s³; position (m) and velocity
-    (m/s) at t = 0; amplitude (m/s²) and frequency (rad/s) of a forcing A sin(O t), resonance included.
+    rate: w of `schuler_rate` horizontally; i k = i sqrt(2) w for the height, whose sines are hyperbolic ones; bias:
+    accelerometer, m/s²; tilt_rate: f e, specific force times gyro bias, m/s³; position (m) and velocity (m/s) at
+    t = 0; amplitude (m/s²) and frequency (rad/s) of a forcing A sin(O t), resonance included.
     """
-    t = np.asarray(time_s, dtype=np.float64)
-    w = schuler_rate(height_m)
-    o = np.asarray(frequency, dtype=np.float64)
-    s, c = np.sin(w * t), np.cos(w * t)
-    resonant = np.abs(o - w) < 1e-7 * w
+    t, w, o = (np.asarray(value) for value in (time_s, rate, frequency))
+    c, s = np.cos(w * t), np.sin(w * t) / w
+    resonant = np.abs(o - w) < 1e-7 * np.abs(w)
     gap = np.where(resonant, 1.0, w * w - o * o)
-    forced = np.where(resonant, (s - w * t * c) / (2.0 * w * w), (np.sin(o * t) - o / w * s) / gap)
-    return np.asarray(
+    forced = np.where(resonant, (s - t * c) / (2.0 * w), (np.sin(o * t) - o * s) / gap)
+    return np.real(
         np.asarray(bias) / w**2 * (1.0 - c)
-        + np.asarray(tilt_rate) / w**2 * (t - s / w)
+        + np.asarray(tilt_rate) / w**2 * (t - s)
         + np.asarray(position) * c
-        + np.asarray(velocity) / w * s
+        + np.asarray(velocity) * s
         + np.asarray(amplitude) * forced
-    )
-
-
-def vertical_error(
-    time_s: ArrayLike,
-    height_m: ArrayLike,
-    *,
-    bias: ArrayLike = 0.0,
-    tilt_rate: ArrayLike = 0.0,
-    position: ArrayLike = 0.0,
-    velocity: ArrayLike = 0.0,
-    amplitude: ArrayLike = 0.0,
-    frequency: ArrayLike = 1e-3,
-) -> FloatArray:
-    """Height error, m [B-6]; the arguments are those of `horizontal_error`."""
-    t = np.asarray(time_s, dtype=np.float64)
-    k = 1.0 / height_e_folding_time(height_m)
-    o = np.asarray(frequency, dtype=np.float64)
-    s, c = np.sinh(k * t), np.cosh(k * t)
-    return np.asarray(
-        np.asarray(bias) / k**2 * (c - 1.0)
-        + np.asarray(tilt_rate) / k**2 * (s / k - t)
-        + np.asarray(position) * c
-        + np.asarray(velocity) / k * s
-        + np.asarray(amplitude) / (k**2 + o**2) * (o / k * s - np.sin(o * t))
     )
 
 
@@ -204,7 +176,7 @@ def decoupled_response(flight: TrueFlight, errors: ErrorSet, every: int = 10) ->
     terms are dropped, as in [B]. errors supplies the oscillation periods only.
     """
     n, h = flight.steps, flight.step_s
-    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+    flight.require_spacing(every)
     forcing, middle = _forcing(flight, oscillations(flight, errors)[1::2])
     unit = np.eye(len(PARAMETERS))
     out = np.empty((len(PARAMETERS), n // every + 1, 3))
@@ -229,7 +201,7 @@ def closed_form_errors(
     bias of f psi. They hold while these stay constant.
     """
     p = np.atleast_2d(parameters)
-    require(every >= 1 and flight.steps % every == 0, f"every = {every!r}: must divide the flight's steps")
+    flight.require_spacing(every)
     felt = np.linalg.norm(flight.specific_force_b[:, 1], axis=-1)
     burning = felt > _BURNING if np.any(felt > _BURNING) else np.ones(flight.steps, dtype=np.bool_)
     time = flight.time_s[:-1][burning] + 0.5 * flight.step_s
@@ -247,16 +219,16 @@ def closed_form_errors(
         "position": p[:, POSITION] * _UP,
         "velocity": p[:, VELOCITY] * _UP,
     }
-    height = float(np.mean(flight.height_m))
+    w = schuler_rate(np.mean(flight.height_m))
     t = flight.time_s[::every]
-    frequency = 2.0 * np.pi / errors.accelerometers.bias_period_s
-
-    def form(closed: Callable[..., FloatArray], part: slice) -> FloatArray:
-        given = {name: value[:, None, part] for name, value in constants.items()}
-        return closed(t[:, None], height, frequency=frequency, **given)
-
-    both = form(horizontal_error, slice(0, 2)), form(vertical_error, slice(2, 3))
-    return ChannelErrors(t, np.concatenate(both, axis=-1), _CLOSED)
+    channels = [
+        channel_error(
+            rate, t, frequency=2.0 * np.pi / errors.accelerometers.bias_period_s,
+            **{name: value[:, None, axis] for name, value in constants.items()},
+        )
+        for axis, rate in enumerate((w, w, 1j * np.sqrt(2.0) * w))
+    ]  # fmt: skip
+    return ChannelErrors(t, np.stack(channels, axis=-1), _CLOSED)
 
 
 _UP = np.array([1.0, 1.0, -1.0])

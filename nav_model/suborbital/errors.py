@@ -182,6 +182,11 @@ PARAMETERS: tuple[str, ...] = tuple(_names())
 """Name of each entry of the parameter vector."""
 
 
+def require_parameters(parameters: FloatArray) -> None:
+    """ValueError unless parameter vectors are (cases, 61)."""
+    require(parameters.shape[1] == COUNT, f"parameters has shape {parameters.shape}: must be (cases, {COUNT})")
+
+
 def _of(sensor: int, kind: int) -> slice:
     return slice(sensor + kind, sensor + kind + (3 if kind in (BIAS, SLOW_BIAS) else 9))
 

@@ -5,7 +5,7 @@ angular rate in body axes at the three nodes (start, middle, end) of every integ
 force is one-sided at the ends, so a burn-out that falls on a step is integrated exactly as it happens.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -113,6 +113,11 @@ class TrueFlight:
     def steps(self) -> int:
         """Number of integration steps."""
         return len(self.time_s) - 1
+
+    def require_spacing(self, every: int) -> None:
+        """ValueError unless points of a history, `every` steps apart, divide the flight."""
+        fits = every >= 1 and self.steps % every == 0
+        require(fits, f"every = {every!r}: must divide the flight's {self.steps} steps")
 
     @property
     def from_file(self) -> bool:
@@ -270,19 +275,21 @@ def reference_flight(parameters: FlightParameters | None = None) -> TrueFlight:
     force[:, :, 0] = step_nodes(thrust(p, half_time))
     # Burn-out belongs to the step it ends, not to the one it starts.
     force[round(p.burn_time_s / p.step_s) :] = 0.0
-    position = launch @ np.array([0.0, 0.0, -SPHERE_RADIUS])
-    return assemble(
-        f"reference flight from {np.degrees(p.latitude_rad):.2f}°, {np.degrees(p.longitude_rad):.2f}°",
-        p.step_s,
-        position,
-        earth_velocity(position),
-        attitude,
-        force,
-        step_nodes(rate),
-        p.gravity,
-        p.azimuth_rad,
-        p.burn_time_s,
-        f"reference flight, RK4 at {p.step_s:g} s, {p.gravity} gravity",
+    start = launch @ np.array([0.0, 0.0, -SPHERE_RADIUS])
+    time, position, velocity = fly(start, earth_velocity(start), attitude, force, p.gravity, p.step_s)
+    return TrueFlight(
+        name=f"reference flight from {np.degrees(p.latitude_rad):.2f}°, {np.degrees(p.longitude_rad):.2f}°",
+        step_s=p.step_s,
+        time_s=time,
+        position_i=position,
+        velocity_i=velocity,
+        half_attitude_bi=attitude,
+        specific_force_b=force,
+        angular_rate_b=step_nodes(rate),
+        gravity=p.gravity,
+        initial_track_rad=p.azimuth_rad,
+        burnout_s=p.burn_time_s,
+        source=f"reference flight, RK4 at {p.step_s:g} s, {p.gravity} gravity",
     )
 
 
@@ -293,36 +300,22 @@ def in_gravity(flight: TrueFlight, gravity: str) -> TrueFlight:
     """
     if gravity == flight.gravity:
         return flight
-    return assemble(
-        flight.name,
+    time, position, velocity = fly(
+        flight.position_i[0], flight.velocity_i[0], flight.half_attitude_bi, flight.specific_force_b, gravity,
         flight.step_s,
-        flight.position_i[0],
-        flight.velocity_i[0],
-        flight.half_attitude_bi,
-        flight.specific_force_b,
-        flight.angular_rate_b,
-        gravity,
-        flight.initial_track_rad,
-        flight.burnout_s,
-        f"{flight.source}, flown again in {gravity} gravity",
-    )
+    )  # fmt: skip
+    source = f"{flight.source}, flown again in {gravity} gravity"
+    return replace(flight, time_s=time, position_i=position, velocity_i=velocity, gravity=gravity, source=source)
 
 
-def assemble(
-    name: str,
-    step_s: float,
-    position: FloatArray,
-    velocity: FloatArray,
-    attitude: FloatArray,
-    force: FloatArray,
-    rate: FloatArray,
-    gravity: str,
-    track_rad: float,
-    burnout_s: float | None,
-    source: str,
-) -> TrueFlight:
-    """Integrate a flight from its start (position, velocity, inertial axes), attitude at half steps and body
-    specific force and rate at the nodes. ValueError when it reaches the ground before its end."""
+def fly(
+    position: FloatArray, velocity: FloatArray, attitude: FloatArray, force: FloatArray, gravity: str, step_s: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """time_s, position_i and velocity_i of a `TrueFlight`, integrated from its start (inertial axes),
+    attitude at half steps (2n+1, 3, 3) and body specific force at the nodes (n, 3, 3).
+
+    ValueError when it reaches the ground before its end.
+    """
     force_i = np.einsum("tnij,tnj->tni", step_nodes(attitude), force)
     r, v = _integrate(position, velocity, force_i, zonals(gravity), step_s)
     time = step_s * np.arange(len(r), dtype=np.float64)
@@ -330,21 +323,7 @@ def assemble(
     ground = np.flatnonzero(height < height[0] - 1.0) if height[0] < 1.0 else np.flatnonzero(height < -1.0)
     if ground.size:
         raise ValueError(
-            f"duration_s = {time[-1]:g}: the flight reaches the ground at {time[ground[0]]:.1f} s; it "
-            "must end "
+            f"duration_s = {time[-1]:g}: the flight reaches the ground at {time[ground[0]]:.1f} s; it must end "
             "before that"
         )
-    return TrueFlight(
-        name=name,
-        step_s=step_s,
-        time_s=time,
-        position_i=r,
-        velocity_i=v,
-        half_attitude_bi=np.ascontiguousarray(attitude),
-        specific_force_b=np.ascontiguousarray(force),
-        angular_rate_b=np.ascontiguousarray(rate),
-        gravity=gravity,
-        initial_track_rad=track_rad,
-        burnout_s=burnout_s,
-        source=source,
-    )
+    return time, r, v

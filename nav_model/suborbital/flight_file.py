@@ -15,7 +15,7 @@ from nav_model.earth.rotation import (
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial
 from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
 from nav_model.suborbital.checks import require
-from nav_model.suborbital.flight import MAX_STEPS, TrueFlight, assemble, step_nodes
+from nav_model.suborbital.flight import MAX_STEPS, TrueFlight, fly, step_nodes
 
 BOUNDS = FileBounds(fewest_rows=4, most_rows=200_000, most_bytes=16_000_000)
 """What a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
@@ -58,17 +58,20 @@ def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = 
     local = np.einsum("tji,tj->ti", local_axes(track(half_time)), ground)
     moving = np.flatnonzero(np.hypot(local[:, 0], local[:, 1]) >= 1.0)
     first = local[moving[0]] if moving.size else np.array([1.0, 0.0, 0.0])
-    return assemble(
-        name,
-        step_s,
-        track(0.0),
-        track(0.0, 1),
-        attitude,
-        step_nodes(np.einsum("tji,tj->ti", attitude, force_i)),
+    force_b = step_nodes(np.einsum("tji,tj->ti", attitude, force_i))
+    flown, position, velocity = fly(track(0.0), track(0.0, 1), attitude, force_b, gravity, step_s)
+    return TrueFlight(
+        name=name,
+        step_s=step_s,
+        time_s=flown,
+        position_i=position,
+        velocity_i=velocity,
+        half_attitude_bi=attitude,
+        specific_force_b=force_b,
         # RotationSpline's rates are already those of the body seen from inertial axes, in body axes.
-        step_nodes(turn(half_time, 1)),
-        gravity,
-        float(np.arctan2(first[1], first[0])),
-        None,
-        f"trajectory file {name}, spline through {len(time)} rows, RK4 at {step_s:g} s, {gravity} gravity",
+        angular_rate_b=step_nodes(turn(half_time, 1)),
+        gravity=gravity,
+        initial_track_rad=float(np.arctan2(first[1], first[0])),
+        burnout_s=None,
+        source=f"trajectory file {name}, spline through {len(time)} rows, RK4 at {step_s:g} s, {gravity} gravity",
     )

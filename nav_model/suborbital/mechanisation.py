@@ -21,7 +21,7 @@ from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.earth.rotation import FloatArray, matrix_from_vector
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
 from nav_model.suborbital.checks import require
-from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.errors import ErrorSet, require_parameters
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import (
     ACCELEROMETERS,
@@ -35,11 +35,7 @@ from nav_model.suborbital.layout import (
     VELOCITY,
 )
 
-_TOGETHER = 64  # cases in a call of the kernel: between two it can be cancelled
-
-
-class Cancelled(Exception):
-    """A long run was told to stop by its `cancel` callback."""
+_TOGETHER = 64  # cases in a call of the kernel: between two, progress is told
 
 
 @dataclass(frozen=True)
@@ -271,6 +267,26 @@ def _cameras(
     return np.stack([each.used for each in own.values()]), np.stack([each.attitude_bi for each in own.values()]), seen
 
 
+def _refuse_poles(flight: TrueFlight) -> None:
+    steepest = np.max(np.abs(flight.latitude_rad))
+    require(
+        bool(steepest < np.radians(89.5)),
+        f"axes = 'ned': the flight comes within {np.degrees(np.pi / 2 - steepest):.2f}° of a pole, where "
+        "north is not defined; use inertial axes",
+    )
+
+
+def _inertial(states: FloatArray, time: FloatArray, local: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Attitude, velocity and position in inertial axes of the states (c, m, 15) at times (m,)."""
+    attitude = states[..., :9].reshape(*states.shape[:2], 3, 3)
+    velocity, position = states[..., 9:12], states[..., 12:]
+    if not local:
+        return attitude, velocity, position
+    turn = ned_to_inertial(position[..., 0], position[..., 1] + EARTH_RATE * time)
+    place = -turn[..., 2] * (SPHERE_RADIUS + position[..., 2:])
+    return turn @ attitude, np.einsum("cmij,cmj->cmi", turn, velocity) + earth_velocity(place), place
+
+
 def mechanise(
     flight: TrueFlight,
     parameters: FloatArray,
@@ -282,7 +298,6 @@ def mechanise(
     axes: str = "inertial",
     every: int = 10,
     progress: Callable[[float], None] | None = None,
-    cancel: Callable[[], bool] | None = None,
 ) -> InsRun:
     """Run the INS over a flight for c cases.
 
@@ -291,37 +306,26 @@ def mechanise(
     per case, None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each
     step; gravity: the model the INS believes in, of all cases or one each; axes: "inertial" [B-3] or "ned"
     [B-2]; every: output spacing in steps, which must divide the flight. Raises ValueError for wrong shapes or
-    names, Cancelled when `cancel()` turns true.
+    names.
     """
     parameters = np.ascontiguousarray(np.atleast_2d(parameters), dtype=np.float64)
-    count, n = len(parameters), flight.steps
-    require(
-        parameters.shape[1] == len(PARAMETERS),
-        f"parameters has shape {parameters.shape}: must be (cases, {len(PARAMETERS)})",
-    )
+    count, n, local = len(parameters), flight.steps, axes == "ned"
+    models = (gravity,) * count if isinstance(gravity, str) else tuple(gravity)
+    frames = (None,) * count if frames is None else frames
+    require_parameters(parameters)
+    flight.require_spacing(every)
     require(axes in ("inertial", "ned"), f"axes = {axes!r}: must be inertial or ned")
-    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
-    if frames is not None:
-        require(len(frames) == count, f"frames has {len(frames)} entries: must be one per case, {count}")
+    for name, given in (("frames", frames), ("gravity", models)):
+        require(len(given) == count, f"{name} has {len(given)} entries: must be one per case, {count}")
     if noise is not None:
         require(noise.shape == (count, n, 6), f"noise has shape {noise.shape}: must be {(count, n, 6)}")
-    local = axes == "ned"
     if local:
-        steepest = np.max(np.abs(flight.latitude_rad))
-        require(
-            bool(steepest < np.radians(89.5)),
-            f"axes = 'ned': the flight comes within {np.degrees(np.pi / 2 - steepest):.2f}° of a pole, where "
-            "north is not defined; use inertial axes",
-        )
-    models = (gravity,) * count if isinstance(gravity, str) else tuple(gravity)
-    require(len(models) == count, f"gravity has {len(models)} entries: must be one per case, {count}")
+        _refuse_poles(flight)
     j, sines = np.array([zonals(model) for model in models]).T, oscillations(flight, errors)
     starts = _initial_states(flight, parameters, local)
-    used, attitudes, seen = _cameras(frames or (None,) * count)
+    used, attitudes, seen = _cameras(frames)
     out = np.empty((count, n // every + 1, 15))
     for first in range(0, count, _TOGETHER):
-        if cancel is not None and cancel():
-            raise Cancelled(f"stopped after {first} of {count} cases")
         some = slice(first, min(first + _TOGETHER, count))
         states = np.empty((n // every + 1, 15, some.stop - first))
         _run(
@@ -346,13 +350,7 @@ def mechanise(
             progress(some.stop / count)
     index = np.arange(0, n + 1, every)
     time = flight.time_s[index]
-    attitude, velocity, position = out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:12], out[..., 12:]
-    if local:
-        turn = ned_to_inertial(position[..., 0], position[..., 1] + EARTH_RATE * time)
-        attitude = turn @ attitude
-        place = -turn[..., 2] * (SPHERE_RADIUS + position[..., 2:])
-        velocity = np.einsum("cmij,cmj->cmi", turn, velocity) + earth_velocity(place)
-        position = place
+    attitude, velocity, position = _inertial(out, time, local)
     mark, believed = "[B-2]" if local else "[B-3]", " and ".join(dict.fromkeys(models))
     return InsRun(
         time_s=time,

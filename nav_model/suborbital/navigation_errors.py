@@ -48,6 +48,12 @@ class NavigationErrors:
         return replace(self, **{name: getattr(self, name)[which] for name in self.histories})
 
 
+def along_track(position_m: FloatArray, track_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Down-range and cross-range (c, m) of errors north, east, up (c, m, 3) on a track (m,)."""
+    north, east, c, s = position_m[..., 0], position_m[..., 1], np.cos(track_rad), np.sin(track_rad)
+    return north * c + east * s, -north * s + east * c
+
+
 def navigation_errors(flight: TrueFlight, run: InsRun) -> NavigationErrors:
     """Errors of a run against the true flight; the position error is the one star_tracker.md prints."""
     truth = flight.position_i[run.index]
@@ -55,8 +61,7 @@ def navigation_errors(flight: TrueFlight, run: InsRun) -> NavigationErrors:
     up = np.array([1.0, 1.0, -1.0])
     position = np.einsum("mji,cmj->cmi", turn, run.position_i - truth) * up
     velocity = np.einsum("mji,cmj->cmi", turn, run.velocity_i - flight.velocity_i[run.index]) * up
-    track = flight.track_rad[run.index]
-    north, east = position[..., 0], position[..., 1]
+    down_range, cross_range = along_track(position, flight.track_rad[run.index])
     true_attitude = flight.attitude_bi[run.index]
     transposed = np.swapaxes(true_attitude, -1, -2)
     est_nav = np.swapaxes(local_axes(run.position_i), -1, -2) @ run.attitude_bi
@@ -64,8 +69,8 @@ def navigation_errors(flight: TrueFlight, run: InsRun) -> NavigationErrors:
         time_s=run.time_s,
         position_m=position,
         velocity_m_s=velocity,
-        down_range_m=north * np.cos(track) + east * np.sin(track),
-        cross_range_m=-north * np.sin(track) + east * np.cos(track),
+        down_range_m=down_range,
+        cross_range_m=cross_range,
         attitude_inertial_rad=vector_from_matrix(run.attitude_bi @ transposed),
         attitude_navigation_rad=vector_from_matrix(est_nav @ transposed @ turn),
         source=run.source,

@@ -9,7 +9,6 @@ from nav_model.earth.rotation import FloatArray, matrix_from_vector
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
 from nav_model.suborbital.navigation_errors import navigation_errors
-from nav_model.suborbital.sensitivity import NoiseSpread
 from nav_model.suborbital.study import Study
 
 MOST_RUNS = 10_000
@@ -59,7 +58,6 @@ def noise_ensemble(
     aided: bool = False,
     star_covariance: FloatArray | None = None,
     progress: Callable[[float], None] | None = None,
-    cancel: Callable[[], bool] | None = None,
 ) -> FloatArray:
     """Position error histories (runs, m, 3), north, east, up, of an INS with white noise alone, by Monte
     Carlo.
@@ -67,13 +65,12 @@ def noise_ensemble(
     Each step holds one draw of density white_noise per axis. aided: with the study's star frames, each with a
     draw of star_covariance (n+1, 3, 3), body axes, rad² (None: a perfect camera). Compare with
     `Study.pure_noise` and `aided_noise`, its prediction. Raises ValueError for a number of runs that is not
-    allowed, Cancelled when `cancel()` turns true.
+    allowed.
     """
     require(1 <= runs <= MOST_RUNS, f"runs = {runs!r}: must be 1 to {MOST_RUNS}")
     flight, errors = study.flight, study.inputs.errors
     sigma = np.repeat([errors.accelerometers.white_noise, errors.gyros.white_noise], 3)
     generator = np.random.default_rng(seed)
-    every = round(study.inputs.output_interval_s / flight.step_s)
     true_attitude = np.ascontiguousarray(flight.attitude_bi)
     spread = None if star_covariance is None else _roots(star_covariance, study.used)
     nothing = np.zeros(study.parameters.shape[1])
@@ -88,14 +85,7 @@ def noise_ensemble(
                 attitude = attitude @ matrix_from_vector(drawn)
             frames = AttitudeFrames(study.used, attitude)
         run = mechanise(
-            flight,
-            nothing,
-            errors,
-            frames=(frames,),
-            noise=noise,
-            gravity=flight.gravity,
-            every=every,
-            cancel=cancel,
+            flight, nothing, errors, frames=(frames,), noise=noise, gravity=flight.gravity, every=study.every
         )
         out[member] = navigation_errors(flight, run).position_m[0]
         if progress is not None:
@@ -117,7 +107,6 @@ def fly_noise(
     star_covariance: FloatArray | None = None,
     *,
     progress: Callable[[float, str], None] | None = None,
-    cancel: Callable[[], bool] | None = None,
 ) -> NoiseEnsemble:
     """The ensemble without and with the star tracker, on the same draws of sensor noise where the camera is
     perfect; arguments and errors as `noise_ensemble`."""
@@ -130,20 +119,17 @@ def fly_noise(
             if progress is not None:
                 progress(0.5 * (half + share), f"white noise, {what}")
 
-        errors = noise_ensemble(
-            study, runs, seed, aided=aided, star_covariance=star_covariance, progress=say, cancel=cancel
-        )
+        errors = noise_ensemble(study, runs, seed, aided=aided, star_covariance=star_covariance, progress=say)
         rms.append(np.sqrt(np.mean(errors**2, axis=0)))
     low, high = np.sqrt(chi2.ppf([0.5 * (1 - LEVEL), 0.5 * (1 + LEVEL)], runs) / runs)
-    spreads: tuple[NoiseSpread, NoiseSpread] = (study.pure_noise, study.aided_noise)
     return NoiseEnsemble(
         runs=runs,
         seed=seed,
         time_s=study.pure.time_s,
         pure_rms_m=rms[0],
         aided_rms_m=rms[1],
-        pure_sigma_m=spreads[0].position_sigma_m,
-        aided_sigma_m=spreads[1].position_sigma_m,
+        pure_sigma_m=study.pure_noise.position_sigma_m,
+        aided_sigma_m=study.aided_noise.position_sigma_m,
         low=float(low),
         high=float(high),
     )

@@ -7,7 +7,8 @@ errors of [B-1] are linear in their 61 numbers, so the error history is S p. Wit
 anew at each frame from the camera's own error: body-fixed misalignment C m and latency -C omega tau.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,8 +47,6 @@ class Sensitivity:
     position: FloatArray = field(repr=False)
     velocity: FloatArray = field(repr=False)
     attitude: FloatArray = field(repr=False)
-    aided: bool
-    source: str = "linear error equations [B-4], one batch run"
 
     def position_m(self, parameters: FloatArray) -> FloatArray:
         """Position errors (cases, m, 3), m, of parameter vectors (cases, 61) or (61,): the product S p."""
@@ -68,7 +67,6 @@ class NoiseSpread:
     position_sigma_m: FloatArray
     attitude_sigma_rad: FloatArray
     covariance: FloatArray = field(repr=False)
-    source: str = "covariance of the linear error equations [B-4] under white noise [B-1]"
 
 
 @part
@@ -179,7 +177,7 @@ def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = 
     spherical one.
     """
     n = flight.steps
-    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+    flight.require_spacing(every)
     taken = np.zeros(n + 1, dtype=np.bool_) if used is None else np.ascontiguousarray(used, dtype=np.bool_)
     require(taken.shape == (n + 1,), f"used has shape {taken.shape}: must be ({n + 1},)")
     launch = local_axes(flight.position_i[0])
@@ -207,7 +205,6 @@ def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = 
         position=to_local @ out[:, 6:],
         velocity=to_local @ out[:, 3:6],
         attitude=out[:, :3].copy(),
-        aided=used is not None,
     )
 
 
@@ -220,19 +217,21 @@ def _gradient(position: FloatArray) -> FloatArray:
 
 def white_noise_spread(
     flight: TrueFlight,
-    errors: ErrorSet,
+    accelerometer: float,
+    gyro: float,
     used: np.ndarray | None = None,
     frame_covariance: FloatArray | None = None,
     every: int = 10,
 ) -> NoiseSpread:
     """Standard deviation from white noise alone, against time [B-4].
 
-    used (n+1,) marks star frames; frame_covariance (n+1, 3, 3) or (3, 3) is the covariance of the camera's
+    accelerometer, gyro: root spectral densities, as `SensorErrors.white_noise`; used (n+1,) marks star frames;
+    frame_covariance (n+1, 3, 3) or (3, 3) is the covariance of the camera's
     attitude error in body axes, rad² (None: a perfect camera). Each step is one transition with the
     noise added at its end, which is exact to the step over the flight time.
     """
     n, h = flight.steps, flight.step_s
-    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+    flight.require_spacing(every)
     half = flight.half_attitude_bi
     middle = half[1::2]
     force = np.einsum("tij,tj->ti", middle, flight.specific_force_b[:, 1])
@@ -247,8 +246,8 @@ def white_noise_spread(
         _gradient(_half_path(flight)[1::2]),
         taken,
         np.ascontiguousarray(star),
-        errors.gyros.white_noise**2,
-        errors.accelerometers.white_noise**2,
+        gyro**2,
+        accelerometer**2,
         h,
         every,
         out,
@@ -283,30 +282,20 @@ class NoiseParts:
         def root(name: str) -> FloatArray:
             return np.sqrt(sum((a * a * getattr(part, name) ** 2 for a, part in parts), np.zeros(1)))
 
-        first = self.accelerometer
         return NoiseSpread(
-            time_s=first.time_s,
+            time_s=self.accelerometer.time_s,
             position_sigma_m=root("position_sigma_m"),
             attitude_sigma_rad=root("attitude_sigma_rad"),
             covariance=sum((a * a * part.covariance for a, part in parts), np.zeros(1)),
-            source=first.source,
         )
 
 
 def noise_parts(
-    flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None, frame_covariance: FloatArray | None, every: int
+    flight: TrueFlight, used: np.ndarray | None, frame_covariance: FloatArray | None, every: int
 ) -> NoiseParts:
-    """White noise in parts; arguments as `white_noise_spread`, and the densities of `errors` play no part."""
-
-    def unit(accelerometer: float, gyro: float, frame: FloatArray | None = None) -> NoiseSpread:
-        noisy = replace(
-            errors,
-            accelerometers=replace(errors.accelerometers, white_noise=accelerometer),
-            gyros=replace(errors.gyros, white_noise=gyro),
-        )
-        return white_noise_spread(flight, noisy, used, frame, every)
-
-    star = None if frame_covariance is None else unit(0.0, 0.0, frame_covariance)
+    """White noise in parts; arguments as `white_noise_spread`."""
+    unit = partial(white_noise_spread, flight, used=used, every=every)
+    star = None if frame_covariance is None else unit(0.0, 0.0, frame_covariance=frame_covariance)
     return NoiseParts(unit(1.0, 0.0), unit(0.0, 1.0), star)
 
 

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from nav_model.earth.rotation import FloatArray
-from nav_model.suborbital.checks import require
-from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.errors import ErrorSet, require_parameters
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import ACCELEROMETERS, GYROS, MATRIX, SLOW_BIAS, SLOW_MATRIX
 from nav_model.suborbital.mechanisation import oscillations
@@ -30,9 +29,9 @@ def sensor_history(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet,
     At burn-out the specific force is that of the step which begins there. Raises ValueError for a wrong
     shape or spacing.
     """
-    p, n = np.atleast_2d(parameters), flight.steps
-    require(p.shape[1] == len(PARAMETERS), f"parameters has shape {p.shape}: must be (cases, {len(PARAMETERS)})")
-    require(every >= 1 and n % every == 0, f"every = {every!r}: must divide the flight's {n} steps")
+    p = np.atleast_2d(parameters)
+    require_parameters(p)
+    flight.require_spacing(every)
 
     def at_steps(nodes: FloatArray) -> FloatArray:
         return np.concatenate([nodes[:, 0], nodes[-1:, 2]])[::every]

@@ -65,39 +65,13 @@ class Settings:
     def study_inputs(self) -> SuborbitalInputs:
         """The inputs of `run_study`. Misfit for values that do not fit together."""
         return SuborbitalInputs(
-            flight=FlightParameters(
-                latitude_rad=self["flight.latitude"],
-                longitude_rad=self["flight.longitude"],
-                azimuth_rad=self["flight.azimuth"],
-                initial_thrust_m_s2=self["flight.initial_thrust"],
-                final_thrust_m_s2=self["flight.final_thrust"],
-                burn_time_s=self["flight.burn_time"],
-                pitch_program_start_s=self["flight.pitch_start"],
-                pitch_program_end_s=self["flight.pitch_end"],
-                initial_pitch_rad=self["flight.initial_pitch"],
-                burnout_pitch_rad=self["flight.burnout_pitch"],
-                coast_pitch_down_rad_s=self["flight.coast_pitch_rate"],
-                coast_ramp_s=self["flight.coast_ramp"],
-                yaw_amplitude_rad=self["flight.yaw_amplitude"],
-                yaw_period_s=self["flight.yaw_period"],
-                roll_amplitude_rad=self["flight.roll_amplitude"],
-                roll_period_s=self["flight.roll_period"],
-                duration_s=self["flight.duration"],
-                step_s=self["flight.step"],
-                gravity=self["flight.gravity"],
-            ),
+            flight=FlightParameters(**{name: self[key] for name, key in _FLIGHT.items()}),
             errors=ErrorSet(
                 self._sensor("accelerometers"),
                 self._sensor("gyros"),
                 InitialErrors(self["initial.position"], self["initial.velocity"], self["initial.attitude"]),
             ),
-            aiding=Aiding(
-                from_height_m=self["tracker.from_height"],
-                frame_interval_s=self["tracker.frame_interval"],
-                latency_s=self["tracker.latency"],
-                misalignment_rad=self["tracker.misalignment"],
-                dropouts_s=self["tracker.dropouts"],
-            ),
+            aiding=Aiding(**{name: self[key] for name, key in _AIDING.items()}),
             ins_gravity=self["ins.gravity"],
         )
 
@@ -145,23 +119,45 @@ class Settings:
         return real if self["sky.stars"] == "Hipparcos" else synthetic_sky(len(real), seed, limit)
 
 
-_MODEL_NAMES = {
+_FLIGHT = {
+    "latitude_rad": "flight.latitude",
+    "longitude_rad": "flight.longitude",
+    "azimuth_rad": "flight.azimuth",
+    "initial_thrust_m_s2": "flight.initial_thrust",
+    "final_thrust_m_s2": "flight.final_thrust",
     "pitch_program_start_s": "flight.pitch_start",
     "pitch_program_end_s": "flight.pitch_end",
     "burn_time_s": "flight.burn_time",
     "duration_s": "flight.duration",
     "step_s": "flight.step",
+    "initial_pitch_rad": "flight.initial_pitch",
+    "burnout_pitch_rad": "flight.burnout_pitch",
+    "coast_pitch_down_rad_s": "flight.coast_pitch_rate",
+    "coast_ramp_s": "flight.coast_ramp",
+    "yaw_amplitude_rad": "flight.yaw_amplitude",
+    "yaw_period_s": "flight.yaw_period",
+    "roll_amplitude_rad": "flight.roll_amplitude",
+    "roll_period_s": "flight.roll_period",
+    "gravity": "flight.gravity",
+}
+_AIDING = {
+    "from_height_m": "tracker.from_height",
     "frame_interval_s": "tracker.frame_interval",
+    "latency_s": "tracker.latency",
+    "misalignment_rad": "tracker.misalignment",
+    "dropouts_s": "tracker.dropouts",
+}
+_CAMERA = {
     "focal_length_m": "camera.focal_length",
     "brightest": "camera.brightest",
     "least_stars": "camera.least_stars",
 }
-"""What the model calls the inputs that must fit together."""
+"""What the model calls its inputs; where several must fit together, the first one named is blamed."""
 
 
 def _blamed(fields: tuple[str, ...], changes: Mapping[str, Value]) -> str:
     """The input to name in an error: one that the model rejects and that was changed, else the only one changed."""
-    named = [key for name, key in _MODEL_NAMES.items() if name in fields]
+    named = [key for name, key in (_FLIGHT | _AIDING | _CAMERA).items() if name in fields]
     blamed = [key for key in named if key in changes]
     return (blamed or (list(changes) if len(changes) == 1 else named) or [*changes, "study"])[0]
 

@@ -16,8 +16,11 @@ from nav_model.suborbital.aiding import attitude_at
 from nav_model.suborbital.attitude import COLLINEAR, METHODS, attitude_error, information, nees, solvable
 from nav_model.suborbital.checks import require, require_finite
 from nav_model.suborbital.flight import TrueFlight
-from nav_model.suborbital.mechanisation import AttitudeFrames, Cancelled
+from nav_model.suborbital.mechanisation import AttitudeFrames
 from nav_model.suborbital.sky import Sky
+
+_CHUNK = 500
+"""Frames solved together, between two reports of progress."""
 
 CAMERA_TO_BODY = np.diag([1.0, -1.0, -1.0])
 """Rotation from camera to body axes: the boresight is -z of the body."""
@@ -151,9 +154,9 @@ def gate(
 
 @dataclass(frozen=True)
 class StarFrame:
-    """One image: catalogue numbers, magnitudes, pixel positions (true and measured), the attitude they give.
+    """One image: catalogue numbers, magnitudes, pixel positions (true and measured), the error of their attitude.
 
-    estimate_bi, error_rad and sigma_rad (body axes) are None when the frame is gated; reason then says why.
+    error_rad and sigma_rad (body axes) are None when the frame is gated; reason then says why.
     """
 
     time_s: float
@@ -168,17 +171,9 @@ class StarFrame:
     boresight_dec_rad: float
     used: bool
     reason: str
-    estimate_bi: FloatArray | None
     error_rad: FloatArray | None
     sigma_rad: FloatArray | None
     source: str
-
-
-def star_frame(
-    flight: TrueFlight, camera: StarCamera, sky: Sky, time_s: float, seed: int = 1, method: str = "SVD"
-) -> StarFrame:
-    """The star image at any time of the flight. ValueError for a time outside it or an unknown method."""
-    return star_frames(flight, camera, sky, np.array([time_s]), seed, method)[0]
 
 
 def star_frames(
@@ -222,7 +217,6 @@ def star_frames(
             boresight_dec_rad=float(np.arcsin(np.clip(boresight[2], -1.0, 1.0))),
             used=bool(used[k]),
             reason=str(reason[k]),
-            estimate_bi=answer.rotation[solved[k]].T if used[k] else None,
             error_rad=error[solved[k]] if used[k] else None,
             sigma_rad=sigma[solved[k]] if used[k] else None,
             source=f"{sky.source}; camera [B-8], {method} [B-9], seed {seed + k}",
@@ -254,17 +248,15 @@ def track_stars(
     flight: TrueFlight,
     camera: StarCamera,
     sky: Sky,
-    *,
     method: str = "SVD",
     seed: int = 1,
+    *,
     progress: Callable[[float], None] | None = None,
-    cancel: Callable[[], bool] | None = None,
-    chunk: int = 500,
 ) -> StarTrack:
     """Image, identify and solve every step of a flight (15000 frames on the reference flight), in chunks.
 
-    progress takes the share done after each chunk; Cancelled is raised when cancel() turns true. ValueError
-    for an unknown method. A frame refused by the gate leaves the gyro attitude in force.
+    progress takes the share done after each chunk. A frame refused by the gate leaves the gyro attitude in force.
+    ValueError for an unknown method.
     """
     require(method in METHODS, f"method = {method!r}: must be one of {', '.join(METHODS)}")
     require(
@@ -278,10 +270,8 @@ def track_stars(
     estimate = np.ascontiguousarray(truth)
     error, covariance = np.full((total, 3), np.nan), np.zeros((total, 3, 3))
     roll, stars = np.empty(total), np.empty(total, dtype=np.int64)
-    for start in range(0, total, chunk):
-        if cancel is not None and cancel():
-            raise Cancelled(f"stopped after {start} of {total} star frames")
-        part = slice(start, min(start + chunk, total))
+    for start in range(0, total, _CHUNK):
+        part = slice(start, min(start + _CHUNK, total))
         attitude = truth[part]
         chosen, stars[part] = select_stars(camera, sky, attitude)
         body, reference, weight = measure(camera, sky, attitude, chosen, generator)

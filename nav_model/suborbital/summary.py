@@ -5,7 +5,7 @@ import numpy as np
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.channels import height_e_folding_time
 from nav_model.suborbital.errors import CLASSES
-from nav_model.suborbital.study import GRAVITY_ROW, Study, table
+from nav_model.suborbital.study import GRAVITY_ROW, Study
 
 PAPER_FINAL_M: dict[str, dict[str, tuple[float, float]]] = {
     "accelerometer bias": {"height": (20000, 20000), "y": (8000, 8000), "x": (10500, 10500)},
@@ -40,17 +40,15 @@ def _metres(value: float) -> str:
 def final_total(study: Study) -> tuple[FloatArray, FloatArray]:
     """Final position error of the INS alone and with the tracker, (3,) m each, root of the squares of the sum of the
     signed errors and of white noise."""
-    k = study.names.index("all")
-    pure = np.hypot(study.pure.position_m[k, -1], study.pure_noise.position_sigma_m[-1])
-    aided = np.hypot(study.aided.position_m[k, -1], study.aided_noise.position_sigma_m[-1])
-    return pure, aided
+    pure, aided = study.final_m("all")
+    noise, aided_noise = study.pure_noise.position_sigma_m[-1], study.aided_noise.position_sigma_m[-1]
+    return np.hypot(pure, noise), np.hypot(aided, aided_noise)
 
 
 def explain(study: Study) -> str:
     """What the tracker did and did not repair, in words made from the numbers of the study."""
     flight, end = study.flight, study.flight.time_s[-1]
-    pure = {n: study.pure.position_m[k, -1] for k, n in enumerate(study.names)}
-    aided = {n: study.aided.position_m[k, -1] for k, n in enumerate(study.names)}
+    pure, aided = ({name: study.final_m(name)[which] for name in study.names} for which in (0, 1))
     whole, left_over = final_total(study)
     before, after = _size(whole), _size(left_over)
     if not np.any(study.used):
@@ -82,8 +80,7 @@ def explain(study: Study) -> str:
     if flight.burnout_s is not None and first > flight.step_s:
         if first >= flight.burnout_s:
             parts.append(
-                f"Its first frame comes at {first:.0f} s, after burn-out at {flight.burnout_s:.0f} s: "
-                "without thrust "
+                f"Its first frame comes at {first:.0f} s, after burn-out at {flight.burnout_s:.0f} s: without thrust "
                 "attitude does not matter, so it is too late to help."
             )
         else:
@@ -99,14 +96,9 @@ def explain(study: Study) -> str:
         for name in ("accelerometer total", "initial position and velocity")
         if _size(aided[name]) >= 1.0
     ]
-    mismatch = study.inputs.ins_gravity != flight.gravity
-    if mismatch:
-        stays.append(
-            (
-                f"{GRAVITY_ROW} ({flight.gravity} truth, {study.inputs.ins_gravity} INS)",
-                _size(aided[GRAVITY_ROW]),
-            )
-        )
+    believed = study.inputs.ins_gravity
+    if believed != flight.gravity:
+        stays.append((f"{GRAVITY_ROW} ({flight.gravity} truth, {believed} INS)", _size(aided[GRAVITY_ROW])))
     if stays:
         parts.append(
             "It cannot reduce errors that do not come through attitude: "
@@ -121,31 +113,25 @@ def explain(study: Study) -> str:
 
 
 def _channels(values: FloatArray) -> dict[str, float]:
-    return {"north": float(values[0]), "east": float(values[1]), "up": float(values[2])}
+    return dict(zip(("north", "east", "up"), map(float, values), strict=True))
 
 
 def to_json(study: Study) -> dict[str, object]:
     """The contract's JSON of `navbudget suborbital`: final errors by class in metres, pure and aided; with
     the single sources, the gravity row, white noise, the flight and where each number came from beside
     them."""
-    rows = {row.name: row for row in table(study)}
     flight = study.flight
     apogee_time, apogee_height = flight.apogee
-    other = [name for name in study.names if name not in CLASSES]
+
+    def both(pure: FloatArray, aided: FloatArray) -> dict[str, dict[str, float]]:
+        return {"final_m": _channels(pure), "aided_final_m": _channels(aided)}
+
+    rows = {name: both(*study.final_m(name)) for name in study.names}
     return {
-        "final_m": {name: _channels(np.array(rows[name].pure_m)) for name in CLASSES},
-        "aided_final_m": {name: _channels(np.array(rows[name].aided_m)) for name in CLASSES},
-        "sources": {
-            name: {
-                "final_m": _channels(np.array(rows[name].pure_m)),
-                "aided_final_m": _channels(np.array(rows[name].aided_m)),
-            }
-            for name in other
-        },
-        "white_noise_sigma_m": {
-            "final_m": _channels(study.pure_noise.position_sigma_m[-1]),
-            "aided_final_m": _channels(study.aided_noise.position_sigma_m[-1]),
-        },
+        "final_m": {name: rows[name]["final_m"] for name in CLASSES},
+        "aided_final_m": {name: rows[name]["aided_final_m"] for name in CLASSES},
+        "sources": {name: row for name, row in rows.items() if name not in CLASSES},
+        "white_noise_sigma_m": both(study.pure_noise.position_sigma_m[-1], study.aided_noise.position_sigma_m[-1]),
         "flight": {
             "name": flight.name,
             "duration_s": float(flight.time_s[-1]),
@@ -155,5 +141,5 @@ def to_json(study: Study) -> dict[str, object]:
             "source": flight.source,
         },
         "summary": explain(study),
-        "provenance": {name: rows[name].source for name in study.names},
+        "provenance": dict(zip(study.names, study.marks, strict=True)),
     }

@@ -33,8 +33,9 @@ from app.work.alone import RunLost
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
-from nav_model.suborbital.study import Gap, Study, position_gap
-from nav_model.suborbital.survey import Renewed, Survey, moved, needs_other_matrices, needs_run, renewed
+from nav_model.suborbital.moving import moved, needs_other_matrices, renewed
+from nav_model.suborbital.study import Gap, LinearParts, Study, position_gap
+from nav_model.suborbital.survey import Survey, needs_run
 from nav_model.suborbital.survey_json import gap_json, noise_json, survey_json
 
 _SETTLE_SECONDS = 0.6  # a slider that needs a new run has come to rest after this long
@@ -98,21 +99,22 @@ class SuborbitalPage(pn.viewable.Viewer):
             self.run()
         elif needs_run(survey, settings) or self.inputs.trajectory != self._flown:
             self.run(_SETTLE_SECONDS)
-        elif needs_other_matrices(survey, settings):
+        elif needs_other_matrices(survey.study, settings.study_inputs()):
             self.renewal.start(lambda _: self._renew(survey))
         else:
             self._show_moved(survey, None)
 
-    def _show_moved(self, survey: Survey, renewal: Renewed | None) -> None:
+    def _show_moved(self, survey: Survey, renewal: LinearParts | None) -> None:
         settings = self.inputs.settings
         same = dict(settings.values) == dict(survey.settings.values)
         self._gap = self._gap if same else None
-        self._put_on_screen(survey, survey.study if same else moved(survey, settings, renewal))
+        exact = survey.study
+        self._put_on_screen(survey, exact if same else moved(exact, settings.study_inputs(), renewal))
 
     async def _renew(self, survey: Survey) -> None:
         """Matrices for other frames or periods; those of settings that are no longer in force are dropped."""
         settings = self.inputs.settings
-        renewal = await elsewhere(renewed, survey.study, settings)
+        renewal = await elsewhere(renewed, survey.study, settings.study_inputs())
         if survey is self.survey and settings is self.inputs.settings:
             with pn.io.hold():
                 self._show_moved(survey, renewal)

@@ -7,12 +7,13 @@ import csv
 import io
 from dataclasses import dataclass
 
+import numpy as np
+
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import DIGITS, NONE, number, percent
 from app.subjects.suborbital.charts.shown import CHANNELS, SUM, Shown, called
 from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.star_camera import StarFrame
-from nav_model.suborbital.study import Row, table
 from nav_model.suborbital.summary import PAPER_FINAL_M
 
 Entry = str | float | None
@@ -98,23 +99,23 @@ def _paper(name: str) -> tuple[Entry, ...]:
 
 def paper_tables(shown: Shown) -> tuple[NumberTable, ...]:
     """The paper's four tables for these sensors: final errors, m, the paper's readings beside them."""
-    rows = {row.name: row for row in table(shown.study)}
+    final = shown.study.final_m
     how = f"Final errors at {shown.study.flight.time_s[-1]:.0f} s. {shown.how}. {PAPER_NOTE}"
     tables = [
         NumberTable(
             key,
             title,
             ("source", *_heads("INS", "tracker"), *_PAPER_HEADS),
-            tuple((name, *rows[name].pure_m, *rows[name].aided_m, *_paper(name)) for name in names),
+            tuple((name, *map(float, np.concatenate(final(name))), *_paper(name)) for name in names),
             how,
         )
         for key, title, names in _PAPER_GROUPS
     ]
-    every = rows["all"]
+    pure, aided = final("all")
     lines: tuple[tuple[Entry, ...], ...] = (
-        ("INS alone", *every.pure_m, None, None, None),
-        ("INS with star tracker", *every.aided_m, None, None, None),
-        ("improvement in size", *every.improvement_m, *_paper("improvement by the star tracker")),
+        ("INS alone", *map(float, pure), None, None, None),
+        ("INS with star tracker", *map(float, aided), None, None, None),
+        ("improvement in size", *map(float, abs(pure) - abs(aided)), *_paper("improvement by the star tracker")),
     )
     heads = (SUM, *(f"{channel} [m]" for channel in CHANNELS), *_PAPER_HEADS)
     return (*tables, NumberTable("tracker", "INS against star tracker", heads, lines, how))
@@ -123,11 +124,11 @@ def paper_tables(shown: Shown) -> tuple[NumberTable, ...]:
 def source_table(shown: Shown) -> NumberTable:
     """Every case: single sources, classes, tracker and gravity, with down-range and cross-range."""
 
-    def line(row: Row) -> tuple[Entry, ...]:
-        return (
-            called(row.name), *row.pure_m, row.pure_down_range_m, row.pure_cross_range_m,
-            *row.aided_m, row.aided_down_range_m, row.aided_cross_range_m,
-        )  # fmt: skip
+    def line(k: int) -> tuple[Entry, ...]:
+        ends = (
+            (*e.position_m[k, -1], e.down_range_m[k, -1], e.cross_range_m[k, -1]) for e in (study.pure, study.aided)
+        )
+        return (called(study.names[k]), *(float(value) for end in ends for value in end))
 
     names = (*CHANNELS, "down-range", "cross-range")
     study = shown.study
@@ -140,7 +141,7 @@ def source_table(shown: Shown) -> NumberTable:
         "sources",
         "Every error source, one at a time and by class",
         ("source", *(f"INS {n} [m]" for n in names), *(f"tracker {n} [m]" for n in names)),
-        (*(line(row) for row in table(study)), noise),
+        (*map(line, range(len(study.names))), noise),
         f"{shown.how}. Gravity row: {gravity}. White noise: covariance of [B-4].",
     )
 

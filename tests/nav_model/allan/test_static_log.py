@@ -15,7 +15,7 @@ from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import read_log
 from nav_model.allan.noise_terms import TERMS
 from nav_model.allan.result import fitted_lines, to_json, triad_random_walk
-from nav_model.allan.static_log import AnalysisCancelled, analyse_log
+from nav_model.allan.static_log import analyse_log
 
 pytestmark = pytest.mark.long
 
@@ -261,17 +261,6 @@ def test_samples_held_by_a_logger_are_still_noise():
     assert walk.low <= 1e-3 * np.sqrt(2 / 100.0) <= walk.high
     coarse = analyse_log(ImuLog(np.repeat(white(100), 200, axis=0), None, 100.0)).axes[0]
     assert not any("repeats itself" in warning for warning in coarse.warnings)
-
-
-def test_cancel_stops_between_axes():
-    asked = []
-
-    def cancelled() -> bool:
-        asked.append(None)
-        return len(asked) > 1
-
-    with pytest.raises(AnalysisCancelled, match="gyro_y"):
-        analyse_log(ImuLog(white(), None, 100.0), cancelled=cancelled)
 
 
 def test_short_and_empty_logs_are_refused():

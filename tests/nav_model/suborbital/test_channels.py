@@ -5,15 +5,16 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from nav_model.suborbital.channels import (
+    channel_error,
     closed_form_errors,
     height_e_folding_time,
     height_growth,
-    horizontal_error,
     schuler_rate,
-    vertical_error,
 )
 
 HEIGHT, END = 500e3, 1500.0
+RATE = float(schuler_rate(HEIGHT))
+VERTICAL = 1j * np.sqrt(2.0)  # times the rate of the horizontal channels
 
 
 def test_e_folding_times():
@@ -33,23 +34,13 @@ def test_e_folding_times():
 )
 def test_printed_check_values(forcing, horizontal, vertical):
     """star_tracker.md, 500 km and 1500 s, 1e-4 relative."""
-    assert horizontal_error(END, HEIGHT, **forcing) == pytest.approx(horizontal, rel=1e-4)
-    assert vertical_error(END, HEIGHT, **forcing) == pytest.approx(vertical, rel=1e-4)
+    assert channel_error(RATE, END, **forcing) == pytest.approx(horizontal, rel=1e-4)
+    assert channel_error(VERTICAL * RATE, END, **forcing) == pytest.approx(vertical, rel=1e-4)
 
 
-@pytest.mark.parametrize("stiffness", ["horizontal", "vertical"])
-def test_closed_forms_solve_the_channel_equation(stiffness, compared):
+@pytest.mark.parametrize(("rate", "spring"), [(RATE, RATE**2), (VERTICAL * RATE, -2.0 * RATE**2)])
+def test_closed_forms_solve_the_channel_equation(rate, spring, compared):
     """All forcings together against an ODE solver."""
-    w = float(schuler_rate(HEIGHT))
-    spring = w**2 if stiffness == "horizontal" else -2.0 * w**2
-    given_forcing = {
-        "bias": 2e-3,
-        "tilt_rate": 3e-5,
-        "position": 40.0,
-        "velocity": -0.3,
-        "amplitude": 5e-3,
-        "frequency": 0.011,
-    }
 
     def slope(t, y):
         force = 2e-3 + 3e-5 * t + 5e-3 * np.sin(0.011 * t)
@@ -57,8 +48,9 @@ def test_closed_forms_solve_the_channel_equation(stiffness, compared):
 
     answer = solve_ivp(slope, (0.0, END), [40.0, -0.3], rtol=1e-11, atol=1e-9, dense_output=True)
     t = np.linspace(0.0, END, 31)
-    form = horizontal_error if stiffness == "horizontal" else vertical_error
-    found, solved = form(t, HEIGHT, **given_forcing), answer.sol(t)[0]
+    forcing = {"bias": 2e-3, "tilt_rate": 3e-5, "amplitude": 5e-3, "frequency": 0.011}
+    found = channel_error(rate, t, position=40.0, velocity=-0.3, **forcing)
+    solved = answer.sol(t)[0]
     np.testing.assert_allclose(found, solved, rtol=1e-6, atol=1e-4)
     compared(
         "Decoupled channels by formula",
@@ -72,20 +64,18 @@ def test_closed_forms_solve_the_channel_equation(stiffness, compared):
 
 
 def test_resonant_forcing_is_the_limit():
-    w = float(schuler_rate(HEIGHT))
-    at = horizontal_error(END, HEIGHT, amplitude=1e-3, frequency=w)
-    near = horizontal_error(END, HEIGHT, amplitude=1e-3, frequency=w * (1.0 + 1e-5))
+    at, near = (channel_error(RATE, END, amplitude=1e-3, frequency=RATE * factor) for factor in (1.0, 1.0 + 1e-5))
     assert at == pytest.approx(near, rel=1e-4)
 
 
 @settings(max_examples=50)
 @given(a=st.floats(-1e-2, 1e-2), b=st.floats(-1e2, 1e2), t=st.floats(0.0, 3000.0), h=st.floats(0.0, 1e6))
 def test_channels_are_linear_and_start_at_the_initial_error(a, b, t, h):
-    for form in (horizontal_error, vertical_error):
-        together = form(t, h, bias=a, position=b)
-        apart = form(t, h, bias=a) + form(t, h, position=b)
+    for rate in (schuler_rate(h), VERTICAL * schuler_rate(h)):
+        together = channel_error(rate, t, bias=a, position=b)
+        apart = channel_error(rate, t, bias=a) + channel_error(rate, t, position=b)
         assert together == pytest.approx(apart, rel=1e-9, abs=1e-9)
-        assert form(0.0, h, bias=a, position=b) == pytest.approx(b, abs=1e-12)
+        assert channel_error(rate, 0.0, bias=a, position=b) == pytest.approx(b, abs=1e-12)
 
 
 def test_decoupled_channels_fail_on_the_long_arc(study, differs):

@@ -16,7 +16,7 @@ from nav_model.suborbital.errors import (
     scale_and_misalignment,
 )
 from nav_model.suborbital.flight import FlightParameters, reference_flight
-from nav_model.suborbital.mechanisation import AttitudeFrames, Cancelled, mechanise
+from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
 
 # star_tracker.md, GP-1: final errors north, east, up, m.
 PRINTED = {
@@ -205,8 +205,6 @@ def test_refusals(flight):
         mechanise(flight, p, errors, frames=(None, None))
     with pytest.raises(ValueError, match="noise"):
         mechanise(flight, p, errors, noise=np.zeros((1, 3, 6)))
-    with pytest.raises(Cancelled):
-        mechanise(flight, p, errors, cancel=lambda: True)
     with pytest.raises(ValueError, match="bias_period_s"):
         SensorErrors(bias_period_s=0.0)
     with pytest.raises(ValueError, match="white_noise"):

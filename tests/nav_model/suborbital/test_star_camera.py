@@ -6,7 +6,6 @@ from scipy.spatial.transform import Rotation
 
 from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.attitude import METHODS
-from nav_model.suborbital.mechanisation import Cancelled
 from nav_model.suborbital.sky import Sky, hipparcos_sky, synthetic_sky
 from nav_model.suborbital.star_camera import (
     CAMERA_TO_BODY,
@@ -15,7 +14,7 @@ from nav_model.suborbital.star_camera import (
     gate,
     project,
     select_stars,
-    star_frame,
+    star_frames,
     track_stars,
 )
 
@@ -82,7 +81,7 @@ def test_boresight_falls_on_the_centre_and_the_corner_on_the_edge():
 
 @pytest.mark.parametrize("time", [100.0, 500.0, 1000.0, 333.333])
 def test_star_frame(flight, sky, time):
-    frame = star_frame(flight, StarCamera(), sky, time)
+    (frame,) = star_frames(flight, StarCamera(), sky, np.array([time]))
     assert frame.used
     assert 3 <= len(frame.identifier) <= 10 <= max(10, frame.stars_in_field)
     assert np.all((frame.pixel_x > -0.5) & (frame.pixel_x < 1023.5))
@@ -94,12 +93,12 @@ def test_star_frame(flight, sky, time):
 
 def test_poor_geometry_is_gated_with_its_reason(flight, sky):
     starless = hipparcos_sky(2.0)
-    frame = star_frame(flight, StarCamera(), starless, 500.0)
+    (frame,) = star_frames(flight, StarCamera(), starless, np.array([500.0]))
     assert not frame.used
     assert "fewer than 3 stars" in frame.reason
-    assert frame.estimate_bi is None
+    assert frame.error_rad is None
     strict = replace(StarCamera(), roll_limit_rad=5.0 * ARCSECOND)
-    frame = star_frame(flight, strict, sky, 500.0)
+    (frame,) = star_frames(flight, strict, sky, np.array([500.0]))
     assert not frame.used
     assert "rotation about the boresight" in frame.reason
     line = np.zeros((1, 3, 3))
@@ -149,12 +148,6 @@ def test_gated_frames_leave_the_gyros_in_force(flight):
     assert np.isfinite(track.error_rad[track.frames.used]).all()
 
 
-def test_tracking_can_be_cancelled(flight, sky):
-    calls = iter([False, False, True])
-    with pytest.raises(Cancelled, match="1000 of 15001"):
-        track_stars(flight, StarCamera(), sky, cancel=lambda: next(calls))
-
-
 def test_synthetic_sky_is_seeded_and_even():
     one, two, other = synthetic_sky(20000, 5), synthetic_sky(20000, 5), synthetic_sky(20000, 6)
     np.testing.assert_array_equal(one.direction, two.direction)
@@ -171,7 +164,7 @@ def test_refusals(flight, sky):
     with pytest.raises(ValueError, match="count"):
         synthetic_sky(0)
     with pytest.raises(ValueError, match="time_s"):
-        star_frame(flight, StarCamera(), sky, 1500.1)
+        star_frames(flight, StarCamera(), sky, np.array([1500.1]))
     with pytest.raises(ValueError, match="method"):
         track_stars(flight, StarCamera(), sky, method="guess")
     with pytest.raises(ValueError, match="least_stars"):

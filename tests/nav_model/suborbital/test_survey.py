@@ -8,10 +8,10 @@ from flight_files import format_flight
 
 from nav_model.base.errors import InputError
 from nav_model.suborbital.flight_file import parse_flight
-from nav_model.suborbital.mechanisation import Cancelled
+from nav_model.suborbital.moving import moved, needs_other_matrices, renewed
 from nav_model.suborbital.settings import DEFAULTS, read_changes
 from nav_model.suborbital.study import position_gap
-from nav_model.suborbital.survey import moved, needs_other_matrices, needs_run, renewed, run_survey
+from nav_model.suborbital.survey import needs_run, run_survey
 from nav_model.suborbital.survey_json import command, survey_json
 
 pytestmark = pytest.mark.long
@@ -46,8 +46,8 @@ def test_sliders_of_sensor_and_initial_errors(survey):
         "test",
     )  # fmt: skip
     assert not needs_run(survey, settings)
-    assert not needs_other_matrices(survey, settings)
-    shown, exact = moved(survey, settings), run_survey(settings).study
+    assert not needs_other_matrices(survey.study, settings.study_inputs())
+    shown, exact = moved(survey.study, settings.study_inputs()), run_survey(settings).study
     compare(shown, exact, 0.02)
     gap = position_gap(shown.pure.position_m, shown.aided.position_m, exact)
     assert gap.pure_share[gap.names.index("all")] < 0.02
@@ -61,20 +61,16 @@ def test_frames_at_other_instants_and_other_periods_need_other_matrices(survey):
         {"tracker.from_height": "80 km", "tracker.dropouts": "150-160 s", "gyros.bias_period": "500 s"},
         "test",
     )
-    assert needs_other_matrices(survey, settings)
+    assert needs_other_matrices(survey.study, settings.study_inputs())
     assert not needs_run(survey, settings)
-    shown = moved(survey, settings, renewed(survey.study, settings))
+    inputs = settings.study_inputs()
+    shown = moved(survey.study, inputs, renewed(survey.study, inputs))
     compare(shown, run_survey(settings).study, 0.02)
 
 
 def test_flight_camera_and_gravity_need_a_run(survey):
     for key, text in (("flight.burnout_pitch", "25°"), ("camera.centroid_noise", "20 arcsec"), ("ins.gravity", "j2")):
         assert needs_run(survey, read_changes(DEFAULTS, {key: text}, "test"))
-
-
-def test_a_survey_is_cancelled_by_its_callback():
-    with pytest.raises(Cancelled):
-        run_survey(DEFAULTS, cancel=lambda: True)
 
 
 def test_a_saved_flight_flown_again_gives_the_same_errors(survey):
@@ -105,7 +101,9 @@ def test_a_file_is_refused_by_its_name(content, said):
 
 def test_json_says_where_every_input_came_from(survey):
     settings = read_changes(DEFAULTS, {"tracker.latency": "10 ms", "gyros.bias": "1 °/h"}, "command line")
-    answer = json.loads(json.dumps(survey_json(survey, moved(survey, settings), settings), allow_nan=False))
+    answer = json.loads(
+        json.dumps(survey_json(survey, moved(survey.study, settings.study_inputs()), settings), allow_nan=False)
+    )
     assert answer["exact"] is False
     assert answer["inputs"]["tracker.latency"] == {"value": "10 ms", "si": 0.01, "from": "command line"}
     assert answer["inputs"]["initial.position"]["from"] == "GP-1"

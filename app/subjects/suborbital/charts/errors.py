@@ -6,17 +6,7 @@ import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line
 from app.document.numbers import percent, show, show_in
-from app.subjects.suborbital.charts.shown import (
-    CHANNELS,
-    SHOWN_SOURCES,
-    SUM,
-    TIME,
-    Shown,
-    boost,
-    called,
-    every_of,
-    km,
-)
+from app.subjects.suborbital.charts.shown import CHANNELS, SHOWN_SOURCES, SUM, TIME, Shown, boost, called, km
 from nav_model.suborbital.channels import height_e_folding_time, height_growth
 from nav_model.suborbital.sensitivity import along_track_sigma
 from nav_model.suborbital.study import Study
@@ -79,7 +69,7 @@ def _noise(shown: Shown, aided: bool, channel: int) -> Array:
     study = shown.study
     spread = study.aided_noise if aided else study.pure_noise
     if shown.along_track and channel < 2:
-        return along_track_sigma(spread, study.flight, every_of(study))[:, channel]
+        return along_track_sigma(spread, study.flight, study.every)[:, channel]
     return spread.position_sigma_m[:, channel]
 
 
@@ -148,7 +138,7 @@ def _log_range(*curves: Array) -> tuple[float, float]:
 
 def _slope(study: Study, ins: Array) -> Array:
     """exp of the integral of k, through the INS's error at two thirds of the flight."""
-    growth = height_growth(study.flight)[:: every_of(study)]
+    growth = height_growth(study.flight)[:: study.every]
     at = 2 * len(growth) // 3
     scaled = growth / growth[at] * ins[at] if ins[at] > 0 else np.full(len(growth), np.nan)
     return np.where(np.arange(len(growth)) >= len(growth) // 4, scaled, np.nan)

@@ -8,7 +8,7 @@ import numpy as np
 
 from app.charts.kinds import Array, Chart, Line, Points
 from app.document.numbers import show
-from app.subjects.suborbital.charts.shown import TIME, Shown, boost, every_of
+from app.subjects.suborbital.charts.shown import TIME, Shown, boost
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.earth.gravity import compare_gravity
 from nav_model.suborbital.study import Study
@@ -26,7 +26,7 @@ def _marks(study: Study) -> tuple[tuple[str, int], ...]:
 
 def map_chart(shown: Shown) -> Chart:
     """Ground track on a plain map."""
-    flight, every = shown.study.flight, every_of(shown.study)
+    flight, every = shown.study.flight, shown.study.every
     latitude, longitude = np.degrees(flight.latitude_rad), np.degrees(np.unwrap(flight.longitude_rad))
     marks = _marks(shown.study)
     at = [index for _, index in marks]
@@ -52,7 +52,7 @@ def _mark_label(marks: tuple[tuple[str, int], ...]) -> str:
 def height_chart(shown: Shown) -> Chart:
     """Height against time, with the tracker's frames."""
     study = shown.study
-    flight, every = study.flight, every_of(study)
+    flight, every = study.flight, study.every
     x, height = flight.time_s[::every], flight.height_m / 1000.0
     marks = _marks(study)
     at = [index for _, index in marks]
@@ -99,7 +99,7 @@ def rate_chart(shown: Shown) -> Chart:
 
 def _body(shown: Shown, key: str, title: str, label: str, nodes: Array, scale: float) -> Chart:
     flight = shown.study.flight
-    every = every_of(shown.study)
+    every = shown.study.every
     x = flight.time_s[:-1:every]
     return Chart(
         key=key,

@@ -78,14 +78,14 @@ class Shown:
         """Sensor errors along the flight of the classes `SENSOR_CLASSES`, accelerometers then gyros."""
         study = self.study
         cases = [study.case(f"{sensor} {kind}") for sensor in SENSORS for kind in SENSOR_CLASSES]
-        return sensor_history(study.flight, study.parameters[cases], study.inputs.errors, every_of(study))
+        return sensor_history(study.flight, study.parameters[cases], study.inputs.errors, study.every)
 
     @cached_property
     def closed_form_m(self) -> Array:
         """The closed forms [B-6] of the case looked at, (m, 3), m."""
         study = self.study
         parameters = study.parameters[study.case(self.case)]
-        return closed_form_errors(study.flight, parameters, study.inputs.errors, every_of(study)).position_m[0]
+        return closed_form_errors(study.flight, parameters, study.inputs.errors, study.every).position_m[0]
 
     @cached_property
     def matrix_gap(self) -> Gap:
@@ -96,10 +96,6 @@ class Shown:
     def star_frame(self) -> StarFrame:
         """The star image looked at."""
         return self.survey.star_frames[self.star_index]
-
-
-def every_of(study: Study) -> int:
-    return round(study.inputs.output_interval_s / study.flight.step_s)
 
 
 def boost(study: Study) -> tuple[Span, ...]:
